@@ -1,0 +1,477 @@
+//! Machine files: TOML to a checked description, with every mistake at its place.
+
+use crate::diagnostics::{Finding, Place};
+use crate::quantity::{self, Fraction, Quantity};
+use crate::table::Table;
+use std::ops::Range;
+
+const MICROMILL: &str = include_str!("../../machines/micromill.toml");
+const FREE: &str = include_str!("../../machines/free.toml");
+
+/// A machine as its file describes it.
+#[derive(Clone, Debug)]
+pub struct MachineFile {
+    /// Path of the file, or `machines/NAME.toml` for one that is built in.
+    pub path: String,
+    /// Short name.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Ticks a second of the timer that counts the waits.
+    pub timer_hz: u32,
+    /// The axes X, Y, Z.
+    pub axes: [AxisFile; 3],
+    /// Path speed of rapid moves in nm/min; `None`: as fast as the axes go.
+    pub rapid: Option<i64>,
+    /// Largest path speed of feed moves in nm/min; `None`: as fast as the axes go.
+    pub top_feed: Option<i64>,
+    /// Largest |r_start - r_end| of an arc in nm; `None`: the rule of the arc verdict alone.
+    pub arc_tolerance: Option<i64>,
+    /// Axes that may move at once; more are warned about.
+    pub simultaneous_axes: u32,
+    /// What the motors do when nothing moves.
+    pub idle: Idle,
+}
+
+/// One axis.
+#[derive(Clone, Debug)]
+pub struct AxisFile {
+    /// `X`, `Y` or `Z`.
+    pub letter: u8,
+    /// Nanometres a motor step.
+    pub step: Fraction,
+    /// Limits of the machine coordinate.
+    pub travel: Travel,
+    /// Where in the file the travel stands, for messages.
+    pub travel_span: Range<usize>,
+    /// Lash in whole motor steps.
+    pub lash_steps: u32,
+    /// Rate at which a move may start, steps/s.
+    pub start_rate: u32,
+    /// Largest rate, steps/s.
+    pub max_rate: u32,
+    /// Rate above which the motor loses steps, steps/s; `None`: never.
+    pub pull_out_rate: Option<u32>,
+    /// Acceleration in steps/s^2; `None`: no ramps.
+    pub acceleration: Option<u32>,
+    /// Jerk in steps/s^3; `None`: no limit.
+    pub jerk: Option<u32>,
+    /// Largest step of the rate at a corner, steps/s; `None`: no limit.
+    pub junction: Option<u32>,
+    /// Driver between the controller and the coils.
+    pub driver: Driver,
+    /// Step mode of that driver.
+    pub mode: StepMode,
+    /// Homing, when the axis has a switch.
+    pub home: Option<Home>,
+}
+
+/// Travel of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Travel {
+    /// From and to, in nm of the machine frame.
+    Range([i64; 2]),
+    /// Nobody knows: nothing is checked, with a warning.
+    Unknown,
+    /// There is no limit.
+    Unlimited,
+}
+
+/// Drivers by their name in machine files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driver {
+    /// One PBL3717A a phase.
+    Pbl3717a,
+    /// A3988, two motors a chip.
+    A3988,
+    /// L297 sequencer.
+    L297,
+    /// Four-bit unipolar motor.
+    Unipolar,
+    /// Step and direction pulses.
+    StepDirection,
+}
+
+/// Step modes by their name in machine files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepMode {
+    /// Full step, one phase on.
+    Wave,
+    /// Full step, two phases on.
+    Full,
+    /// Half step.
+    Half,
+    /// Quarter step.
+    Quarter,
+}
+
+/// Homing of one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Home {
+    /// Place in the order of axes, from 1.
+    pub order: u32,
+    /// -1 or +1: the side the switch is on.
+    pub direction: i8,
+    /// Motor steps back off the switch.
+    pub pull_off: u32,
+}
+
+/// What the motors do when nothing moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Idle {
+    /// Full current.
+    Hold,
+    /// Reduced current after this many microseconds.
+    Reduced(u64),
+    /// No current after this many microseconds.
+    Off(u64),
+}
+
+/// Why there is no machine.
+#[derive(Debug)]
+pub enum LoadError {
+    /// The file cannot be read.
+    File(String),
+    /// The file has mistakes.
+    Findings(Vec<Finding>),
+}
+
+impl MachineFile {
+    /// Loads a machine by its name or the path of its file.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read, or has mistakes.
+    pub fn load(name: &str) -> Result<Self, LoadError> {
+        match name {
+            "micromill" => Self::parse("machines/micromill.toml", MICROMILL),
+            "free" => Self::parse("machines/free.toml", FREE),
+            path => match std::fs::read_to_string(path) {
+                Ok(text) => Self::parse(path, &text),
+                Err(error) => {
+                    return Err(LoadError::File(format!(
+                        "no machine `{path}`: built in are micromill and free; as a file: {error}"
+                    )));
+                }
+            },
+        }
+        .map_err(LoadError::Findings)
+    }
+
+    /// Reads the text of a machine file.
+    ///
+    /// # Errors
+    ///
+    /// All mistakes of the text.
+    pub fn parse(path: &str, text: &str) -> Result<Self, Vec<Finding>> {
+        let mut findings = Vec::new();
+        let document = match toml::de::DeTable::parse(text) {
+            Ok(document) => document,
+            Err(error) => {
+                let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
+                return Err(vec![Finding::error("E0800", error.message(), place)]);
+            }
+        };
+        let mut root = Table::new(
+            path,
+            text,
+            "the file",
+            document.span(),
+            document.get_ref(),
+            &mut findings,
+        );
+        root.integer("schema", 1..=1);
+        let name = root.string("name").unwrap_or_default();
+        let title = root.string("title").unwrap_or_else(|| name.clone());
+        let timer_hz = root
+            .integer("timer_hz", 1_000..=1_000_000_000)
+            .unwrap_or(1_000_000);
+        let axes = root.table("axis", |axes| {
+            let mut read =
+                |key: &str, letter| axes.table(key, |axis| read_axis(axis, letter)).flatten();
+            (read("x", b'X'), read("y", b'Y'), read("z", b'Z'))
+        });
+        let motion = root
+            .optional_table("motion", read_motion)
+            .unwrap_or_default();
+        let idle = root.optional_table("idle", read_idle).unwrap_or(Idle::Hold);
+        root.finish();
+        match axes {
+            Some((Some(x), Some(y), Some(z))) if findings.is_empty() => Ok(Self {
+                path: path.to_owned(),
+                name,
+                title,
+                timer_hz: u32::try_from(timer_hz).unwrap_or(1_000_000),
+                axes: [x, y, z],
+                rapid: motion.rapid,
+                top_feed: motion.top_feed,
+                arc_tolerance: motion.arc_tolerance,
+                simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
+                idle,
+            }),
+            _ => Err(findings),
+        }
+    }
+
+    /// Where the travel of an axis stands in the machine file.
+    pub fn travel_place(&self, axis: usize) -> Option<Place> {
+        let text = match self.path.as_str() {
+            "machines/micromill.toml" => MICROMILL.to_owned(),
+            "machines/free.toml" => FREE.to_owned(),
+            path => std::fs::read_to_string(path).ok()?,
+        };
+        let span = self.axes.get(axis)?.travel_span.clone();
+        Some(Place::in_text(&self.path, &text, span))
+    }
+}
+
+#[derive(Default)]
+struct Motion {
+    rapid: Option<i64>,
+    top_feed: Option<i64>,
+    arc_tolerance: Option<i64>,
+    simultaneous_axes: Option<u32>,
+}
+
+fn read_motion(table: &mut Table<'_, '_>) -> Motion {
+    let speed = |table: &mut Table<'_, '_>, key| {
+        table.quantity(
+            key,
+            "a speed as in \"6000 mm/min\"",
+            |quantity| match quantity {
+                Quantity::Speed(speed) if speed.num > 0 => Some(speed.rounded()),
+                _ => None,
+            },
+        )
+    };
+    Motion {
+        rapid: speed(table, "rapid"),
+        top_feed: speed(table, "top_feed"),
+        arc_tolerance: table.quantity("arc_tolerance", "a length as in \"0.28 um\"", |quantity| {
+            match quantity {
+                Quantity::Length(length) if length.num >= 0 => Some(length.rounded()),
+                _ => None,
+            }
+        }),
+        simultaneous_axes: table
+            .integer("simultaneous_axes", 1..=3)
+            .and_then(|n| u32::try_from(n).ok()),
+    }
+}
+
+fn read_idle(table: &mut Table<'_, '_>) -> Idle {
+    let after = table
+        .quantity(
+            "after",
+            "a time as in \"30 s\"",
+            |quantity| match quantity {
+                Quantity::Time(time) => u64::try_from(time.rounded()).ok(),
+                _ => None,
+            },
+        )
+        .unwrap_or(0);
+    let policy = table.choice(
+        "policy",
+        &[
+            ("hold", Idle::Hold),
+            ("reduced", Idle::Reduced(after)),
+            ("off", Idle::Off(after)),
+        ],
+    );
+    policy.unwrap_or(Idle::Hold)
+}
+
+fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
+    let step = table.quantity(
+        "step",
+        "a length as in \"0.14 um\"",
+        |quantity| match quantity {
+            Quantity::Length(length) if length.num > 0 => Some(length),
+            _ => None,
+        },
+    );
+    if step.is_none() {
+        table.missing("step");
+    }
+    let step = step.unwrap_or(Fraction { num: 1, den: 1 });
+    let (travel, travel_span) = table.travel("travel", step);
+    let lash = table.quantity(
+        "backlash",
+        "a length as in \"204 um\", or steps",
+        |quantity| match quantity {
+            Quantity::Length(length) => length
+                .over(step)
+                .and_then(|steps| u32::try_from(steps).ok()),
+            Quantity::Steps(steps) => u32::try_from(steps.rounded()).ok(),
+            _ => None,
+        },
+    );
+    let max_rate = rate(table, "max_rate");
+    if max_rate.is_none() {
+        table.missing("max_rate");
+    }
+    let max_rate = max_rate.unwrap_or(1);
+    Some(AxisFile {
+        letter,
+        step,
+        travel,
+        travel_span,
+        lash_steps: lash.unwrap_or(0),
+        start_rate: rate(table, "start_rate").unwrap_or(max_rate),
+        max_rate,
+        pull_out_rate: rate(table, "pull_out_rate"),
+        acceleration: table.quantity(
+            "acceleration",
+            "steps/s^2 as in \"2000 Hz/s\"",
+            |quantity| match quantity {
+                Quantity::Acceleration(value) => positive(value),
+                _ => None,
+            },
+        ),
+        jerk: table.quantity(
+            "jerk",
+            "steps/s^3 as in \"5000 Hz/s^2\"",
+            |quantity| match quantity {
+                Quantity::Jerk(value) => positive(value),
+                _ => None,
+            },
+        ),
+        junction: rate(table, "junction"),
+        driver: table
+            .choice("driver", &DRIVERS)
+            .unwrap_or(Driver::StepDirection),
+        mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
+        home: table.optional_table("home", |home| read_home(home, step)),
+    })
+}
+
+const DRIVERS: [(&str, Driver); 5] = [
+    ("pbl3717a", Driver::Pbl3717a),
+    ("a3988", Driver::A3988),
+    ("l297", Driver::L297),
+    ("unipolar", Driver::Unipolar),
+    ("step-direction", Driver::StepDirection),
+];
+
+const MODES: [(&str, StepMode); 4] = [
+    ("wave", StepMode::Wave),
+    ("full", StepMode::Full),
+    ("half", StepMode::Half),
+    ("quarter", StepMode::Quarter),
+];
+
+fn rate(table: &mut Table<'_, '_>, key: &'static str) -> Option<u32> {
+    table.quantity(key, "a rate as in \"170 Hz\"", |quantity| match quantity {
+        Quantity::Rate(value) => positive(value),
+        _ => None,
+    })
+}
+
+fn positive(value: Fraction) -> Option<u32> {
+    u32::try_from(value.rounded())
+        .ok()
+        .filter(|value| *value > 0)
+}
+
+fn read_home(table: &mut Table<'_, '_>, step: Fraction) -> Home {
+    Home {
+        order: table
+            .integer("order", 1..=3)
+            .and_then(|order| u32::try_from(order).ok())
+            .unwrap_or(1),
+        direction: table
+            .choice("direction", &[("-", -1), ("+", 1)])
+            .unwrap_or(-1),
+        pull_off: table
+            .quantity("pull_off", "steps or a length", |quantity| match quantity {
+                Quantity::Steps(steps) => u32::try_from(steps.rounded()).ok(),
+                Quantity::Length(length) => length
+                    .over(step)
+                    .and_then(|steps| u32::try_from(steps).ok()),
+                _ => None,
+            })
+            .unwrap_or(0),
+    }
+}
+
+impl Table<'_, '_> {
+    /// `["0 mm", "10 mm"]`, `"unknown"` or `"unlimited"`; the span of the value for later messages.
+    fn travel(&mut self, key: &'static str, step: Fraction) -> (Travel, Range<usize>) {
+        let Some((value, span)) = self.value(key) else {
+            return (Travel::Unknown, 0..0);
+        };
+        let length = |value: &toml::de::DeValue<'_>| match quantity::parse(value.as_str()?) {
+            Ok(Quantity::Length(length)) => Some(length.rounded()),
+            Ok(Quantity::Steps(steps)) => Fraction::new(
+                i128::from(steps.num) * i128::from(step.num),
+                i128::from(steps.den) * i128::from(step.den),
+            )
+            .map(Fraction::rounded),
+            _ => None,
+        };
+        let range =
+            value
+                .as_array()
+                .and_then(|array| match (array.len(), array.get(0), array.get(1)) {
+                    (2, Some(low), Some(high)) => {
+                        Some([length(low.get_ref())?, length(high.get_ref())?])
+                    }
+                    _ => None,
+                });
+        match (value.as_str(), range) {
+            (Some("unknown"), _) => (Travel::Unknown, span),
+            (Some("unlimited"), _) => (Travel::Unlimited, span),
+            (_, Some([low, high])) if low < high => (Travel::Range([low, high]), span),
+            _ => {
+                self.wrong(
+                    span.clone(),
+                    "travel is not understood",
+                    "expected [\"0 mm\", \"10 mm\"], \"unknown\" or \"unlimited\"",
+                );
+                (Travel::Unknown, span)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machines_that_are_built_in() {
+        let micromill = MachineFile::load("micromill").unwrap();
+        assert_eq!(
+            micromill.axes.each_ref().map(|axis| axis.lash_steps),
+            [1457, 1271, 0]
+        );
+        assert_eq!(micromill.axes[0].travel, Travel::Range([0, 10_000_000]));
+        assert_eq!(micromill.axes[2].travel, Travel::Unknown);
+        let free = MachineFile::load("free").unwrap();
+        assert_eq!(free.rapid, Some(6_000_000_000));
+        assert_eq!(free.timer_hz, 32_000_000);
+    }
+
+    #[test]
+    fn a_misspelt_key_is_pointed_at() {
+        let text = MICROMILL.replacen("backlash", "baklash", 1);
+        let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
+        assert_eq!(findings.len(), 1);
+        assert_eq!(findings[0].message, "unknown key `baklash` in [axis.x]");
+        assert_eq!(
+            findings[0].help.as_deref(),
+            Some("did you mean `backlash`?")
+        );
+        assert_eq!(&text[text.find("baklash").unwrap()..][..7], "baklash");
+    }
+
+    #[test]
+    fn wrong_values_are_found_all_at_once() {
+        let text = MICROMILL
+            .replacen("\"0.14 um\"", "\"0.14 parsec\"", 1)
+            .replacen("\"390 Hz\"", "390", 1)
+            .replacen("\"pbl3717a\"", "\"pbl3717\"", 1);
+        let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
+        assert!(findings.len() >= 3, "{findings:#?}");
+    }
+}

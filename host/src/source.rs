@@ -1,0 +1,141 @@
+//! Lines of a program, one at a time: memory does not grow with the program.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+
+/// Longest line that is taken, in bytes; what follows on a longer line is skipped.
+pub const LONGEST_LINE: usize = 64 * 1024;
+
+/// A program being read.
+pub struct Source {
+    reader: Box<dyn BufRead>,
+    buffer: Vec<u8>,
+    number: usize,
+    bytes: u64,
+}
+
+/// One line without its line end.
+#[derive(Debug)]
+pub struct Line<'a> {
+    /// Number in the file, from 1.
+    pub number: usize,
+    /// The bytes, at most [`LONGEST_LINE`].
+    pub bytes: &'a [u8],
+    /// Whether the line went on beyond that.
+    pub overlong: bool,
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Source")
+            .field("number", &self.number)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Source {
+    /// Opens a file, or standard input for `-`.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be opened.
+    pub fn open(path: &str) -> io::Result<Self> {
+        let reader: Box<dyn BufRead> = if path == "-" {
+            Box::new(BufReader::new(io::stdin()))
+        } else {
+            let file = File::open(path)?;
+            if file.metadata()?.is_dir() {
+                return Err(io::Error::new(
+                    io::ErrorKind::InvalidInput,
+                    "is a directory",
+                ));
+            }
+            Box::new(BufReader::with_capacity(1 << 18, file))
+        };
+        Ok(Self::from_reader(reader))
+    }
+
+    /// Reads from anything.
+    pub fn from_reader(reader: Box<dyn BufRead>) -> Self {
+        Self {
+            reader,
+            buffer: Vec::new(),
+            number: 0,
+            bytes: 0,
+        }
+    }
+
+    /// Bytes read so far.
+    pub const fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Returns the next line, or `None` at the end of the file. LF and CR LF end a line, also none at the very end.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read.
+    pub fn next_line(&mut self) -> io::Result<Option<Line<'_>>> {
+        self.buffer.clear();
+        let limit = LONGEST_LINE as u64 + 2;
+        let read = self
+            .reader
+            .by_ref()
+            .take(limit)
+            .read_until(b'\n', &mut self.buffer)?;
+        if read == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        self.bytes += read as u64;
+        let ended = self.buffer.last() == Some(&b'\n');
+        if ended {
+            self.buffer.pop();
+            if self.buffer.last() == Some(&b'\r') {
+                self.buffer.pop();
+            }
+        }
+        let overlong = self.buffer.len() > LONGEST_LINE;
+        if overlong {
+            self.buffer.truncate(LONGEST_LINE);
+        }
+        if !ended && read as u64 == limit {
+            self.bytes += self.reader.skip_until(b'\n')? as u64;
+        }
+        Ok(Some(Line {
+            number: self.number,
+            bytes: &self.buffer,
+            overlong,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(bytes: &'static [u8]) -> Vec<(usize, usize, bool)> {
+        let mut source = Source::from_reader(Box::new(bytes));
+        let mut lines = Vec::new();
+        while let Some(line) = source.next_line().unwrap() {
+            lines.push((line.number, line.bytes.len(), line.overlong));
+        }
+        lines
+    }
+
+    #[test]
+    fn line_ends() {
+        assert_eq!(
+            lines(b"G1\r\n%\n\nM2"),
+            [(1, 2, false), (2, 1, false), (3, 0, false), (4, 2, false)]
+        );
+        assert_eq!(lines(b""), []);
+    }
+
+    #[test]
+    fn a_line_too_long_is_cut_and_the_next_one_is_whole() {
+        let text: &'static [u8] =
+            Box::leak(([vec![b'x'; 200_000], b"\nG1\n".to_vec()].concat()).into_boxed_slice());
+        assert_eq!(lines(text), [(1, LONGEST_LINE, true), (2, 2, false)]);
+    }
+}

@@ -1,0 +1,245 @@
+//! A TOML table being read key by key: what is unknown, missing or of the wrong kind becomes a finding.
+
+use crate::diagnostics::{Finding, Place};
+use crate::quantity::{self, Quantity};
+use std::ops::{Range, RangeInclusive};
+use toml::de::{DeTable, DeValue};
+
+/// One table of a machine file.
+pub struct Table<'a, 'f> {
+    path: &'a str,
+    text: &'a str,
+    name: String,
+    span: Range<usize>,
+    table: &'a DeTable<'a>,
+    known: Vec<String>,
+    findings: &'f mut Vec<Finding>,
+}
+
+impl<'a, 'f> Table<'a, 'f> {
+    /// Starts reading `table`, which is called `name` in messages.
+    pub fn new(
+        path: &'a str,
+        text: &'a str,
+        name: &str,
+        span: Range<usize>,
+        table: &'a DeTable<'a>,
+        findings: &'f mut Vec<Finding>,
+    ) -> Self {
+        Self {
+            path,
+            text,
+            name: name.to_owned(),
+            span,
+            table,
+            known: Vec::new(),
+            findings,
+        }
+    }
+
+    /// The value of a key and its span.
+    pub fn value(&mut self, key: &str) -> Option<(&'a DeValue<'a>, Range<usize>)> {
+        self.known.push(key.to_owned());
+        self.table
+            .get(key)
+            .map(|value| (value.get_ref(), value.span()))
+    }
+
+    /// A string.
+    pub fn string(&mut self, key: &str) -> Option<String> {
+        let (value, span) = self.value(key)?;
+        let string = value.as_str().map(str::to_owned);
+        if string.is_none() {
+            self.wrong(
+                span,
+                &format!("`{key}` is no string"),
+                "expected text in quotes",
+            );
+        }
+        string
+    }
+
+    /// An integer within a range.
+    pub fn integer(&mut self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+        let (value, span) = self.value(key)?;
+        let integer = value
+            .as_integer()
+            .and_then(|integer| i64::from_str_radix(integer.as_str(), integer.radix()).ok())
+            .filter(|integer| range.contains(integer));
+        if integer.is_none() {
+            let expected = format!(
+                "expected an integer from {} to {}",
+                range.start(),
+                range.end()
+            );
+            self.wrong(span, &format!("`{key}` is out of range"), &expected);
+        }
+        integer
+    }
+
+    /// A quantity with its unit, as `accept` wants it.
+    pub fn quantity<T>(
+        &mut self,
+        key: &str,
+        form: &str,
+        accept: impl Fn(Quantity) -> Option<T>,
+    ) -> Option<T> {
+        let (value, span) = self.value(key)?;
+        let parsed = match value.as_str() {
+            Some(text) => quantity::parse(text),
+            None => Err("a quantity is text with a unit".to_owned()),
+        };
+        match parsed.map(accept) {
+            Ok(Some(value)) => Some(value),
+            Ok(None) => {
+                self.wrong(
+                    span,
+                    &format!("`{key}` does not fit"),
+                    &format!("expected {form}"),
+                );
+                None
+            }
+            Err(reason) => {
+                self.wrong(
+                    span,
+                    &format!("`{key}` is not understood: {reason}"),
+                    &format!("expected {form}"),
+                );
+                None
+            }
+        }
+    }
+
+    /// One of a few names.
+    pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let (value, span) = self.value(key)?;
+        let name = value.as_str().unwrap_or_default();
+        let found = choices
+            .iter()
+            .find(|(choice, _)| *choice == name)
+            .map(|(_, value)| *value);
+        if found.is_none() {
+            let names: Vec<_> = choices.iter().map(|(choice, _)| *choice).collect();
+            self.wrong(
+                span,
+                &format!("unknown {key} `{name}`"),
+                &format!("one of {}", names.join(", ")),
+            );
+        }
+        found
+    }
+
+    /// A table that must be there.
+    pub fn table<T>(&mut self, key: &str, read: impl FnOnce(&mut Table<'a, '_>) -> T) -> Option<T> {
+        let found = self.optional_table(key, read);
+        if found.is_none() && self.table.get(key).is_none() {
+            self.missing(key);
+        }
+        found
+    }
+
+    /// A table that may be there.
+    pub fn optional_table<T>(
+        &mut self,
+        key: &str,
+        read: impl FnOnce(&mut Table<'a, '_>) -> T,
+    ) -> Option<T> {
+        let (value, span) = self.value(key)?;
+        let Some(table) = value.as_table() else {
+            self.wrong(span, &format!("`{key}` is no table"), "expected a table");
+            return None;
+        };
+        let name = match self
+            .name
+            .strip_prefix('[')
+            .and_then(|name| name.strip_suffix(']'))
+        {
+            Some(parent) => format!("[{parent}.{key}]"),
+            None => format!("[{key}]"),
+        };
+        let mut inner = Table::new(self.path, self.text, &name, span, table, self.findings);
+        let result = read(&mut inner);
+        inner.finish();
+        Some(result)
+    }
+
+    /// Reports a key that must be there and is not.
+    pub fn missing(&mut self, key: &str) {
+        if self.table.get(key).is_some() {
+            return; // there, and already reported as wrong
+        }
+        let (span, name) = (self.span.clone(), &self.name);
+        let message = format!("missing key `{key}` in {name}");
+        self.findings
+            .push(Finding::error("E0802", message, self.place(span)));
+    }
+
+    /// Reports a wrong value.
+    pub fn wrong(&mut self, span: Range<usize>, message: &str, label: &str) {
+        self.findings
+            .push(Finding::error("E0802", message, self.place(span)).label(label));
+    }
+
+    /// Reports every key that was not asked for.
+    pub fn finish(&mut self) {
+        let mut unknown: Vec<_> = self
+            .table
+            .keys()
+            .filter(|key| !self.known.iter().any(|known| *known == **key.get_ref()))
+            .map(|key| (key.get_ref().to_string(), key.span()))
+            .collect();
+        unknown.sort_by_key(|(_, span)| span.start);
+        for (key, span) in unknown {
+            let message = format!("unknown key `{key}` in {}", self.name);
+            let place = self.place(span.clone());
+            let mut finding = Finding::error("E0801", message, place);
+            let near = self.known.iter().min_by_key(|known| distance(known, &key));
+            match near.filter(|near| distance(near, &key) <= 1 + key.len() / 3) {
+                Some(near) => {
+                    let column =
+                        span.start - self.text[..span.start].rfind('\n').map_or(0, |at| at + 1);
+                    finding = finding
+                        .help(format!("did you mean `{near}`?"))
+                        .fix(column..column + span.len(), near.clone());
+                }
+                None => {
+                    finding =
+                        finding.help(format!("keys of {}: {}", self.name, self.known.join(", ")))
+                }
+            }
+            self.findings.push(finding);
+        }
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        Place::in_text(self.path, self.text, span)
+    }
+}
+
+/// Edits (insert, delete, replace) between two words; rows of the usual table.
+pub fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replace = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance;
+
+    #[test]
+    fn edits() {
+        assert_eq!(distance("backlash", "baklash"), 1);
+        assert_eq!(distance("step", "steps"), 1);
+        assert_eq!(distance("", "abc"), 3);
+    }
+}
