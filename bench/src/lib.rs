@@ -1,5 +1,7 @@
-//! Benchmarks of the husillo crates
-
-
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod programs;
+
+pub use programs::{arcs, mixed, segments};

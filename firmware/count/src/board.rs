@@ -1,0 +1,39 @@
+//! The simulated board: SysTick as a clock of executed instructions.
+//!
+//! Under `-icount shift=6` an instruction takes 64 ns of virtual time. SysTick counts down 24 bits at 25 MHz (mps2-an386:
+//! 40 ns a tick) or 16 MHz (microbit: 62.5 ns a tick), so more than one tick an instruction: every count is told apart,
+//! up to 10 million instructions a measurement.
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+
+/// Nanoseconds of virtual time an instruction takes.
+const INSTRUCTION_NS: u64 = 64;
+/// Tenths of a nanosecond of one SysTick tick: the thumbv7em build runs on mps2-an386, the other on microbit.
+const TICK_TENTHS_NS: u64 = if cfg!(target_feature = "dsp") || cfg!(target_abi = "eabihf") {
+    400
+} else {
+    625
+};
+
+/// Starts SysTick. Call it once, before the first `instructions`.
+pub fn start() {
+    let Some(mut peripherals) = Peripherals::take() else {
+        return;
+    };
+    peripherals.SYST.set_clock_source(SystClkSource::Core);
+    peripherals.SYST.set_reload(0x00ff_ffff);
+    peripherals.SYST.clear_current();
+    peripherals.SYST.enable_counter();
+}
+
+/// Instructions that `work(repeats)` executes; exact but for a constant of the frame around it.
+#[inline(never)]
+pub fn instructions(repeats: u32, work: &mut dyn FnMut(u32)) -> u64 {
+    let before = SYST::get_current();
+    work(repeats);
+    let after = SYST::get_current();
+    let ticks = u64::from(before.wrapping_sub(after) & 0x00ff_ffff);
+    (ticks * TICK_TENTHS_NS).div_ceil(INSTRUCTION_NS * 10)
+}

@@ -1,0 +1,44 @@
+//! The proof that no public function of the leaves and of `machine` can panic: it links only when there is no panic left.
+//!
+//! Each module lists the functions of one crate and takes their addresses, so that each is compiled for any argument and any
+//! state. A path to a panic keeps the panic handler, and the handler calls a symbol that nobody defines.
+//! Generic functions are proved for the instances named. Built with `--profile release-checked`, overflow is a panic too.
+#![no_std]
+#![no_main]
+
+mod backlash;
+mod gcode;
+mod interp;
+mod machine;
+mod planner;
+mod stepper;
+
+/// Where the linker starts to look for what is used. Never run.
+#[unsafe(no_mangle)]
+extern "C" fn _start() -> ! {
+    gcode::keep();
+    interp::keep();
+    planner::keep();
+    stepper::keep();
+    backlash::keep();
+    machine::keep();
+    loop {}
+}
+
+#[cfg(not(feature = "show"))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn a_public_function_can_panic() -> !;
+    }
+    // Safety: nobody defines this function, so no program that contains this call links.
+    unsafe { a_public_function_can_panic() }
+}
+
+/// Looks at the place of the panic, so that the calls of different places are not merged into one.
+#[cfg(feature = "show")]
+#[panic_handler]
+fn panic(information: &core::panic::PanicInfo<'_>) -> ! {
+    core::hint::black_box(information.location());
+    loop {}
+}

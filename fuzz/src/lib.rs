@@ -1,0 +1,39 @@
+//! The bodies of the fuzz targets as plain functions, so that libFuzzer and the replay of the corpus on any compiler call the
+//! same. Each takes any bytes and panics when an invariant of its crate does not hold.
+
+/// Every target with its name, which is that of its program and of its folder in `corpus`.
+pub const TARGETS: [(&str, fn(&[u8])); 0] = [];
+
+#[cfg(test)]
+mod tests {
+    use std::{fs, path::Path};
+
+    use super::TARGETS;
+
+    #[test]
+    fn every_input_of_the_corpus_holds_the_invariants() {
+        for (name, target) in TARGETS {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);
+            let mut inputs = 0;
+            for entry in fs::read_dir(&folder).expect("a folder of inputs for each target") {
+                let path = entry.expect("an entry of the folder").path();
+                println!("{}", path.display()); // the last one printed is the one that fails
+                target(&fs::read(&path).expect("a file of bytes"));
+                inputs += 1;
+            }
+            assert!(inputs > 0, "no input for {name}");
+        }
+    }
+
+    #[test]
+    fn no_bytes_and_equal_bytes_hold_the_invariants() {
+        for (_, target) in TARGETS {
+            target(&[]);
+            for byte in 0..=255 {
+                for length in [1, 8, 64] {
+                    target(&vec![byte; length]);
+                }
+            }
+        }
+    }
+}
