@@ -1,5 +1,50 @@
-//! Steps to motor signals: coil phases and step/direction levels
+//! Steps in, motor signals out: the levels of a driver's inputs, one byte a motor.
+//!
+//! ```text
+//!  delta ──► Sequencer ────► Levels  PH I0 I1 | A B C D INH1 INH2 | nibble ──► Driver::currents
+//!  -1 0 +1 ► StepToggle ───► Levels  STEP DIR, one edge a step
+//!       │
+//!       ├──► StepDirection ► Levels + ticks   STEP DIR pulses with set-up, hold, high and low times
+//!       └──► Microstep ────► [i16; 2]         coil currents of a sine drive
+//! ```
+//!
+//! Nothing here owns a pin or a clock: levels are data. The feature `embedded-hal` adds the pins.
+//!
+//! ```
+//! use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
+//!
+//! let mut motor = Sequencer::new(Driver::Unipolar, Mode::Full)?;
+//! let there: Vec<u8> = (0..4).map(|_| motor.step(1).0).collect();
+//! assert_eq!(there, [9, 12, 6, 3]);
+//! assert_eq!(motor.step(-1).0, 6);
+//! # Ok::<(), husillo_stepper::Unsupported>(())
+//! ```
 
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod coil_driver;
+mod drive;
+mod driver;
+mod levels;
+mod microstep;
+#[cfg(feature = "embedded-hal")]
+mod pins;
+mod sequencer;
+mod sine;
+mod step_direction;
+mod step_toggle;
+mod tables;
+
+pub use coil_driver::CoilDriver;
+pub use drive::Drive;
+pub use driver::{Driver, FULL_CURRENT};
+pub use levels::Levels;
+pub use microstep::Microstep;
+#[cfg(feature = "embedded-hal")]
+pub use pins::{LevelPins, StepDirectionPins, Switch};
+pub use sequencer::{Mode, Sequencer, Unsupported};
+pub use sine::{AMPLITUDE, sine};
+pub use step_direction::{Present, PulseTiming, StepDirection};
+pub use step_toggle::StepToggle;
