@@ -1,5 +1,34 @@
-//! Load position to motor position: take-up before an axis turns round
+//! Load position in, motor position out: the steps a screw owes before its nut follows it the other way.
+//!
+//! ```text
+//!  delta, load ──► Compensator ──► take-up owed per axis, made before the event, X before Y before Z
+//!                      │ only when an axis turns round
+//!                      ▼
+//!                  Lash::take_up   one value per axis (Backlash), or your own map
+//!
+//!   screw tooth m ├────── lash ──────┤ m + lash
+//!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
+//! ```
+//!
+//! Everything is in motor steps.
+//!
+//! ```
+//! use husillo_backlash::{Backlash, Flank};
+//!
+//! let mut x = Backlash::new(1457, Flank::Positive);
+//! assert_eq!(x.motor_target(100), 100);
+//! assert_eq!(x.motor_target(90), 90 - 1457); // turned round: the play first
+//! assert_eq!(x.load_position(90 - 1457), 90);
+//! ```
 
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod compensator;
+mod lash;
+mod uniform;
+
+pub use compensator::Compensator;
+pub use lash::{Flank, Lash};
+pub use uniform::Backlash;

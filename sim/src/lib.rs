@@ -1,5 +1,40 @@
-//! A simulated machine driven by coil levels alone
-
+//! Coil levels in, tool position out: a machine that knows nothing of the commanded path.
+//!
+//! ```text
+//!  Levels ──► coil currents ──► electrical angle ──► rotor ──► screw ──► nut = tool
+//!             Driver::currents   a table an axis      nearest    lash
+//!                                                     equilibrium
+//! ```
+//!
+//! Too fast, or half an electrical cycle at once, and the rotor stays behind: [`Rig::lost_steps`] counts it.
+//!
+//! ```
+//! use husillo_sim::{AxisModel, Rig};
+//! use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
+//!
+//! let mut motor = Sequencer::new(Driver::Pbl3717a, Mode::Full)?;
+//! let axis = AxisModel::coils(Driver::Pbl3717a, Mode::Full).with_lash(3).with_pull_out_ticks(2564);
+//! let mut rig = Rig::new([axis], [motor.levels()]);
+//! for _ in 0..5 {
+//!     rig.apply(&[motor.step(1)], 5882);
+//! }
+//! assert_eq!(rig.tool(), [5]);
+//! for _ in 0..5 {
+//!     rig.apply(&[motor.step(-1)], 5882);
+//! }
+//! assert_eq!((rig.motor(), rig.tool()), ([0], [3])); // the screw's play
+//! assert_eq!(rig.lost_steps(), [0]);
+//! # Ok::<(), husillo_stepper::Unsupported>(())
+//! ```
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod axis;
+mod loss;
+mod model;
+mod rig;
+
+pub use loss::{Cause, Loss};
+pub use model::AxisModel;
+pub use rig::Rig;

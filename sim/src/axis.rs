@@ -1,0 +1,198 @@
+//! One axis: field, rotor, screw and nut.
+//!
+//! Angles are 65536ths of an electrical cycle ("turns" of the field); a full step is a quarter of it, 16384. The rotor's
+//! position is such an angle continued over all cycles, so `i64` holds 2^47 cycles.
+
+use husillo_stepper::{Driver, Levels};
+
+use crate::loss::Cause;
+use crate::model::{AxisModel, Stage};
+
+/// A full step.
+const FULL_STEP: i64 = 16384;
+
+/// Table entry for levels that leave both coils without current; angles are below it.
+const NO_CURRENT: u32 = 1 << 16;
+
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    /// Equilibrium angle by levels; 8 bits of levels are 256 entries.
+    equilibrium: Box<[u32; 256]>,
+    levels: u8,
+    reversed: bool,
+    stage: Stage,
+    pull_out_ticks: u64,
+    /// When the levels changed last.
+    changed_at: u64,
+    rotor: i64,
+    /// Field less rotor, continued: 0 while the rotor follows.
+    slip: i64,
+    /// The last jump of the field, for the sense of the next ambiguous one.
+    last_jump: i16,
+    nut: i64,
+    lash: i64,
+    /// Where the drive counts 0: the nominal angle of the first levels.
+    zero: i64,
+    step: i64,
+    pub(crate) lost_steps: u64,
+}
+
+impl Axis {
+    /// The rotor rests at the equilibrium of `levels`, the nut on its positive flank, both at 0.
+    pub(crate) fn new(model: AxisModel, levels: Levels) -> Axis {
+        let equilibrium = match model.stage {
+            Stage::Coils(driver) => equilibria(driver, model.reversed),
+            Stage::StepDirection { .. } => Box::new([NO_CURRENT; 256]),
+        };
+        let start = i64::from(equilibrium[usize::from(levels.0)] & 0xFFFF);
+        // Nominal angles are quarter steps; currents come near them only (PBL3717A: 59.0 degrees for 67.5).
+        let quarter = FULL_STEP / 4;
+        let step = FULL_STEP / i64::from(model.steps_per_full);
+        Axis {
+            equilibrium,
+            levels: levels.0,
+            reversed: model.reversed,
+            stage: model.stage,
+            pull_out_ticks: u64::from(model.pull_out_ticks),
+            changed_at: 0,
+            rotor: start,
+            slip: 0,
+            last_jump: 0,
+            nut: start,
+            lash: i64::from(model.lash_steps) * step,
+            zero: (start + quarter / 2) / quarter * quarter,
+            step,
+            lost_steps: 0,
+        }
+    }
+
+    /// The levels the driver sees.
+    #[inline]
+    pub(crate) fn levels(&self) -> u8 {
+        self.levels
+    }
+
+    /// New levels at time `now`, different from the old ones. What was lost, if anything.
+    #[inline]
+    pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
+        let in_time = now - self.changed_at >= self.pull_out_ticks;
+        let angle = self.equilibrium[usize::from(levels)];
+        let jump = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
+        if in_time && angle < NO_CURRENT && jump != i16::MIN && self.slip == 0 {
+            self.changed_at = now;
+            self.levels = levels;
+            self.last_jump = jump;
+            self.turn(i64::from(jump));
+            return None;
+        }
+        let before = std::mem::replace(&mut self.levels, levels);
+        match self.stage {
+            Stage::Coils(_) => self.stray(before, angle, in_time, now),
+            Stage::StepDirection { both_edges } => self.pulse(before, both_edges, now),
+        }
+    }
+
+    /// The screw turns by `jump`, the nut follows outside its play.
+    #[inline]
+    fn turn(&mut self, jump: i64) {
+        self.rotor += jump;
+        self.nut = self.nut.max(self.rotor).min(self.rotor + self.lash);
+    }
+
+    /// A change the rotor cannot simply follow.
+    #[cold]
+    fn stray(&mut self, before: u8, angle: u32, in_time: bool, now: u64) -> Option<(u32, Cause)> {
+        let from = self.equilibrium[usize::from(before)];
+        if angle >= NO_CURRENT {
+            // Going off is no step; changing while off is one that nobody made.
+            return (from >= NO_CURRENT).then(|| self.lose(self.step, Cause::NoCurrent));
+        }
+        let off_before = from >= NO_CURRENT;
+        // From rest without current the field has no past: the rotor goes to the nearest equilibrium.
+        let field = if off_before {
+            self.rotor
+        } else {
+            self.rotor + self.slip
+        };
+        let mut field_jump = i64::from((angle as u16).wrapping_sub(field as u16) as i16);
+        if field_jump == i64::from(i16::MIN) && self.last_jump > 0 {
+            field_jump = -field_jump; // as near either way; it went on the way it went before
+        }
+        let in_time = in_time || off_before;
+        self.changed_at = now;
+        self.last_jump = field_jump.clamp(-32767, 32767) as i16;
+        let pull = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
+        let follows = in_time && pull != i16::MIN;
+        let slip_before = if off_before { 0 } else { self.slip };
+        let moved = if follows { i64::from(pull) } else { 0 };
+        self.turn(moved);
+        self.slip = slip_before + field_jump - moved;
+        let worse = self.slip.abs() - slip_before.abs();
+        let cause = match (in_time, pull) {
+            (false, _) => Cause::TooFast,
+            (true, i16::MIN) => Cause::HalfCycle,
+            _ => Cause::Slipped,
+        };
+        (worse > 0).then(|| self.lose(worse, cause))
+    }
+
+    /// A change at the inputs of a step and direction drive.
+    fn pulse(&mut self, before: u8, both_edges: bool, now: u64) -> Option<(u32, Cause)> {
+        let edge = (before ^ self.levels) & Levels::STEP.0 != 0;
+        let counts = edge && (both_edges || self.levels & Levels::STEP.0 != 0);
+        if !counts {
+            return None;
+        }
+        let in_time = now - self.changed_at >= self.pull_out_ticks;
+        self.changed_at = now;
+        if self.levels & Levels::ENABLE.0 == 0 {
+            return Some(self.lose(self.step, Cause::NoCurrent));
+        }
+        if !in_time {
+            return Some(self.lose(self.step, Cause::TooFast));
+        }
+        let positive = (self.levels & Levels::DIR.0 != 0) != self.reversed;
+        self.turn(if positive { self.step } else { -self.step });
+        None
+    }
+
+    fn lose(&mut self, angle: i64, cause: Cause) -> (u32, Cause) {
+        // At most a few cycles at once, and at least one step.
+        let steps = ((angle + self.step / 2) / self.step).max(1) as u32;
+        self.lost_steps += u64::from(steps);
+        (steps, cause)
+    }
+
+    /// Nut position in steps of the drive.
+    #[inline]
+    pub(crate) fn tool(&self) -> i32 {
+        self.steps(self.nut)
+    }
+
+    /// Rotor position in steps of the drive.
+    #[inline]
+    pub(crate) fn motor(&self) -> i32 {
+        self.steps(self.rotor)
+    }
+
+    /// The nearest whole step; `i32` steps are what the programs have.
+    #[inline]
+    fn steps(&self, at: i64) -> i32 {
+        // A power of two, so a shift.
+        ((at - self.zero + self.step / 2) >> self.step.trailing_zeros()) as i32
+    }
+}
+
+/// The angle at which the rotor rests, for every byte of levels.
+fn equilibria(driver: Driver, reversed: bool) -> Box<[u32; 256]> {
+    let mut table = Box::new([NO_CURRENT; 256]);
+    for (bits, entry) in (0..=255).zip(table.iter_mut()) {
+        let [a, b] = driver.currents(Levels(bits));
+        if (a, b) != (0, 0) {
+            let cycles = f64::from(b).atan2(f64::from(a)) / std::f64::consts::TAU;
+            let cycles = if reversed { -cycles } else { cycles };
+            *entry = u32::from((cycles * 65536.0).round() as i32 as u16);
+        }
+    }
+    table
+}
