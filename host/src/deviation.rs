@@ -1,0 +1,278 @@
+//! Distance from the simulated tool to the exact programmed path of a move, cheap enough for every step.
+//!
+//! Everything is in nanometres as `f64`: products stay below 2^53 * 2^-10 for moves up to 1 m, so the
+//! rounding of this measurement is far below a picometre and says nothing about the integer path it measures.
+
+/// The exact programmed path of one move.
+#[derive(Clone, Debug)]
+pub enum Path {
+    /// From a point along a unit vector.
+    Line {
+        /// Start.
+        from: [f64; 3],
+        /// Unit vector.
+        along: [f64; 3],
+        /// Length.
+        length: f64,
+    },
+    /// A circle or helix.
+    Arc(ArcPath),
+}
+
+/// An arc in a plane, with a straight part across it for a helix.
+#[derive(Clone, Debug)]
+pub struct ArcPath {
+    /// Axes of the plane.
+    pub plane: [usize; 2],
+    /// The axis across it.
+    pub across: usize,
+    /// Centre in the plane.
+    pub centre: [f64; 2],
+    /// Start and end.
+    pub ends: [[f64; 3]; 2],
+    /// Smallest and largest radius of the path: equal for a circle.
+    pub radii: [f64; 2],
+    /// Swept angle, positive counter-clockwise, in radians.
+    pub sweep: f64,
+    turned: f64,
+    last_angle: f64,
+}
+
+impl Path {
+    /// A straight move.
+    pub fn line(from: [f64; 3], to: [f64; 3]) -> Self {
+        let delta = subtract(to, from);
+        let length = dot(delta, delta).sqrt();
+        let along = if length > 0.0 { delta.map(|d| d / length) } else { [0.0; 3] };
+        Self::Line { from, along, length }
+    }
+
+    /// A circular move; `radius` is the radius of a circle, or `None` for the band between the radii of its ends.
+    pub fn arc(
+        plane: [usize; 2],
+        from: [f64; 3],
+        to: [f64; 3],
+        centre: [f64; 2],
+        counter_clockwise: bool,
+        turns: u32,
+        radius: Option<f64>,
+    ) -> Self {
+        let at = |p: [f64; 3]| [p[plane[0]] - centre[0], p[plane[1]] - centre[1]];
+        let (start, end) = (at(from), at(to));
+        let (r_start, r_end) = (start[0].hypot(start[1]), end[0].hypot(end[1]));
+        let angles = [start[1].atan2(start[0]), end[1].atan2(end[0])];
+        let turn = std::f64::consts::TAU;
+        let forward = (angles[1] - angles[0]).rem_euclid(turn);
+        let first = match (counter_clockwise, forward < 1e-12) {
+            (_, true) => turn,
+            (true, _) => forward,
+            (false, _) => turn - forward,
+        };
+        let sweep = (first + turn * f64::from(turns)) * if counter_clockwise { 1.0 } else { -1.0 };
+        Self::Arc(ArcPath {
+            plane,
+            across: 3 - plane[0] - plane[1],
+            centre,
+            ends: [from, to],
+            radii: radius.map_or([r_start.min(r_end), r_start.max(r_end)], |radius| [radius, radius]),
+            sweep,
+            turned: 0.0,
+            last_angle: angles[0],
+        })
+    }
+
+    /// Length of the path in nanometres.
+    pub fn length(&self) -> f64 {
+        match self {
+            Self::Line { length, .. } => *length,
+            Self::Arc(arc) => {
+                let radius = 0.5 * (arc.radii[0] + arc.radii[1]);
+                (arc.sweep * radius).hypot(arc.ends[1][arc.across] - arc.ends[0][arc.across])
+            }
+        }
+    }
+
+    /// Returns the square of the distance from `tool` to the path. Points of a helix must come in order.
+    #[inline]
+    pub fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
+        match self {
+            Self::Line { from, along, length } => {
+                let p = subtract(tool, *from);
+                let t = dot(p, *along);
+                if t < 0.0 || t > *length {
+                    let beyond = t.clamp(0.0, *length);
+                    let rest = subtract(p, along.map(|a| a * beyond));
+                    return dot(rest, rest);
+                }
+                // The cross product, not |p|^2 - t^2: the difference of two large squares would lose the nanometres.
+                let cross = [
+                    p[1] * along[2] - p[2] * along[1],
+                    p[2] * along[0] - p[0] * along[2],
+                    p[0] * along[1] - p[1] * along[0],
+                ];
+                dot(cross, cross)
+            }
+            Self::Arc(arc) => arc.distance_squared(tool),
+        }
+    }
+
+    /// Returns the nearest point of the path.
+    pub fn nearest(&self, tool: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Line { from, along, length } => {
+                let t = dot(subtract(tool, *from), *along).clamp(0.0, *length);
+                [0, 1, 2].map(|axis| from[axis] + along[axis] * t)
+            }
+            Self::Arc(arc) => {
+                let p = arc.vector(tool);
+                let r = p[0].hypot(p[1]);
+                if r == 0.0 || !arc.covers(p) {
+                    return arc.nearest_end(tool);
+                }
+                let scale = r.clamp(arc.radii[0], arc.radii[1]) / r;
+                let mut nearest = tool;
+                nearest[arc.plane[0]] = arc.centre[0] + p[0] * scale;
+                nearest[arc.plane[1]] = arc.centre[1] + p[1] * scale;
+                nearest
+            }
+        }
+    }
+}
+
+impl ArcPath {
+    fn vector(&self, p: [f64; 3]) -> [f64; 2] {
+        [p[self.plane[0]] - self.centre[0], p[self.plane[1]] - self.centre[1]]
+    }
+
+    /// Whether the direction of `p` from the centre is one the arc passes.
+    #[inline]
+    fn covers(&self, p: [f64; 2]) -> bool {
+        if self.sweep.abs() >= std::f64::consts::TAU - 1e-9 {
+            return true;
+        }
+        let sign = self.sweep.signum();
+        let (start, end) = (self.vector(self.ends[0]), self.vector(self.ends[1]));
+        let after_start = sign * (start[0] * p[1] - start[1] * p[0]) >= 0.0;
+        let before_end = sign * (p[0] * end[1] - p[1] * end[0]) >= 0.0;
+        if self.sweep.abs() <= std::f64::consts::PI {
+            after_start && before_end
+        } else {
+            after_start || before_end
+        }
+    }
+
+    fn nearest_end(&self, tool: [f64; 3]) -> [f64; 3] {
+        let square = |end: [f64; 3]| dot(subtract(tool, end), subtract(tool, end));
+        let [start, end] = self.ends;
+        if square(start) < square(end) { start } else { end }
+    }
+
+    fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
+        let p = self.vector(tool);
+        let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
+        let rise = self.ends[1][self.across] - self.ends[0][self.across];
+        if rise == 0.0 {
+            if !self.covers(p) {
+                let rest = subtract(tool, self.nearest_end(tool));
+                return dot(rest, rest);
+            }
+            let radial = (r - self.radii[1]).max(self.radii[0] - r).max(0.0);
+            let across = tool[self.across] - self.ends[0][self.across];
+            return radial * radial + across * across;
+        }
+        // A helix: where along it the tool is follows from the angle turned so far.
+        let angle = p[1].atan2(p[0]);
+        let mut turned = angle - self.last_angle;
+        if turned > std::f64::consts::PI {
+            turned -= std::f64::consts::TAU;
+        } else if turned < -std::f64::consts::PI {
+            turned += std::f64::consts::TAU;
+        }
+        self.last_angle = angle;
+        self.turned += turned;
+        let part = (self.turned / self.sweep).clamp(0.0, 1.0);
+        let across = tool[self.across] - (self.ends[0][self.across] + rise * part);
+        let radial = (r - self.radii[1]).max(self.radii[0] - r).max(0.0);
+        // The helix rises at a slope, so the distance square to it is shorter than the one straight up.
+        let slope = rise / (self.sweep * r.max(1.0));
+        radial * radial + across * across / (1.0 + slope * slope)
+    }
+}
+
+/// Largest and root-mean-square deviation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Deviation {
+    largest_squared: f64,
+    sum_of_squares: f64,
+    count: u64,
+}
+
+impl Deviation {
+    /// Takes one squared distance.
+    #[inline]
+    pub fn add(&mut self, squared: f64) {
+        self.largest_squared = self.largest_squared.max(squared);
+        self.sum_of_squares += squared;
+        self.count += 1;
+    }
+
+    /// Largest deviation in nanometres.
+    pub fn largest_nm(&self) -> f64 {
+        self.largest_squared.sqrt()
+    }
+
+    /// Root mean square in nanometres; 0 when nothing was measured.
+    pub fn rms_nm(&self) -> f64 {
+        (self.sum_of_squares / (self.count.max(1) as f64)).sqrt()
+    }
+}
+
+#[inline]
+fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_segment_has_ends() {
+        let mut line = Path::line([0.0; 3], [100.0, 0.0, 0.0]);
+        assert_eq!(line.distance_squared([50.0, 3.0, 4.0]), 25.0);
+        assert_eq!(line.distance_squared([-3.0, 4.0, 0.0]), 25.0);
+        assert_eq!(line.distance_squared([103.0, 0.0, 4.0]), 25.0);
+        assert_eq!(line.nearest([50.0, 3.0, 4.0]), [50.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_quarter_has_ends_too() {
+        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0; 2], true, 0, Some(100.0));
+        assert!((arc.distance_squared([60.0, 81.0, 0.0]).sqrt() - 0.8016).abs() < 1e-3);
+        assert_eq!(arc.distance_squared([100.0, -7.0, 0.0]), 49.0);
+        assert_eq!(arc.distance_squared([-7.0, 100.0, 0.0]), 49.0);
+        assert!((arc.length() - 157.0796).abs() < 1e-3);
+    }
+
+    #[test]
+    fn three_quarters_the_other_way() {
+        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0; 2], false, 0, Some(100.0));
+        assert!(arc.distance_squared([-60.0, -80.0, 0.0]) < 1e-20);
+        assert!(arc.distance_squared([60.0, 80.0, 0.0]) > 1.0);
+    }
+
+    #[test]
+    fn a_helix_is_followed() {
+        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [100.0, 0.0, 40.0], [0.0; 2], true, 1, Some(100.0));
+        for k in 1..=400 {
+            let angle = f64::from(k) / 400.0 * 2.0 * std::f64::consts::TAU;
+            let tool = [100.0 * angle.cos(), 100.0 * angle.sin(), 40.0 * f64::from(k) / 400.0];
+            assert!(arc.distance_squared(tool) < 1e-16);
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! The path of the tool as strokes for a picture: bounded memory, whatever the length of the program.
+
+/// What kind of move a stroke belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Manual moves and steps.
+    Jog,
+    /// Rapid moves and homing.
+    Rapid,
+    /// Cutting moves.
+    Feed,
+}
+
+/// A point of the tool, and the point of the programmed path nearest to it; nm, axes X and Y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where the tool is.
+    pub tool: [f64; 2],
+    /// Where it should be.
+    pub ideal: [f64; 2],
+}
+
+/// Points of one class in a row.
+#[derive(Clone, Debug)]
+pub struct Stroke {
+    /// What kind of move.
+    pub class: Class,
+    /// At least one point.
+    pub points: Vec<Point>,
+}
+
+/// Strokes, thinned so that no more than a fixed number of points is kept.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// In the order they were made.
+    pub strokes: Vec<Stroke>,
+    /// Where an axis turned round and its lash was taken up.
+    pub take_ups: Vec<[f64; 2]>,
+    /// Points nearer to the one before than this are left out, nm.
+    pub spacing: f64,
+    points: usize,
+    last: [f64; 2],
+}
+
+/// Most points kept: a report of about 1 MB, and finer than the pixels of its pictures.
+const MOST_POINTS: usize = 40_000;
+/// Most take-up marks kept.
+const MOST_MARKS: usize = 2_000;
+
+impl Drawing {
+    /// An empty drawing.
+    pub const fn new() -> Self {
+        Self { strokes: Vec::new(), take_ups: Vec::new(), spacing: 0.0, points: 0, last: [f64::MAX; 2] }
+    }
+
+    /// Whether a point at `tool` is far enough from the last one to be worth keeping.
+    #[inline]
+    pub fn wants(&self, tool: [f64; 2]) -> bool {
+        (tool[0] - self.last[0]).abs() > self.spacing || (tool[1] - self.last[1]).abs() > self.spacing
+    }
+
+    /// Begins a stroke.
+    pub fn begin(&mut self, class: Class, at: Point) {
+        if self.strokes.last().is_none_or(|stroke| stroke.class != class) {
+            self.strokes.push(Stroke { class, points: Vec::new() });
+        }
+        self.add(at);
+    }
+
+    /// Adds a point to the stroke.
+    pub fn add(&mut self, at: Point) {
+        let Some(stroke) = self.strokes.last_mut() else {
+            return;
+        };
+        stroke.points.push(at);
+        self.last = at.tool;
+        self.points += 1;
+        if self.points > MOST_POINTS {
+            self.thin();
+        }
+    }
+
+    /// Marks a take-up.
+    pub fn take_up(&mut self, at: [f64; 2]) {
+        if self.take_ups.len() < MOST_MARKS {
+            self.take_ups.push(at);
+        }
+    }
+
+    /// Doubles the spacing until half of the room is free again.
+    fn thin(&mut self) {
+        while self.points > MOST_POINTS / 2 {
+            self.spacing = if self.spacing > 0.0 { 2.0 * self.spacing } else { self.size() / 16_384.0 + 1.0 };
+            let spacing = self.spacing;
+            for stroke in &mut self.strokes {
+                thin(&mut stroke.points, spacing);
+            }
+            self.strokes.retain(|stroke| stroke.points.len() > 1);
+            self.points = self.strokes.iter().map(|stroke| stroke.points.len()).sum();
+        }
+        if self.strokes.is_empty() {
+            self.last = [f64::MAX; 2];
+        }
+    }
+
+    fn size(&self) -> f64 {
+        let [low, high] = self.bounds().unwrap_or([[0.0; 2]; 2]);
+        (high[0] - low[0]).max(high[1] - low[1])
+    }
+
+    /// Lower and upper corner of everything drawn.
+    pub fn bounds(&self) -> Option<[[f64; 2]; 2]> {
+        let mut points = self.strokes.iter().flat_map(|stroke| &stroke.points).map(|point| point.tool);
+        let first = points.next()?;
+        Some(points.fold([first, first], |[low, high], at| {
+            [
+                [low[0].min(at[0]), low[1].min(at[1])],
+                [high[0].max(at[0]), high[1].max(at[1])],
+            ]
+        }))
+    }
+}
+
+/// Keeps the first point, the last one, and those farther than `spacing` from the one kept before.
+fn thin(points: &mut Vec<Point>, spacing: f64) {
+    let Some((first, last)) = points.first().copied().zip(points.last().copied()) else {
+        return;
+    };
+    let mut kept = first.tool;
+    let mut is_first = true;
+    points.retain(|point| {
+        let far = (point.tool[0] - kept[0]).abs() > spacing || (point.tool[1] - kept[1]).abs() > spacing;
+        if far {
+            kept = point.tool;
+        }
+        std::mem::take(&mut is_first) || far
+    });
+    if kept != last.tool && (points.len() > 1 || first.tool != last.tool) {
+        points.push(last);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_bounded() {
+        let mut drawing = Drawing::new();
+        let at = |k: u32| {
+            let angle = f64::from(k) * 0.001;
+            let tool = [angle * 1000.0 * angle.cos(), angle * 1000.0 * angle.sin()];
+            Point { tool, ideal: tool }
+        };
+        drawing.begin(Class::Feed, at(0));
+        for k in 1..1_000_000 {
+            if drawing.wants(at(k).tool) {
+                drawing.add(at(k));
+            }
+            if k % 1000 == 0 {
+                drawing.begin(if k % 2000 == 0 { Class::Feed } else { Class::Rapid }, at(k));
+            }
+        }
+        let points: usize = drawing.strokes.iter().map(|stroke| stroke.points.len()).sum();
+        assert!((5_000..=MOST_POINTS).contains(&points), "{points}");
+    }
+}

@@ -1,0 +1,542 @@
+//! The report: one HTML file with everything inside, no script, no network.
+
+use crate::drawing::{Class, Drawing, Point};
+use std::fmt::Write;
+
+/// Everything a report shows.
+#[derive(Debug)]
+pub struct Report {
+    /// Name of the program.
+    pub program: String,
+    /// Title of the machine.
+    pub machine: String,
+    /// Rows of the table of figures: name and value.
+    pub figures: Vec<(&'static str, String)>,
+    /// One row an axis.
+    pub axes: Vec<AxisRow>,
+    /// The path of the tool.
+    pub drawing: Drawing,
+    /// The programmed path, exact.
+    pub ideal: Vec<Ideal>,
+    /// Whether `ideal` has every move; otherwise the points of `drawing` stand in.
+    pub ideal_is_whole: bool,
+    /// Work area in X and Y, nm, in the frame of the drawing.
+    pub area: Option<[[f64; 2]; 2]>,
+    /// Largest deviation in nm.
+    pub largest_nm: f64,
+    /// Coil currents of the first steps.
+    pub phases: Vec<Motor>,
+    /// Warnings, as `short` prints them.
+    pub warnings: Vec<String>,
+}
+
+/// Extents of one axis.
+#[derive(Debug)]
+pub struct AxisRow {
+    /// Its letter.
+    pub letter: char,
+    /// Smallest and largest position of the tool, nm, work frame.
+    pub extent_nm: [f64; 2],
+    /// Limits in the same frame.
+    pub travel_nm: Option<[f64; 2]>,
+    /// Where the tool ends.
+    pub end_nm: f64,
+    /// Take-ups.
+    pub reversals: u64,
+    /// Steps its motor did not follow.
+    pub lost_steps: u64,
+}
+
+/// A programmed move in X and Y, nm.
+#[derive(Clone, Copy, Debug)]
+pub enum Ideal {
+    /// Straight.
+    Line([f64; 2], [f64; 2]),
+    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are one.
+    Arc([f64; 2], [f64; 2], [f64; 2], bool),
+}
+
+/// Coil currents of one motor.
+#[derive(Debug)]
+pub struct Motor {
+    /// Letter of its axis.
+    pub letter: char,
+    /// Name of the driver and mode.
+    pub driver: String,
+    /// Currents of coil A and B after each step, 1000 = 100 %, and the time in microseconds.
+    pub steps: Vec<(u64, [i16; 2])>,
+}
+
+const STYLE: &str = "\
+:root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;--panel:#f6f8fa;\
+--jog:#6b7280;--rapid:#9a6700;--feed:#0b5cad;--take-up:#000;--limit:#9b0000;--ideal:#57606a}\
+@media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;--line:#2b343e;--panel:#161d25;\
+--jog:#8b96a3;--rapid:#f0c419;--feed:#5aa9ff;--take-up:#fff;--limit:#ff5c4d;--ideal:#9aa6b2}}\
+*{box-sizing:border-box}\
+body{margin:0 auto;max-width:72rem;padding:1.5rem;background:var(--ground);color:var(--ink);font:16px/1.5 system-ui,sans-serif}\
+h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}p{margin:.3rem 0;color:var(--soft)}\
+svg{display:block;width:100%;height:auto;background:var(--ground);border:1px solid var(--line)}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
+th,td{padding:.25rem .9rem .25rem 0;text-align:right;border-bottom:1px solid var(--line)}\
+th:first-child,td:first-child{text-align:left}th{font-weight:600;color:var(--soft)}\
+dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8rem;margin:1rem 0}\
+dl div{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem}\
+dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;font-variant-numeric:tabular-nums}\
+.scroll{overflow-x:auto}ul{padding-left:1.2rem}code{font-family:ui-monospace,monospace;font-size:.9rem}\
+path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
+.jog{stroke:var(--jog);stroke-width:1.5;stroke-dasharray:1.5 4;stroke-linecap:round}\
+.rapid{stroke:var(--rapid);stroke-width:1.5;stroke-dasharray:7 5}\
+.feed{stroke:var(--feed);stroke-width:1.8;stroke-linejoin:round}\
+.take-up{stroke:var(--take-up);stroke-width:2}\
+.ideal{stroke:var(--ideal);stroke-width:5;stroke-opacity:.3}\
+.thin{stroke:var(--ideal);stroke-width:1}\
+.area{stroke:var(--limit);stroke-width:1.2}.hatch{stroke:var(--limit);stroke-width:1;stroke-opacity:.45}\
+.grid{stroke:var(--line);stroke-width:1}\
+text{fill:var(--soft);font:12px system-ui,sans-serif}";
+
+/// Writes the report.
+pub fn html(report: &Report) -> String {
+    let mut page = String::new();
+    let name = escape(&report.program);
+    // Writing to a String cannot fail.
+    let _ = write!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
+         <header><h1>{name}</h1><p>{}</p></header>\n<main>\n<dl>\n",
+        escape(&report.machine)
+    );
+    for (term, value) in &report.figures {
+        let _ = writeln!(page, "<div><dt>{term}</dt><dd>{}</dd></div>", escape(value));
+    }
+    page.push_str("</dl>\n");
+    warnings(&mut page, &report.warnings);
+    path_section(&mut page, report);
+    deviation_section(&mut page, report);
+    axis_section(&mut page, &report.axes);
+    phase_section(&mut page, &report.phases);
+    page.push_str("</main>\n</body>\n</html>\n");
+    page
+}
+
+fn warnings(page: &mut String, warnings: &[String]) {
+    if warnings.is_empty() {
+        return;
+    }
+    page.push_str("<section><h2>Warnings</h2><ul>\n");
+    for warning in warnings {
+        let _ = writeln!(page, "<li><code>{}</code></li>", escape(warning));
+    }
+    page.push_str("</ul></section>\n");
+}
+
+/// Maps nanometres to the picture, Y up.
+struct Frame {
+    low: [f64; 2],
+    scale: f64,
+    size: [f64; 2],
+}
+
+const WIDTH: f64 = 1000.0;
+const MARGIN: f64 = 36.0;
+
+impl Frame {
+    fn around([low, high]: [[f64; 2]; 2]) -> Self {
+        let span = [(high[0] - low[0]).max(1.0), (high[1] - low[1]).max(1.0)];
+        let scale = ((WIDTH - 2.0 * MARGIN) / span[0]).min(800.0 / span[1]);
+        Self {
+            low: [low[0] - 0.5 * ((WIDTH - 2.0 * MARGIN) / scale - span[0]), low[1]],
+            scale,
+            size: [WIDTH, span[1] * scale + 2.0 * MARGIN],
+        }
+    }
+
+    fn at(&self, p: [f64; 2]) -> [f64; 2] {
+        [
+            MARGIN + (p[0] - self.low[0]) * self.scale,
+            self.size[1] - MARGIN - (p[1] - self.low[1]) * self.scale,
+        ]
+    }
+
+    fn open(&self, page: &mut String, id: &str, title: &str, description: &str) {
+        let _ = write!(
+            page,
+            "<svg viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\">\
+             <title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>\n",
+            self.size[0],
+            self.size[1],
+            escape(title),
+            escape(description)
+        );
+    }
+
+    /// A bar of a round length in the lower left corner.
+    fn scale_bar(&self, page: &mut String) {
+        let mut nm = 1.0;
+        while nm * 10.0 * self.scale < 0.4 * WIDTH {
+            nm *= 10.0;
+        }
+        let x = MARGIN + nm * self.scale;
+        let y = self.size[1] - 10.0;
+        let _ = writeln!(
+            page,
+            "<path class=\"thin\" d=\"M{MARGIN} {0:.0}v6h{1:.1}v-6\"/><text x=\"{2:.1}\" y=\"{3:.0}\">{4}</text>",
+            y - 6.0,
+            nm * self.scale,
+            x + 8.0,
+            y,
+            length(nm)
+        );
+    }
+}
+
+fn bounds(report: &Report) -> [[f64; 2]; 2] {
+    let drawn = report.drawing.bounds();
+    match (drawn, report.area) {
+        (Some([a, b]), Some([c, d])) => {
+            [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]
+        }
+        (Some(drawn), None) => drawn,
+        (None, Some(area)) => area,
+        (None, None) => [[0.0; 2], [1e6; 2]],
+    }
+}
+
+fn path_section(page: &mut String, report: &Report) {
+    let frame = Frame::around(bounds(report));
+    let extents: Vec<String> = report
+        .axes
+        .iter()
+        .map(|axis| format!("{} {} to {}", axis.letter, millimetres(axis.extent_nm[0]), millimetres(axis.extent_nm[1])))
+        .collect();
+    page.push_str("<section><h2>Tool path</h2>\n");
+    frame.open(
+        page,
+        "path",
+        "Path of the simulated tool over the programmed path, X to the right, Y up",
+        &format!("In mm: {}. Largest deviation {}.", extents.join(", "), length(report.largest_nm)),
+    );
+    if let Some([low, high]) = report.area {
+        work_area(page, &frame, low, high);
+    }
+    ideal(page, &frame, report, "ideal");
+    strokes(page, &frame, &report.drawing, |point| point.tool);
+    for mark in &report.drawing.take_ups {
+        let [x, y] = frame.at(*mark);
+        let _ = writeln!(page, "<path class=\"take-up\" d=\"M{:.1} {:.1}v10\"/>", x, y - 5.0);
+    }
+    frame.scale_bar(page);
+    page.push_str("</svg>\n");
+    legend(page);
+    page.push_str("</section>\n");
+}
+
+fn work_area(page: &mut String, frame: &Frame, low: [f64; 2], high: [f64; 2]) {
+    let ([x0, y1], [x1, y0]) = (frame.at(low), frame.at(high));
+    let _ = write!(
+        page,
+        "<defs><pattern id=\"hatch\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
+         <path class=\"hatch\" d=\"M0 0v7\"/></pattern></defs>\
+         <path style=\"fill:url(#hatch);fill-rule:evenodd\" d=\"M{:.1} {:.1}H{:.1}V{:.1}H{:.1}ZM{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z\"/>\
+         <rect class=\"area\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"><title>work area</title></rect>\n",
+        x0 - 8.0,
+        y0 - 8.0,
+        x1 + 8.0,
+        y1 + 8.0,
+        x0 - 8.0,
+        x1 - x0,
+        y1 - y0
+    );
+}
+
+fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
+    if !report.ideal_is_whole {
+        strokes_as(page, frame, &report.drawing, class, |point| point.ideal);
+        return;
+    }
+    let mut path = String::new();
+    let mut pen = None;
+    for ideal in &report.ideal {
+        let (from, to) = match *ideal {
+            Ideal::Line(from, to) | Ideal::Arc(from, to, ..) => (from, to),
+        };
+        let ([x, y], [u, v]) = (frame.at(from), frame.at(to));
+        if pen != Some(from) {
+            let _ = write!(path, "M{x:.2} {y:.2}");
+        }
+        match *ideal {
+            Ideal::Line(..) => {
+                let _ = write!(path, "L{u:.2} {v:.2}");
+            }
+            Ideal::Arc(from, to, centre, counter_clockwise) => {
+                let radius = (from[0] - centre[0]).hypot(from[1] - centre[1]) * frame.scale;
+                let sweep = u8::from(!counter_clockwise);
+                let cross = (from[0] - centre[0]) * (to[1] - centre[1]) - (from[1] - centre[1]) * (to[0] - centre[0]);
+                if (from[0] - to[0]).hypot(from[1] - to[1]) * frame.scale < 0.02 {
+                    let opposite = frame.at([2.0 * centre[0] - from[0], 2.0 * centre[1] - from[1]]);
+                    let _ = write!(
+                        path,
+                        "A{radius:.2} {radius:.2} 0 0 {sweep} {:.2} {:.2}A{radius:.2} {radius:.2} 0 0 {sweep} {u:.2} {v:.2}",
+                        opposite[0], opposite[1]
+                    );
+                } else {
+                    let large = u8::from((cross < 0.0) == counter_clockwise);
+                    let _ = write!(path, "A{radius:.2} {radius:.2} 0 {large} {sweep} {u:.2} {v:.2}");
+                }
+            }
+        }
+        pen = Some(to);
+    }
+    let _ = writeln!(page, "<path class=\"{class}\" d=\"{path}\"/>");
+}
+
+fn strokes(page: &mut String, frame: &Frame, drawing: &Drawing, at: impl Fn(&Point) -> [f64; 2] + Copy) {
+    for (class, name) in [(Class::Jog, "jog"), (Class::Rapid, "rapid"), (Class::Feed, "feed")] {
+        polyline(page, frame, drawing, name, |of| of == class, at);
+    }
+}
+
+fn strokes_as(page: &mut String, frame: &Frame, drawing: &Drawing, name: &str, at: impl Fn(&Point) -> [f64; 2] + Copy) {
+    polyline(page, frame, drawing, name, |class| class == Class::Feed, at);
+}
+
+fn polyline(
+    page: &mut String,
+    frame: &Frame,
+    drawing: &Drawing,
+    name: &str,
+    wanted: impl Fn(Class) -> bool,
+    at: impl Fn(&Point) -> [f64; 2],
+) {
+    let mut path = String::new();
+    for stroke in drawing.strokes.iter().filter(|stroke| wanted(stroke.class)) {
+        for (index, point) in stroke.points.iter().enumerate() {
+            let [x, y] = frame.at(at(point));
+            let _ = write!(path, "{}{x:.2} {y:.2}", if index == 0 { 'M' } else { 'L' });
+        }
+    }
+    if !path.is_empty() {
+        let _ = writeln!(page, "<path class=\"{name}\" d=\"{path}\"/>");
+    }
+}
+
+fn legend(page: &mut String) {
+    page.push_str(
+        "<svg viewBox=\"0 0 1000 28\" role=\"img\" aria-label=\"Legend: jog dotted, rapid dashed, feed solid, \
+         take-up a tick, programmed path a wide band\" style=\"border:0\">\n",
+    );
+    let entries = [
+        ("jog", "jog", "M0 0h40"),
+        ("rapid", "rapid, home", "M0 0h40"),
+        ("feed", "feed", "M0 0h40"),
+        ("take-up", "backlash take-up", "M20 -6v12"),
+        ("ideal", "programmed path", "M0 0h40"),
+        ("area", "limit of the work area", "M0 0h40"),
+    ];
+    for (index, (class, text, shape)) in entries.iter().enumerate() {
+        let x = 10 + 165 * index;
+        let _ = writeln!(
+            page,
+            "<g transform=\"translate({x} 14)\"><path class=\"{class}\" d=\"{shape}\"/><text x=\"48\" y=\"4\">{text}</text></g>"
+        );
+    }
+    page.push_str("</svg>\n");
+}
+
+fn deviation_section(page: &mut String, report: &Report) {
+    let feed = |drawing: &Drawing| drawing.strokes.iter().any(|stroke| stroke.class == Class::Feed && stroke.points.len() > 1);
+    if !feed(&report.drawing) || report.largest_nm <= 0.0 {
+        return;
+    }
+    let points = report
+        .drawing
+        .strokes
+        .iter()
+        .filter(|stroke| stroke.class == Class::Feed)
+        .flat_map(|stroke| &stroke.points)
+        .map(|point| point.ideal);
+    let [low, high] = points.fold([[f64::MAX; 2], [f64::MIN; 2]], |[low, high], at| {
+        [[low[0].min(at[0]), low[1].min(at[1])], [high[0].max(at[0]), high[1].max(at[1])]]
+    });
+    let size = (high[0] - low[0]).max(high[1] - low[1]).max(1.0);
+    let factor = round_down(0.04 * size / report.largest_nm);
+    let pad = 0.06 * size;
+    let frame = Frame::around([[low[0] - pad, low[1] - pad], [high[0] + pad, high[1] + pad]]);
+    let _ = writeln!(
+        page,
+        "<section><h2>Deviation, {factor:.0} times as large as it is</h2>\
+         <p>Thin line: the programmed path. Each point of the tool is drawn {factor:.0} times as far from it as it was; the largest distance is {}.</p>",
+        length(report.largest_nm)
+    );
+    frame.open(
+        page,
+        "deviation",
+        "Deviation of the tool from the programmed path, exaggerated",
+        &format!("Exaggerated {factor:.0} times; largest deviation {}.", length(report.largest_nm)),
+    );
+    ideal(page, &frame, report, "thin");
+    strokes_as(page, &frame, &report.drawing, "feed", |point| {
+        [0, 1].map(|axis| point.ideal[axis] + factor * (point.tool[axis] - point.ideal[axis]))
+    });
+    frame.scale_bar(page);
+    page.push_str("</svg></section>\n");
+}
+
+/// 1, 2 or 5 times a power of ten, at most `value`, at least 1.
+fn round_down(value: f64) -> f64 {
+    let mut power = 1.0;
+    while power * 10.0 <= value {
+        power *= 10.0;
+    }
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|round| *round <= value).unwrap_or(power)
+}
+
+fn axis_section(page: &mut String, axes: &[AxisRow]) {
+    page.push_str(
+        "<section><h2>Extents</h2><div class=\"scroll\"><table><thead><tr><th scope=\"col\">axis</th><th scope=\"col\">least mm</th>\
+         <th scope=\"col\">most mm</th><th scope=\"col\">span mm</th><th scope=\"col\">limits mm</th><th scope=\"col\">end mm</th>\
+         <th scope=\"col\">reversals</th><th scope=\"col\">lost steps</th></tr></thead><tbody>\n",
+    );
+    for axis in axes {
+        let [low, high] = axis.extent_nm;
+        let limits = match axis.travel_nm {
+            Some([from, to]) => {
+                let verdict = if low >= from && high <= to { "fits" } else { "beyond" };
+                format!("{} to {}, {verdict}", millimetres(from), millimetres(to))
+            }
+            None => "none".to_owned(),
+        };
+        let _ = writeln!(
+            page,
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{limits}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            axis.letter,
+            millimetres(low),
+            millimetres(high),
+            millimetres(high - low),
+            millimetres(axis.end_nm),
+            axis.reversals,
+            axis.lost_steps
+        );
+    }
+    page.push_str("</tbody></table></div></section>\n");
+}
+
+fn phase_section(page: &mut String, motors: &[Motor]) {
+    let motors: Vec<_> = motors.iter().filter(|motor| motor.steps.len() > 1).collect();
+    if motors.is_empty() {
+        return;
+    }
+    page.push_str("<section><h2>Phases of the first steps</h2>\n");
+    for motor in motors {
+        let last = motor.steps.last().map_or(1, |(at, _)| *at).max(1);
+        let first = motor.steps.first().map_or(0, |(at, _)| *at);
+        let span = (last - first).max(1) as f64;
+        let _ = write!(
+            page,
+            "<svg viewBox=\"0 0 1000 170\" role=\"img\" aria-labelledby=\"phase-{0}-t phase-{0}-d\"><title id=\"phase-{0}-t\">\
+             Coil currents of motor {0}, {1}</title><desc id=\"phase-{0}-d\">{2} steps in {3:.1} ms</desc>\n",
+            motor.letter,
+            escape(&motor.driver),
+            motor.steps.len() - 1,
+            span / 1000.0
+        );
+        for coil in 0..2 {
+            let base = 45.0 + 70.0 * coil as f64;
+            let _ = write!(
+                page,
+                "<text x=\"6\" y=\"{:.0}\">{} coil {}</text><path class=\"grid\" d=\"M90 {base:.0}H990\"/>",
+                base + 4.0,
+                motor.letter,
+                ['A', 'B'][coil]
+            );
+            let mut path = String::new();
+            for (index, (at, currents)) in motor.steps.iter().enumerate() {
+                let x = 90.0 + 880.0 * ((at - first) as f64) / span;
+                let y = base - 0.025 * f64::from(currents[coil]);
+                let _ = if index == 0 { write!(path, "M{x:.1} {y:.1}") } else { write!(path, "H{x:.1}V{y:.1}") };
+            }
+            let _ = writeln!(page, "<path class=\"feed\" d=\"{path}H990\"/>");
+        }
+        let _ = writeln!(
+            page,
+            "<text x=\"90\" y=\"164\">{:.1} ms</text><text x=\"990\" y=\"164\" text-anchor=\"end\">{:.1} ms, {}</text></svg>",
+            first as f64 / 1000.0,
+            last as f64 / 1000.0,
+            escape(&motor.driver)
+        );
+    }
+    page.push_str("</section>\n");
+}
+
+/// Millimetres with six decimals: nanometres.
+pub fn millimetres(nm: f64) -> String {
+    let nm = nm.round();
+    format!("{:.6}", if nm == 0.0 { 0.0 } else { nm / 1e6 })
+}
+
+/// A length in the unit that reads best.
+pub fn length(nm: f64) -> String {
+    match nm.abs() {
+        below if below < 1_000.0 => format!("{} nm", significant(nm)),
+        below if below < 1_000_000.0 => format!("{} um", significant(nm / 1e3)),
+        _ => format!("{} mm", significant(nm / 1e6)),
+    }
+}
+
+/// At most three decimals, no trailing zeros.
+fn significant(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_stands_alone() {
+        let mut drawing = Drawing::new();
+        let point = |x: f64, y: f64| Point { tool: [x, y], ideal: [x, y] };
+        drawing.begin(Class::Feed, point(0.0, 0.0));
+        drawing.add(point(1e6, 2e6));
+        let report = Report {
+            program: "<script>.nc".to_owned(),
+            machine: "test".to_owned(),
+            figures: vec![("events", "1".to_owned())],
+            axes: Vec::new(),
+            drawing,
+            ideal: vec![Ideal::Line([0.0; 2], [1e6, 2e6])],
+            ideal_is_whole: true,
+            area: Some([[0.0; 2], [1e7, 7e6]]),
+            largest_nm: 70.0,
+            phases: vec![Motor { letter: 'X', driver: "pbl3717a, full".to_owned(), steps: vec![(0, [1000, 1000]), (5000, [1000, -1000])] }],
+            warnings: vec!["part.nc:1:1: warning".to_owned()],
+        };
+        let page = html(&report);
+        assert!(!page.contains("<script") && !page.contains("http"));
+        assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
+        assert!(page.contains("class=\"feed\"") && page.contains("class=\"ideal\""));
+    }
+
+    #[test]
+    fn round_factors() {
+        assert_eq!([0.3, 1.0, 4.9, 7.0, 1999.0].map(round_down), [1.0, 1.0, 2.0, 5.0, 1000.0]);
+        assert_eq!(length(70.0), "70 nm");
+        assert_eq!(length(204_000.0), "204 um");
+    }
+}
