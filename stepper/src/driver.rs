@@ -96,7 +96,12 @@ impl Driver {
 const fn bridge(bits: u8, scale: [i16; 4]) -> i16 {
     // Two bits index four entries.
     let size = scale[(bits >> 1 & 3) as usize];
-    if bits & 1 == 0 { -size } else { size }
+    // At most FULL_CURRENT, so the negation never wraps.
+    if bits & 1 == 0 {
+        size.wrapping_neg()
+    } else {
+        size
+    }
 }
 
 /// A winding between two switches: bit 0 of `forward` against bit 0 of `backward`.

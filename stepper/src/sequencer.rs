@@ -122,7 +122,7 @@ impl Sequencer {
     #[must_use]
     pub const fn reversed(mut self) -> Sequencer {
         self.reversed = !self.reversed;
-        self.stride = -self.stride; // 4 at most, no overflow
+        self.stride = self.stride.wrapping_neg(); // 4 at most, never wraps
         self
     }
 
@@ -193,7 +193,12 @@ impl Sequencer {
 
     const fn signed_stride(&self) -> i8 {
         let stride = self.mode.stride();
-        if self.reversed { -stride } else { stride }
+        // A stride is a few sixteenths, so the negation never wraps.
+        if self.reversed {
+            stride.wrapping_neg()
+        } else {
+            stride
+        }
     }
 }
 
