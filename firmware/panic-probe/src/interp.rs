@@ -2,7 +2,38 @@
 
 use core::hint::black_box;
 
+use husillo_interp::{Arc, Helix, Interpolator, Line, Path, fraction_bits_for};
+
 /// Keeps every function in the program.
 pub fn keep() {
-    let _: [*const (); 0] = black_box([]);
+    black_box([
+        fraction_bits_for as *const (),
+        Line::<3>::new as *const (),
+        Line::<3>::events as *const (),
+        Line::<3>::remaining as *const (),
+        <Line<3> as Iterator>::next as *const (),
+        <Line<3> as Iterator>::size_hint as *const (),
+        <Line<6> as Iterator>::next as *const (),
+        Arc::new as *const (),
+        Arc::wide as *const (),
+        Arc::events as *const (),
+        Arc::is_narrow as *const (),
+        Arc::largest_sweep as *const (),
+        Arc::quadrants as *const (),
+        Arc::radius as *const (),
+        Arc::remaining as *const (),
+        Arc::sweep_bits as *const (),
+        Arc::total_sweep as *const (),
+        <Arc as Iterator>::next as *const (),
+        <Arc as Iterator>::size_hint as *const (),
+        Helix::<3>::new as *const (),
+        <Helix<3> as Iterator>::next as *const (),
+        <Path<3> as Iterator>::next as *const (),
+        <Path<3> as Interpolator<3>>::line as *const (),
+        <Path<3> as Interpolator<3>>::arc as *const (),
+        <Path<3> as Interpolator<3>>::remaining as *const (),
+        <Path<3> as Interpolator<3>>::total_sweep as *const (),
+        <Path<3> as Interpolator<3>>::largest_sweep as *const (),
+        <Path<3> as Interpolator<3>>::radius as *const (),
+    ]);
 }

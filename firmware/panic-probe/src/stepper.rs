@@ -1,8 +1,93 @@
 //! The public functions of `husillo-stepper`.
 
+use core::convert::Infallible;
 use core::hint::black_box;
+
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+use husillo_stepper::{
+    CoilDriver, Drive, Driver, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection, StepDirectionPins,
+    StepToggle, Switch, sine,
+};
 
 /// Keeps every function in the program.
 pub fn keep() {
-    let _: [*const (); 0] = black_box([]);
+    black_box([
+        <Drive as CoilDriver>::step as *const (),
+        <Drive as CoilDriver>::levels as *const (),
+        <Drive as CoilDriver>::set_enabled as *const (),
+        Driver::currents as *const (),
+        Driver::pins as *const (),
+        Driver::by_name as *const (),
+        Levels::contains as *const (),
+        Levels::is_high as *const (),
+        Microstep::<64>::new as *const (),
+        Microstep::<64>::step as *const (),
+        Microstep::<64>::currents as *const (),
+        Microstep::<64>::angle as *const (),
+        Mode::steps_per_full as *const (),
+        Mode::by_name as *const (),
+        Sequencer::new as *const (),
+        Sequencer::reversed as *const (),
+        Sequencer::set_mode as *const (),
+        Sequencer::reset as *const (),
+        Sequencer::restore as *const (),
+        Sequencer::sixteenth as *const (),
+        Sequencer::is_home as *const (),
+        Sequencer::is_enabled as *const (),
+        Sequencer::driver as *const (),
+        Sequencer::mode as *const (),
+        <Sequencer as CoilDriver>::step as *const (),
+        <Sequencer as CoilDriver>::levels as *const (),
+        <Sequencer as CoilDriver>::set_enabled as *const (),
+        sine as *const (),
+        StepDirection::new as *const (),
+        StepDirection::start as *const (),
+        StepDirection::advance as *const (),
+        StepDirection::is_idle as *const (),
+        StepDirection::levels as *const (),
+        StepDirection::set_enabled as *const (),
+        StepDirection::longest_step_ticks as *const (),
+        StepToggle::new as *const (),
+        <StepToggle as CoilDriver>::step as *const (),
+        <StepToggle as CoilDriver>::levels as *const (),
+        <StepToggle as CoilDriver>::set_enabled as *const (),
+        LevelPins::<Pin, 6>::new as *const (),
+        LevelPins::<Pin, 6>::write as *const (),
+        LevelPins::<Pin, 6>::release as *const (),
+        StepDirectionPins::<Pin, Pin>::new as *const (),
+        StepDirectionPins::<Pin, Pin>::write as *const (),
+        StepDirectionPins::<Pin, Pin>::release as *const (),
+        Switch::<Pin>::active_high as *const (),
+        Switch::<Pin>::active_low as *const (),
+        Switch::<Pin>::is_closed as *const (),
+    ]);
+}
+
+/// A pin that keeps its level in memory.
+struct Pin(bool);
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0 = black_box(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0 = black_box(true);
+        Ok(())
+    }
+}
+
+impl InputPin for Pin {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(black_box(self.0))
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!black_box(self.0))
+    }
 }
