@@ -1,5 +1,25 @@
-//! Lines in, step events out: the composition of the husillo crates
-
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod scale;
+
+mod axis;
+mod event;
+mod refused;
+
+mod arc;
+mod duration;
+mod segment;
+
+mod machine;
+mod motors;
+
+pub use axis::{Axis, Config};
+pub use event::{Event, MAX_WAIT_TICKS, Output, Pause, StepEvent};
+pub use machine::{Machine, Origin};
+pub use motors::{Idle, Motors};
+pub use refused::{MoveError, Refused};
+pub use scale::Scale;
+pub use segment::Segment;

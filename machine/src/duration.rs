@@ -1,0 +1,85 @@
+//! Lengths and the ticks they take, in 64-bit integers.
+
+/// `a * b / c`, rounded to nearest; saturates, and is `u64::MAX` for `c = 0`.
+///
+/// Exact while `(a mod c) * b < 2^64`; beyond that `a mod c` and `c` lose low bits together, which costs
+/// a relative error below 2^-31 (`b < 2^32` in every use: a timer's ticks, or the fraction of a scale).
+pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
+    let (Some(quotient), Some(mut rest)) = (a.checked_div(c), a.checked_rem(c)) else {
+        return u64::MAX;
+    };
+    let mut divisor = c;
+    let mut product = rest.checked_mul(b);
+    while product.is_none() {
+        rest >>= 1;
+        divisor >>= 1;
+        product = rest.checked_mul(b);
+    }
+    let product = match product {
+        Some(product) => product,
+        None => 0,
+    };
+    let fraction = match product.saturating_add(divisor / 2).checked_div(divisor) {
+        Some(fraction) => fraction,
+        None => 0,
+    };
+    quotient.saturating_mul(b).saturating_add(fraction)
+}
+
+/// Euclidean length of a vector with up to 16 components, to the nearest nanometre or 2^-28 of it,
+/// whichever is larger.
+pub(crate) fn length(components: impl Iterator<Item = u64> + Clone) -> u64 {
+    let largest = components.clone().fold(0, u64::max);
+    let bits = 64 - largest.leading_zeros();
+    // Every component is brought to at most 30 bits: 16 squares of 60 bits add up to 64 bits.
+    if bits > 30 {
+        let shift = bits - 30;
+        let sum = components.fold(0u64, |sum, component| {
+            let part = component >> shift;
+            sum.saturating_add(part.saturating_mul(part))
+        });
+        return sum.isqrt().checked_shl(shift).unwrap_or(u64::MAX);
+    }
+    // Small ones get extra bits below the point, so that the root rounds to nearest.
+    let shift = (30 - bits).min(8);
+    let sum = components.fold(0u64, |sum, component| {
+        let part = component << shift;
+        sum.saturating_add(part.saturating_mul(part))
+    });
+    let half = (1u64 << shift) >> 1;
+    sum.isqrt().saturating_add(half) >> shift
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_round_to_nearest() {
+        assert_eq!(mul_div(7, 3, 2), 11);
+        assert_eq!(mul_div(1, 1, 3), 0);
+        assert_eq!(mul_div(u64::MAX, 1, 1), u64::MAX);
+        assert_eq!(mul_div(1, 1, 0), u64::MAX);
+        // A metre at a millimetre a minute and 32 MHz.
+        assert_eq!(
+            mul_div(1_000_000_000, 60 * 32_000_000, 1_000_000),
+            1_920_000_000_000
+        );
+    }
+
+    #[test]
+    fn large_products_keep_31_bits() {
+        let (a, b, c) = (1u64 << 62, (1 << 32) - 5, (1 << 63) - 25);
+        let exact = (a as u128 * b as u128 / c as u128) as u64;
+        assert!(mul_div(a, b, c).abs_diff(exact) <= (exact >> 31) + 1);
+    }
+
+    #[test]
+    fn lengths() {
+        assert_eq!(length([3u64, 4].into_iter()), 5);
+        assert_eq!(length([1u64, 1].into_iter()), 1);
+        assert_eq!(length([140u64, 140, 0].into_iter()), 198);
+        assert_eq!(length([3u64 << 40, 4 << 40].into_iter()), 5 << 40);
+        assert_eq!(length([0u64].into_iter()), 0);
+    }
+}

@@ -1,0 +1,71 @@
+//! What comes out of the machine: the event stream.
+
+use husillo_gcode::SpindleDirection;
+
+/// Longest wait of one event, in timer ticks; longer ones are led by [`Event::Dwell`] rows.
+pub const MAX_WAIT_TICKS: u32 = 1 << 31;
+
+/// One entry of the stream, in the order in which it must happen.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Event<const N: usize> {
+    /// Wait, then move.
+    Step(StepEvent<N>),
+    /// Wait, then nothing: at most [`MAX_WAIT_TICKS`].
+    Dwell {
+        /// Timer ticks to wait.
+        wait_ticks: u32,
+    },
+    /// Switch something, exactly between the moves it stands between.
+    Output(Output),
+    /// Stand still until the operator goes on (or for good, at the end of the program).
+    Pause(Pause),
+}
+
+/// Wait `wait_ticks`, then step every axis by its delta.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct StepEvent<const N: usize> {
+    /// Timer ticks from the event before this one.
+    pub wait_ticks: u32,
+    /// -1, 0 or +1 motor step of every axis.
+    pub delta: [i8; N],
+}
+
+/// A switch of the machine.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Spindle direction and speed.
+    Spindle {
+        /// Off, clockwise or counter-clockwise.
+        direction: SpindleDirection,
+        /// Speed in thousandths of a turn per minute.
+        milli_rpm: u64,
+    },
+    /// Coolant valves.
+    Coolant {
+        /// M7.
+        mist: bool,
+        /// M8.
+        flood: bool,
+    },
+    /// The tool that is in the spindle from here on.
+    Tool {
+        /// Number of the T word.
+        number: u32,
+    },
+}
+
+/// Why the machine stands still.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Pause {
+    /// M0: until the operator goes on.
+    Program,
+    /// M1: the same, if the operator's switch for it is on.
+    Optional,
+    /// M6: until the operator has changed the tool.
+    ToolChange,
+    /// M2 or M30: the program is over.
+    End {
+        /// M30: the next start is at the first block.
+        rewind: bool,
+    },
+}

@@ -1,0 +1,84 @@
+//! Why a line was not taken.
+
+use core::fmt;
+
+use husillo_gcode::{Error, Nm};
+
+/// Why [`Machine::line`](crate::Machine::line) did not take a line. Nothing has changed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The line before still has commands to begin: pull events, then offer this line again.
+    Busy,
+    /// The line is wrong, with the place in it.
+    Program(Error),
+    /// The line means a move this machine cannot make.
+    Move(MoveError),
+}
+
+/// Why a move cannot be made on this machine.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MoveError {
+    /// The path leaves the travel of an axis.
+    Travel {
+        /// Number of the axis.
+        axis: usize,
+        /// The farthest position on the path, machine frame.
+        position: Nm,
+        /// The limit it passes, machine frame.
+        limit: Nm,
+    },
+    /// A position of this axis is beyond 2^31 steps.
+    Reach {
+        /// Number of the axis.
+        axis: usize,
+    },
+    /// An arc in a plane whose axes have different steps.
+    UnequalSteps,
+    /// An arc whose radii at start and end differ by more than the machine's arc tolerance.
+    ArcTolerance {
+        /// The difference.
+        mismatch: Nm,
+        /// What the machine allows.
+        tolerance: Nm,
+    },
+    /// An arc with a radius of 2^28 steps or more.
+    ArcTooLarge,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Busy => f.write_str("busy with the line before"),
+            Self::Program(error) => error.fmt(f),
+            Self::Move(error) => error.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for MoveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Travel { .. } => f.write_str("target is beyond the soft limit"),
+            Self::Reach { .. } => f.write_str("number too large for the axis"),
+            Self::UnequalSteps => f.write_str("arc in a plane of unequal steps"),
+            Self::ArcTolerance { .. } => f.write_str("the end point is not on the arc"),
+            Self::ArcTooLarge => f.write_str("arc radius too large"),
+        }
+    }
+}
+
+impl core::error::Error for Refused {}
+impl core::error::Error for MoveError {}
+
+impl From<Error> for Refused {
+    fn from(error: Error) -> Self {
+        Self::Program(error)
+    }
+}
+
+impl From<MoveError> for Refused {
+    fn from(error: MoveError) -> Self {
+        Self::Move(error)
+    }
+}

@@ -1,0 +1,153 @@
+//! Nanometres to steps and back, exactly.
+
+use husillo_gcode::Nm;
+
+/// Travel of one motor step as a reduced fraction of nanometres: `nm / steps`.
+///
+/// 140 nm a step is `140 / 1`; 107 steps a millimetre are `1_000_000 / 107`. Both are exact, which no
+/// "steps per millimetre" in binary floating point is.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Scale {
+    nm: u32,
+    steps: u32,
+}
+
+impl Scale {
+    /// `steps` motor steps move the load by `nm` nanometres. `None` if either is zero.
+    pub const fn new(nm: u32, steps: u32) -> Option<Self> {
+        let (mut a, mut b) = (nm, steps);
+        while let Some(rest) = a.checked_rem(b) {
+            a = b;
+            b = rest;
+        }
+        // `a` is the greatest common divisor: it divides both, and is zero only when both are.
+        match (nm.checked_div(a), steps.checked_div(a)) {
+            (Some(nm), Some(steps)) if nm > 0 && steps > 0 => Some(Self { nm, steps }),
+            _ => None,
+        }
+    }
+
+    /// Nanometres of the reduced fraction.
+    pub const fn nm(self) -> u32 {
+        self.nm
+    }
+
+    /// Steps of the reduced fraction.
+    pub const fn steps(self) -> u32 {
+        self.steps
+    }
+
+    /// The step nearest to a position, halves away from zero; `None` beyond the range of `i32`.
+    ///
+    /// One multiplication and one division of 64 bits.
+    pub const fn nearest(self, at: Nm) -> Option<i32> {
+        let Some(doubled) = at.0.unsigned_abs().checked_mul(2 * self.steps as u64) else {
+            return None;
+        };
+        let Some(sum) = doubled.checked_add(self.nm as u64) else {
+            return None;
+        };
+        // `nm` is at least 1, so this divides.
+        let Some(magnitude) = sum.checked_div(2 * self.nm as u64) else {
+            return None;
+        };
+        if magnitude > i32::MAX as u64 {
+            return None;
+        }
+        Some(if at.0 < 0 {
+            -(magnitude as i32)
+        } else {
+            magnitude as i32
+        })
+    }
+
+    /// The position of a step in nanometres, halves away from zero.
+    ///
+    /// `|step| * nm <= 2^31 * 2^32 = 2^63` is formed in `u64`, so nothing overflows.
+    pub const fn position(self, step: i32) -> Nm {
+        let product = step.unsigned_abs() as u64 * self.nm as u64;
+        let divisor = self.steps as u64;
+        let magnitude = match product.saturating_add(divisor / 2).checked_div(divisor) {
+            Some(magnitude) => magnitude as i64,
+            None => 0,
+        };
+        Nm(if step < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        })
+    }
+
+    /// A position in units of `2^-fraction_bits` steps, halves away from zero; `None` on overflow.
+    pub(crate) const fn nearest_fraction(self, at: Nm, fraction_bits: u8) -> Option<i64> {
+        let magnitude = at.0.unsigned_abs();
+        let unit = self.nm as u64;
+        // Whole millimetre-sized chunks first: `(magnitude % unit) * steps < 2^64`, and its
+        // remainder `< unit < 2^32` takes up to 31 more fraction bits.
+        let (Some(chunks), Some(rest)) =
+            (magnitude.checked_div(unit), magnitude.checked_rem(unit))
+        else {
+            return None;
+        };
+        let part = rest * self.steps as u64;
+        let (Some(whole), Some(rest)) = (part.checked_div(unit), part.checked_rem(unit)) else {
+            return None;
+        };
+        let Some(steps) = chunks.checked_mul(self.steps as u64) else {
+            return None;
+        };
+        let Some(steps) = steps.checked_add(whole) else {
+            return None;
+        };
+        let bits = if fraction_bits > 31 { 31 } else { fraction_bits };
+        if steps >> (62 - bits) != 0 {
+            return None;
+        }
+        let Some(fraction) = ((rest << bits) + unit / 2).checked_div(unit) else {
+            return None;
+        };
+        let value = ((steps << bits) + fraction) as i64;
+        Some(if at.0 < 0 { -value } else { value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reduces_and_refuses_zero() {
+        assert_eq!(Scale::new(280, 2), Scale::new(140, 1));
+        assert_eq!(Scale::new(0, 1), None);
+        assert_eq!(Scale::new(1, 0), None);
+    }
+
+    #[test]
+    fn rounds_halves_away_from_zero() {
+        let micromill = Scale::new(140, 1).unwrap();
+        assert_eq!(micromill.nearest(Nm(69)), Some(0));
+        assert_eq!(micromill.nearest(Nm(70)), Some(1));
+        assert_eq!(micromill.nearest(Nm(-70)), Some(-1));
+        assert_eq!(micromill.nearest(Nm(i64::MAX)), None);
+        assert_eq!(micromill.nearest(Nm(i64::MIN)), None);
+    }
+
+    #[test]
+    fn inverts_exact_positions_of_every_machine() {
+        for scale in [Scale::new(140, 1), Scale::new(1_000_000, 107), Scale::new(1, 1)] {
+            let scale = scale.unwrap();
+            for step in [0, 1, -1, 71_429, -71_429, i32::MAX, -i32::MAX] {
+                let there = scale.position(step);
+                assert_eq!(scale.nearest(there), Some(step), "{scale:?} {step}");
+            }
+        }
+    }
+
+    #[test]
+    fn fractions_agree_with_whole_steps() {
+        let drill = Scale::new(1_000_000, 107).unwrap();
+        assert_eq!(drill.nearest_fraction(Nm(1_000_000), 16), Some(107 << 16));
+        assert_eq!(drill.nearest_fraction(Nm(-500_000), 1), Some(-107));
+        assert_eq!(drill.nearest_fraction(Nm(i64::MAX), 16), None);
+    }
+}
