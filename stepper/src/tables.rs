@@ -6,7 +6,8 @@
 /// One electrical cycle of levels.
 pub(crate) type Cycle = [u8; 16];
 
-/// Coil currents of the first quadrant as the two-bit code of the bridges: 3 = 100 %, 2, 1, 0 = off.
+/// One cycle from its first quadrant; each number is the current of a coil: [`FULL`], [`MORE`], [`LESS`] or [`OFF`],
+/// negative with PH low.
 const fn bridges(quadrant: [[i8; 2]; 4]) -> Cycle {
     let mut cycle = [0; 16];
     let mut at = 0;
@@ -24,20 +25,31 @@ const fn bridges(quadrant: [[i8; 2]; 4]) -> Cycle {
     cycle
 }
 
-/// PH, I0 and I1 for one current code; a phase that is off has PH high (our convention, the data sheets leave it open).
-const fn bridge(code: i8) -> u8 {
-    let i = 3 - code.unsigned_abs();
-    (code >= 0) as u8 | i << 1
+/// 100 %: I1 I0 = 00.
+const FULL: i8 = 4;
+/// 60 % or 66.7 %: I1 I0 = 01.
+const MORE: i8 = 3;
+/// 20 % or 33.3 %: I1 I0 = 10.
+const LESS: i8 = 2;
+/// No current: I1 I0 = 11. Not 0, since PH has a level here too: the one it has before it when stepping forward.
+const OFF: i8 = 1;
+
+/// PH, I0 and I1 in bits 0, 1 and 2.
+const fn bridge(current: i8) -> u8 {
+    // `current` is one of the four above or its negative, so 4 - |current| is 0 to 3.
+    (current > 0) as u8 | (4 - current.unsigned_abs()) << 1
 }
 
 /// PBL3717A, quarter steps with 60 %.
-pub(crate) const PBL3717A: Cycle = bridges([[3, 0], [3, 2], [3, 3], [2, 3]]);
+pub(crate) const PBL3717A: Cycle =
+    bridges([[FULL, -OFF], [FULL, MORE], [FULL, FULL], [MORE, FULL]]);
 
 /// PBL3717A, quarter steps with 20 %.
-pub(crate) const PBL3717A_LOW: Cycle = bridges([[3, 0], [3, 1], [3, 3], [1, 3]]);
+pub(crate) const PBL3717A_LOW: Cycle =
+    bridges([[FULL, -OFF], [FULL, LESS], [FULL, FULL], [LESS, FULL]]);
 
 /// A3988: two phases share 2/3 each, so the torque hardly changes over the cycle.
-pub(crate) const A3988: Cycle = bridges([[3, 0], [3, 1], [2, 2], [1, 3]]);
+pub(crate) const A3988: Cycle = bridges([[FULL, -OFF], [FULL, LESS], [MORE, MORE], [LESS, FULL]]);
 
 /// L297: state s at position 2 s + 8. HOME is bit 6; INH1 = A or B, INH2 = C or D, which in two-phase states is both high.
 pub(crate) const L297: Cycle = halves([

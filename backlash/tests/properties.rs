@@ -1,0 +1,128 @@
+//! What holds for every lash and every walk.
+
+use husillo_backlash::{Backlash, Compensator, Flank, Lash};
+use proptest::prelude::*;
+
+fn flank() -> impl Strategy<Value = Flank> {
+    prop_oneof![
+        Just(Flank::Unknown),
+        Just(Flank::Positive),
+        Just(Flank::Negative)
+    ]
+}
+
+/// A walk on two axes, one step an event at most.
+fn walk() -> impl Strategy<Value = Vec<[i8; 2]>> {
+    proptest::collection::vec([-1i8..=1, -1i8..=1], 0..300)
+}
+
+/// A lash of its own in every hundred steps of travel.
+struct Regions {
+    last: i8,
+}
+
+impl Regions {
+    fn lash(load: i32) -> u32 {
+        load.div_euclid(100).unsigned_abs() % 7
+    }
+}
+
+impl Lash for Regions {
+    fn take_up(&mut self, direction: i8, load: i32) -> u32 {
+        let turned = self.last * direction < 0;
+        if direction != 0 {
+            self.last = direction;
+        }
+        if turned { Self::lash(load) } else { 0 }
+    }
+}
+
+proptest! {
+    /// The motor position of a load position leads back to it, everywhere in i32 and for every lash.
+    #[test]
+    fn load_of_target_is_the_load(
+        lash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(any::<i32>(), 1..50),
+    ) {
+        let mut axis = Backlash::new(lash, flank);
+        for load in loads {
+            let motor = axis.motor_target(load);
+            prop_assert_eq!(axis.load_position(motor), load);
+        }
+    }
+
+    /// Targets and take-up agree: step by step, the motor has made exactly the steps that the target asks for.
+    #[test]
+    fn steps_arrive_at_the_target(lash in 0u32..50, flank in flank(), walk in walk()) {
+        let mut by_steps = Backlash::new(lash, flank);
+        let mut by_target = by_steps;
+        let mut motor = by_target.motor_target(0);
+        let mut load = 0;
+        for [delta, _] in walk {
+            motor += i32::from(delta) * (by_steps.take_up(delta, load) as i32 + 1);
+            load += i32::from(delta);
+            prop_assert_eq!(by_target.motor_target(load), motor);
+            prop_assert_eq!(by_steps.load_position(motor), load);
+        }
+    }
+
+    /// A nut with that play stands on the commanded point after every event, and never moves in a take-up.
+    #[test]
+    fn the_nut_is_where_it_was_sent(lash in [0u32..20, 0u32..20], walk in walk()) {
+        let mut stage = Compensator::new(lash.map(|lash| Backlash::new(lash, Flank::Positive)));
+        let (mut motor, mut nut, mut load) = ([0i32; 2], [0i32; 2], [0i32; 2]);
+        for delta in walk {
+            let owed = stage.before(&delta, load);
+            for axis in 0..2 {
+                let (play, step) = (lash[axis] as i32, i32::from(delta[axis]));
+                motor[axis] += step * owed[axis] as i32;
+                let before = nut[axis];
+                nut[axis] = nut[axis].clamp(motor[axis], motor[axis] + play);
+                prop_assert_eq!(nut[axis], before, "take-up moves no nut");
+                motor[axis] += step;
+                nut[axis] = nut[axis].clamp(motor[axis], motor[axis] + play);
+                load[axis] += step;
+            }
+            prop_assert_eq!(nut, load);
+        }
+    }
+
+    /// A foreign lash model in the compensator is asked where the load is when an axis turns round, and only then counts.
+    #[test]
+    fn a_foreign_lash_serves(walk in walk(), start in -1000i32..1000) {
+        let mut stage = Compensator::new([Regions { last: 0 }, Regions { last: 0 }]);
+        let mut last = [0i8; 2];
+        let mut load = [start; 2];
+        for delta in walk {
+            let owed = stage.before(&delta, load);
+            for axis in 0..2 {
+                let turned = delta[axis] * last[axis] < 0;
+                prop_assert_eq!(owed[axis], if turned { Regions::lash(load[axis]) } else { 0 });
+                if delta[axis] != 0 {
+                    last[axis] = delta[axis];
+                }
+                load[axis] += i32::from(delta[axis]);
+            }
+        }
+    }
+
+    /// Standing axes owe nothing and forget nothing.
+    #[test]
+    fn standing_still_is_free(lash in 1u32..50) {
+        let mut stage = Compensator::new([Backlash::new(lash, Flank::Positive)]);
+        prop_assert_eq!(stage.before(&[0], [0]), [0]);
+        prop_assert_eq!(stage.before(&[-1], [0]), [lash]);
+        prop_assert_eq!(stage.before(&[0], [-1]), [0]);
+        prop_assert_eq!(stage.before(&[-1], [-1]), [0]);
+        prop_assert_eq!(stage.before(&[1], [-2]), [lash]);
+    }
+}
+
+/// After homing the models are set anew, and the compensator asks them again.
+#[test]
+fn homing_engages_the_flank_anew() {
+    let mut stage = Compensator::new([Backlash::new(5, Flank::Positive)]);
+    assert_eq!(stage.before(&[-1], [0]), [5]);
+    stage.lash_mut()[0] = Backlash::new(5, Flank::Positive);
+    assert_eq!(stage.before(&[-1], [0]), [5]);
+    assert_eq!(stage.lash()[0].flank(), Flank::Negative);
+}

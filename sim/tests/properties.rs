@@ -1,0 +1,190 @@
+//! What holds for every motor, walk and mistake.
+
+use husillo_sim::{AxisModel, Cause, Rig};
+use husillo_stepper::{
+    CoilDriver, Driver, Levels, Mode, PulseTiming, Sequencer, StepDirection, StepToggle,
+};
+use proptest::prelude::*;
+
+const STAGES: [(Driver, Mode); 14] = [
+    (Driver::Pbl3717a, Mode::Wave),
+    (Driver::Pbl3717a, Mode::Full),
+    (Driver::Pbl3717a, Mode::Half),
+    (Driver::Pbl3717a, Mode::Quarter),
+    (Driver::Pbl3717a, Mode::QuarterLow),
+    (Driver::A3988, Mode::Full),
+    (Driver::A3988, Mode::Half),
+    (Driver::A3988, Mode::Quarter),
+    (Driver::L297, Mode::Wave),
+    (Driver::L297, Mode::Full),
+    (Driver::L297, Mode::Half),
+    (Driver::Unipolar, Mode::Full),
+    (Driver::Unipolar, Mode::Half),
+    (Driver::PhasePair, Mode::Full),
+];
+
+fn walk() -> impl Strategy<Value = Vec<i8>> {
+    proptest::collection::vec(-1i8..=1, 0..300)
+}
+
+/// A motor, and a rig that rests in its levels.
+fn bench(driver: Driver, mode: Mode, lash: u32, pull_out_ticks: u32) -> (Sequencer, Rig<1>) {
+    let motor = Sequencer::new(driver, mode).unwrap();
+    let model = AxisModel::coils(driver, mode)
+        .with_lash(lash)
+        .with_pull_out_ticks(pull_out_ticks);
+    (motor, Rig::new([model], [motor.levels()]))
+}
+
+proptest! {
+    /// A motor that is driven slowly enough makes every step, in every mode and whichever way it is mounted; its nut
+    /// follows as play does.
+    #[test]
+    fn the_rotor_makes_every_step(stage in 0..STAGES.len(), walk in walk(), lash in 0u32..9, mounted in any::<bool>()) {
+        let (driver, mode) = STAGES[stage];
+        let mut motor = Sequencer::new(driver, mode).unwrap();
+        let mut model = AxisModel::coils(driver, mode).with_lash(lash).with_pull_out_ticks(100);
+        if mounted {
+            motor = motor.reversed();
+            model = model.reversed();
+        }
+        let mut rig = Rig::new([model], [motor.levels()]);
+        let (mut at, mut nut) = (0i32, 0i32);
+        for delta in walk {
+            rig.apply(&[motor.step(delta)], 100);
+            at += i32::from(delta);
+            nut = nut.clamp(at, at + lash as i32);
+            prop_assert_eq!(rig.motor(), [at]);
+            prop_assert_eq!(rig.tool(), [nut]);
+        }
+        prop_assert_eq!(rig.lost_steps(), [0]);
+    }
+
+    /// Both kinds of step and direction drive move as stepped; mounted the other way they move the other way.
+    #[test]
+    fn step_and_direction_moves_as_stepped(walk in walk()) {
+        let mut toggle = StepToggle::new();
+        let timing = PulseTiming { setup_ticks: 3, hold_ticks: 9, high_ticks: 2, low_ticks: 4 };
+        let mut pulse = StepDirection::new(timing);
+        let models = [AxisModel::step_toggle().with_pull_out_ticks(6), AxisModel::step_pulse().reversed()];
+        let mut rig = Rig::new(models, [toggle.levels(), pulse.levels()]);
+        let mut at = 0;
+        for delta in walk {
+            let toggled = toggle.step(delta);
+            let mut present = pulse.start(delta);
+            while let Some(next) = present {
+                rig.apply(&[toggled, next.levels], next.ticks);
+                present = pulse.advance();
+            }
+            rig.apply(&[toggled, pulse.levels()], 1);
+            at += i32::from(delta);
+            prop_assert_eq!(rig.tool(), [at, -at]);
+        }
+        prop_assert_eq!(rig.lost_steps(), [0, 0]);
+    }
+
+    /// Wherever a full-step sequence leaves out a phase, steps are lost and the place is reported.
+    #[test]
+    fn a_skipped_phase_is_reported(before in 1u32..50, after in 1u32..50) {
+        let (mut motor, mut rig) = bench(Driver::Unipolar, Mode::Full, 0, 0);
+        for _ in 0..before {
+            rig.apply(&[motor.step(1)], 10);
+        }
+        motor.step(1);
+        for _ in 0..after {
+            rig.apply(&[motor.step(1)], 10);
+        }
+        prop_assert_eq!(rig.losses()[0].event, u64::from(before));
+        prop_assert_eq!(rig.losses()[0].cause, Cause::HalfCycle);
+        // Half a cycle when it stops there, a whole one when the field goes on: the rotor falls back.
+        prop_assert_eq!(rig.lost_steps(), [if after == 1 { 2 } else { 4 }]);
+        let asked = before + after + 1;
+        prop_assert_eq!(rig.motor(), [asked as i32 - if after == 1 { 2 } else { 4 }]);
+    }
+
+    /// Steps in quicker succession than pull-out are lost, all of them and no other.
+    #[test]
+    fn too_fast_is_lost(fast in 1u32..40, direction in prop_oneof![Just(1i8), Just(-1)]) {
+        let (mut motor, mut rig) = bench(Driver::A3988, Mode::Full, 0, 100);
+        rig.apply(&[motor.step(direction)], 100);
+        for _ in 0..fast {
+            rig.apply(&[motor.step(direction)], 99);
+        }
+        prop_assert_eq!(rig.motor(), [i32::from(direction)]);
+        prop_assert_eq!(rig.lost_steps(), [u64::from(fast)]);
+        prop_assert_eq!(rig.losses().len(), fast.min(16) as usize);
+        prop_assert!(rig.losses().iter().all(|loss| loss.cause == Cause::TooFast && loss.axis == 0));
+    }
+
+    /// Random levels at random times never panic, and a rig whose levels stand still does not move.
+    #[test]
+    fn any_levels_are_taken(levels in proptest::collection::vec((any::<u8>(), any::<u8>(), any::<u32>()), 0..200)) {
+        let models = [AxisModel::coils(Driver::Pbl3717a, Mode::Quarter).with_lash(7), AxisModel::step_toggle()];
+        let mut rig = Rig::new(models, [Levels(0), Levels(0)]);
+        for (first, second, wait_ticks) in levels {
+            let levels = [Levels(first), Levels(second)];
+            rig.apply(&levels, wait_ticks);
+            let (tool, lost) = (rig.tool(), rig.lost_steps());
+            rig.apply(&levels, wait_ticks);
+            prop_assert_eq!((rig.tool(), rig.lost_steps()), (tool, lost));
+        }
+    }
+
+    /// Current off and on again in the held phase moves nothing and loses nothing, at any speed.
+    #[test]
+    fn off_and_on_again(stage in 0..STAGES.len(), walk in walk()) {
+        let (driver, mode) = STAGES[stage];
+        let (mut motor, mut rig) = bench(driver, mode, 2, 100);
+        for delta in walk {
+            rig.apply(&[motor.step(delta)], 100);
+            let tool = rig.tool();
+            rig.apply(&[motor.set_enabled(false)], 1);
+            rig.apply(&[motor.set_enabled(true)], 1);
+            prop_assert_eq!(rig.tool(), tool);
+        }
+        prop_assert_eq!(rig.lost_steps(), [0]);
+    }
+}
+
+/// The field turns while the coils are off: nobody makes those steps.
+#[test]
+fn steps_without_current_are_lost() {
+    let (_, mut rig) = bench(Driver::Pbl3717a, Mode::Full, 0, 0);
+    let off = 0b110_110;
+    rig.apply(&[Levels(off | 0b000_001)], 10);
+    rig.apply(&[Levels(off | 0b001_001)], 10);
+    assert_eq!(rig.lost_steps(), [1]);
+    assert_eq!(
+        (rig.losses()[0].cause, rig.losses()[0].event),
+        (Cause::NoCurrent, 1)
+    );
+    let mut drive = StepToggle::new();
+    let mut rig = Rig::new([AxisModel::step_toggle()], [drive.levels()]);
+    let off = drive.set_enabled(false);
+    rig.apply(&[off], 10);
+    rig.apply(&[Levels(off.0 ^ Levels::STEP.0)], 10);
+    assert_eq!((rig.lost_steps(), rig.tool()), ([1], [0]));
+}
+
+/// Half steps skipped by one are a full step: the rotor follows.
+#[test]
+fn a_skipped_half_step_is_followed() {
+    let (mut motor, mut rig) = bench(Driver::L297, Mode::Half, 0, 0);
+    motor.step(1);
+    rig.apply(&[motor.step(1)], 10);
+    assert_eq!((rig.motor(), rig.lost_steps()), ([2], [0]));
+}
+
+/// The motor does not know what was asked: a swapped coil turns it the other way.
+#[test]
+fn a_swapped_coil_turns_backwards() {
+    let (mut motor, mut rig) = bench(Driver::Unipolar, Mode::Full, 0, 0);
+    for _ in 0..8 {
+        // Coils 1 and 3 exchanged, at the levels 3 both ways round: 9 instead of 3.
+        let levels = motor.step(1).0;
+        let swapped = levels & 0b0101 | (levels & 0b0010) << 2 | (levels & 0b1000) >> 2;
+        rig.apply(&[Levels(swapped)], 10);
+    }
+    // From 3 the first swapped level is 3 again, then backwards through 6, 12, 9.
+    assert_eq!(rig.motor(), [-7]);
+}
