@@ -2,7 +2,39 @@
 
 use core::hint::black_box;
 
+use husillo_backlash::Backlash;
+use husillo_interp::Path;
+use husillo_machine::{Axis, Config, Machine as AnyMachine, Motors, Scale};
+use husillo_stepper::Sequencer;
+
+type Machine = AnyMachine<3, Path<3>, Backlash>;
+
 /// Keeps every function in the program.
 pub fn keep() {
-    let _: [*const (); 0] = black_box([]);
+    black_box([
+        Scale::new as *const (),
+        Scale::nm as *const (),
+        Scale::steps as *const (),
+        Scale::nearest as *const (),
+        Scale::position as *const (),
+        Axis::max_feed_nm_per_min as *const (),
+        Config::<3>::check as *const (),
+        Machine::new as *const (),
+        Machine::with_lash as *const (),
+        Machine::set_compensation as *const (),
+        Machine::line as *const (),
+        Machine::next_event as *const (),
+        Machine::abort as *const (),
+        Machine::origin as *const (),
+        Machine::executing as *const (),
+        Machine::position_steps as *const (),
+        Machine::modal as *const (),
+        Machine::config as *const (),
+        Motors::<3, Sequencer>::new as *const (),
+        Motors::<3, Sequencer>::step as *const (),
+        Motors::<3, Sequencer>::rest as *const (),
+        Motors::<3, Sequencer>::set_enabled as *const (),
+        Motors::<3, Sequencer>::levels as *const (),
+        Motors::<3, Sequencer>::was_released as *const (),
+    ]);
 }
