@@ -1,5 +1,21 @@
-//! A move to the axes that step, one event at a time, in integers
-
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod step;
+
+mod line;
+
+mod arc;
+mod walk;
+
+mod helix;
+
+mod path;
+
+pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
+pub use helix::Helix;
+pub use line::Line;
+pub use path::{Interpolator, Path};
+pub use step::Step;

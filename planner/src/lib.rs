@@ -1,5 +1,8 @@
-//! Moves and path length to timer ticks
-
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod timer;
+
+pub use timer::Timer;

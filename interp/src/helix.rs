@@ -1,0 +1,277 @@
+//! An arc in one plane with straight motion of the other axes: slaved to the swept area.
+
+use core::iter::FusedIterator;
+
+use crate::{Arc, ArcError, Step};
+
+/// An arc in the plane of two axes while the others go a straight way, in proportion to the swept
+/// area (not to the count of events, which would be 0.5 % off): always within 1/2 step of it.
+///
+/// Where an axis has more steps than an event of the plane may take, events of the other axes alone
+/// are put evenly before it and share its sweep.
+#[derive(Clone, Debug)]
+pub struct Helix<const N: usize> {
+    arc: Arc,
+    plane: [usize; 2],
+    axes: [Slave; N],
+    pace: Pace,
+    events: u32,
+    left: u32,
+    largest_sweep: u64,
+    /// Sweeps of a dense helix are in units 2^lift times finer, so that they can be shared out.
+    lift: u8,
+    burst: Burst,
+}
+
+/// How the other axes move.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Pace {
+    /// Not at all.
+    Flat,
+    /// At most one step with each event of the plane.
+    Sparse,
+    /// Possibly several.
+    Dense,
+}
+
+/// One axis outside the plane.
+#[derive(Copy, Clone, Debug)]
+struct Slave {
+    /// Its steps times the sweep done, modulo the total sweep; starts at half of it (rounding).
+    phase: u64,
+    rate: u32,
+    sign: i8,
+    /// Steps in the present burst, and their distribution over its events.
+    due: u32,
+    due_phase: u32,
+}
+
+/// The events made of one event of the plane: `of` in number, the last one with the plane's step.
+#[derive(Copy, Clone, Debug)]
+struct Burst {
+    left: u32,
+    of: u32,
+    delta: [i8; 2],
+    sweep: u64,
+    /// This many events have one unit of sweep more.
+    longer: u32,
+}
+
+impl<const N: usize> Helix<N> {
+    /// Joins `arc`, whose two axes are `plane` of the machine, with `along` steps of the others
+    /// (entries of the plane's own axes are ignored).
+    ///
+    /// # Errors
+    /// [`ArcError::Plane`], and [`ArcError::TooLong`] above 2^31 events.
+    pub fn new(arc: Arc, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
+        let [first, second] = plane;
+        if first == second || first >= N || second >= N {
+            return Err(ArcError::Plane);
+        }
+        let total = arc.total_sweep();
+        let mut fastest = 0_u32;
+        let mut axes = along.map(|steps| Slave {
+            phase: total / 2,
+            rate: steps.unsigned_abs(),
+            sign: if steps < 0 { -1 } else { 1 },
+            due: 0,
+            due_phase: 0,
+        });
+        for (index, axis) in axes.iter_mut().enumerate() {
+            if index == first || index == second {
+                axis.rate = 0;
+            }
+            fastest = fastest.max(axis.rate);
+        }
+        // rate <= 2^31 and a sweep is below 2^32: the product fits.
+        let most = u64::from(fastest).wrapping_mul(arc.largest_sweep());
+        let pace = match fastest {
+            0 => Pace::Flat,
+            _ if most <= total => Pace::Sparse,
+            _ => Pace::Dense,
+        };
+        let mut helix = Helix {
+            events: arc.events(),
+            left: arc.events(),
+            largest_sweep: arc.largest_sweep(),
+            plane,
+            axes,
+            pace,
+            lift: 0,
+            burst: Burst {
+                left: 0,
+                of: 0,
+                delta: [0; 2],
+                sweep: 0,
+                longer: 0,
+            },
+            arc,
+        };
+        if pace == Pace::Dense {
+            // One event gets about total / fastest: lift that to 2^30 units. total 2^lift stays
+            // within fastest 2^32 <= 2^63, and the share of one event below 2^32.
+            let lift = (30 + fastest.leading_zeros().abs_diff(31))
+                .saturating_sub(total.leading_zeros().abs_diff(63));
+            helix.lift = lift as u8;
+            helix.dry_pass()?;
+        }
+        Ok(helix)
+    }
+
+    /// The dry pass of a dense helix: one round for each event of the plane.
+    fn dry_pass(&mut self) -> Result<(), ArcError> {
+        let mut dry = self.clone();
+        let (mut events, mut largest) = (0_u64, 0_u64);
+        while dry.load().is_some() {
+            events = events.saturating_add(u64::from(dry.burst.of));
+            let longer = u64::from(dry.burst.longer.min(1));
+            largest = largest.max(dry.burst.sweep.saturating_add(longer));
+        }
+        if events > 1 << 31 {
+            return Err(ArcError::TooLong);
+        }
+        self.events = events as u32;
+        self.left = self.events;
+        self.largest_sweep = largest;
+        Ok(())
+    }
+
+    /// Takes the next event of the plane and shares it out.
+    fn load(&mut self) -> Option<()> {
+        let step = self.arc.next()?;
+        let total = self.arc.total_sweep();
+        let mut of = 1_u32;
+        for axis in &mut self.axes {
+            // rate sweep < 2^63 and phase < total < 2^63; total is positive, as an event was.
+            let phase = axis
+                .phase
+                .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep));
+            // Together the steps due are `rate`, so each count fits.
+            axis.due = phase.checked_div(total).unwrap_or(0) as u32;
+            axis.phase = phase.wrapping_sub(u64::from(axis.due).wrapping_mul(total));
+            axis.due_phase = 0;
+            of = of.max(axis.due);
+        }
+        let sweep = step.sweep.wrapping_shl(self.lift.into());
+        let share = sweep.checked_div(of.into()).unwrap_or(0);
+        self.burst = Burst {
+            left: of,
+            of,
+            delta: step.delta,
+            sweep: share,
+            longer: sweep.wrapping_sub(share.wrapping_mul(of.into())) as u32,
+        };
+        Some(())
+    }
+
+    /// An event of a dense helix.
+    fn next_of_burst(&mut self) -> Option<Step<N>> {
+        if self.burst.left == 0 {
+            self.load()?;
+        }
+        let burst = &mut self.burst;
+        burst.left = burst.left.wrapping_sub(1);
+        let mut delta = [0; N];
+        for (delta, axis) in delta.iter_mut().zip(&mut self.axes) {
+            // phase < of and due <= of <= 2^31: the sum fits.
+            axis.due_phase = axis.due_phase.wrapping_add(axis.due);
+            if axis.due_phase >= burst.of {
+                axis.due_phase = axis.due_phase.wrapping_sub(burst.of);
+                *delta = axis.sign;
+            }
+        }
+        if burst.left == 0 {
+            put(&mut delta, self.plane, burst.delta);
+        }
+        let longer = u64::from(burst.left < burst.longer);
+        self.left = self.left.wrapping_sub(1);
+        Some(Step {
+            delta,
+            sweep: burst.sweep.wrapping_add(longer),
+        })
+    }
+
+    /// The arc in the plane.
+    pub const fn arc(&self) -> &Arc {
+        &self.arc
+    }
+
+    /// Events of the whole move.
+    pub const fn events(&self) -> u32 {
+        self.events
+    }
+
+    /// Events still to come.
+    #[inline]
+    pub const fn remaining(&self) -> u32 {
+        match self.pace {
+            Pace::Dense => self.left,
+            _ => self.arc.remaining(),
+        }
+    }
+
+    /// Sum of the sweeps of all events of the move.
+    pub const fn total_sweep(&self) -> u64 {
+        self.arc.total_sweep().wrapping_shl(self.lift as u32)
+    }
+
+    /// Largest sweep of one event of the move, below 2^32.
+    pub const fn largest_sweep(&self) -> u64 {
+        self.largest_sweep
+    }
+
+    /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in its plane.
+    pub const fn radius(&self) -> u64 {
+        self.arc.radius().wrapping_shl(self.lift as u32)
+    }
+}
+
+/// Puts the plane's deltas where they belong; `plane` was checked.
+#[inline]
+fn put<const N: usize>(delta: &mut [i8; N], plane: [usize; 2], of_plane: [i8; 2]) {
+    for (axis, value) in plane.into_iter().zip(of_plane) {
+        if let Some(delta) = delta.get_mut(axis) {
+            *delta = value;
+        }
+    }
+}
+
+impl<const N: usize> Iterator for Helix<N> {
+    type Item = Step<N>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step<N>> {
+        if self.pace == Pace::Dense {
+            return self.next_of_burst();
+        }
+        let step = self.arc.next()?;
+        let mut delta = [0; N];
+        if self.pace == Pace::Sparse {
+            let total = self.arc.total_sweep();
+            for (delta, axis) in delta.iter_mut().zip(&mut self.axes) {
+                // rate sweep <= total < 2^63 and phase < total: fits, and one subtraction is enough.
+                axis.phase = axis
+                    .phase
+                    .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep));
+                if axis.phase >= total {
+                    axis.phase = axis.phase.wrapping_sub(total);
+                    *delta = axis.sign;
+                }
+            }
+        }
+        put(&mut delta, self.plane, step.delta);
+        Some(Step {
+            delta,
+            sweep: step.sweep,
+        })
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = usize::try_from(self.remaining()).ok();
+        (left.unwrap_or(usize::MAX), left)
+    }
+}
+
+impl<const N: usize> ExactSizeIterator for Helix<N> {}
+impl<const N: usize> FusedIterator for Helix<N> {}
