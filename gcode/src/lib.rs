@@ -1,5 +1,60 @@
-//! G/M-code text to words, checked blocks and exact commands
-
+//! G-code text in, exact commands out.
+//!
+//! Nothing here knows a machine, a clock or a float: lengths are integer nanometres ([`Nm`]), numbers exact decimals
+//! ([`Decimal`]), and a line is `&[u8]`.
+//!
+//! ```text
+//! line &[u8] ──► Words ──► Word ──► Block ──► Modal::plan ──► (new Modal, Commands) ──► Command
+//!               letters,  decimal   groups,   modes, frames,   all or nothing          Rapid, Linear, Arc, ...
+//!               comments            repeats   missing, unused
+//! ```
+//!
+//! ```
+//! use husillo_gcode::{Block, Dialect, Modal};
+//!
+//! let dialect = Dialect::RS274;
+//! let mut modal = Modal::<3>::new(dialect);
+//! let mut printed = Vec::new();
+//! for line in ["G21 G90 F120", "G1 X1.5 Y-2", "G2 X2.5 I0.5"] {
+//!     for (_, text) in dialect.blocks(line.as_bytes()) {
+//!         let block = Block::parse(text, &dialect)?;
+//!         let (next, commands) = modal.plan(&block)?;
+//!         printed.extend(commands.map(|command| command.to_string()));
+//!         modal = next;
+//!     }
+//! }
+//! assert_eq!(printed, [
+//!     "linear X1.5 Y-2 Z0 F120",
+//!     "arc cw xy X2.5 Y-2 Z0 centre X2 Y-2 Z0 F120",
+//! ]);
+//! # Ok::<(), husillo_gcode::Error>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod nm;
+
+mod decimal;
+mod error;
+mod word;
+
+mod code;
+mod dialect;
+
+mod block;
+
+mod arc;
+mod command;
+mod modal;
+mod motion;
+
+pub use arc::{Arc, Direction, Plane};
+pub use block::Block;
+pub use command::{Command, Commands, Feed, PathMode, SpindleDirection};
+pub use decimal::Decimal;
+pub use dialect::{Blocks, Dialect};
+pub use error::{Error, ErrorKind};
+pub use modal::{Distance, FeedMode, Modal, Motion, Units};
+pub use nm::Nm;
+pub use word::{Word, Words, words};

@@ -1,0 +1,366 @@
+//! A block: the words of one line, checked as far as a line alone can tell.
+
+use crate::code::{Code, Group};
+use crate::decimal::Decimal;
+use crate::dialect::{Dialect, Flavour};
+use crate::error::{Error, ErrorKind};
+use crate::word::words;
+
+/// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
+const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTN";
+const SLOTS: usize = 15;
+
+/// Slot of each letter A to Z, or [`NO_SLOT`].
+const SLOT_OF: [u8; 26] = {
+    let mut table = [NO_SLOT; 26];
+    let mut slot = 0;
+    while slot < SLOTS {
+        table[(LETTERS[slot] - b'A') as usize] = slot as u8;
+        slot += 1;
+    }
+    table
+};
+const NO_SLOT: u8 = 0xff;
+
+/// How many letters are axes: X Y Z A B C.
+pub(crate) const AXES: usize = 6;
+
+/// The letter of an axis; `?` beyond the sixth.
+pub(crate) fn axis_letter(axis: usize) -> u8 {
+    LETTERS
+        .get(axis)
+        .copied()
+        .filter(|_| axis < AXES)
+        .unwrap_or(b'?')
+}
+
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+struct Span {
+    at: usize,
+    end: usize,
+}
+
+/// A checked line: every letter at most once, at most one code of each modal group, only known codes and letters.
+///
+/// Its size is fixed (about 0.8 kB) whatever the line's length. What depends on earlier lines is checked by
+/// [`Modal::plan`](crate::Modal::plan).
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Bit n: slot n is given.
+    present: u16,
+    deleted: bool,
+    values: [Decimal; SLOTS],
+    codes: [Option<Code>; Group::COUNT],
+    word_spans: [Span; SLOTS],
+    code_spans: [Span; Group::COUNT],
+}
+
+impl Block {
+    const EMPTY: Block = Block {
+        present: 0,
+        deleted: false,
+        values: [Decimal::ZERO; SLOTS],
+        codes: [None; Group::COUNT],
+        word_spans: [Span { at: 0, end: 0 }; SLOTS],
+        code_spans: [Span { at: 0, end: 0 }; Group::COUNT],
+    };
+
+    /// Reads one block; `text` comes from [`Dialect::blocks`]. Cost: one pass over the text.
+    ///
+    /// # Errors
+    /// The first fault of the line, from the left: its words (E01xx), unknown letters and codes (E0201, E0202),
+    /// repeated letters (E0203), two codes of a modal group (E0204), negative F, S, T, P or N (E0502), a dwell without
+    /// time (E0504). A deleted block (`/`) is empty and has no errors.
+    pub fn parse(text: &[u8], dialect: &Dialect) -> Result<Block, Error> {
+        let mut block = Block::EMPTY;
+        check_length(text, dialect)?;
+        let mut words = words(text);
+        while let Some(word) = words.next() {
+            if words.is_deleted() && dialect.block_delete() {
+                return Ok(Block {
+                    deleted: true,
+                    ..Block::EMPTY
+                });
+            }
+            let word = word?;
+            let span = Span {
+                at: word.at,
+                end: word.end,
+            };
+            let pushed = match word.letter {
+                b'G' | b'M' => block.push_code(word.letter, word.value, span, dialect),
+                letter => block.push_word(letter, word.value, span),
+            };
+            pushed.map_err(|kind| Error {
+                kind,
+                at: span.at,
+                end: span.end,
+            })?;
+        }
+        block.deleted = words.is_deleted();
+        if block.code(Group::NonModal) == Some(Code::Dwell) && block.word(b'P').is_none() {
+            return Err(block.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
+        }
+        Ok(block)
+    }
+
+    fn push_code(
+        &mut self,
+        letter: u8,
+        value: Decimal,
+        span: Span,
+        dialect: &Dialect,
+    ) -> Result<(), ErrorKind> {
+        let tenths = value
+            .exactly(1)
+            .and_then(|tenths| u16::try_from(tenths).ok());
+        let unknown = ErrorKind::UnknownCode(letter, tenths);
+        let tenths = tenths.ok_or(unknown)?;
+        let code = if letter == b'G' {
+            Code::g(tenths)
+        } else {
+            Code::m(tenths)
+        };
+        let code = code.ok_or(unknown)?;
+        if dialect.flavour == Flavour::Micromill && !code.in_micromill() {
+            return Err(unknown);
+        }
+        let group = code.group() as usize;
+        if let (Some(slot), Some(place)) =
+            (self.codes.get_mut(group), self.code_spans.get_mut(group))
+        {
+            if slot.is_some() {
+                return Err(ErrorKind::TwoCodesOfOneGroup);
+            }
+            (*slot, *place) = (Some(code), span);
+        }
+        Ok(())
+    }
+
+    fn push_word(&mut self, letter: u8, value: Decimal, span: Span) -> Result<(), ErrorKind> {
+        let slot = slot_of(letter).ok_or(ErrorKind::UnknownWord(letter))?;
+        let bit = 1u16.wrapping_shl(u32::from(slot));
+        if self.present & bit != 0 {
+            return Err(ErrorKind::RepeatedWord(letter));
+        }
+        if value.is_negative() && matches!(letter, b'F' | b'S' | b'T' | b'P' | b'N') {
+            return Err(ErrorKind::Negative(letter));
+        }
+        if matches!(letter, b'T' | b'N')
+            && value
+                .whole()
+                .and_then(|number| u32::try_from(number).ok())
+                .is_none()
+        {
+            return Err(ErrorKind::NotWhole(letter));
+        }
+        self.present |= bit;
+        let slot = usize::from(slot);
+        if let (Some(entry), Some(place)) =
+            (self.values.get_mut(slot), self.word_spans.get_mut(slot))
+        {
+            (*entry, *place) = (value, span);
+        }
+        Ok(())
+    }
+
+    /// The value of a word, by its upper-case letter; `None` when the block has none (always for G and M).
+    pub fn word(&self, letter: u8) -> Option<Decimal> {
+        self.slot(slot_of(letter)?)
+    }
+
+    /// Whether the block was skipped, or would be with block delete on: it starts with `/`.
+    pub const fn is_deleted(&self) -> bool {
+        self.deleted
+    }
+
+    /// Whether the block asks for nothing: no code and no word but `N`.
+    pub fn is_empty(&self) -> bool {
+        let line_number = slot_of(b'N').map_or(0, |slot| 1u16.wrapping_shl(u32::from(slot)));
+        self.present & !line_number == 0 && self.codes.iter().all(Option::is_none)
+    }
+
+    /// The number behind `N`.
+    pub fn line_number(&self) -> Option<u32> {
+        self.word(b'N')
+            .and_then(Decimal::whole)
+            .and_then(|number| u32::try_from(number).ok())
+    }
+
+    fn slot(&self, slot: u8) -> Option<Decimal> {
+        if self.present & 1u16.wrapping_shl(u32::from(slot)) == 0 {
+            return None;
+        }
+        self.values.get(usize::from(slot)).copied()
+    }
+
+    /// The word of axis 0..6.
+    pub(crate) fn axis(&self, axis: usize) -> Option<Decimal> {
+        if axis < AXES {
+            self.slot(axis as u8)
+        } else {
+            None
+        }
+    }
+
+    /// Bit n: the word of axis n is given.
+    pub(crate) const fn axes(&self) -> u16 {
+        self.present & 0b11_1111
+    }
+
+    pub(crate) fn code(&self, group: Group) -> Option<Code> {
+        self.codes.get(group as usize).copied().flatten()
+    }
+
+    /// The same kind of error at the word of this letter.
+    pub(crate) fn error_at(&self, kind: ErrorKind, letter: u8) -> Error {
+        let slot = slot_of(letter).map_or(SLOTS, usize::from);
+        let span = self.word_spans.get(slot).copied().unwrap_or_default();
+        Error {
+            kind,
+            at: span.at,
+            end: span.end,
+        }
+    }
+
+    pub(crate) fn error_at_code(&self, kind: ErrorKind, group: Group) -> Error {
+        let span = self
+            .code_spans
+            .get(group as usize)
+            .copied()
+            .unwrap_or_default();
+        Error {
+            kind,
+            at: span.at,
+            end: span.end,
+        }
+    }
+
+    /// At all axis words: from the first to the last of them.
+    pub(crate) fn error_at_axes(&self, kind: ErrorKind) -> Error {
+        let mut given = (0..AXES)
+            .filter(|&axis| self.axis(axis).is_some())
+            .filter_map(|axis| self.word_spans.get(axis));
+        let Some(first) = given.next() else {
+            return Error {
+                kind,
+                at: 0,
+                end: 0,
+            };
+        };
+        let whole = given.fold(*first, |all, span| Span {
+            at: all.at.min(span.at),
+            end: all.end.max(span.end),
+        });
+        Error {
+            kind,
+            at: whole.at,
+            end: whole.end,
+        }
+    }
+
+    /// At the motion code, or where it is modal at the first axis word.
+    pub(crate) fn error_at_motion(&self, kind: ErrorKind) -> Error {
+        if self.code(Group::Motion).is_some() {
+            return self.error_at_code(kind, Group::Motion);
+        }
+        let given = (0..AXES)
+            .filter(|&axis| self.axis(axis).is_some())
+            .filter_map(|axis| self.word_spans.get(axis));
+        let span = given
+            .min_by_key(|span| span.at)
+            .copied()
+            .unwrap_or_default();
+        Error {
+            kind,
+            at: span.at,
+            end: span.end,
+        }
+    }
+}
+
+/// Slot of an upper-case letter.
+fn slot_of(letter: u8) -> Option<u8> {
+    SLOT_OF
+        .get(usize::from(letter.wrapping_sub(b'A')))
+        .copied()
+        .filter(|&slot| slot != NO_SLOT)
+}
+
+fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
+    let Some(limit) = dialect.buffer() else {
+        return Ok(());
+    };
+    // The `;` that ended the block takes one place.
+    let room = usize::from(limit).saturating_sub(1);
+    let mut used = text
+        .iter()
+        .enumerate()
+        .filter(|(_, byte)| !byte.is_ascii_whitespace());
+    match used.nth(room) {
+        Some((at, _)) => Err(Error {
+            kind: ErrorKind::BlockTooLong(limit),
+            at,
+            end: text.len(),
+        }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    fn fault(text: &str) -> (u16, usize, usize) {
+        let error = Block::parse(text.as_bytes(), &Dialect::RS274).unwrap_err();
+        (error.kind.code(), error.at, error.end)
+    }
+
+    #[test]
+    fn keeps_words_by_letter() {
+        let block = Block::parse(b"n12 G1 X1.50 F100", &Dialect::RS274).unwrap();
+        assert_eq!(block.word(b'X').unwrap().to_string(), "1.50");
+        assert_eq!(
+            (block.word(b'Y'), block.word(b'G'), block.word(b'#')),
+            (None, None, None)
+        );
+        assert_eq!(block.line_number(), Some(12));
+        assert!(!block.is_empty());
+        assert!(
+            Block::parse(b" N5 (note)\r\n", &Dialect::RS274)
+                .unwrap()
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn faults_have_their_place() {
+        assert_eq!(fault("N050 G01 X2.0 U0.4 F12"), (201, 14, 18));
+        assert_eq!(fault("G1 X1 G43"), (202, 6, 9));
+        assert_eq!(fault("G10.12 X1"), (202, 0, 6));
+        assert_eq!(fault("M-3"), (202, 0, 3));
+        assert_eq!(fault("G1 X1 x2"), (203, 6, 8));
+        assert_eq!(fault("G0 X1 G1"), (204, 6, 8));
+        assert_eq!(fault("G1 F-10"), (502, 3, 7));
+        assert_eq!(fault("T1.5"), (107, 0, 4));
+        assert_eq!(fault("G4 F1"), (504, 0, 2));
+    }
+
+    #[test]
+    fn block_delete_skips_the_line_unread() {
+        let block = Block::parse(b" / G43 H1 [", &Dialect::RS274).unwrap();
+        assert!(block.is_deleted() && block.is_empty());
+        let on = Dialect::RS274.with_block_delete(false);
+        assert!(Block::parse(b"/G0 X1", &on).unwrap().word(b'X').is_some());
+    }
+
+    #[test]
+    fn micromill_buffer_holds_64_characters() {
+        let text = "G02X02969.00Y03400.00I03012.00J03040.00F000000000000000000000008";
+        assert!(Block::parse(&text.as_bytes()[..63], &Dialect::MICROMILL).is_ok());
+        let error = Block::parse(text.as_bytes(), &Dialect::MICROMILL).unwrap_err();
+        assert_eq!((error.kind.code(), error.at, error.end), (104, 63, 64));
+    }
+}

@@ -1,0 +1,347 @@
+//! Exact decimal numbers, as they are written in a program.
+
+use crate::error::ErrorKind;
+use core::fmt;
+use fixed::traits::Fixed;
+
+/// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5` (but both are the
+/// same length), because the last printed digit says how exact a program's author was.
+#[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
+pub struct Decimal {
+    digits: i64,
+    places: u8,
+}
+
+/// `10^n` for n in 0..=18, the powers an `i64` holds.
+const POWERS: [i64; 19] = {
+    let mut powers = [1; 19];
+    let mut n = 1;
+    while n < powers.len() {
+        powers[n] = powers[n - 1] * 10;
+        n += 1;
+    }
+    powers
+};
+
+/// `10^n`, or `None` beyond 10^18. The masked-by-length access cannot fail.
+const fn power(n: u8) -> Option<i64> {
+    if (n as usize) < POWERS.len() {
+        Some(POWERS[n as usize])
+    } else {
+        None
+    }
+}
+
+/// `value / 10^k` rounded down, by limbs of 32 bits: no 128-bit division is linked in.
+const fn divide_by_power(mut value: u128, mut k: u8) -> u128 {
+    while k > 0 {
+        let part = if k < 9 { k } else { 9 };
+        let divisor = match power(part) {
+            Some(divisor) => divisor as u64,
+            None => 1,
+        };
+        let (mut quotient, mut rest, mut shift) = (0u128, 0u64, 128u32);
+        while shift > 0 {
+            shift -= 32;
+            // rest < 10^9 < 2^30, so the 62-bit dividend fits.
+            let limb = (rest << 32) | ((value >> shift) as u64 & 0xffff_ffff);
+            quotient = (quotient << 32) | (limb / divisor) as u128;
+            rest = limb % divisor;
+        }
+        value = quotient;
+        k -= part;
+    }
+    value
+}
+
+impl Decimal {
+    /// Zero, without places.
+    pub const ZERO: Decimal = Decimal {
+        digits: 0,
+        places: 0,
+    };
+
+    /// The most places a number may have.
+    pub const MAX_PLACES: u8 = 30;
+
+    /// `digits / 10^places`; `None` for more than [`Decimal::MAX_PLACES`] places or `i64::MIN` digits (which has no
+    /// positive counterpart).
+    pub const fn new(digits: i64, places: u8) -> Option<Decimal> {
+        if places > Decimal::MAX_PLACES || digits == i64::MIN {
+            None
+        } else {
+            Some(Decimal { digits, places })
+        }
+    }
+
+    /// All digits as one signed integer.
+    pub const fn digits(self) -> i64 {
+        self.digits
+    }
+
+    /// How many of the digits stand behind the point.
+    pub const fn places(self) -> u8 {
+        self.places
+    }
+
+    /// Whether the value is below zero.
+    pub const fn is_negative(self) -> bool {
+        self.digits < 0
+    }
+
+    /// Whether the value is zero.
+    pub const fn is_zero(self) -> bool {
+        self.digits == 0
+    }
+
+    /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not fit.
+    ///
+    /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
+    /// nanometre.  The usual case costs one multiplication or one 64-bit division.
+    pub const fn scaled(self, factor: i64, exponent: u8) -> Option<i64> {
+        let product = self.digits.checked_mul(factor);
+        if self.places <= exponent {
+            return match (product, power(exponent - self.places)) {
+                (Some(0), _) => Some(0),
+                (Some(product), Some(scale)) => product.checked_mul(scale),
+                _ => None,
+            };
+        }
+        let excess = self.places - exponent;
+        if let (Some(product), Some(divisor)) = (product, power(excess)) {
+            let (quotient, rest) = (product / divisor, product % divisor);
+            // 10^excess is even, so the half is exact; |quotient| <= 2^63 / 10 leaves room for the one.
+            let up = rest.unsigned_abs() >= divisor.unsigned_abs() / 2;
+            return Some(if !up {
+                quotient
+            } else if product < 0 {
+                quotient - 1
+            } else {
+                quotient + 1
+            });
+        }
+        // |digits * factor| <= 2^126 and 10^30 / 2 < 2^99: the sum fits.
+        let magnitude = self.digits.unsigned_abs() as u128 * factor.unsigned_abs() as u128;
+        let mut half = 5u128;
+        let mut k = 1;
+        while k < excess {
+            half = half.wrapping_mul(10);
+            k += 1;
+        }
+        let rounded = divide_by_power(magnitude.wrapping_add(half), excess);
+        if rounded > i64::MAX as u128 {
+            return None;
+        }
+        let rounded = rounded as i64;
+        Some(if (self.digits < 0) != (factor < 0) {
+            -rounded
+        } else {
+            rounded
+        })
+    }
+
+    /// The value as an integer if it is one (`2`, `2.0`, `2.`); `None` otherwise.
+    pub const fn whole(self) -> Option<i64> {
+        self.exactly(0)
+    }
+
+    /// `value * 10^exponent` if that is an integer that fits.
+    pub(crate) const fn exactly(self, exponent: u8) -> Option<i64> {
+        if self.places <= exponent {
+            return self.scaled(1, exponent);
+        }
+        match power(self.places - exponent) {
+            Some(divisor) if self.digits % divisor == 0 => Some(self.digits / divisor),
+            Some(_) => None,
+            // Fewer than 19 digits cannot be a multiple of 10^19.
+            None if self.digits == 0 => Some(0),
+            None => None,
+        }
+    }
+
+    /// One unit of the last place, as an exact decimal.
+    pub const fn last_place(self) -> Decimal {
+        Decimal {
+            digits: 1,
+            places: self.places,
+        }
+    }
+
+    /// The nearest number of a `fixed` type, rounded once, halves away from zero; `None` when it does not fit.
+    ///
+    /// Costs one shift and subtraction a fraction bit: meant for set-up values, not for every step.
+    pub fn to_fixed<F: Fixed>(self) -> Option<F>
+    where
+        F::Bits: TryFrom<u128> + TryFrom<i128>,
+    {
+        let magnitude = self.digits.unsigned_abs();
+        let mut divisor = 1u128; // 10^30 < 2^100
+        for _ in 0..self.places {
+            divisor = divisor.wrapping_mul(10);
+        }
+        let (mut bits, mut rest) = match u64::try_from(divisor) {
+            Ok(divisor) => {
+                // Division by zero cannot be: divisor >= 1.
+                let whole = magnitude.checked_div(divisor)?;
+                (
+                    u128::from(whole),
+                    u128::from(magnitude.wrapping_sub(whole.wrapping_mul(divisor))),
+                )
+            }
+            // divisor > 2^64 > magnitude
+            Err(_) => (0, u128::from(magnitude)),
+        };
+        for _ in 0..F::FRAC_NBITS {
+            if bits >> 127 != 0 {
+                return None;
+            }
+            rest <<= 1; // rest < divisor < 2^100
+            bits <<= 1;
+            if rest >= divisor {
+                rest = rest.wrapping_sub(divisor);
+                bits |= 1;
+            }
+        }
+        if rest << 1 >= divisor {
+            bits = bits.checked_add(1)?;
+        }
+        let bits = if self.digits < 0 {
+            F::Bits::try_from(0i128.checked_sub_unsigned(bits)?).ok()?
+        } else {
+            F::Bits::try_from(bits).ok()?
+        };
+        Some(F::from_bits(bits))
+    }
+
+    /// Appends a digit written before the point.
+    pub(crate) fn push_whole(&mut self, digit: u8) -> Result<(), ErrorKind> {
+        let next = self
+            .digits
+            .checked_mul(10)
+            .and_then(|ten| ten.checked_add(i64::from(digit)));
+        self.digits = next.ok_or(ErrorKind::NumberTooLarge)?;
+        Ok(())
+    }
+
+    /// Appends a digit written behind the point. Zeros that no longer fit are dropped: they change nothing.
+    pub(crate) fn push_place(&mut self, digit: u8) -> Result<(), ErrorKind> {
+        let next = self
+            .digits
+            .checked_mul(10)
+            .and_then(|ten| ten.checked_add(i64::from(digit)));
+        match next {
+            Some(digits) if self.places < Decimal::MAX_PLACES => {
+                self.digits = digits;
+                self.places = self.places.wrapping_add(1);
+                Ok(())
+            }
+            _ if digit == 0 => Ok(()),
+            _ => Err(ErrorKind::TooManyDigits),
+        }
+    }
+
+    /// The same number with the other sign; `i64::MIN` is never stored.
+    pub(crate) fn negated(self) -> Decimal {
+        Decimal {
+            digits: self.digits.wrapping_neg(),
+            places: self.places,
+        }
+    }
+}
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.digits.unsigned_abs();
+        let sign = if self.digits < 0 { "-" } else { "" };
+        if self.places == 0 {
+            return write!(f, "{sign}{magnitude}");
+        }
+        let width = usize::from(self.places);
+        // Beyond 10^18 the divisor exceeds all but 19-digit numbers; 10^19 still fits u64, 10^20 exceeds every number.
+        let divisor = 10u64.checked_pow(u32::from(self.places));
+        let whole = divisor
+            .and_then(|divisor| magnitude.checked_div(divisor))
+            .unwrap_or(0);
+        let rest = divisor
+            .and_then(|divisor| magnitude.checked_rem(divisor))
+            .unwrap_or(magnitude);
+        write!(f, "{sign}{whole}.{rest:0width$}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use fixed::types::{I16F16, I32F32, U0F128};
+    use std::string::ToString;
+
+    fn decimal(digits: i64, places: u8) -> Decimal {
+        Decimal::new(digits, places).unwrap()
+    }
+
+    #[test]
+    fn scales_exactly_and_rounds_halves_away_from_zero() {
+        assert_eq!(decimal(12345, 3).scaled(1, 6), Some(12_345_000));
+        assert_eq!(decimal(1, 0).scaled(254, 5), Some(25_400_000));
+        assert_eq!(decimal(1, 4).scaled(254, 5), Some(2_540));
+        assert_eq!(decimal(5, 7).scaled(1, 6), Some(1));
+        assert_eq!(decimal(-5, 7).scaled(1, 6), Some(-1));
+        assert_eq!(decimal(4_999_999, 13).scaled(1, 6), Some(0));
+        assert_eq!(decimal(i64::MAX, 0).scaled(1, 6), None);
+        assert_eq!(decimal(0, 0).scaled(1, 40), Some(0));
+        // 922.3372036854775807 inches: the product alone does not fit 64 bits.
+        assert_eq!(decimal(i64::MAX, 16).scaled(254, 5), Some(23_427_364_974));
+        assert_eq!(decimal(-i64::MAX, 30).scaled(254, 5), Some(0));
+        assert_eq!(decimal(i64::MAX, 20).scaled(-254, 5), Some(-2_342_736));
+    }
+
+    #[test]
+    fn prints_as_written() {
+        for (digits, places, text) in [
+            (150, 2, "1.50"),
+            (-5, 3, "-0.005"),
+            (7, 0, "7"),
+            (3, 21, "0.000000000000000000003"),
+        ] {
+            assert_eq!(decimal(digits, places).to_string(), text);
+        }
+        assert_eq!(decimal(i64::MAX, 19).to_string(), "0.9223372036854775807");
+    }
+
+    #[test]
+    fn whole_numbers() {
+        assert_eq!(decimal(200, 2).whole(), Some(2));
+        assert_eq!(decimal(201, 2).whole(), None);
+        assert_eq!(decimal(382, 1).exactly(1), Some(382));
+        assert_eq!(decimal(1012, 2).exactly(1), None);
+        assert_eq!(decimal(0, 30).whole(), Some(0));
+        assert_eq!(decimal(1, 30).whole(), None);
+    }
+
+    #[test]
+    fn to_fixed_rounds_once() {
+        assert_eq!(
+            decimal(15, 1).to_fixed::<I16F16>(),
+            Some(I16F16::from_num(1.5))
+        );
+        assert_eq!(
+            decimal(-1, 1).to_fixed::<I16F16>(),
+            Some(I16F16::from_bits(-6554))
+        );
+        assert_eq!(decimal(32768, 0).to_fixed::<I16F16>(), None);
+        assert_eq!(decimal(-32768, 0).to_fixed::<I16F16>(), Some(I16F16::MIN));
+        assert_eq!(decimal(1, 30).to_fixed::<I32F32>(), Some(I32F32::ZERO));
+        assert_eq!(
+            decimal(5, 1).to_fixed::<U0F128>(),
+            Some(U0F128::from_bits(1 << 127))
+        );
+        assert_eq!(decimal(-5, 1).to_fixed::<U0F128>(), None);
+        assert_eq!(
+            decimal(i64::MAX, 0)
+                .to_fixed::<fixed::types::I64F64>()
+                .map(|x| x.to_num::<i64>()),
+            Some(i64::MAX)
+        );
+    }
+}

@@ -1,0 +1,62 @@
+//! Lengths and positions.
+
+use core::fmt;
+
+/// A length or a position in nanometres; prints as millimetres without trailing zeros.
+#[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug, Default)]
+pub struct Nm(pub i64);
+
+impl Nm {
+    /// The largest magnitude a coordinate may have: 2^50 nm, about 1126 km.
+    ///
+    /// With it the difference of two coordinates is below 2^52 and the sum of two squares below 2^105, so everything
+    /// the arc geometry forms fits 128 bits.
+    pub const LIMIT: Nm = Nm(1 << 50);
+
+    /// The same length if its magnitude is at most [`Nm::LIMIT`].
+    pub(crate) const fn within_limit(self) -> Option<Nm> {
+        if self.0.unsigned_abs() <= Nm::LIMIT.0.unsigned_abs() {
+            Some(self)
+        } else {
+            None
+        }
+    }
+}
+
+impl fmt::Display for Nm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.0.unsigned_abs();
+        let sign = if self.0 < 0 { "-" } else { "" };
+        let (whole, mut rest, mut width) = (magnitude / 1_000_000, magnitude % 1_000_000, 6);
+        write!(f, "{sign}{whole}")?;
+        if rest == 0 {
+            return Ok(());
+        }
+        while rest % 10 == 0 {
+            rest /= 10;
+            width -= 1;
+        }
+        write!(f, ".{rest:0width$}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn prints_millimetres() {
+        for (nm, text) in [
+            (0, "0"),
+            (1, "0.000001"),
+            (-1_500_000, "-1.5"),
+            (120_000_000, "120"),
+            (1_010_000, "1.01"),
+        ] {
+            assert_eq!(Nm(nm).to_string(), text);
+        }
+        assert_eq!(Nm(i64::MIN).to_string(), "-9223372036854.775808");
+    }
+}
