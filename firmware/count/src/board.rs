@@ -28,12 +28,13 @@ pub fn start() {
     peripherals.SYST.enable_counter();
 }
 
-/// Instructions that `work(repeats)` executes; exact but for a constant of the frame around it.
+/// Instructions that `work(repeats)` executes, the frame around it included.
 #[inline(never)]
 pub fn instructions(repeats: u32, work: &mut dyn FnMut(u32)) -> u64 {
     let before = SYST::get_current();
     work(repeats);
     let after = SYST::get_current();
     let ticks = u64::from(before.wrapping_sub(after) & 0x00ff_ffff);
-    (ticks * TICK_TENTHS_NS).div_ceil(INSTRUCTION_NS * 10)
+    // Whole ticks at both ends: right to an instruction.
+    (ticks * TICK_TENTHS_NS + INSTRUCTION_NS * 5) / (INSTRUCTION_NS * 10)
 }

@@ -20,7 +20,7 @@ fn main() -> ! {
 fn report(name: &str, turns: u32, work: &mut dyn FnMut(u32)) {
     let once = board::instructions(turns, work);
     let twice = board::instructions(2 * turns, work);
-    let hundredths = (twice - once) * 100 / u64::from(turns);
+    let hundredths = ((twice - once) * 100 + u64::from(turns / 2)) / u64::from(turns);
     print!("{name} ");
     println!("{}.{:02}", hundredths / 100, hundredths % 100);
 }
