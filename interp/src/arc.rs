@@ -8,13 +8,16 @@ use crate::walk::{Spread, Start, Walk};
 
 /// Largest distance of an end from the centre, in BLU: then every difference of two points of the
 /// arc fits `i32`.
-const MAX_RADIUS: i64 = (1 << 30) - 8;
+const MAX_RADIUS: u64 = (1 << 30) - 8;
 /// Largest distance in 2^-f BLU: three times it, and products with 2^16, fit `i64`.
-const MAX_SCALED: i64 = 1 << 46;
+const MAX_SCALED: u64 = 1 << 46;
 /// Most events an arc may have.
 const MAX_EVENTS: u64 = 1 << 31;
 /// (r + 4) 2^f up to here keeps three times that value within `i32`.
 const MAX_NARROW: u64 = 710_000_000;
+
+/// What a state word of 32 bits may reach, with room for a step.
+const MAX_STATE: u64 = 2_140_000_000;
 
 /// Turning sense, seen with the first axis to the right and the second one up.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -100,7 +103,7 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
         if reach <= MAX_NARROW >> bits {
             return bits;
         }
-        bits -= 1;
+        bits = bits.wrapping_sub(1);
     }
     16
 }
@@ -180,8 +183,8 @@ impl Arc {
             total_sweep,
             largest_sweep,
             radius,
-            // f <= 30 and shift <= 31 (see `start`): fits.
-            sweep_bits: (i64::from(arc.fraction_bits) - i64::from(start.sweep_shift)) as i8,
+            // f <= 30 and shift <= 16: fits.
+            sweep_bits: (arc.fraction_bits as i8).wrapping_sub(start.sweep_shift as i8),
         })
     }
 
@@ -265,29 +268,33 @@ impl Spot {
     fn new(at: [i32; 2], centre: [i64; 2], bits: u8, is_clockwise: bool) -> Result<Spot, ArcError> {
         let [at_x, at_y] = at;
         let [centre_x, centre_y] = centre;
-        // |at| <= 2^31 and bits <= 30: the shift fits.
+        // |at| <= 2^31 and bits <= 30: the shift loses nothing.
         let from_centre = |at: i32, centre: i64| {
-            (i64::from(at) << bits)
+            shifted(at.into(), bits)
                 .checked_sub(centre)
                 .filter(|distance| {
-                    distance.unsigned_abs() < MAX_SCALED as u64
-                        && distance.unsigned_abs() >> bits < MAX_RADIUS as u64
+                    let distance = distance.unsigned_abs();
+                    distance < MAX_SCALED && distance < MAX_RADIUS.wrapping_shl(bits.into())
                 })
                 .ok_or(ArcError::TooLarge)
         };
         let x = from_centre(at_x, centre_x)?;
         let y = from_centre(at_y, centre_y)?;
         // The walk is counter-clockwise; clockwise is its mirror image.
-        let y = if is_clockwise { -y } else { y };
-        let one = 1_i64 << bits;
-        let (quadrant, u, v) = if 2 * x > one && 2 * y >= -one {
+        let y = if is_clockwise { y.wrapping_neg() } else { y };
+        // Below 2^46: doubling and negating fit.
+        let (across, up) = (x.wrapping_add(x), y.wrapping_add(y));
+        let (back, down) = (x.wrapping_neg(), y.wrapping_neg());
+        let one = shifted(1, bits);
+        let minus_one = one.wrapping_neg();
+        let (quadrant, u, v) = if across > one && up >= minus_one {
             (0, x, y)
-        } else if 2 * x <= one && 2 * y > one {
-            (1, y, -x)
-        } else if 2 * x < -one && 2 * y <= one {
-            (2, -x, -y)
-        } else if 2 * x >= -one && 2 * y < -one {
-            (3, -y, x)
+        } else if across <= one && up > one {
+            (1, y, back)
+        } else if across < minus_one && up <= one {
+            (2, back, down)
+        } else if across >= minus_one && up < minus_one {
+            (3, down, x)
         } else {
             return Err(ArcError::Degenerate);
         };
@@ -300,209 +307,233 @@ impl Spot {
         })
     }
 
-    /// Distance from the centre in units of 2^`shift`; `residue` is taken off its square.
-    fn radius(&self, shift: u32, residue: i64, bits: u8) -> i64 {
-        let (x, y) = (self.x >> shift, self.y >> shift);
-        // |x| + |y| < 2^31 by the choice of shift, so the square is below 2^62; the residue is at
-        // most 4 (r + 4) 2^f, so scaled it is below it too unless the radius is a few steps.
-        let scaled = if 2 * shift >= u32::from(bits) {
-            residue >> (2 * shift - u32::from(bits)).min(63)
-        } else {
-            residue.saturating_mul(1 << (u32::from(bits) - 2 * shift))
+    /// |x| + |y|, not less than the distance from the centre; below 2^47.
+    fn reach(&self) -> u64 {
+        self.x.unsigned_abs().wrapping_add(self.y.unsigned_abs())
+    }
+
+    /// Distance from the centre in units of 2^`shift`, `residue` being taken off its square.
+    fn radius(&self, shift: u8, residue: i64, bits: u8) -> u64 {
+        let square = |value: i64| {
+            let value = value.unsigned_abs().wrapping_shr(shift.into());
+            value.wrapping_mul(value)
         };
-        let square = (x * x + y * y).saturating_sub(scaled).max(1);
-        square_root(square.unsigned_abs()) as i64
+        // |x| + |y| < 2^31 in this unit, so the sum of the squares is below 2^62.
+        let sum = square(self.x).wrapping_add(square(self.y)) as i64;
+        // The residue times 2^f, in the unit's square: at most 4 (r + 4) 2^2f, which is less than
+        // 2^63 as (r + 4) 2^f < 2^32 or the unit makes up for it.
+        let excess = u32::from(bits).wrapping_sub(u32::from(shift).wrapping_mul(2)) as i32;
+        let scaled = if excess < 0 {
+            residue.wrapping_shr(excess.unsigned_abs().min(63))
+        } else {
+            residue.saturating_mul(shifted(1, excess as u8))
+        };
+        square_root(sum.saturating_sub(scaled).max(0).unsigned_abs())
     }
 }
 
-/// Works out the walk; with it the radius in sweep units and whether 32 bits hold the state.
+/// `value` 2^`bits`.
+const fn shifted(value: i64, bits: u8) -> i64 {
+    value.wrapping_shl(bits as u32)
+}
+
+/// What the walk needs; with it the radius in sweep units and whether 32 bits hold the state.
+///
+/// All arithmetic here wraps by name only: coordinates and radii are below 2^47, see [`Spot::new`].
 fn start(arc: &ArcMove) -> Result<(Start, u64, bool), ArcError> {
     let bits = arc.fraction_bits;
     if bits > 30 {
         return Err(ArcError::FractionBits);
     }
-    let one = 1_i64 << bits;
+    let one = shifted(1, bits);
     let is_clockwise = arc.direction == Direction::Clockwise;
     let from = Spot::new(arc.from, arc.centre, bits, is_clockwise)?;
     let to = Spot::new(arc.to, arc.centre, bits, is_clockwise)?;
 
-    // Coordinates are below 2^46, so sums and doubles of two of them fit easily.
-    let reach = (from.x.abs() + from.y.abs()).max(to.x.abs() + to.y.abs());
-    let shift = (64 - reach.leading_zeros()).saturating_sub(31);
-    let (first, last) = (from.radius(shift, 0, bits), to.radius(shift, 0, bits));
-    let larger = first.max(last) << shift;
-    if larger >> bits > MAX_RADIUS {
+    // Radii of 31 bits: sweeps below 2^32 then, and squares in 64 bits. At most 16.
+    let reach = from.reach().max(to.reach());
+    let shift = 33_u32.saturating_sub(reach.leading_zeros()) as u8;
+    let first = from.radius(shift, 0, bits);
+    let last = to.radius(shift, 0, bits);
+    let larger = first.max(last).wrapping_shl(shift.into());
+    let larger_blu = larger.wrapping_shr(bits.into());
+    if larger_blu >= MAX_RADIUS {
         return Err(ArcError::TooLarge);
     }
-    let mean_radius = mean(first, last) << shift;
 
-    let chord = [
-        i64::from(arc.to[0]) - i64::from(arc.from[0]),
-        if is_clockwise {
-            i64::from(arc.from[1]) - i64::from(arc.to[1])
-        } else {
-            i64::from(arc.to[1]) - i64::from(arc.from[1])
-        },
-    ];
-    let quadrants = quadrants(&from, &to, chord, arc.turns);
-    // A quadrant has at most 1.42 r + 2 events; MAX_EVENTS bounds the dry pass.
-    let bound = ((larger >> bits) as u64 + 2).saturating_mul(quadrants.max(1));
+    let quadrants = quadrants(&from, &to, arc);
+    // A quadrant has about 1.42 r events; that bounds the dry pass.
+    let bound = larger_blu.wrapping_add(2).saturating_mul(quadrants.max(1));
     if bound.saturating_add(bound / 2) > MAX_EVENTS {
         return Err(ArcError::TooLong);
     }
 
-    let (first_residue, last_residue) = match arc.rim {
+    let (start_residue, end_residue) = match arc.rim {
         Rim::Spiral => (0, 0),
         Rim::Nominal { start, end } => (start, end),
     };
-    // |P|^2 - R^2 of a point e off the circle is about 2 r e.
-    let most_residue = 4 * (larger.unsigned_abs() + 4 * one.unsigned_abs());
-    if first_residue.unsigned_abs() > most_residue || last_residue.unsigned_abs() > most_residue {
+    // A point e beside the circle has a residue of about 2 r e.
+    let reach = larger.wrapping_add(shifted(4, bits).unsigned_abs());
+    let most = reach.wrapping_mul(4);
+    if start_residue.unsigned_abs() > most || end_residue.unsigned_abs() > most {
         return Err(ArcError::OffRim);
     }
-
-    let spread = spread(
-        &from,
-        &to,
-        chord,
-        last_residue - first_residue,
-        quadrants,
-        mean_radius,
-        bits,
-    )?;
+    let change = radius_change(&from, &to, arc)
+        .and_then(|change| change.checked_sub(end_residue))
+        .and_then(|change| change.checked_add(start_residue))
+        .ok_or(ArcError::TooLarge)?;
+    let mean_radius = mean(first, last).wrapping_shl(shift.into());
+    let spread = spread(&from, &to, change, quadrants, mean_radius, bits)?;
     let radius = match arc.rim {
         Rim::Spiral => mean(first, last),
-        Rim::Nominal { .. } => from.radius(shift, first_residue, bits),
+        Rim::Nominal { .. } => from.radius(shift, start_residue, bits),
     }
     .max(1);
 
-    let toward_u = match from.quadrant {
-        0 => [-1, 0],
-        1 => [0, -1],
-        2 => [1, 0],
-        _ => [0, 1],
+    let (ux, uy): (i8, i8) = match from.quadrant {
+        0 => (-1, 0),
+        1 => (0, -1),
+        2 => (1, 0),
+        _ => (0, 1),
     };
-    let [ux, uy]: [i8; 2] = toward_u;
-    let mirror = |[x, y]: [i8; 2]| [x, if is_clockwise { -y } else { y }];
+    let mirror = |x: i8, y: i8| [x, if is_clockwise { y.wrapping_neg() } else { y }];
+    let difference = |coordinate: i64| one.wrapping_add(coordinate).wrapping_add(coordinate);
     let start = Start {
-        residue: first_residue,
-        du: one - 2 * from.u,
-        dv: one + 2 * from.v,
-        du_end: one - 2 * to.u,
-        dv_end: one + 2 * to.v,
+        residue: start_residue,
+        du: difference(from.u.wrapping_neg()),
+        dv: difference(from.v),
+        du_end: difference(to.u.wrapping_neg()),
+        dv_end: difference(to.v),
         one,
         quadrants,
-        toward_u: mirror(toward_u),
-        toward_v: mirror([uy, -ux]),
+        toward_u: mirror(ux, uy),
+        toward_v: mirror(uy, ux.wrapping_neg()),
         spread,
-        least_sweep: (radius << shift) / 2,
-        sweep_shift: shift,
+        // Where a step crosses the curve instead of following it: half a step's worth of time.
+        least_sweep: (radius.wrapping_shl(shift.into()) / 2).max(1) as i64,
+        sweep_shift: shift.into(),
     };
-    // The state needs 3 (r + 4) 2^f, and what one step of the spread adds on top.
-    let reach = (larger.unsigned_abs()).saturating_add(4 * one.unsigned_abs());
+    // The state needs 3 (r + 4) 2^f, and on top of it what the spread adds in a few steps.
     let needed = reach
-        .saturating_mul(3)
+        .wrapping_mul(3)
         .saturating_add(spread.quotient.unsigned_abs().saturating_mul(4));
-    let at_start = [
-        start.residue,
-        start.residue + start.du + start.dv,
-        start.residue + start.du,
-        start.residue + start.dv,
-    ];
+    let after_u = start.residue.wrapping_add(start.du);
+    let after_v = start.residue.wrapping_add(start.dv);
     let fits_narrow = reach <= MAX_NARROW
-        && needed <= i32::MAX.unsigned_abs().into()
-        && at_start
-            .iter()
-            .all(|value| value.unsigned_abs() <= 2_140_000_000);
-    Ok((start, radius.unsigned_abs(), fits_narrow))
+        && needed <= MAX_STATE
+        && after_u.unsigned_abs() <= MAX_STATE
+        && after_v.unsigned_abs() <= MAX_STATE
+        && after_u.wrapping_add(start.dv).unsigned_abs() <= MAX_STATE;
+    Ok((start, radius, fits_narrow))
 }
 
-/// Quadrant changes on the way from `from` to `to`.
-fn quadrants(from: &Spot, to: &Spot, chord: [i64; 2], turns: u32) -> u64 {
-    let changes = u64::from((to.quadrant + 4 - from.quadrant) % 4);
-    let [chord_x, chord_y] = chord;
-    // from x to = from x (to - from) 2^f; its sign says whether the end is ahead. 128-bit products
-    // once an arc: 2^46 times 2^32.
-    let ahead = i128::from(from.x) * i128::from(chord_y) - i128::from(from.y) * i128::from(chord_x);
-    let whole = if changes == 0 && ahead <= 0 {
+/// The way from the first to the last point in BLU, mirrored as the walk is. Differences of two
+/// `i32`: 33 bits.
+fn chord(arc: &ArcMove) -> [i64; 2] {
+    let ([from_x, from_y], [to_x, to_y]) = (arc.from.map(i64::from), arc.to.map(i64::from));
+    let up = to_y.wrapping_sub(from_y);
+    let is_clockwise = arc.direction == Direction::Clockwise;
+    [
+        to_x.wrapping_sub(from_x),
+        if is_clockwise { up.wrapping_neg() } else { up },
+    ]
+}
+
+/// One product of 47 by 33 bits; 128-bit multiplication, a few times an arc.
+fn product(one: i64, other: i64) -> i128 {
+    i128::from(one).wrapping_mul(other.into())
+}
+
+/// Quadrant changes on the way.
+fn quadrants(from: &Spot, to: &Spot, arc: &ArcMove) -> u64 {
+    let changes = u64::from(to.quadrant.wrapping_sub(from.quadrant) & 3);
+    let [chord_x, chord_y] = chord(arc);
+    // from x to = from x chord: its sign says whether the end is ahead in the same quadrant.
+    let is_ahead = product(from.x, chord_y) > product(from.y, chord_x);
+    let shortest = if changes == 0 && !is_ahead {
         4
     } else {
         changes
     };
-    whole + 4 * u64::from(turns)
+    // turns < 2^32.
+    shortest.wrapping_add(u64::from(arc.turns).wrapping_mul(4))
 }
 
-/// The change of radius and how it is spread over the events (motion.md 2.3, K and N).
+/// (|to - C|^2 - |from - C|^2) / 2^f as (to - from) (to + from - 2 C): no square is formed and no
+/// division is needed.
+fn radius_change(from: &Spot, to: &Spot, arc: &ArcMove) -> Option<i64> {
+    let [chord_x, chord_y] = chord(arc);
+    let sum = product(from.x.wrapping_add(to.x), chord_x)
+        .wrapping_add(product(from.y.wrapping_add(to.y), chord_y));
+    i64::try_from(sum).ok()
+}
+
+/// How a change of radius (K of `motion.md` 2.3) is spread over the events (N).
 fn spread(
     from: &Spot,
     to: &Spot,
-    chord: [i64; 2],
-    residue_change: i64,
+    change: i64,
     quadrants: u64,
-    mean_radius: i64,
+    mean_radius: u64,
     bits: u8,
 ) -> Result<Spread, ArcError> {
-    let [chord_x, chord_y] = chord;
-    let change = i128::from(chord_x) * i128::from(from.x + to.x)
-        + i128::from(chord_y) * i128::from(from.y + to.y)
-        - i128::from(residue_change);
-    let change = i64::try_from(change).map_err(|_| ArcError::TooLarge)?;
-    if change == 0 {
-        return Ok(Spread {
-            left: 0,
-            steps: 1,
-            quotient: 0,
-            remainder: 0,
-            phase: 0,
-        });
-    }
-    // r / sqrt(2): the octant's height; r < 2^47, so the product is below 2^63.
-    let height = (mean_radius * 46341) >> 16;
+    // r / sqrt(2), the height of an octant: r < 2^47, so the product is below 2^63.
+    let height = (mean_radius.wrapping_mul(46341) >> 16) as i64;
+    let octants = height.wrapping_add(height);
     let place = |spot: &Spot| {
         if spot.v <= spot.u {
             spot.v
         } else {
-            2 * height - spot.u
+            octants.wrapping_sub(spot.u)
         }
     };
-    // quadrants * r <= 2^31 * 2^f <= 2^61 (checked by the caller): fits.
-    let travel = (quadrants as i64) * 2 * height + place(to) - place(from);
-    let whole = travel >> bits;
+    // quadrants (r + 2) <= 2^31 in BLU, so this is below 2^62 in 2^-f BLU.
+    let travel = (quadrants as i64)
+        .wrapping_mul(octants)
+        .wrapping_add(place(to))
+        .wrapping_sub(place(from));
+    let whole = travel.wrapping_shr(bits.into());
     let steps = if whole <= 2 {
         1
     } else {
-        (whole - 1 - (quadrants / 2) as i64).max(1)
+        whole
+            .wrapping_sub(1)
+            .wrapping_sub((quadrants / 2) as i64)
+            .max(1)
     };
-    // At most 1.42 quadrants * (r + 2) <= 2^31.
+    // At most 1.42 quadrants (r + 2) < 2^31.
     let steps = u32::try_from(steps).map_err(|_| ArcError::TooLong)?;
+    let quotient = change.checked_div_euclid(steps.into()).unwrap_or(0);
     Ok(Spread {
-        left: steps,
+        left: if change == 0 { 0 } else { steps },
         steps,
-        quotient: change.div_euclid(i64::from(steps)),
-        remainder: change.rem_euclid(i64::from(steps)) as u32,
+        quotient,
+        // change - quotient steps is the remainder, below steps.
+        remainder: change.wrapping_sub(quotient.wrapping_mul(steps.into())) as u32,
         phase: 0,
     })
 }
 
-/// Mean of two values of 0 to 2^47, rounded down.
-const fn mean(one: i64, other: i64) -> i64 {
+/// Mean of two values below 2^63, rounded down.
+const fn mean(one: u64, other: u64) -> u64 {
     one.wrapping_add(other) >> 1
 }
 
-/// floor(sqrt(square)), one bit at a time: no division, 32 rounds.
+/// floor(sqrt(`square`)), one bit at a time: at most 32 rounds, no division.
 const fn square_root(square: u64) -> u64 {
     let mut root = 0_u64;
     let mut rest = square;
     let mut bit = 1_u64 << 62;
-    while bit > square {
+    while bit > square && bit != 0 {
         bit >>= 2;
     }
     while bit != 0 {
-        if rest >= root + bit {
-            rest -= root + bit;
-            root = (root >> 1) + bit;
-        } else {
-            root >>= 1;
+        // root + bit <= square, except where rest is compared with it: below 2^63 anyway.
+        let trial = root.wrapping_add(bit);
+        root >>= 1;
+        if rest >= trial {
+            rest = rest.wrapping_sub(trial);
+            root = root.wrapping_add(bit);
         }
         bit >>= 2;
     }

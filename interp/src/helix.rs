@@ -110,9 +110,9 @@ impl<const N: usize> Helix<N> {
         if pace == Pace::Dense {
             // One event gets about total / fastest: lift that to 2^30 units. total 2^lift stays
             // within fastest 2^32 <= 2^63, and the share of one event below 2^32.
-            let lift = (30 + fastest.leading_zeros().abs_diff(31))
-                .saturating_sub(total.leading_zeros().abs_diff(63));
-            helix.lift = lift as u8;
+            // Neither is 0 here, so the logarithms exist.
+            let per_step = 30_u32.wrapping_add(fastest.checked_ilog2().unwrap_or(0));
+            helix.lift = per_step.saturating_sub(total.checked_ilog2().unwrap_or(0)) as u8;
             helix.dry_pass()?;
         }
         Ok(helix)

@@ -1,0 +1,59 @@
+//! What holds for every timer.
+
+use husillo_planner::Timer;
+use proptest::prelude::*;
+
+proptest! {
+    /// The time so far is never off by more than one tick, and the whole is exact.
+    #[test]
+    fn sum_is_exact(
+        sweeps in prop::collection::vec(1_u64..1 << 32, 1..200),
+        shift in 0_u32..32,
+        ticks in 0_u64..1 << 52,
+    ) {
+        let sweeps: Vec<u64> = sweeps.into_iter().map(|sweep| (sweep >> shift).max(1)).collect();
+        let total: u64 = sweeps.iter().sum();
+        let mut timer = Timer::new(ticks, total, *sweeps.iter().max().unwrap());
+        let (mut so_far, mut waited) = (0_u128, 0_u128);
+        for sweep in sweeps {
+            so_far += u128::from(sweep);
+            waited += u128::from(timer.wait(sweep));
+            let exact = so_far * u128::from(ticks) / u128::from(total);
+            prop_assert!(waited == exact || waited == exact + 1, "{} {}", waited, exact);
+        }
+        prop_assert_eq!(waited, u128::from(ticks));
+    }
+
+    /// So it is after 2^31 events: equal events are added up in one wait each of 2^k.
+    #[test]
+    fn rate_is_exact_over_long_moves(events in 1_u64..1 << 31, ticks in 0_u64..1 << 51) {
+        let mut timer = Timer::new(ticks, events, 1);
+        // The rate's error is below 2^-fraction_bits a event, and 32 bits below that it is known.
+        prop_assert!(timer.fraction_bits() >= 9);
+        let first = timer.wait(1);
+        prop_assert!(first == ticks / events || first == ticks / events + 1);
+        let error = (u128::from(timer.rate()) * u128::from(events))
+            .abs_diff(u128::from(ticks) << timer.fraction_bits());
+        prop_assert!(error <= u128::from(events));
+    }
+
+    /// Nothing panics, whatever the numbers.
+    #[test]
+    fn any_timer(ticks: u64, sweep: u64, largest: u64, q: u8, waits in any::<[u64; 8]>()) {
+        let mut timers = [Timer::new(ticks, sweep, largest), Timer::with_fraction_bits(ticks, sweep, q)];
+        for timer in &mut timers {
+            for wait in waits {
+                timer.wait(wait);
+            }
+        }
+    }
+}
+
+/// 2^31 - 1 equal events, walked, at a rate that is not exact: not a tick is lost.
+#[test]
+fn long_walk() {
+    let (events, ticks) = (20_000_000_u64, 123_456_789_123_u64);
+    let mut timer = Timer::new(ticks, events, 1);
+    let waited: u64 = (0..events).map(|_| timer.wait(1)).sum();
+    assert_eq!(waited, ticks);
+}
