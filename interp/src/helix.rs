@@ -149,8 +149,10 @@ impl<const N: usize> Helix<N> {
             // Together the steps due are `rate`, so each count fits.
             axis.due = phase.checked_div(total).unwrap_or(0) as u32;
             axis.phase = phase.wrapping_sub(u64::from(axis.due).wrapping_mul(total));
-            axis.due_phase = 0;
             of = of.max(axis.due);
+        }
+        for axis in &mut self.axes {
+            axis.due_phase = of / 2;
         }
         let sweep = step.sweep.wrapping_shl(self.lift.into());
         let share = sweep.checked_div(of.into()).unwrap_or(0);
@@ -181,7 +183,7 @@ impl<const N: usize> Helix<N> {
             }
         }
         if burst.left == 0 {
-            put(&mut delta, self.plane, burst.delta);
+            delta = join(delta, self.plane, burst.delta);
         }
         let longer = u64::from(burst.left < burst.longer);
         self.left = self.left.wrapping_sub(1);
@@ -226,14 +228,17 @@ impl<const N: usize> Helix<N> {
     }
 }
 
-/// Puts the plane's deltas where they belong; `plane` was checked.
+/// The deltas of the plane at their axes, those of `others` elsewhere. Selected, not stored one by
+/// one: bytes just written are slow to read back as a word.
 #[inline]
-fn put<const N: usize>(delta: &mut [i8; N], plane: [usize; 2], of_plane: [i8; 2]) {
-    for (axis, value) in plane.into_iter().zip(of_plane) {
-        if let Some(delta) = delta.get_mut(axis) {
-            *delta = value;
+fn join<const N: usize>(others: [i8; N], plane: [usize; 2], of_plane: [i8; 2]) -> [i8; N] {
+    let mut delta = others;
+    for (index, delta) in delta.iter_mut().enumerate() {
+        for (axis, value) in plane.into_iter().zip(of_plane) {
+            *delta = if index == axis { value } else { *delta };
         }
     }
+    delta
 }
 
 impl<const N: usize> Iterator for Helix<N> {
@@ -259,9 +264,8 @@ impl<const N: usize> Iterator for Helix<N> {
                 }
             }
         }
-        put(&mut delta, self.plane, step.delta);
         Some(Step {
-            delta,
+            delta: join(delta, self.plane, step.delta),
             sweep: step.sweep,
         })
     }

@@ -157,10 +157,16 @@ impl<W: Word> Walk<W> {
     }
 
     /// The next step; `None` when the end is reached.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Step<2>> {
         if self.quadrants == 0 && (self.du >= self.du_end || self.dv >= self.dv_end) {
-            return self.run_off();
+            let (du, dv) = (self.du, self.dv);
+            let (u, v) = self.run_off();
+            return if u == 0 && v == 0 {
+                None
+            } else {
+                Some(self.step(u, v, du, dv))
+            };
         }
         if self.spread.left != 0 {
             self.change_radius();
@@ -194,24 +200,21 @@ impl<W: Word> Walk<W> {
     }
 
     /// Level with the end in one axis (or past it): straight to it. The end is a rounded point, so
-    /// this is a step or two.
+    /// this is a step or two. Both 0: there.
     #[cold]
-    fn run_off(&mut self) -> Option<Step<2>> {
+    fn run_off(&mut self) -> (i8, i8) {
         let sign = |from: W, to: W| i8::from(from < to).wrapping_sub(i8::from(from > to));
         let u = sign(self.du, self.du_end);
         let v = sign(self.dv, self.dv_end);
-        if u == 0 && v == 0 {
-            return None;
-        }
-        let (du, dv) = (self.du, self.dv);
         let two = self.one.plus(self.one);
-        self.du = du.plus(two.only_if(u > 0)).minus(two.only_if(u < 0));
-        self.dv = dv.plus(two.only_if(v > 0)).minus(two.only_if(v < 0));
-        Some(self.step(u, v, du, dv))
+        let moved = |from: W, by: i8| from.plus(two.only_if(by > 0)).minus(two.only_if(by < 0));
+        self.du = moved(self.du, u);
+        self.dv = moved(self.dv, v);
+        (u, v)
     }
 
     /// The event of a step by `u` and `v` from where the differences were `du` and `dv`.
-    #[inline]
+    #[inline(always)]
     fn step(&self, u: i8, v: i8, du: W, dv: W) -> Step<2> {
         let along_u = dv.minus(self.one).half();
         let along_v = self.one.minus(du).half();

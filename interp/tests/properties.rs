@@ -40,10 +40,12 @@ fn square(at: [i64; 2], arc: &ArcMove) -> i128 {
     scaled(at[0], arc.centre[0]).pow(2) + scaled(at[1], arc.centre[1]).pow(2)
 }
 
-/// A nominal arc: the residues are floored once, as the caller is to do.
+/// A nominal arc: the residues are rounded once, to nearest, as the caller is to do.
 fn nominal(mut arc: ArcMove, radius_squared: i128) -> ArcMove {
+    let half = (1_i128 << arc.fraction_bits) / 2;
     let residue = |at: [i32; 2]| {
-        ((square(at.map(i64::from), &arc) - radius_squared) >> arc.fraction_bits) as i64
+        let exact = square(at.map(i64::from), &arc) - radius_squared;
+        ((exact + half) >> arc.fraction_bits) as i64
     };
     let (start, end) = (residue(arc.from), residue(arc.to));
     arc.rim = Rim::Nominal { start, end };
@@ -318,7 +320,7 @@ proptest! {
             }
         }
         let plane = [1, 0].map(|axis| i64::from(arc.to[axis]) - i64::from(arc.from[axis]));
-        prop_assert_eq!(at, [i64::from(along[0]), plane[0], i64::from(along[1]), plane[1]]);
+        prop_assert_eq!(at, [i64::from(along[0]), plane[0], i64::from(along[2]), plane[1]]);
         let alone: Vec<[i8; 2]> = steps.iter().map(|step| [step.delta[3], step.delta[1]])
             .filter(|delta| *delta != [0, 0]).collect();
         prop_assert!(alone.into_iter().eq(Arc::new(&arc).unwrap().map(|step| step.delta)));
