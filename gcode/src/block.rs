@@ -146,7 +146,7 @@ impl Block {
         if value.is_negative() && matches!(letter, b'F' | b'S' | b'T' | b'P' | b'N') {
             return Err(ErrorKind::Negative(letter));
         }
-        if matches!(letter, b'T' | b'N')
+        if letter == b'T'
             && value
                 .whole()
                 .and_then(|number| u32::try_from(number).ok())
@@ -180,7 +180,7 @@ impl Block {
         self.present & !line_number == 0 && self.codes.iter().all(Option::is_none)
     }
 
-    /// The number behind `N`.
+    /// The number behind `N`, if it is a whole number of 32 bits. It means nothing to the program.
     pub fn line_number(&self) -> Option<u32> {
         self.word(b'N')
             .and_then(Decimal::whole)

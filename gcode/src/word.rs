@@ -17,7 +17,7 @@ pub struct Word {
 }
 
 /// The words of one line, in order. Blanks are ignored everywhere, also inside words; comments `( )` and `;` are
-/// skipped; a `/` before everything else marks a deleted block; a `%` alone is an empty line. Ends after the first error.
+/// skipped; a `/` before everything else marks a deleted block; a `%` alone (or behind `N`) is an empty line. Ends after the first error.
 ///
 /// ```
 /// let line = husillo_gcode::words(b"g1 x - 1 . 5 (cut)");
@@ -30,6 +30,7 @@ pub fn words(line: &[u8]) -> Words<'_> {
         line,
         at: 0,
         start: true,
+        numbered: false,
         percent: false,
         deleted: false,
     }
@@ -40,7 +41,11 @@ pub fn words(line: &[u8]) -> Words<'_> {
 pub struct Words<'a> {
     line: &'a [u8],
     at: usize,
+    /// Nothing but blanks and comments was read so far.
     start: bool,
+    /// Only an `N` word was read so far.
+    numbered: bool,
+    /// A `%` was read: nothing but blanks and comments may follow.
     percent: bool,
     deleted: bool,
 }
@@ -187,15 +192,15 @@ impl Iterator for Words<'_> {
                     self.deleted = true;
                     self.advance();
                 }
-                b'%' if self.start => {
-                    self.start = false;
-                    self.percent = true;
+                b'%' if self.start || self.numbered => {
+                    (self.start, self.numbered, self.percent) = (false, false, true);
                     self.advance();
                 }
                 _ if byte.is_ascii_alphabetic() && !self.percent => {
-                    self.start = false;
                     self.advance();
                     let letter = byte.to_ascii_uppercase();
+                    self.numbered = self.start && letter == b'N';
+                    self.start = false;
                     return match self.number(letter, at) {
                         Ok((value, end)) => Some(Ok(Word {
                             letter,
@@ -239,6 +244,7 @@ mod tests {
             Ok("N10 G1 X1.50 Y-0.5 F10".into())
         );
         assert_eq!(show("% \r\n"), Ok(String::new()));
+        assert_eq!(show("N28 %"), Ok("N28".into()));
         assert_eq!(show("/ G0 X1."), Ok("G0 X1".into()));
         assert_eq!(show("(\u{e9})G1"), Ok("G1".into()));
         assert_eq!(
@@ -257,7 +263,9 @@ mod tests {
         assert_eq!(show("G1 \u{e9}"), Err((101, 3, 4)));
         assert_eq!(show("G1 (a (b)"), Err((106, 6, 7)));
         assert_eq!(show("G1 (a"), Err((105, 3, 5)));
-        assert_eq!(show("X#1"), Err((102, 1, 2)));
+        assert_eq!(show("X#1"), Err((102, 1, 3)));
         assert_eq!(show("%1"), Err((101, 1, 2)));
+        assert_eq!(show("G1 %"), Err((101, 3, 4)));
+        assert_eq!(show("N1 G1 %"), Err((101, 6, 7)));
     }
 }

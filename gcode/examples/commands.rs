@@ -1,0 +1,61 @@
+//! Prints the commands of a program, one line each, and its errors with their place.
+//!
+//! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` only counts, and times, them.
+
+use husillo_gcode::{Block, Dialect, Modal};
+use std::io::Write;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let timed = arguments.iter().any(|argument| argument == "--time");
+    arguments.retain(|argument| argument != "--time");
+    let path = arguments
+        .first()
+        .ok_or("usage: commands FILE [DIALECT] [--time]")?;
+    let name = arguments.get(1).map_or("rs274", String::as_str);
+    let dialect = Dialect::by_name(name).ok_or("dialects: rs274, micromill")?;
+    let program = std::fs::read(path)?;
+
+    let mut output = std::io::BufWriter::new(std::io::stdout().lock());
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut lines, mut commands_made, mut errors) = (0usize, 0usize, 0usize);
+    let start = Instant::now();
+    for line in program.split(|&byte| byte == b'\n') {
+        lines += 1;
+        for (offset, text) in dialect.blocks(line) {
+            let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
+            match planned {
+                Ok((next, commands)) => {
+                    modal = next;
+                    commands_made += commands.len();
+                    if !timed {
+                        for command in commands {
+                            writeln!(output, "{lines}: {command}")?;
+                        }
+                    }
+                }
+                Err(error) => {
+                    errors += 1;
+                    if !timed {
+                        let column = offset + error.at + 1;
+                        writeln!(
+                            output,
+                            "{lines}:{column}: E{:04}: {error}",
+                            error.kind.code()
+                        )?;
+                    }
+                }
+            }
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    if timed {
+        let rate = lines as f64 / seconds / 1e6;
+        writeln!(
+            output,
+            "{lines} lines, {commands_made} commands, {errors} errors: {rate:.2} million lines/s"
+        )?;
+    }
+    Ok(())
+}

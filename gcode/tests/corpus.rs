@@ -1,0 +1,199 @@
+//! Programs from real CAM systems against the verdicts and end points of reference interpreters.
+//!
+//! The programs are not part of this repository. `HUSILLO_CORPUS` names their folder (with `programs/`, `reference/`,
+//! `MANIFEST.tsv` and `AGREE.txt`); without it `../shared/gcode` beside the workspace is tried, and without that the
+//! tests pass with a message.
+
+use flate2::read::GzDecoder;
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, Modal};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+fn corpus() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/gcode");
+    let folder = std::env::var_os("HUSILLO_CORPUS").map_or(beside, PathBuf::from);
+    let found = folder.join("MANIFEST.tsv").is_file();
+    if !found {
+        println!(
+            "no corpus in {}: set HUSILLO_CORPUS to run this test",
+            folder.display()
+        );
+    }
+    found.then_some(folder)
+}
+
+/// One row of a reference: error code and machine position in mm after an input line.
+struct Row {
+    error: u32,
+    at: [f64; 3],
+}
+
+/// The rows of `reference/<program>.<name>.gz` by line number; empty when there is none.
+fn rows(folder: &Path, program: &str, name: &str) -> BTreeMap<usize, Row> {
+    let path = folder
+        .join("reference")
+        .join(format!("{program}.{name}.gz"));
+    let mut text = String::new();
+    let read = fs::File::open(path).and_then(|file| GzDecoder::new(file).read_to_string(&mut text));
+    if read.is_err() {
+        return BTreeMap::new();
+    }
+    text.lines().filter_map(row).collect()
+}
+
+fn row(line: &str) -> Option<(usize, Row)> {
+    let mut fields = line.split_whitespace();
+    let number = fields.next()?.parse().ok()?;
+    let error = fields.next()?.strip_prefix('e')?.parse().ok()?;
+    let mut at = [0.0; 3];
+    for axis in &mut at {
+        *axis = fields.next()?.parse().ok()?;
+    }
+    Some((number, Row { error, at }))
+}
+
+/// Whether an error says that the program goes beyond the codes of this crate.
+fn is_outside(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::UnknownCode(..) | ErrorKind::UnknownWord(_) | ErrorKind::Expression
+    )
+}
+
+/// Where the references saw lines end: after `\n`, or (two rows for CR LF) after `\r` as well.
+#[derive(Copy, Clone)]
+enum Ends {
+    Newline,
+    Either,
+}
+
+/// Runs a program; gives the position in mm after each line and the first error with its line.
+fn run(program: &[u8], ends: Ends) -> (Vec<[f64; 3]>, Option<(usize, Error)>) {
+    let dialect = Dialect::RS274;
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut positions, mut first) = (Vec::new(), None);
+    let is_end = |&byte: &u8| byte == b'\n' || (byte == b'\r' && matches!(ends, Ends::Either));
+    for (index, line) in program.split(is_end).enumerate() {
+        for (_, text) in dialect.blocks(line) {
+            match Block::parse(text, &dialect).and_then(|block| modal.plan(&block)) {
+                Ok((next, _)) => modal = next,
+                Err(error) => {
+                    assert!(
+                        error.at <= error.end && error.end <= text.len(),
+                        "{error:?} outside its line"
+                    );
+                    first.get_or_insert((index + 1, error));
+                }
+            }
+        }
+        positions.push(modal.position().map(|axis| axis.0 as f64 / 1e6));
+    }
+    (positions, first)
+}
+
+#[test]
+fn end_points_agree_with_the_references() {
+    let Some(folder) = corpus() else { return };
+    let agree = fs::read_to_string(folder.join("AGREE.txt")).expect("AGREE.txt");
+    let (mut programs, mut lines, mut skipped, mut worst) = (0, 0, Vec::new(), 0.0_f64);
+    let mut faults = Vec::new();
+    for name in agree.lines().filter(|name| !name.is_empty()) {
+        let text = fs::read(folder.join("programs").join(name)).expect("a program of the list");
+        let (positions, error) = run(&text, Ends::Newline);
+        if let Some((line, error)) = error {
+            skipped.push(format!("{name}:{line}: {error}"));
+            continue;
+        }
+        let references = ["grbl", "grblhal"].map(|reference| rows(&folder, name, reference));
+        let reference = references
+            .into_iter()
+            .filter(|rows| !rows.is_empty())
+            .min_by_key(|rows| rows.values().filter(|row| row.error != 0).count());
+        let Some(reference) = reference else { continue };
+        let last = reference.keys().last().copied().unwrap_or(0);
+        let doubled = last > positions.len() + 1;
+        let positions = if doubled {
+            run(&text, Ends::Either).0
+        } else {
+            positions
+        };
+        programs += 1;
+        for (line, row) in &reference {
+            let Some(ours) = positions.get(line - 1) else {
+                continue;
+            };
+            // 0.0005 mm and half of the last printed digit (four places); 32-bit floats at large coordinates.
+            let off = ours
+                .iter()
+                .zip(row.at)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
+            worst = worst.max(off);
+            lines += 1;
+            if off > 0.0006 {
+                faults.push(format!(
+                    "{name}:{line}: ours {ours:?}, reference {:?}",
+                    row.at
+                ));
+                break;
+            }
+        }
+    }
+    println!(
+        "{programs} programs, {lines} lines, largest difference {worst:.4} mm; skipped {}:",
+        skipped.len()
+    );
+    skipped
+        .iter()
+        .chain(&faults)
+        .for_each(|line| println!("  {line}"));
+    assert!(faults.is_empty(), "{} programs end elsewhere", faults.len());
+    assert!(programs >= 60, "too few programs compared");
+}
+
+#[test]
+fn every_refusal_has_a_reason() {
+    let Some(folder) = corpus() else { return };
+    let manifest = fs::read_to_string(folder.join("MANIFEST.tsv")).expect("MANIFEST.tsv");
+    let (mut taken, mut outside, mut shared) = (0, 0, 0);
+    let mut kinds: BTreeMap<u16, usize> = BTreeMap::new();
+    let mut alone = Vec::new();
+    for entry in manifest.lines().skip(1) {
+        let mut fields = entry.split('\t');
+        let (Some(name), Some(verdict)) = (fields.next(), fields.nth(1)) else {
+            continue;
+        };
+        let text = fs::read(folder.join("programs").join(name)).expect("a program of the manifest");
+        let Some((line, error)) = run(&text, Ends::Newline).1 else {
+            taken += 1;
+            continue;
+        };
+        *kinds.entry(error.kind.code()).or_default() += 1;
+        if is_outside(error.kind) {
+            outside += 1;
+            continue;
+        }
+        let refused = |reference| {
+            rows(&folder, name, reference)
+                .get(&line)
+                .is_some_and(|row| row.error != 0)
+        };
+        if verdict == "reject" || refused("grbl") || refused("grblhal") {
+            shared += 1;
+        } else {
+            alone.push(format!("{name}:{line}: {error} (LinuxCNC: {verdict})"));
+        }
+    }
+    println!(
+        "{taken} taken whole, {outside} use what is not in the list, {shared} refused by a reference too"
+    );
+    println!("first refusals by code: {kinds:?}");
+    alone.iter().for_each(|line| println!("  {line}"));
+    assert!(
+        alone.is_empty(),
+        "{} refusals that no reference shares",
+        alone.len()
+    );
+}

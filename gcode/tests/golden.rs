@@ -1,0 +1,90 @@
+//! Golden programs: `good/*.ngc` beside the commands they mean, `bad/*.ngc` whose first line tells the only error.
+//!
+//! Files that end in `.mm` are in the micromill dialect. `UPDATE_GOLDEN=1` writes the `.commands` files anew.
+
+use husillo_gcode::{Block, Dialect, Modal};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn programs(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/golden")
+        .join(folder);
+    let entries = fs::read_dir(folder).expect("golden folder");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|name| name != "commands"));
+    paths.sort();
+    assert!(!paths.is_empty());
+    paths
+}
+
+/// `line: command` and `line:column: E0000 message`, columns from 1.
+fn run(path: &Path) -> (Vec<String>, Vec<String>) {
+    let micromill = path.extension().is_some_and(|name| name == "mm");
+    let dialect = if micromill {
+        Dialect::MICROMILL
+    } else {
+        Dialect::RS274
+    };
+    let program = fs::read(path).expect("program");
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut commands, mut errors) = (Vec::new(), Vec::new());
+    for (index, line) in program.split(|&byte| byte == b'\n').enumerate() {
+        let number = index + 1;
+        for (offset, text) in dialect.blocks(line) {
+            match Block::parse(text, &dialect).and_then(|block| modal.plan(&block)) {
+                Ok((next, made)) => {
+                    modal = next;
+                    commands.extend(made.map(|command| format!("{number}: {command}")));
+                }
+                Err(error) => {
+                    let columns = (offset + error.at + 1, offset + error.end);
+                    let code = error.kind.code();
+                    errors.push(format!(
+                        "{number}:{}-{} E{code:04} {error}",
+                        columns.0, columns.1
+                    ));
+                }
+            }
+        }
+    }
+    (commands, errors)
+}
+
+#[test]
+fn good_programs_mean_their_commands() {
+    for path in programs("good") {
+        let (commands, errors) = run(&path);
+        assert!(errors.is_empty(), "{}: {errors:#?}", path.display());
+        let text = commands.join("\n") + "\n";
+        let golden = path.with_extension("commands");
+        if std::env::var_os("UPDATE_GOLDEN").is_some() {
+            fs::write(&golden, &text).expect("write");
+        }
+        let expected = fs::read_to_string(&golden).unwrap_or_default();
+        assert_eq!(text, expected, "{}", path.display());
+    }
+}
+
+#[test]
+fn bad_programs_have_their_error() {
+    let mut wrong = Vec::new();
+    for path in programs("bad") {
+        let text = String::from_utf8_lossy(&fs::read(&path).expect("program")).into_owned();
+        let first = text.lines().next().unwrap_or_default();
+        let expected = first
+            .trim_start_matches("; ")
+            .trim_end_matches(';')
+            .to_owned();
+        let (_, mut errors) = run(&path);
+        // In micromill strings the first line is no comment.
+        errors.retain(|error| !error.starts_with("1:"));
+        if errors != [expected.clone()] {
+            wrong.push(format!(
+                "{}: expected {expected}, got {errors:#?}",
+                path.display()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
