@@ -23,12 +23,20 @@ const POWERS: [i64; 19] = {
     powers
 };
 
-/// `10^n`, or `None` beyond 10^18. The masked-by-length access cannot fail.
+/// `10^n`, or `None` beyond 10^18. The access is guarded by the length: no panic is left of it.
 const fn power(n: u8) -> Option<i64> {
     if (n as usize) < POWERS.len() {
         Some(POWERS[n as usize])
     } else {
         None
+    }
+}
+
+/// Quotient and rest; zeros for a divisor of 0, which is never given.
+const fn divide(value: u64, divisor: u64) -> (u64, u64) {
+    match (value.checked_div(divisor), value.checked_rem(divisor)) {
+        (Some(quotient), Some(rest)) => (quotient, rest),
+        _ => (0, 0),
     }
 }
 
@@ -42,14 +50,15 @@ const fn divide_by_power(mut value: u128, mut k: u8) -> u128 {
         };
         let (mut quotient, mut rest, mut shift) = (0u128, 0u64, 128u32);
         while shift > 0 {
-            shift -= 32;
+            shift = shift.wrapping_sub(32);
             // rest < 10^9 < 2^30, so the 62-bit dividend fits.
-            let limb = (rest << 32) | ((value >> shift) as u64 & 0xffff_ffff);
-            quotient = (quotient << 32) | (limb / divisor) as u128;
-            rest = limb % divisor;
+            let limb = (rest << 32) | (value.wrapping_shr(shift) as u64 & 0xffff_ffff);
+            let (part, left) = divide(limb, divisor);
+            quotient = (quotient << 32) | part as u128;
+            rest = left;
         }
         value = quotient;
-        k -= part;
+        k = k.wrapping_sub(part);
     }
     value
 }
@@ -97,47 +106,53 @@ impl Decimal {
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not fit.
     ///
     /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
-    /// nanometre.  The usual case costs one multiplication or one 64-bit division.
+    /// nanometre. The usual case costs one multiplication or one 64-bit division.
     pub const fn scaled(self, factor: i64, exponent: u8) -> Option<i64> {
         let product = self.digits.checked_mul(factor);
         if self.places <= exponent {
-            return match (product, power(exponent - self.places)) {
+            return match (product, power(exponent.wrapping_sub(self.places))) {
                 (Some(0), _) => Some(0),
                 (Some(product), Some(scale)) => product.checked_mul(scale),
                 _ => None,
             };
         }
-        let excess = self.places - exponent;
-        if let (Some(product), Some(divisor)) = (product, power(excess)) {
-            let (quotient, rest) = (product / divisor, product % divisor);
-            // 10^excess is even, so the half is exact; |quotient| <= 2^63 / 10 leaves room for the one.
-            let up = rest.unsigned_abs() >= divisor.unsigned_abs() / 2;
-            return Some(if !up {
-                quotient
-            } else if product < 0 {
-                quotient - 1
-            } else {
-                quotient + 1
-            });
-        }
-        // |digits * factor| <= 2^126 and 10^30 / 2 < 2^99: the sum fits.
-        let magnitude = self.digits.unsigned_abs() as u128 * factor.unsigned_abs() as u128;
-        let mut half = 5u128;
-        let mut k = 1;
-        while k < excess {
-            half = half.wrapping_mul(10);
-            k += 1;
-        }
-        let rounded = divide_by_power(magnitude.wrapping_add(half), excess);
-        if rounded > i64::MAX as u128 {
-            return None;
-        }
-        let rounded = rounded as i64;
+        let excess = self.places.wrapping_sub(exponent);
+        let rounded = match (product, power(excess)) {
+            (Some(product), Some(divisor)) => {
+                let (quotient, rest) = divide(product.unsigned_abs(), divisor.unsigned_abs());
+                // 10^excess is even, so the half is exact; quotient <= 2^63 / 10 leaves room for the one.
+                let up = rest >= divisor.unsigned_abs() >> 1;
+                quotient.wrapping_add(up as u64) as i64
+            }
+            _ => match self.rounded_wide(factor, excess) {
+                Some(rounded) => rounded,
+                None => return None,
+            },
+        };
         Some(if (self.digits < 0) != (factor < 0) {
-            -rounded
+            rounded.wrapping_neg()
         } else {
             rounded
         })
+    }
+
+    /// The magnitude of `digits * factor / 10^excess`, rounded, where 64 bits do not hold what is between.
+    const fn rounded_wide(self, factor: i64, excess: u8) -> Option<i64> {
+        let (digits, factor) = (self.digits.unsigned_abs(), factor.unsigned_abs());
+        let magnitude = (digits as u128).wrapping_mul(factor as u128);
+        let mut half = 5u128;
+        let mut k = 1u8;
+        while k < excess {
+            half = half.wrapping_mul(10);
+            k = k.wrapping_add(1);
+        }
+        // magnitude <= 2^126 and half <= 10^30 / 2 < 2^99: the sum fits.
+        let rounded = divide_by_power(magnitude.wrapping_add(half), excess);
+        if rounded > i64::MAX as u128 {
+            None
+        } else {
+            Some(rounded as i64)
+        }
     }
 
     /// The value as an integer if it is one (`2`, `2.0`, `2.`); `None` otherwise.
@@ -150,13 +165,21 @@ impl Decimal {
         if self.places <= exponent {
             return self.scaled(1, exponent);
         }
-        match power(self.places - exponent) {
-            Some(divisor) if self.digits % divisor == 0 => Some(self.digits / divisor),
-            Some(_) => None,
-            // Fewer than 19 digits cannot be a multiple of 10^19.
-            None if self.digits == 0 => Some(0),
-            None => None,
+        let Some(divisor) = power(self.places.wrapping_sub(exponent)) else {
+            // Fewer than 20 digits cannot be a multiple of 10^19.
+            return if self.digits == 0 { Some(0) } else { None };
+        };
+        let (quotient, rest) = divide(self.digits.unsigned_abs(), divisor.unsigned_abs());
+        if rest != 0 {
+            return None;
         }
+        // At most 2^63 / 10.
+        let quotient = quotient as i64;
+        Some(if self.digits < 0 {
+            quotient.wrapping_neg()
+        } else {
+            quotient
+        })
     }
 
     /// One unit of the last place, as an exact decimal.

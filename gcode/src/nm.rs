@@ -34,7 +34,7 @@ impl fmt::Display for Nm {
         }
         while rest % 10 == 0 {
             rest /= 10;
-            width -= 1;
+            width = usize::wrapping_sub(width, 1);
         }
         write!(f, ".{rest:0width$}")
     }

@@ -179,7 +179,7 @@ proptest! {
     /// The mismatch of an accepted arc is the difference of its radii to the nearest nanometre.
     #[test]
     fn mismatch_is_the_difference_of_radii(
-        i in -50_000_000i64..50_000_000, j in -50_000_000i64..50_000_000, angle in 0.0f64..6.28, off in -5_000.0f64..5_000.0
+        i in -50_000_000i64..50_000_000, j in -50_000_000i64..50_000_000, angle in 0.0f64..6.25, off in -5_000.0f64..5_000.0
     ) {
         let radius = ((i as f64).hypot(j as f64) + off).max(1.0);
         let (x, y) = ((radius * angle.cos()) as i64 + i, (radius * angle.sin()) as i64 + j);
