@@ -32,3 +32,8 @@ mod uniform;
 pub use compensator::Compensator;
 pub use lash::{Flank, Lash};
 pub use uniform::Backlash;
+
+/// The README's example, as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

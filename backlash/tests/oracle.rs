@@ -44,8 +44,8 @@ impl Play {
     }
 
     fn step(&mut self, delta: [i8; 2]) {
-        for axis in 0..2 {
-            self.motor[axis] += i32::from(delta[axis]);
+        for (axis, delta) in delta.into_iter().enumerate() {
+            self.motor[axis] += i32::from(delta);
             self.table[axis] =
                 self.table[axis].clamp(self.motor[axis], self.motor[axis] + self.lash[axis]);
         }

@@ -38,3 +38,8 @@ mod rig;
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
+
+/// The README's example, as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

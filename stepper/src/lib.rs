@@ -48,3 +48,8 @@ pub use sequencer::{Mode, Sequencer, Unsupported};
 pub use sine::{AMPLITUDE, sine};
 pub use step_direction::{Present, PulseTiming, StepDirection};
 pub use step_toggle::StepToggle;
+
+/// The README's example, as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -29,11 +29,11 @@ const QUARTER: [i16; 257] = [
 #[must_use]
 pub const fn sine(angle: u16) -> i16 {
     let within = (angle & 255) as usize;
-    // Both indices are 0 to 256.
+    // Both indices are 0 to 256; the entries are positive, so their negatives fit.
     match angle >> 8 & 3 {
         0 => QUARTER[within],
         1 => QUARTER[256 - within],
-        2 => -QUARTER[within],
-        _ => -QUARTER[256 - within],
+        2 => QUARTER[within].wrapping_neg(),
+        _ => QUARTER[256 - within].wrapping_neg(),
     }
 }

@@ -222,7 +222,7 @@ fn the_sine_table_is_its_rule() {
     }
 }
 
-/// Currents are cosine and sine of the angle: exact to half a unit from the table, within 1e-3 of full current computed.
+/// Currents are cosine and sine of the angle: exact to half a unit from the table, within 1.1e-3 of full current computed.
 #[test]
 fn microstep_currents_are_cosine_and_sine() {
     let mut motor = Microstep::<256>::new();
@@ -233,7 +233,7 @@ fn microstep_currents_are_cosine_and_sine() {
             .max((a - sine(motor.angle() + 256)).abs())
             .max((b - sine(motor.angle())).abs());
     }
-    let allowed = if cfg!(feature = "micromath") { 33 } else { 0 };
+    let allowed = if cfg!(feature = "micromath") { 36 } else { 0 };
     assert!(worst <= allowed, "{worst} of 32767");
     println!("largest difference from the table: {worst} of {AMPLITUDE}");
 }
