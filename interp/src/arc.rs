@@ -34,7 +34,9 @@ pub enum Rim {
     /// The curve goes exactly through both ends; their distances from the centre may differ.
     Spiral,
     /// A circle of nominal radius R; the ends are rounded points beside it. Each value is
-    /// floor((|P - C|^2 - R^2) 2^f) for P in BLU: the residue in units of 2^-f BLU^2.
+    /// (|P - C|^2 - R^2) 2^f for P in BLU, the residue in units of 2^-f BLU^2: rounded to nearest the
+    /// error bound is 0.5 + 2^-f / (4 r), floored (as the oracle has it) 0.5 + 2^-f / (2 r); both
+    /// are to be rounded the same way.
     Nominal {
         /// Residue of the first point.
         start: i64,

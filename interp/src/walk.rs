@@ -112,6 +112,27 @@ pub(crate) struct Spread {
     pub(crate) phase: u32,
 }
 
+/// A step in x and y as one word: bytes that are stored one by one are slow to read back together.
+#[derive(Copy, Clone, Debug)]
+struct Pair(u16);
+
+impl Pair {
+    fn new([x, y]: [i8; 2]) -> Pair {
+        Pair(u16::from_ne_bytes([x as u8, y as u8]))
+    }
+
+    fn opposite(self) -> Pair {
+        Pair(u16::from_ne_bytes(
+            self.0.to_ne_bytes().map(u8::wrapping_neg),
+        ))
+    }
+
+    #[inline]
+    fn only_if(self, condition: bool) -> u16 {
+        self.0 & u16::from(condition).wrapping_neg()
+    }
+}
+
 /// The walking state in words of one width.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Walk<W> {
@@ -126,8 +147,8 @@ pub(crate) struct Walk<W> {
     quotient: W,
     spread: Spread,
     quadrants: u64,
-    toward_u: [i8; 2],
-    toward_v: [i8; 2],
+    toward_u: Pair,
+    toward_v: Pair,
     sweep_shift: u32,
 }
 
@@ -146,8 +167,8 @@ impl<W: Word> Walk<W> {
             quotient: W::narrow(start.spread.quotient),
             spread: start.spread,
             quadrants: start.quadrants,
-            toward_u: start.toward_u,
-            toward_v: start.toward_v,
+            toward_u: Pair::new(start.toward_u),
+            toward_v: Pair::new(start.toward_v),
             sweep_shift: start.sweep_shift,
         }
     }
@@ -160,13 +181,8 @@ impl<W: Word> Walk<W> {
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Step<2>> {
         if self.quadrants == 0 && (self.du >= self.du_end || self.dv >= self.dv_end) {
-            let (du, dv) = (self.du, self.dv);
-            let (u, v) = self.run_off();
-            return if u == 0 && v == 0 {
-                None
-            } else {
-                Some(self.step(u, v, du, dv))
-            };
+            let (delta, sweep) = self.run_off();
+            return (delta != 0).then(|| self.step(delta, sweep));
         }
         if self.spread.left != 0 {
             self.change_radius();
@@ -187,53 +203,54 @@ impl<W: Word> Walk<W> {
         let two = self.one.plus(self.one);
         self.du = du.plus(two.only_if(takes_u));
         self.dv = dv.plus(two.only_if(takes_v));
-        let step = self.step(i8::from(takes_u), i8::from(takes_v), du, dv);
+        let along_u = dv.minus(self.one).half();
+        let along_v = self.one.minus(du).half();
+        let step = self.step(
+            self.toward_u.only_if(takes_u) | self.toward_v.only_if(takes_v),
+            along_u.only_if(takes_u).plus(along_v.only_if(takes_v)),
+        );
         if self.quadrants != 0 && self.du >= W::ZERO {
             (self.du, self.dv) = (two.minus(self.dv), self.du);
-            let [ux, uy] = self.toward_u;
-            let [vx, vy] = self.toward_v;
-            self.toward_u = [vx.wrapping_neg(), vy.wrapping_neg()];
-            self.toward_v = [ux, uy];
+            (self.toward_u, self.toward_v) = (self.toward_v.opposite(), self.toward_u);
             self.quadrants = self.quadrants.wrapping_sub(1);
         }
         Some(step)
     }
 
     /// Level with the end in one axis (or past it): straight to it. The end is a rounded point, so
-    /// this is a step or two. Both 0: there.
+    /// this is a step or two. Returns the step and its sweep, which may be negative; no step: there.
     #[cold]
-    fn run_off(&mut self) -> (i8, i8) {
-        let sign = |from: W, to: W| i8::from(from < to).wrapping_sub(i8::from(from > to));
-        let u = sign(self.du, self.du_end);
-        let v = sign(self.dv, self.dv_end);
+    fn run_off(&mut self) -> (u16, W) {
+        let along_u = self.dv.minus(self.one).half();
+        let along_v = self.one.minus(self.du).half();
         let two = self.one.plus(self.one);
-        let moved = |from: W, by: i8| from.plus(two.only_if(by > 0)).minus(two.only_if(by < 0));
-        self.du = moved(self.du, u);
-        self.dv = moved(self.dv, v);
-        (u, v)
+        let (mut delta, mut sweep) = (0, W::ZERO);
+        if self.du < self.du_end {
+            self.du = self.du.plus(two);
+            (delta, sweep) = (delta | self.toward_u.0, sweep.plus(along_u));
+        } else if self.du > self.du_end {
+            self.du = self.du.minus(two);
+            (delta, sweep) = (delta | self.toward_u.opposite().0, sweep.minus(along_u));
+        }
+        if self.dv < self.dv_end {
+            self.dv = self.dv.plus(two);
+            (delta, sweep) = (delta | self.toward_v.0, sweep.plus(along_v));
+        } else if self.dv > self.dv_end {
+            self.dv = self.dv.minus(two);
+            (delta, sweep) = (delta | self.toward_v.opposite().0, sweep.minus(along_v));
+        }
+        (delta, sweep)
     }
 
-    /// The event of a step by `u` and `v` from where the differences were `du` and `dv`.
     #[inline(always)]
-    fn step(&self, u: i8, v: i8, du: W, dv: W) -> Step<2> {
-        let along_u = dv.minus(self.one).half();
-        let along_v = self.one.minus(du).half();
-        let sweep = along_u
-            .only_if(u > 0)
-            .plus(along_v.only_if(v > 0))
-            .minus(along_u.only_if(u < 0))
-            .minus(along_v.only_if(v < 0));
-        let [ux, uy] = self.toward_u;
-        let [vx, vy] = self.toward_v;
-        // Of the two directions one is along x and one along y: every product and sum is -1, 0 or 1.
-        let component = |toward_u: i8, toward_v: i8| {
-            toward_u
-                .wrapping_mul(u)
-                .wrapping_add(toward_v.wrapping_mul(v))
-        };
+    fn step(&self, delta: u16, sweep: W) -> Step<2> {
+        let [x, y] = delta.to_ne_bytes();
         Step {
-            delta: [component(ux, vx), component(uy, vy)],
-            sweep: sweep.max(self.least_sweep).unsigned() >> self.sweep_shift,
+            delta: [x as i8, y as i8],
+            sweep: sweep
+                .max(self.least_sweep)
+                .unsigned()
+                .wrapping_shr(self.sweep_shift),
         }
     }
 
