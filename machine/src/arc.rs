@@ -17,7 +17,10 @@ pub(crate) enum Course {
 }
 
 /// The two plane coordinates of a position.
-pub(crate) fn in_plane<T: Copy + Default, const N: usize>(of: &[T; N], plane: [usize; 2]) -> [T; 2] {
+pub(crate) fn in_plane<T: Copy + Default, const N: usize>(
+    of: &[T; N],
+    plane: [usize; 2],
+) -> [T; 2] {
     plane.map(|axis| of.get(axis).copied().unwrap_or_default())
 }
 
@@ -173,7 +176,12 @@ pub(crate) fn course<const N: usize>(
 
 /// For ends within a step of each other on the grid: whether the exact arc is the short way
 /// (`Some(true)`) or a whole turn (`Some(false)`); the grid alone cannot tell.
-fn nearly_closed(to: [i32; 2], start: [i64; 2], end: [i64; 2], direction: Direction) -> Option<bool> {
+fn nearly_closed(
+    to: [i32; 2],
+    start: [i64; 2],
+    end: [i64; 2],
+    direction: Direction,
+) -> Option<bool> {
     if to.iter().any(|step| step.unsigned_abs() > 1) {
         return None;
     }
@@ -211,7 +219,9 @@ fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: 
     let residual_bits = reach.leading_zeros().saturating_sub(3).min(24) as u8;
     let extra = residual_bits.saturating_sub(bits);
     let part = |grid: i64, exact: i64| -> i64 {
-        let exact = scale.nearest_fraction(Nm(exact), bits.wrapping_add(extra)).unwrap_or(0);
+        let exact = scale
+            .nearest_fraction(Nm(exact), bits.wrapping_add(extra))
+            .unwrap_or(0);
         let residual = (grid << extra).wrapping_sub(exact);
         let product = grid.wrapping_mul(residual).wrapping_mul(2);
         // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for F.

@@ -6,8 +6,7 @@ use husillo_interp::{Interpolator, Path, Step};
 use husillo_planner::Timer;
 
 use crate::{
-    Config, Event, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent,
-    segment::lattice,
+    Config, Event, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent, segment::lattice,
 };
 
 /// What the event given last belongs to.
@@ -55,7 +54,9 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash> {
 impl<const N: usize, P: Interpolator<N>> Machine<N, P, Backlash> {
     /// A machine with one lash value an axis.
     pub fn new(config: Config<N>) -> Self {
-        let lash = config.axes.map(|axis| Backlash::new(axis.lash_steps, Flank::Positive));
+        let lash = config
+            .axes
+            .map(|axis| Backlash::new(axis.lash_steps, Flank::Positive));
         Self::with_lash(config, lash)
     }
 }
@@ -124,28 +125,35 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
     /// Constant time, except where a move begins (an arc is walked once at its beginning).
     #[inline]
     pub fn next_event(&mut self) -> Option<Event<N>> {
-        if self.held.is_none()
-            && let Some((path, timer)) = &mut self.path
-        {
-            if let Some(step) = path.next() {
-                let wait = timer.wait(step.sweep);
-                return Some(self.path_step(step, wait));
-            }
-            self.path = None;
+        match &mut self.path {
+            Some((path, timer)) if self.held.is_none() => match path.next() {
+                Some(step) => {
+                    let wait = timer.wait(step.sweep);
+                    Some(self.path_step(step, wait))
+                }
+                None => {
+                    self.path = None;
+                    self.next_unhurried()
+                }
+            },
+            _ => self.next_unhurried(),
         }
-        self.next_unhurried()
     }
 
     /// A step of the path, unless an axis turns round and must be taken up first.
     #[inline]
     fn path_step(&mut self, step: Step<N>, wait: u64) -> Event<N> {
-        if self.is_compensating
-            && (self.unfinished.is_some() || !self.compensator.is_straight_on(&step.delta))
-            && let Some(event) = self.turn_round(&step.delta, wait)
-        {
-            return event;
+        let may_owe = self.is_compensating
+            && (self.unfinished.is_some() || !self.compensator.is_straight_on(&step.delta));
+        let take_up = if may_owe {
+            self.turn_round(&step.delta, wait)
+        } else {
+            None
+        };
+        match take_up {
+            Some(event) => event,
+            None => self.give(step.delta, wait),
         }
-        self.give(step.delta, wait)
     }
 
     /// The first step of take-up before `delta`, if an axis owes any.
@@ -153,7 +161,11 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
     fn turn_round(&mut self, delta: &[i8; N], wait: u64) -> Option<Event<N>> {
         let lash = self.compensator.before(delta, self.load);
         let mut unfinished = self.unfinished.take().unwrap_or([0; N]);
-        let axes = self.owed.iter_mut().zip(&mut unfinished).zip(delta.iter().zip(lash));
+        let axes = self
+            .owed
+            .iter_mut()
+            .zip(&mut unfinished)
+            .zip(delta.iter().zip(lash));
         for ((owed, rest), (delta, lash)) in axes {
             let direction = i32::from(*delta);
             if direction != 0 {
@@ -164,7 +176,10 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
                 *rest = 0;
             }
         }
-        self.unfinished = unfinished.iter().any(|rest| *rest != 0).then_some(unfinished);
+        self.unfinished = unfinished
+            .iter()
+            .any(|rest| *rest != 0)
+            .then_some(unfinished);
         let event = self.take_up_step()?;
         self.held = Some((*delta, wait));
         Some(event)
@@ -175,17 +190,25 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
     fn give(&mut self, delta: [i8; N], wait: u64) -> Event<N> {
         if wait > u64::from(MAX_WAIT_TICKS) {
             self.held = Some((delta, wait.wrapping_sub(u64::from(MAX_WAIT_TICKS))));
-            return Event::Dwell { wait_ticks: MAX_WAIT_TICKS };
+            return Event::Dwell {
+                wait_ticks: MAX_WAIT_TICKS,
+            };
         }
         for (load, delta) in self.load.iter_mut().zip(delta) {
             // Every end was checked to be within 31 bits, and the path stays next to it.
             *load = load.wrapping_add(i32::from(delta));
         }
         self.origin = match &self.segment {
-            Some(Segment { command: Command::Rapid { .. }, .. }) => Origin::Rapid,
+            Some(Segment {
+                command: Command::Rapid { .. },
+                ..
+            }) => Origin::Rapid,
             _ => Origin::Feed,
         };
-        Event::Step(StepEvent { wait_ticks: wait as u32, delta })
+        Event::Step(StepEvent {
+            wait_ticks: wait as u32,
+            delta,
+        })
     }
 
     /// One motor step of take-up: X before Y before Z, each at its highest rate.
@@ -193,7 +216,11 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
         let axes = self.owed.iter_mut().zip(&self.config.axes).enumerate();
         let (number, (owed, axis)) = axes.into_iter().find(|(_, (owed, _))| **owed != 0)?;
         let timer = self.take_up_timer.get_or_insert_with(|| {
-            Timer::new(u64::from(self.config.timer_hz), u64::from(axis.max_rate_hz), 1)
+            Timer::new(
+                u64::from(self.config.timer_hz),
+                u64::from(axis.max_rate_hz),
+                1,
+            )
         });
         let wait = timer.wait(1).min(u64::from(MAX_WAIT_TICKS));
         let direction = owed.signum();
@@ -206,7 +233,10 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
             *delta = direction as i8;
         }
         self.origin = Origin::TakeUp;
-        Some(Event::Step(StepEvent { wait_ticks: wait as u32, delta }))
+        Some(Event::Step(StepEvent {
+            wait_ticks: wait as u32,
+            delta,
+        }))
     }
 
     /// Everything but the next step of a path under way.
@@ -235,7 +265,9 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
             if self.carried_ticks >= u64::from(MAX_WAIT_TICKS) {
                 self.carried_ticks = self.carried_ticks.wrapping_sub(u64::from(MAX_WAIT_TICKS));
                 self.origin = Origin::Rest;
-                return Some(Event::Dwell { wait_ticks: MAX_WAIT_TICKS });
+                return Some(Event::Dwell {
+                    wait_ticks: MAX_WAIT_TICKS,
+                });
             }
             let Some(command) = self.commands.as_mut().and_then(Iterator::next) else {
                 self.segment = None;
@@ -246,17 +278,30 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
     }
 
     fn begin(&mut self, command: Command<N>) {
-        let segment = Segment { from: self.programmed, command };
+        let segment = Segment {
+            from: self.programmed,
+            command,
+        };
         self.segment = Some(segment);
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years: saturating is long enough.
-                let ticks = crate::duration::mul_div(micros, u64::from(self.config.timer_hz), 1_000_000);
+                let ticks =
+                    crate::duration::mul_div(micros, u64::from(self.config.timer_hz), 1_000_000);
                 self.carried_ticks = self.carried_ticks.saturating_add(ticks);
                 self.flush_wait();
             }
-            Command::Spindle { direction, milli_rpm } => {
-                self.signal([Some(Event::Output(Output::Spindle { direction, milli_rpm })), None]);
+            Command::Spindle {
+                direction,
+                milli_rpm,
+            } => {
+                self.signal([
+                    Some(Event::Output(Output::Spindle {
+                        direction,
+                        milli_rpm,
+                    })),
+                    None,
+                ]);
             }
             Command::Coolant { mist, flood } => {
                 self.signal([Some(Event::Output(Output::Coolant { mist, flood })), None]);
@@ -265,8 +310,12 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
                 Some(Event::Pause(Pause::ToolChange)),
                 Some(Event::Output(Output::Tool { number })),
             ]),
-            Command::Stop { optional: false } => self.signal([Some(Event::Pause(Pause::Program)), None]),
-            Command::Stop { optional: true } => self.signal([Some(Event::Pause(Pause::Optional)), None]),
+            Command::Stop { optional: false } => {
+                self.signal([Some(Event::Pause(Pause::Program)), None])
+            }
+            Command::Stop { optional: true } => {
+                self.signal([Some(Event::Pause(Pause::Optional)), None])
+            }
             Command::End { rewind } => {
                 self.signals = safe();
                 if let Some(last) = self.signals.last_mut() {
@@ -302,11 +351,14 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
     /// Turns carried time, which is below [`MAX_WAIT_TICKS`] or a dwell's, into a wait of its own.
     fn flush_wait(&mut self) {
         let short = self.carried_ticks % u64::from(MAX_WAIT_TICKS);
-        if short > 0
-            && let Some(first) = self.signals.first_mut()
-        {
-            self.carried_ticks = self.carried_ticks.wrapping_sub(short);
-            *first = Some(Event::Dwell { wait_ticks: short as u32 });
+        match self.signals.first_mut() {
+            Some(first) if short > 0 => {
+                self.carried_ticks = self.carried_ticks.wrapping_sub(short);
+                *first = Some(Event::Dwell {
+                    wait_ticks: short as u32,
+                });
+            }
+            _ => {}
         }
     }
 
@@ -329,7 +381,12 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
         self.owed = [0; N];
         self.take_up_timer = None;
         self.carried_ticks = 0;
-        for ((programmed, load), axis) in self.programmed.iter_mut().zip(self.load).zip(&self.config.axes) {
+        for ((programmed, load), axis) in self
+            .programmed
+            .iter_mut()
+            .zip(self.load)
+            .zip(&self.config.axes)
+        {
             *programmed = axis.scale.position(load);
         }
         self.modal.set_position(self.programmed);
@@ -370,7 +427,10 @@ fn safe<const N: usize>() -> [Option<Event<N>>; 4] {
             direction: SpindleDirection::Off,
             milli_rpm: 0,
         })),
-        Some(Event::Output(Output::Coolant { mist: false, flood: false })),
+        Some(Event::Output(Output::Coolant {
+            mist: false,
+            flood: false,
+        })),
         None,
     ]
 }

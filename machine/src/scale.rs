@@ -84,8 +84,7 @@ impl Scale {
         let unit = self.nm as u64;
         // Whole millimetre-sized chunks first: `(magnitude % unit) * steps < 2^64`, and its
         // remainder `< unit < 2^32` takes up to 31 more fraction bits.
-        let (Some(chunks), Some(rest)) =
-            (magnitude.checked_div(unit), magnitude.checked_rem(unit))
+        let (Some(chunks), Some(rest)) = (magnitude.checked_div(unit), magnitude.checked_rem(unit))
         else {
             return None;
         };
@@ -99,7 +98,11 @@ impl Scale {
         let Some(steps) = steps.checked_add(whole) else {
             return None;
         };
-        let bits = if fraction_bits > 31 { 31 } else { fraction_bits };
+        let bits = if fraction_bits > 31 {
+            31
+        } else {
+            fraction_bits
+        };
         if steps >> (62 - bits) != 0 {
             return None;
         }
@@ -134,7 +137,11 @@ mod tests {
 
     #[test]
     fn inverts_exact_positions_of_every_machine() {
-        for scale in [Scale::new(140, 1), Scale::new(1_000_000, 107), Scale::new(1, 1)] {
+        for scale in [
+            Scale::new(140, 1),
+            Scale::new(1_000_000, 107),
+            Scale::new(1, 1),
+        ] {
             let scale = scale.unwrap();
             for step in [0, 1, -1, 71_429, -71_429, i32::MAX, -i32::MAX] {
                 let there = scale.position(step);

@@ -29,7 +29,10 @@ pub(crate) fn lattice<const N: usize>(
 ) -> Result<[i32; N], MoveError> {
     let mut steps = [0; N];
     for (number, ((axis, at), step)) in axes.iter().zip(at).zip(&mut steps).enumerate() {
-        *step = axis.scale.nearest(*at).ok_or(MoveError::Reach { axis: number })?;
+        *step = axis
+            .scale
+            .nearest(*at)
+            .ok_or(MoveError::Reach { axis: number })?;
     }
     Ok(steps)
 }
@@ -49,11 +52,15 @@ impl<const N: usize> Config<N> {
                     self.check_travel(number, low)?;
                     self.check_travel(number, high)?;
                 }
-                if let Some(tolerance) = self.arc_tolerance
-                    && arc.mismatch.0 > tolerance.0
-                {
-                    let mismatch = arc.mismatch;
-                    return Err(MoveError::ArcTolerance { mismatch, tolerance });
+                let mismatch = arc.mismatch;
+                match self.arc_tolerance {
+                    Some(tolerance) if mismatch.0 > tolerance.0 => {
+                        return Err(MoveError::ArcTolerance {
+                            mismatch,
+                            tolerance,
+                        });
+                    }
+                    _ => {}
                 }
                 let [start, end] = [lattice(&self.axes, from)?, lattice(&self.axes, &arc.to)?];
                 self.course(from, arc, start, end).map(|_| ())
@@ -74,13 +81,23 @@ impl<const N: usize> Config<N> {
             return Ok(());
         };
         // Half a step: a rim that touches the limit touches it by rounding, too.
-        let slack = self.axes.get(number).map_or(0, |axis| i64::from(axis.scale.nm() / axis.scale.steps().max(1) / 2));
+        let slack = self.axes.get(number).map_or(0, |axis| {
+            i64::from(axis.scale.nm() / axis.scale.steps().max(1) / 2)
+        });
         let axis = number;
         if position.0 < low.0.saturating_sub(slack) {
-            return Err(MoveError::Travel { axis, position, limit: low });
+            return Err(MoveError::Travel {
+                axis,
+                position,
+                limit: low,
+            });
         }
         if position.0 > high.0.saturating_add(slack) {
-            return Err(MoveError::Travel { axis, position, limit: high });
+            return Err(MoveError::Travel {
+                axis,
+                position,
+                limit: high,
+            });
         }
         Ok(())
     }
@@ -125,48 +142,73 @@ impl<const N: usize> Config<N> {
         };
         // What is too small to go round is a line: the interpolator says so.
         let path = path.unwrap_or_else(|| P::line(delta));
-        let ticks = self.ticks(segment, &path, &delta);
+        let ticks = self.ticks(segment, &path);
         let timer = (path.remaining() > 0)
             .then(|| Timer::new(ticks, path.total_sweep(), path.largest_sweep()));
         (path, ticks, timer)
     }
 
-    /// Timer ticks of the whole move.
-    fn ticks<P: Interpolator<N>>(&self, segment: &Segment<N>, path: &P, delta: &[i32; N]) -> u64 {
+    /// Timer ticks of the whole move: of the way as programmed, not of the steps it rounds to, so that many
+    /// moves shorter than a step take the time of their sum.
+    fn ticks<P: Interpolator<N>>(&self, segment: &Segment<N>, path: &P) -> u64 {
         let hz = u64::from(self.timer_hz);
-        let slowest = |steps: u64, axis: &Axis| mul_div(steps, hz, u64::from(axis.max_rate_hz));
+        let (feed, to, plane) = match &segment.command {
+            Command::Rapid { to } => (None, to, None),
+            Command::Linear { to, feed } => (Some(feed), to, None),
+            Command::Arc { arc, feed } => (Some(feed), &arc.to, Some(arc.plane.axes())),
+            _ => return 0,
+        };
+        // What the circle of an arc does; one too small to go round is the line between its ends.
+        let plane = plane.and_then(|[a, b]| {
+            let axes = [self.axes.get(a)?, self.axes.get(b)?];
+            Some(([a, b], axes, path.radius()?))
+        });
+        let is_round = |number: &usize| plane.is_some_and(|(plane, ..)| plane.contains(number));
+        let ways = segment
+            .from
+            .iter()
+            .zip(to)
+            .map(|(from, to)| to.0.abs_diff(from.0));
+        let straight = ways
+            .enumerate()
+            .filter(|(number, _)| !is_round(number))
+            .map(|(_, way)| way);
         // No axis steps faster than it can, on the average of the move.
-        let least = delta.iter().zip(&self.axes).fold(0, |least, (steps, axis)| {
-            least.max(slowest(u64::from(steps.unsigned_abs()), axis))
-        });
-        let (feed, to, round) = match &segment.command {
-            Command::Linear { to, feed } => (feed, to, None),
-            Command::Arc { arc, feed } => (feed, &arc.to, Some(arc.plane.axes())),
-            _ => return least,
-        };
-        let along = segment.from.iter().zip(to).enumerate().map(|(number, (from, to))| {
-            match round {
-                Some([a, b]) if number == a || number == b => 0,
-                _ => to.0.abs_diff(from.0),
+        let mut least = 0;
+        let ways = segment.from.iter().zip(to).zip(&self.axes).enumerate();
+        for (number, ((from, to), axis)) in ways {
+            if !is_round(&number) {
+                least = axis.least_ticks(to.0.abs_diff(from.0), hz).max(least);
             }
-        });
-        let plane = round.and_then(|[a, b]| Some([self.axes.get(a)?, self.axes.get(b)?]));
-        let (Some(radius), Some([first, second])) = (path.radius(), plane) else {
-            // A line, or an arc too small to go round: the way between its ends.
-            let ways = segment.from.iter().zip(to).map(|(from, to)| to.0.abs_diff(from.0));
-            return ticks_of(feed, length(ways), hz).max(least);
-        };
-        // The area swept, divided by the radius, is the length of the arc in steps.
-        let steps = mul_div(path.total_sweep(), 1, radius);
-        let around = mul_div(
-            path.total_sweep(),
-            u64::from(first.scale.nm()),
-            radius.saturating_mul(u64::from(first.scale.steps())),
-        );
-        let whole = length([around].into_iter().chain(along.clone()));
-        // Somewhere on a quarter turn one axis makes the whole speed.
-        let rim = slowest(steps, first).max(slowest(steps, second));
-        ticks_of(feed, whole, hz).max(least).max(rim)
+        }
+        let mut around = 0;
+        if let Some((_, [first, second], radius)) = plane {
+            // The area swept, divided by the radius, is the length of the arc in steps.
+            around = mul_div(
+                path.total_sweep(),
+                u64::from(first.scale.nm()),
+                radius.saturating_mul(u64::from(first.scale.steps())),
+            );
+            // Somewhere on a quarter turn one axis makes the whole speed.
+            for axis in [first, second] {
+                least = axis.least_ticks(around, hz).max(least);
+            }
+        }
+        let whole = length(straight.chain([around]));
+        feed.map_or(0, |feed| ticks_of(feed, whole, hz)).max(least)
+    }
+}
+
+impl Axis {
+    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres.
+    fn least_ticks(&self, way_nm: u64, hz: u64) -> u64 {
+        // nm and rate are below 2^32 each.
+        let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
+        mul_div(
+            way_nm.saturating_mul(u64::from(self.scale.steps())),
+            hz,
+            nm_per_s,
+        )
     }
 }
 
