@@ -3,6 +3,8 @@
 //! Everything is in nanometres as `f64`: products stay below 2^53 * 2^-10 for moves up to 1 m, so the
 //! rounding of this measurement is far below a picometre and says nothing about the integer path it measures.
 
+use husillo_gcode::{Command, Direction, Nm};
+
 /// The exact programmed path of one move.
 #[derive(Clone, Debug)]
 pub enum Path {
@@ -43,8 +45,16 @@ impl Path {
     pub fn line(from: [f64; 3], to: [f64; 3]) -> Self {
         let delta = subtract(to, from);
         let length = dot(delta, delta).sqrt();
-        let along = if length > 0.0 { delta.map(|d| d / length) } else { [0.0; 3] };
-        Self::Line { from, along, length }
+        let along = if length > 0.0 {
+            delta.map(|d| d / length)
+        } else {
+            [0.0; 3]
+        };
+        Self::Line {
+            from,
+            along,
+            length,
+        }
     }
 
     /// A circular move; `radius` is the radius of a circle, or `None` for the band between the radii of its ends.
@@ -74,11 +84,43 @@ impl Path {
             across: 3 - plane[0] - plane[1],
             centre,
             ends: [from, to],
-            radii: radius.map_or([r_start.min(r_end), r_start.max(r_end)], |radius| [radius, radius]),
+            radii: radius.map_or([r_start.min(r_end), r_start.max(r_end)], |radius| {
+                [radius, radius]
+            }),
             sweep,
             turned: 0.0,
             last_angle: angles[0],
         })
+    }
+
+    /// The path of a command that moves; `half_step` decides whether an arc is a circle or a spiral.
+    pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
+        let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
+        match command {
+            Command::Rapid { to } | Command::Linear { to, .. } => {
+                Some(Self::line(nm(from), nm(*to)))
+            }
+            Command::Arc { arc, .. } => {
+                let plane = arc.plane.axes();
+                let (start, centre) = (nm(from), nm(arc.centre));
+                let centre = plane.map(|axis| centre[axis]);
+                let exact = (start[plane[0]] - centre[0]).hypot(start[plane[1]] - centre[1]);
+                let circle = arc.mismatch.0 as f64 <= half_step;
+                let radius =
+                    circle.then_some(arc.radius.map_or(exact, |radius| (radius.0 as f64).abs()));
+                let counter_clockwise = arc.direction == Direction::CounterClockwise;
+                Some(Self::arc(
+                    plane,
+                    start,
+                    nm(arc.to),
+                    centre,
+                    counter_clockwise,
+                    arc.turns,
+                    radius,
+                ))
+            }
+            _ => None,
+        }
     }
 
     /// Length of the path in nanometres.
@@ -96,7 +138,11 @@ impl Path {
     #[inline]
     pub fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
         match self {
-            Self::Line { from, along, length } => {
+            Self::Line {
+                from,
+                along,
+                length,
+            } => {
                 let p = subtract(tool, *from);
                 let t = dot(p, *along);
                 if t < 0.0 || t > *length {
@@ -119,7 +165,11 @@ impl Path {
     /// Returns the nearest point of the path.
     pub fn nearest(&self, tool: [f64; 3]) -> [f64; 3] {
         match self {
-            Self::Line { from, along, length } => {
+            Self::Line {
+                from,
+                along,
+                length,
+            } => {
                 let t = dot(subtract(tool, *from), *along).clamp(0.0, *length);
                 [0, 1, 2].map(|axis| from[axis] + along[axis] * t)
             }
@@ -141,7 +191,10 @@ impl Path {
 
 impl ArcPath {
     fn vector(&self, p: [f64; 3]) -> [f64; 2] {
-        [p[self.plane[0]] - self.centre[0], p[self.plane[1]] - self.centre[1]]
+        [
+            p[self.plane[0]] - self.centre[0],
+            p[self.plane[1]] - self.centre[1],
+        ]
     }
 
     /// Whether the direction of `p` from the centre is one the arc passes.
@@ -164,7 +217,11 @@ impl ArcPath {
     fn nearest_end(&self, tool: [f64; 3]) -> [f64; 3] {
         let square = |end: [f64; 3]| dot(subtract(tool, end), subtract(tool, end));
         let [start, end] = self.ends;
-        if square(start) < square(end) { start } else { end }
+        if square(start) < square(end) {
+            start
+        } else {
+            end
+        }
     }
 
     fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
@@ -252,7 +309,15 @@ mod tests {
 
     #[test]
     fn a_quarter_has_ends_too() {
-        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0; 2], true, 0, Some(100.0));
+        let mut arc = Path::arc(
+            [0, 1],
+            [100.0, 0.0, 0.0],
+            [0.0, 100.0, 0.0],
+            [0.0; 2],
+            true,
+            0,
+            Some(100.0),
+        );
         assert!((arc.distance_squared([60.0, 81.0, 0.0]).sqrt() - 0.8016).abs() < 1e-3);
         assert_eq!(arc.distance_squared([100.0, -7.0, 0.0]), 49.0);
         assert_eq!(arc.distance_squared([-7.0, 100.0, 0.0]), 49.0);
@@ -261,17 +326,37 @@ mod tests {
 
     #[test]
     fn three_quarters_the_other_way() {
-        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0; 2], false, 0, Some(100.0));
+        let mut arc = Path::arc(
+            [0, 1],
+            [100.0, 0.0, 0.0],
+            [0.0, 100.0, 0.0],
+            [0.0; 2],
+            false,
+            0,
+            Some(100.0),
+        );
         assert!(arc.distance_squared([-60.0, -80.0, 0.0]) < 1e-20);
         assert!(arc.distance_squared([60.0, 80.0, 0.0]) > 1.0);
     }
 
     #[test]
     fn a_helix_is_followed() {
-        let mut arc = Path::arc([0, 1], [100.0, 0.0, 0.0], [100.0, 0.0, 40.0], [0.0; 2], true, 1, Some(100.0));
+        let mut arc = Path::arc(
+            [0, 1],
+            [100.0, 0.0, 0.0],
+            [100.0, 0.0, 40.0],
+            [0.0; 2],
+            true,
+            1,
+            Some(100.0),
+        );
         for k in 1..=400 {
             let angle = f64::from(k) / 400.0 * 2.0 * std::f64::consts::TAU;
-            let tool = [100.0 * angle.cos(), 100.0 * angle.sin(), 40.0 * f64::from(k) / 400.0];
+            let tool = [
+                100.0 * angle.cos(),
+                100.0 * angle.sin(),
+                40.0 * f64::from(k) / 400.0,
+            ];
             assert!(arc.distance_squared(tool) < 1e-16);
         }
     }

@@ -50,19 +50,33 @@ const MOST_MARKS: usize = 2_000;
 impl Drawing {
     /// An empty drawing.
     pub const fn new() -> Self {
-        Self { strokes: Vec::new(), take_ups: Vec::new(), spacing: 0.0, points: 0, last: [f64::MAX; 2] }
+        Self {
+            strokes: Vec::new(),
+            take_ups: Vec::new(),
+            spacing: 0.0,
+            points: 0,
+            last: [f64::MAX; 2],
+        }
     }
 
     /// Whether a point at `tool` is far enough from the last one to be worth keeping.
     #[inline]
     pub fn wants(&self, tool: [f64; 2]) -> bool {
-        (tool[0] - self.last[0]).abs() > self.spacing || (tool[1] - self.last[1]).abs() > self.spacing
+        (tool[0] - self.last[0]).abs() > self.spacing
+            || (tool[1] - self.last[1]).abs() > self.spacing
     }
 
     /// Begins a stroke.
     pub fn begin(&mut self, class: Class, at: Point) {
-        if self.strokes.last().is_none_or(|stroke| stroke.class != class) {
-            self.strokes.push(Stroke { class, points: Vec::new() });
+        if self
+            .strokes
+            .last()
+            .is_none_or(|stroke| stroke.class != class)
+        {
+            self.strokes.push(Stroke {
+                class,
+                points: Vec::new(),
+            });
         }
         self.add(at);
     }
@@ -90,7 +104,11 @@ impl Drawing {
     /// Doubles the spacing until half of the room is free again.
     fn thin(&mut self) {
         while self.points > MOST_POINTS / 2 {
-            self.spacing = if self.spacing > 0.0 { 2.0 * self.spacing } else { self.size() / 16_384.0 + 1.0 };
+            self.spacing = if self.spacing > 0.0 {
+                2.0 * self.spacing
+            } else {
+                self.size() / 16_384.0 + 1.0
+            };
             let spacing = self.spacing;
             for stroke in &mut self.strokes {
                 thin(&mut stroke.points, spacing);
@@ -110,7 +128,11 @@ impl Drawing {
 
     /// Lower and upper corner of everything drawn.
     pub fn bounds(&self) -> Option<[[f64; 2]; 2]> {
-        let mut points = self.strokes.iter().flat_map(|stroke| &stroke.points).map(|point| point.tool);
+        let mut points = self
+            .strokes
+            .iter()
+            .flat_map(|stroke| &stroke.points)
+            .map(|point| point.tool);
         let first = points.next()?;
         Some(points.fold([first, first], |[low, high], at| {
             [
@@ -129,7 +151,8 @@ fn thin(points: &mut Vec<Point>, spacing: f64) {
     let mut kept = first.tool;
     let mut is_first = true;
     points.retain(|point| {
-        let far = (point.tool[0] - kept[0]).abs() > spacing || (point.tool[1] - kept[1]).abs() > spacing;
+        let far =
+            (point.tool[0] - kept[0]).abs() > spacing || (point.tool[1] - kept[1]).abs() > spacing;
         if far {
             kept = point.tool;
         }
@@ -158,10 +181,21 @@ mod tests {
                 drawing.add(at(k));
             }
             if k % 1000 == 0 {
-                drawing.begin(if k % 2000 == 0 { Class::Feed } else { Class::Rapid }, at(k));
+                drawing.begin(
+                    if k % 2000 == 0 {
+                        Class::Feed
+                    } else {
+                        Class::Rapid
+                    },
+                    at(k),
+                );
             }
         }
-        let points: usize = drawing.strokes.iter().map(|stroke| stroke.points.len()).sum();
+        let points: usize = drawing
+            .strokes
+            .iter()
+            .map(|stroke| stroke.points.len())
+            .sum();
         assert!((5_000..=MOST_POINTS).contains(&points), "{points}");
     }
 }

@@ -9,6 +9,7 @@ const MICROMILL: &str = include_str!("../../machines/micromill.toml");
 const FREE: &str = include_str!("../../machines/free.toml");
 
 /// A machine as its file describes it.
+#[allow(dead_code)] // all of a file is checked; ramps and homing are not simulated yet
 #[derive(Clone, Debug)]
 pub struct MachineFile {
     /// Path of the file, or `machines/NAME.toml` for one that is built in.
@@ -34,6 +35,7 @@ pub struct MachineFile {
 }
 
 /// One axis.
+#[allow(dead_code)]
 #[derive(Clone, Debug)]
 pub struct AxisFile {
     /// `X`, `Y` or `Z`.
@@ -106,6 +108,7 @@ pub enum StepMode {
 }
 
 /// Homing of one axis.
+#[allow(dead_code)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Home {
     /// Place in the order of axes, from 1.

@@ -1,23 +1,44 @@
 //! The program `husillo`: check, simulate and draw G-code programs.
 //!
 //! ```text
-//! file ─► source ─► gcode ─► machine ─► stepper ─► sim ─► run ─► report
-//!                     │         └─► steps               (text, JSON, HTML)
-//!                     ├─► commands
-//!                     └─► check ─► diagnostics
+//! file ─► source ─► program ─► check ─► diagnostics        (errors: nothing moves)
+//!            │         └─────► commands
+//!            └─► feeder ─► steps
+//!                   └────► run ─► deviation, drawing ─► report
 //! ```
 #![forbid(unsafe_code)]
 
+mod app;
+mod check;
 mod cli;
+mod commands;
+mod deviation;
 mod diagnostics;
+mod drawing;
+mod explain;
+mod feeder;
+mod interpolate;
 mod machine_file;
+mod program;
 mod quantity;
+mod report;
+mod run;
+mod setup;
 mod source;
+mod steps;
 mod table;
+mod turns;
 
 use clap::Parser;
+use std::process::ExitCode;
 
-fn main() {
-    let _ = cli::Cli::parse();
-    let _ = machine_file::MachineFile::load("free");
+fn main() -> ExitCode {
+    match app::run(&cli::Cli::parse()) {
+        Ok(code) => ExitCode::from(code),
+        Err(app::Failure::Gone) => ExitCode::SUCCESS,
+        Err(app::Failure::Usage(message)) => {
+            eprintln!("husillo: {message}");
+            ExitCode::from(2)
+        }
+    }
 }

@@ -63,6 +63,8 @@ pub struct Motor {
     pub letter: char,
     /// Name of the driver and mode.
     pub driver: String,
+    /// Names of the two rows.
+    pub rows: [&'static str; 2],
     /// Currents of coil A and B after each step, 1000 = 100 %, and the time in microseconds.
     pub steps: Vec<(u64, [i16; 2])>,
 }
@@ -146,7 +148,10 @@ impl Frame {
         let span = [(high[0] - low[0]).max(1.0), (high[1] - low[1]).max(1.0)];
         let scale = ((WIDTH - 2.0 * MARGIN) / span[0]).min(800.0 / span[1]);
         Self {
-            low: [low[0] - 0.5 * ((WIDTH - 2.0 * MARGIN) / scale - span[0]), low[1]],
+            low: [
+                low[0] - 0.5 * ((WIDTH - 2.0 * MARGIN) / scale - span[0]),
+                low[1],
+            ],
             scale,
             size: [WIDTH, span[1] * scale + 2.0 * MARGIN],
         }
@@ -194,9 +199,10 @@ impl Frame {
 fn bounds(report: &Report) -> [[f64; 2]; 2] {
     let drawn = report.drawing.bounds();
     match (drawn, report.area) {
-        (Some([a, b]), Some([c, d])) => {
-            [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]
-        }
+        (Some([a, b]), Some([c, d])) => [
+            [a[0].min(c[0]), a[1].min(c[1])],
+            [b[0].max(d[0]), b[1].max(d[1])],
+        ],
         (Some(drawn), None) => drawn,
         (None, Some(area)) => area,
         (None, None) => [[0.0; 2], [1e6; 2]],
@@ -208,14 +214,25 @@ fn path_section(page: &mut String, report: &Report) {
     let extents: Vec<String> = report
         .axes
         .iter()
-        .map(|axis| format!("{} {} to {}", axis.letter, millimetres(axis.extent_nm[0]), millimetres(axis.extent_nm[1])))
+        .map(|axis| {
+            format!(
+                "{} {} to {}",
+                axis.letter,
+                millimetres(axis.extent_nm[0]),
+                millimetres(axis.extent_nm[1])
+            )
+        })
         .collect();
     page.push_str("<section><h2>Tool path</h2>\n");
     frame.open(
         page,
         "path",
         "Path of the simulated tool over the programmed path, X to the right, Y up",
-        &format!("In mm: {}. Largest deviation {}.", extents.join(", "), length(report.largest_nm)),
+        &format!(
+            "In mm: {}. Largest deviation {}.",
+            extents.join(", "),
+            length(report.largest_nm)
+        ),
     );
     if let Some([low, high]) = report.area {
         work_area(page, &frame, low, high);
@@ -224,7 +241,12 @@ fn path_section(page: &mut String, report: &Report) {
     strokes(page, &frame, &report.drawing, |point| point.tool);
     for mark in &report.drawing.take_ups {
         let [x, y] = frame.at(*mark);
-        let _ = writeln!(page, "<path class=\"take-up\" d=\"M{:.1} {:.1}v10\"/>", x, y - 5.0);
+        let _ = writeln!(
+            page,
+            "<path class=\"take-up\" d=\"M{:.1} {:.1}v10\"/>",
+            x,
+            y - 5.0
+        );
     }
     frame.scale_bar(page);
     page.push_str("</svg>\n");
@@ -272,7 +294,8 @@ fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
             Ideal::Arc(from, to, centre, counter_clockwise) => {
                 let radius = (from[0] - centre[0]).hypot(from[1] - centre[1]) * frame.scale;
                 let sweep = u8::from(!counter_clockwise);
-                let cross = (from[0] - centre[0]) * (to[1] - centre[1]) - (from[1] - centre[1]) * (to[0] - centre[0]);
+                let cross = (from[0] - centre[0]) * (to[1] - centre[1])
+                    - (from[1] - centre[1]) * (to[0] - centre[0]);
                 if (from[0] - to[0]).hypot(from[1] - to[1]) * frame.scale < 0.02 {
                     let opposite = frame.at([2.0 * centre[0] - from[0], 2.0 * centre[1] - from[1]]);
                     let _ = write!(
@@ -282,7 +305,10 @@ fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
                     );
                 } else {
                     let large = u8::from((cross < 0.0) == counter_clockwise);
-                    let _ = write!(path, "A{radius:.2} {radius:.2} 0 {large} {sweep} {u:.2} {v:.2}");
+                    let _ = write!(
+                        path,
+                        "A{radius:.2} {radius:.2} 0 {large} {sweep} {u:.2} {v:.2}"
+                    );
                 }
             }
         }
@@ -291,13 +317,28 @@ fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
     let _ = writeln!(page, "<path class=\"{class}\" d=\"{path}\"/>");
 }
 
-fn strokes(page: &mut String, frame: &Frame, drawing: &Drawing, at: impl Fn(&Point) -> [f64; 2] + Copy) {
-    for (class, name) in [(Class::Jog, "jog"), (Class::Rapid, "rapid"), (Class::Feed, "feed")] {
+fn strokes(
+    page: &mut String,
+    frame: &Frame,
+    drawing: &Drawing,
+    at: impl Fn(&Point) -> [f64; 2] + Copy,
+) {
+    for (class, name) in [
+        (Class::Jog, "jog"),
+        (Class::Rapid, "rapid"),
+        (Class::Feed, "feed"),
+    ] {
         polyline(page, frame, drawing, name, |of| of == class, at);
     }
 }
 
-fn strokes_as(page: &mut String, frame: &Frame, drawing: &Drawing, name: &str, at: impl Fn(&Point) -> [f64; 2] + Copy) {
+fn strokes_as(
+    page: &mut String,
+    frame: &Frame,
+    drawing: &Drawing,
+    name: &str,
+    at: impl Fn(&Point) -> [f64; 2] + Copy,
+) {
     polyline(page, frame, drawing, name, |class| class == Class::Feed, at);
 }
 
@@ -345,7 +386,12 @@ fn legend(page: &mut String) {
 }
 
 fn deviation_section(page: &mut String, report: &Report) {
-    let feed = |drawing: &Drawing| drawing.strokes.iter().any(|stroke| stroke.class == Class::Feed && stroke.points.len() > 1);
+    let feed = |drawing: &Drawing| {
+        drawing
+            .strokes
+            .iter()
+            .any(|stroke| stroke.class == Class::Feed && stroke.points.len() > 1)
+    };
     if !feed(&report.drawing) || report.largest_nm <= 0.0 {
         return;
     }
@@ -357,7 +403,10 @@ fn deviation_section(page: &mut String, report: &Report) {
         .flat_map(|stroke| &stroke.points)
         .map(|point| point.ideal);
     let [low, high] = points.fold([[f64::MAX; 2], [f64::MIN; 2]], |[low, high], at| {
-        [[low[0].min(at[0]), low[1].min(at[1])], [high[0].max(at[0]), high[1].max(at[1])]]
+        [
+            [low[0].min(at[0]), low[1].min(at[1])],
+            [high[0].max(at[0]), high[1].max(at[1])],
+        ]
     });
     let size = (high[0] - low[0]).max(high[1] - low[1]).max(1.0);
     let factor = round_down(0.04 * size / report.largest_nm);
@@ -373,7 +422,10 @@ fn deviation_section(page: &mut String, report: &Report) {
         page,
         "deviation",
         "Deviation of the tool from the programmed path, exaggerated",
-        &format!("Exaggerated {factor:.0} times; largest deviation {}.", length(report.largest_nm)),
+        &format!(
+            "Exaggerated {factor:.0} times; largest deviation {}.",
+            length(report.largest_nm)
+        ),
     );
     ideal(page, &frame, report, "thin");
     strokes_as(page, &frame, &report.drawing, "feed", |point| {
@@ -389,7 +441,11 @@ fn round_down(value: f64) -> f64 {
     while power * 10.0 <= value {
         power *= 10.0;
     }
-    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|round| *round <= value).unwrap_or(power)
+    [5.0, 2.0]
+        .into_iter()
+        .map(|digit| digit * power)
+        .find(|round| *round <= value)
+        .unwrap_or(power)
 }
 
 fn axis_section(page: &mut String, axes: &[AxisRow]) {
@@ -402,7 +458,11 @@ fn axis_section(page: &mut String, axes: &[AxisRow]) {
         let [low, high] = axis.extent_nm;
         let limits = match axis.travel_nm {
             Some([from, to]) => {
-                let verdict = if low >= from && high <= to { "fits" } else { "beyond" };
+                let verdict = if low >= from && high <= to {
+                    "fits"
+                } else {
+                    "beyond"
+                };
                 format!("{} to {}, {verdict}", millimetres(from), millimetres(to))
             }
             None => "none".to_owned(),
@@ -423,7 +483,10 @@ fn axis_section(page: &mut String, axes: &[AxisRow]) {
 }
 
 fn phase_section(page: &mut String, motors: &[Motor]) {
-    let motors: Vec<_> = motors.iter().filter(|motor| motor.steps.len() > 1).collect();
+    let motors: Vec<_> = motors
+        .iter()
+        .filter(|motor| motor.steps.len() > 1)
+        .collect();
     if motors.is_empty() {
         return;
     }
@@ -445,16 +508,20 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
             let base = 45.0 + 70.0 * coil as f64;
             let _ = write!(
                 page,
-                "<text x=\"6\" y=\"{:.0}\">{} coil {}</text><path class=\"grid\" d=\"M90 {base:.0}H990\"/>",
+                "<text x=\"6\" y=\"{:.0}\">{} {}</text><path class=\"grid\" d=\"M90 {base:.0}H990\"/>",
                 base + 4.0,
                 motor.letter,
-                ['A', 'B'][coil]
+                motor.rows[coil]
             );
             let mut path = String::new();
             for (index, (at, currents)) in motor.steps.iter().enumerate() {
                 let x = 90.0 + 880.0 * ((at - first) as f64) / span;
                 let y = base - 0.025 * f64::from(currents[coil]);
-                let _ = if index == 0 { write!(path, "M{x:.1} {y:.1}") } else { write!(path, "H{x:.1}V{y:.1}") };
+                let _ = if index == 0 {
+                    write!(path, "M{x:.1} {y:.1}")
+                } else {
+                    write!(path, "H{x:.1}V{y:.1}")
+                };
             }
             let _ = writeln!(page, "<path class=\"feed\" d=\"{path}H990\"/>");
         }
@@ -511,7 +578,10 @@ mod tests {
     #[test]
     fn a_page_stands_alone() {
         let mut drawing = Drawing::new();
-        let point = |x: f64, y: f64| Point { tool: [x, y], ideal: [x, y] };
+        let point = |x: f64, y: f64| Point {
+            tool: [x, y],
+            ideal: [x, y],
+        };
         drawing.begin(Class::Feed, point(0.0, 0.0));
         drawing.add(point(1e6, 2e6));
         let report = Report {
@@ -524,7 +594,12 @@ mod tests {
             ideal_is_whole: true,
             area: Some([[0.0; 2], [1e7, 7e6]]),
             largest_nm: 70.0,
-            phases: vec![Motor { letter: 'X', driver: "pbl3717a, full".to_owned(), steps: vec![(0, [1000, 1000]), (5000, [1000, -1000])] }],
+            phases: vec![Motor {
+                letter: 'X',
+                driver: "pbl3717a, full".to_owned(),
+                rows: ["coil A", "coil B"],
+                steps: vec![(0, [1000, 1000]), (5000, [1000, -1000])],
+            }],
             warnings: vec!["part.nc:1:1: warning".to_owned()],
         };
         let page = html(&report);
@@ -535,7 +610,10 @@ mod tests {
 
     #[test]
     fn round_factors() {
-        assert_eq!([0.3, 1.0, 4.9, 7.0, 1999.0].map(round_down), [1.0, 1.0, 2.0, 5.0, 1000.0]);
+        assert_eq!(
+            [0.3, 1.0, 4.9, 7.0, 1999.0].map(round_down),
+            [1.0, 1.0, 2.0, 5.0, 1000.0]
+        );
         assert_eq!(length(70.0), "70 nm");
         assert_eq!(length(204_000.0), "204 um");
     }

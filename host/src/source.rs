@@ -11,7 +11,6 @@ pub struct Source {
     reader: Box<dyn BufRead>,
     buffer: Vec<u8>,
     number: usize,
-    bytes: u64,
 }
 
 /// One line without its line end.
@@ -61,13 +60,7 @@ impl Source {
             reader,
             buffer: Vec::new(),
             number: 0,
-            bytes: 0,
         }
-    }
-
-    /// Bytes read so far.
-    pub const fn bytes(&self) -> u64 {
-        self.bytes
     }
 
     /// Returns the next line, or `None` at the end of the file. LF and CR LF end a line, also none at the very end.
@@ -87,7 +80,6 @@ impl Source {
             return Ok(None);
         }
         self.number += 1;
-        self.bytes += read as u64;
         let ended = self.buffer.last() == Some(&b'\n');
         if ended {
             self.buffer.pop();
@@ -100,7 +92,7 @@ impl Source {
             self.buffer.truncate(LONGEST_LINE);
         }
         if !ended && read as u64 == limit {
-            self.bytes += self.reader.skip_until(b'\n')? as u64;
+            self.reader.skip_until(b'\n')?;
         }
         Ok(Some(Line {
             number: self.number,

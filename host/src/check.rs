@@ -1,0 +1,378 @@
+//! `husillo check`: everything that can be said about a program before anything moves.
+
+use crate::diagnostics::{Finding, Findings, Severity};
+use crate::explain::At;
+use crate::machine_file::{MachineFile, Travel};
+use crate::program::{self, Meaning};
+use crate::report::length;
+use crate::source::Source;
+use crate::turns::Turns;
+use husillo_gcode::{Arc, Command, Dialect, Feed, Nm};
+use husillo_machine::{Config, MoveError};
+use std::io::{self, Write};
+
+/// What a check finds out besides the findings.
+#[derive(Debug)]
+pub struct Facts {
+    /// Length of all feed moves in nm.
+    pub feed_nm: f64,
+    /// Length of all rapid moves in nm.
+    pub rapid_nm: f64,
+    /// Step events, about.
+    pub events: f64,
+}
+
+/// What is said once about a program, and what adds up along it.
+struct Checker<'a> {
+    machine: &'a MachineFile,
+    config: &'a Config<3>,
+    turns: Turns,
+    unknown_travel: [bool; 3],
+    three_axes: bool,
+    warned_feed: Option<Nm>,
+    feed_nm: f64,
+    rapid_nm: f64,
+    events: f64,
+}
+
+/// Checks one program against a machine; every finding goes to `findings`.
+///
+/// # Errors
+///
+/// Reading or writing fails.
+pub fn check<W: Write>(
+    source: &mut Source,
+    file: &str,
+    dialect: Dialect,
+    machine: &MachineFile,
+    config: &Config<3>,
+    findings: &mut Findings<W>,
+) -> io::Result<Facts> {
+    let mut checker = Checker {
+        machine,
+        config,
+        turns: Turns::new(),
+        unknown_travel: [false; 3],
+        three_axes: false,
+        warned_feed: None,
+        feed_nm: 0.0,
+        rapid_nm: 0.0,
+        events: 0.0,
+    };
+    program::walk(
+        source,
+        file,
+        dialect,
+        findings,
+        |meaning, command, from, findings| checker.command(meaning, command, from, findings),
+    )?;
+    if let Some(finding) = checker.reversals() {
+        findings.add(&finding)?;
+    }
+    Ok(Facts {
+        feed_nm: checker.feed_nm,
+        rapid_nm: checker.rapid_nm,
+        events: checker.events,
+    })
+}
+
+impl Checker<'_> {
+    fn command<W: Write>(
+        &mut self,
+        meaning: &Meaning<'_>,
+        command: &Command<3>,
+        from: [Nm; 3],
+        findings: &mut Findings<W>,
+    ) -> io::Result<()> {
+        let Some(to) = program::target(command) else {
+            return Ok(());
+        };
+        if let Err(error) = self.config.check(&from, command) {
+            findings.add(&self.limit(&error, &meaning.at, command, to))?;
+        }
+        let moves = [0, 1, 2].map(|axis: usize| from[axis] != to[axis]);
+        for (axis, moved) in moves.into_iter().enumerate() {
+            if moved
+                && self.machine.axes[axis].travel == Travel::Unknown
+                && !self.unknown_travel[axis]
+            {
+                self.unknown_travel[axis] = true;
+                findings.add(&self.travel_unknown(axis, &meaning.at))?;
+            }
+        }
+        let count = moves.iter().filter(|moved| **moved).count();
+        if count > self.machine.simultaneous_axes as usize && !self.three_axes {
+            self.three_axes = true;
+            findings.add(&self.too_many_axes(&meaning.at, count))?;
+        }
+        let length = match command {
+            Command::Arc { arc, .. } => {
+                self.arc(arc, &meaning.at, findings)?;
+                self.turns.arc(from, arc);
+                arc_length(from, arc)
+            }
+            _ => {
+                self.turns.line(from, to);
+                distance(from, to)
+            }
+        };
+        self.events += length / self.step_nm();
+        match command {
+            Command::Rapid { .. } => self.rapid_nm += length,
+            Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
+                self.feed_nm += length;
+                self.feed(feed, command, from, to, length, &meaning.at, findings)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn step_nm(&self) -> f64 {
+        let step = self.machine.axes[0].step;
+        step.num as f64 / step.den as f64
+    }
+
+    fn limit(&self, error: &MoveError, at: &At<'_>, command: &Command<3>, to: [Nm; 3]) -> Finding {
+        let letter = |axis: usize| self.machine.axes[axis.min(2)].letter;
+        match *error {
+            MoveError::Travel {
+                axis,
+                position,
+                limit,
+            } => {
+                let name = char::from(letter(axis));
+                let what = if to[axis.min(2)] == position {
+                    "target"
+                } else {
+                    "arc"
+                };
+                let beyond = millimetres(position.0.abs_diff(limit.0));
+                let message = format!("{name} {what} is {beyond} mm beyond the soft limit");
+                let mut finding = Finding::error("E0401", message, at.word(letter(axis)))
+                    .label(format!(
+                        "machine {name} = {position} mm; limit is {limit} mm"
+                    ))
+                    .note("grbl would start the job and stop here with `ALARM:2`");
+                if let Some(place) = self.machine.travel_place(axis) {
+                    finding.elsewhere = Some((place, "limit set here".to_owned()));
+                }
+                finding
+            }
+            MoveError::Reach { axis } => {
+                let name = char::from(letter(axis));
+                let most = i64::from(i32::MAX) as f64 * self.step_nm() / 1e6;
+                Finding::error(
+                    "E0103",
+                    format!("number too large for axis {name}"),
+                    at.word(letter(axis)),
+                )
+                .label(format!("largest magnitude is {most:.3} mm (i32 steps)"))
+                .note("grbl keeps the first 8 digits and drops the rest without an error")
+            }
+            MoveError::ArcTolerance {
+                mismatch,
+                tolerance,
+            } => {
+                let message = format!(
+                    "the end point is not on the arc: radius differs by {}",
+                    length(mismatch.0 as f64)
+                );
+                Finding::error("E0302", message, at.whole())
+                    .label("start and end have different distances from the centre")
+                    .note(format!(
+                        "tolerance of {} is {}",
+                        self.machine.name,
+                        length(tolerance.0 as f64)
+                    ))
+            }
+            _ => {
+                let code = if matches!(command, Command::Arc { .. }) {
+                    "E0307"
+                } else {
+                    "E0103"
+                };
+                Finding::error(code, error.to_string(), at.whole())
+            }
+        }
+    }
+
+    fn travel_unknown(&self, axis: usize, at: &At<'_>) -> Finding {
+        let letter = self.machine.axes[axis].letter;
+        let name = char::from(letter);
+        let message = format!("the travel of {name} is unknown: its limits are not checked");
+        let mut finding = Finding::warning("W0402", message, at.word(letter))
+            .label("moves here for the first time");
+        if let Some(place) = self.machine.travel_place(axis) {
+            finding.elsewhere = Some((place, "said here".to_owned()));
+        }
+        finding
+    }
+
+    fn too_many_axes(&self, at: &At<'_>, count: usize) -> Finding {
+        let most = self.machine.simultaneous_axes;
+        let message = format!(
+            "{count} axes move at once; {} was built for {most}",
+            self.machine.name
+        );
+        Finding::warning("W0403", message, at.whole())
+            .label("is made as it stands")
+            .note("said once for the whole program")
+    }
+
+    fn arc<W: Write>(
+        &self,
+        arc: &Arc<3>,
+        at: &At<'_>,
+        findings: &mut Findings<W>,
+    ) -> io::Result<()> {
+        let [a, _] = arc.plane.axes();
+        let step = self.machine.axes[a].step;
+        let mismatch = i128::from(arc.mismatch.0);
+        // max(2 BLU, 1.5 units of the last printed digit), without a rounding.
+        let silent = mismatch * i128::from(step.den) <= 2 * i128::from(step.num)
+            || 2 * mismatch <= 3 * i128::from(arc.resolution.0);
+        if silent {
+            return Ok(());
+        }
+        let steps = mismatch * i128::from(step.den) / i128::from(step.num);
+        let message = format!(
+            "the end point is not on the arc: radius differs by {} ({steps} steps)",
+            length(arc.mismatch.0 as f64)
+        );
+        let end = at
+            .find(|letter| matches!(letter, b'X' | b'Y' | b'Z'))
+            .map_or(at.whole(), |span| at.place(span));
+        let finding = Finding::warning("W0302", message, end)
+            .label("the end has another distance from the centre than the start")
+            .note("the tool follows a spiral between the two radii")
+            .note(format!(
+                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` makes it an error",
+                length(2.0 * step.num as f64 / step.den as f64)
+            ));
+        findings.add(&finding)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn feed<W: Write>(
+        &mut self,
+        feed: &Feed,
+        command: &Command<3>,
+        from: [Nm; 3],
+        to: [Nm; 3],
+        length: f64,
+        at: &At<'_>,
+        findings: &mut Findings<W>,
+    ) -> io::Result<()> {
+        let Feed::PerMinute(rate) = *feed else {
+            return Ok(());
+        };
+        if self.warned_feed == Some(rate) || length <= 0.0 {
+            return Ok(());
+        }
+        // The path speed at which the first axis is at its limit.
+        let mut reached = self
+            .machine
+            .top_feed
+            .map_or(f64::INFINITY, |top| top as f64);
+        for (axis, facts) in self.config.axes.iter().enumerate() {
+            let share = match command {
+                Command::Arc { arc, .. } if arc.plane.axes().contains(&axis) => 1.0,
+                _ => from[axis].0.abs_diff(to[axis].0) as f64 / length,
+            };
+            if share > 0.0 {
+                reached = reached.min(facts.max_feed_nm_per_min() as f64 / share);
+            }
+        }
+        if rate.0 as f64 <= reached * 1.000_001 {
+            return Ok(());
+        }
+        self.warned_feed = Some(rate);
+        let message = format!(
+            "feed {} mm/min is above what the axes reach here",
+            shorter(rate.0 as f64 / 1e6)
+        );
+        let finding = Finding::warning("W0503", message, at.word(b'F'))
+            .label(format!(
+                "this move is made at {} mm/min",
+                shorter(reached / 1e6)
+            ))
+            .note("said once for each feed rate; grbl and LinuxCNC limit it silently");
+        findings.add(&finding)
+    }
+
+    fn reversals(&self) -> Option<Finding> {
+        let mut seconds = 0.0;
+        let mut parts = Vec::new();
+        let mut reversals = 0;
+        for (axis, count) in self.machine.axes.iter().zip(self.turns.reversals()) {
+            if count > 0 && axis.lash_steps > 0 {
+                let each = f64::from(axis.lash_steps) / f64::from(axis.max_rate);
+                seconds += each * count as f64;
+                reversals += count;
+                let lash = axis.step.num as f64 / axis.step.den as f64 * f64::from(axis.lash_steps);
+                parts.push(format!(
+                    "{count} on {} at {each:.2} s ({})",
+                    char::from(axis.letter),
+                    length(lash)
+                ));
+            }
+        }
+        if reversals == 0 {
+            return None;
+        }
+        let plural = if reversals == 1 {
+            "reversal costs"
+        } else {
+            "reversals cost"
+        };
+        let message = format!(
+            "{reversals} direction {plural} {} of backlash take-up",
+            duration(seconds)
+        );
+        let note = format!("{}; mirroring the part may save some", parts.join(" and "));
+        Some(Finding::general(Severity::Warning, "W0601", message).note(note))
+    }
+}
+
+fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
+    [0, 1, 2]
+        .map(|axis| (to[axis].0 - from[axis].0) as f64)
+        .iter()
+        .map(|d| d * d)
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Length of an arc in nm.
+pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
+    crate::deviation::Path::programmed(
+        from,
+        &Command::Arc {
+            arc: *arc,
+            feed: Feed::PerMinute(Nm(1)),
+        },
+        0.0,
+    )
+    .map_or(0.0, |path| path.length())
+}
+
+/// Millimetres without trailing zeros.
+fn millimetres(nm: u64) -> String {
+    Nm(i64::try_from(nm).unwrap_or(i64::MAX)).to_string()
+}
+
+fn shorter(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A time as `2 min 08 s`.
+pub fn duration(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, _) => format!("{seconds:.2} s"),
+        (0, minutes, rest) => format!("{minutes} min {rest:02} s"),
+        (hours, minutes, rest) => format!("{hours} h {minutes:02} min {rest:02} s"),
+    }
+}

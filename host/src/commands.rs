@@ -1,0 +1,166 @@
+//! `husillo commands`: the commands a program means, one a line.
+
+use crate::deviation::Path;
+use crate::diagnostics::Findings;
+use crate::program;
+use crate::source::Source;
+use husillo_gcode::{Command, Dialect, Direction, Feed, Nm, Plane, SpindleDirection};
+use std::io::{self, Write};
+
+/// Prints the commands of a program.
+///
+/// # Errors
+///
+/// Reading or writing fails.
+pub fn print<W: Write>(
+    source: &mut Source,
+    file: &str,
+    dialect: Dialect,
+    json: bool,
+    findings: &mut Findings<W>,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let mut line = Vec::with_capacity(512);
+    program::walk(
+        source,
+        file,
+        dialect,
+        findings,
+        |meaning, command, from, _| {
+            if json {
+                line.clear();
+                if object(&mut line, meaning.at.line, command, from) {
+                    out.write_all(&line)?;
+                }
+                Ok(())
+            } else {
+                writeln!(out, "{:>6}  {command}", meaning.at.line)
+            }
+        },
+    )?;
+    Ok(())
+}
+
+/// Writes one JSON object and its newline; `false` for a command that is only a mode.
+fn object(out: &mut Vec<u8>, line: usize, command: &Command<3>, from: [Nm; 3]) -> bool {
+    let start = |out: &mut Vec<u8>, kind: &str| {
+        out.extend_from_slice(b"{\"line\":");
+        integer(out, line as i64);
+        out.extend_from_slice(b",\"kind\":\"");
+        out.extend_from_slice(kind.as_bytes());
+        out.push(b'"');
+    };
+    match command {
+        Command::Rapid { to } => {
+            start(out, "rapid");
+            point(out, "to_nm", to);
+        }
+        Command::Linear { to, feed } => {
+            start(out, "linear");
+            point(out, "to_nm", to);
+            path_feed(out, feed, command, from);
+        }
+        Command::Arc { arc, feed } => {
+            start(out, "arc");
+            point(out, "to_nm", &arc.to);
+            point(out, "centre_nm", &arc.centre);
+            let plane = match arc.plane {
+                Plane::Xy => "xy",
+                Plane::Zx => "zx",
+                Plane::Yz => "yz",
+            };
+            text(out, "plane", plane);
+            let clockwise = arc.direction == Direction::Clockwise;
+            text(out, "direction", if clockwise { "cw" } else { "ccw" });
+            number(out, "turns", i64::from(arc.turns));
+            path_feed(out, feed, command, from);
+        }
+        Command::Dwell { micros } => {
+            start(out, "dwell");
+            number(out, "micros", i64::try_from(*micros).unwrap_or(i64::MAX));
+        }
+        Command::Spindle {
+            direction,
+            milli_rpm,
+        } => {
+            start(out, "spindle");
+            let name = match direction {
+                SpindleDirection::Off => "off",
+                SpindleDirection::Clockwise => "cw",
+                SpindleDirection::CounterClockwise => "ccw",
+            };
+            text(out, "direction", name);
+            // Thousandths of a turn, exact.
+            let rpm = format!(",\"rpm\":{}.{:03}", milli_rpm / 1000, milli_rpm % 1000);
+            out.extend_from_slice(rpm.trim_end_matches('0').trim_end_matches('.').as_bytes());
+        }
+        Command::Coolant { mist, flood } => {
+            start(out, "coolant");
+            flag(out, "mist", *mist);
+            flag(out, "flood", *flood);
+        }
+        Command::Tool { number: tool } => {
+            start(out, "tool");
+            number(out, "number", i64::from(*tool));
+        }
+        Command::Stop { optional } => {
+            start(out, "stop");
+            flag(out, "optional", *optional);
+        }
+        Command::End { rewind } => {
+            start(out, "end");
+            flag(out, "rewind", *rewind);
+        }
+        _ => return false,
+    }
+    out.extend_from_slice(b"}\n");
+    true
+}
+
+fn key(out: &mut Vec<u8>, name: &str) {
+    out.extend_from_slice(b",\"");
+    out.extend_from_slice(name.as_bytes());
+    out.extend_from_slice(b"\":");
+}
+
+fn integer(out: &mut Vec<u8>, value: i64) {
+    out.extend_from_slice(itoa::Buffer::new().format(value).as_bytes());
+}
+
+fn number(out: &mut Vec<u8>, name: &str, value: i64) {
+    key(out, name);
+    integer(out, value);
+}
+
+fn text(out: &mut Vec<u8>, name: &str, value: &str) {
+    key(out, name);
+    out.push(b'"');
+    out.extend_from_slice(value.as_bytes());
+    out.push(b'"');
+}
+
+fn flag(out: &mut Vec<u8>, name: &str, value: bool) {
+    key(out, name);
+    out.extend_from_slice(if value { b"true" } else { b"false" });
+}
+
+fn point(out: &mut Vec<u8>, name: &str, at: &[Nm; 3]) {
+    key(out, name);
+    for (axis, nm) in at.iter().enumerate() {
+        out.push(if axis == 0 { b'[' } else { b',' });
+        integer(out, nm.0);
+    }
+    out.push(b']');
+}
+
+/// The feed along the path; under inverse time it follows from the length of the move.
+fn path_feed(out: &mut Vec<u8>, feed: &Feed, command: &Command<3>, from: [Nm; 3]) {
+    let nm_per_min = match *feed {
+        Feed::PerMinute(rate) => rate.0,
+        Feed::InverseTime { micro_per_minute } => {
+            let length = Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length());
+            (length * micro_per_minute as f64 / 1e6).round() as i64
+        }
+    };
+    number(out, "feed_nm_per_min", nm_per_min);
+}

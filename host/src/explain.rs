@@ -1,0 +1,163 @@
+//! What the errors of a block look like to a person: labels, notes, help.
+
+use crate::diagnostics::{Finding, Place};
+use husillo_gcode::{Error, ErrorKind, words};
+use std::ops::Range;
+
+/// A line of the program that a finding is about.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    /// Name of the file.
+    pub file: &'a str,
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// The whole line.
+    pub bytes: &'a [u8],
+    /// Where in it the block stands.
+    pub block: usize,
+    /// Length of the block.
+    pub length: usize,
+}
+
+impl At<'_> {
+    /// A place in the block, given in bytes of the block.
+    pub fn place(&self, span: Range<usize>) -> Place {
+        Place::new(
+            self.file,
+            self.line,
+            self.bytes,
+            self.block + span.start..self.block + span.end,
+        )
+    }
+
+    /// The words of the whole block.
+    pub fn whole(&self) -> Place {
+        let text = self.text();
+        let start = text
+            .iter()
+            .position(|b| !b.is_ascii_whitespace())
+            .unwrap_or(0);
+        let end = text
+            .iter()
+            .rposition(|b| !b.is_ascii_whitespace())
+            .map_or(start, |at| at + 1);
+        self.place(start..end)
+    }
+
+    /// The word with this letter, or the whole block.
+    pub fn word(&self, letter: u8) -> Place {
+        match self.find(|word| word == letter) {
+            Some(span) => self.place(span),
+            None => self.whole(),
+        }
+    }
+
+    /// The first word whose letter satisfies a condition.
+    pub fn find(&self, wanted: impl Fn(u8) -> bool) -> Option<Range<usize>> {
+        words(self.text())
+            .flatten()
+            .find(|word| wanted(word.letter))
+            .map(|word| word.at..word.end)
+    }
+
+    fn text(&self) -> &[u8] {
+        let end = (self.block + self.length).min(self.bytes.len());
+        self.bytes.get(self.block..end).unwrap_or_default()
+    }
+
+    /// The text of a span of the block.
+    fn slice(&self, error: &Error) -> String {
+        let text = self.text();
+        let end = error.end.min(text.len());
+        String::from_utf8_lossy(text.get(error.at..end).unwrap_or_default()).into_owned()
+    }
+}
+
+/// Turns an error of a block into a finding.
+pub fn finding(error: &Error, at: &At<'_>) -> Finding {
+    let code = format!("E{:04}", error.kind.code());
+    // An error at the very end of the block points at its last character.
+    let span = if error.at < error.end {
+        error.at..error.end
+    } else {
+        error.at..error.at + 1
+    };
+    let place = at.place(span.clone());
+    let message = message(error, at);
+    let finding = Finding::error(&code, message, place);
+    match error.kind {
+        ErrorKind::UnknownWord(letter) => finding
+            .label(format!("no axis or parameter named `{}` here", char::from(letter)))
+            .note("a grbl controller answers `error:20` here")
+            .help("remove the word")
+            .fix(at.block + span.start..at.block + span.end, ""),
+        ErrorKind::NotALetter(_) => finding.label("a word is a letter and a number").note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
+        ErrorKind::MissingNumber(_) => finding.label("a number must follow the letter").note("grbl: `error:2`"),
+        ErrorKind::MalformedNumber => finding.label("the number goes wrong here").note("grbl reads the first part, then answers `error:1` at the rest"),
+        ErrorKind::Expression => finding.label("not taken").help("let the post-processor write plain numbers"),
+        ErrorKind::NumberTooLarge => finding.label("too large").note("grbl keeps the first 8 digits and drops the rest without an error"),
+        ErrorKind::TooManyDigits => finding.label("more digits than can be kept exactly"),
+        ErrorKind::BlockTooLong(limit) => finding.label(format!("the buffer of the controller ends after {limit} characters")),
+        ErrorKind::UnknownCode(..) => finding.label("not in the list of codes").note("grbl: `error:20`; LinuxCNC: \"Unknown g code used\""),
+        ErrorKind::RepeatedWord(_) => finding.label("given a second time").note("grbl: `error:25`"),
+        ErrorKind::TwoCodesOfOneGroup => finding.label("only one of them can be in effect").note("grbl: `error:21`").help("write them on two lines"),
+        ErrorKind::TwoUsersOfWords => finding.label("the words can serve one code only").note("grbl: `error:24`").help("write them on two lines"),
+        ErrorKind::AxisWordsWithoutMotion => finding.label("what to do with it is not said").note("grbl: `error:31`").help("write G0 or G1 before the axis words"),
+        ErrorKind::NoAxisWords => finding.label("needs at least one axis").note("grbl: `error:26`; LinuxCNC: \"All axes missing with motion code\""),
+        ErrorKind::UnusedWord(_) => finding
+            .label("nothing on this line uses it")
+            .note("grbl: `error:36`")
+            .help("remove the word")
+            .fix(at.block + span.start..at.block + span.end, ""),
+        ErrorKind::ZNotAlone => finding.label("this machine interpolates X and Y only").help("move Z in a string of its own, before or after"),
+        ErrorKind::NoCentre => finding
+            .label("needs `I` and `J`, or `R`")
+            .note("grbl: `error:35`; LinuxCNC: \"R i j k words all missing for arc\"")
+            .help("add the centre as `I` and `J`, relative to the start, or the radius as `R`"),
+        ErrorKind::EndOffArc(_) => finding
+            .label("start and end have different distances from the centre")
+            .note("an error from 0.5 mm on, or from 5 um and 0.1 % of the radius on: as grbl and LinuxCNC have it")
+            .help("check the centre words; absolute centres need G90.1"),
+        ErrorKind::RadiusAndCentre => finding.label("one of them is too much").note("grbl: `error:36`; LinuxCNC: \"Mixed radius ijk format for arc\""),
+        ErrorKind::RadiusTooSmall(_) => finding.label("does not reach the end").note("grbl: `error:34`; LinuxCNC: \"Arc radius too small to reach end point\""),
+        ErrorKind::RadiusToSamePoint => finding
+            .label("a radius does not say where the centre is")
+            .note("grbl: `error:33`")
+            .help("write a full circle with `I` and `J`"),
+        ErrorKind::NoEnd => finding.label("needs an end point in its plane").note("grbl: `error:32`"),
+        ErrorKind::NoFeed => finding
+            .label("no `F` on this line or before it")
+            .note("grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\"")
+            .help("add a feed rate, as in `F100`"),
+        ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
+        ErrorKind::NoDwellTime => finding.label("how long is not said").note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
+        _ => finding,
+    }
+}
+
+fn message(error: &Error, at: &At<'_>) -> String {
+    match error.kind {
+        ErrorKind::MalformedNumber => {
+            let text = at.text();
+            let word = words_around(text, error.at);
+            format!("malformed number `{}`", String::from_utf8_lossy(word))
+        }
+        ErrorKind::UnknownCode(_, None) => format!("unknown code `{}`", at.slice(error)),
+        _ => error.to_string(),
+    }
+}
+
+/// The digits, signs and points around a byte.
+fn words_around(text: &[u8], at: usize) -> &[u8] {
+    let part = |b: &u8| b.is_ascii_digit() || matches!(b, b'.' | b'+' | b'-');
+    let at = at.min(text.len());
+    let start = text[..at]
+        .iter()
+        .rposition(|b| !part(b))
+        .map_or(0, |before| before + 1);
+    let end = text[at..]
+        .iter()
+        .position(|b| !part(b))
+        .map_or(text.len(), |length| at + length);
+    &text[start..end]
+}

@@ -1,0 +1,311 @@
+//! `husillo interpolate`: one move on the bare integer grid, with its error.
+
+use crate::cli::{ArcShape, LineShape, Output, Turning};
+use husillo_interp::{Arc, ArcMove, Direction, Line, Rim};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// What is printed about a move.
+#[derive(Debug, Serialize)]
+pub struct Walk {
+    iterations: usize,
+    moving: usize,
+    max_error_blu: f64,
+    rms_error_blu: f64,
+    end: Vec<i64>,
+    steps: Steps,
+}
+
+/// The steps: one character an iteration for two axes, one string an iteration for more.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Steps {
+    Code(String),
+    Signs(Vec<String>),
+}
+
+impl Walk {
+    /// Prints the walk.
+    ///
+    /// # Errors
+    ///
+    /// Standard output is closed.
+    pub fn print(&self, format: Output) -> io::Result<()> {
+        let mut out = io::stdout().lock();
+        if format == Output::Json {
+            return writeln!(
+                out,
+                "{}",
+                serde_json::to_string(self).map_err(io::Error::other)?
+            );
+        }
+        let end: Vec<String> = self.end.iter().map(i64::to_string).collect();
+        writeln!(out, "iterations     {}", self.iterations)?;
+        writeln!(out, "moving         {}", self.moving)?;
+        writeln!(out, "largest error  {:.5} BLU", self.max_error_blu)?;
+        writeln!(out, "RMS error      {:.5} BLU", self.rms_error_blu)?;
+        writeln!(out, "end            {}", end.join(","))?;
+        match &self.steps {
+            Steps::Code(code) => writeln!(out, "steps          {code}"),
+            Steps::Signs(signs) => writeln!(out, "steps          {}", signs.join(" ")),
+        }
+    }
+}
+
+/// Walks a line.
+///
+/// # Errors
+///
+/// What is wrong with the arguments.
+pub fn line(shape: &LineShape) -> Result<Walk, String> {
+    known_method(&shape.method, "bresenham", "lines")?;
+    let to = integers(&shape.to, "--to")?;
+    match to.as_slice() {
+        &[x, y] => Ok(walk_line([x, y])),
+        &[x, y, z] => Ok(walk_line([x, y, z])),
+        &[x, y, z, a] => Ok(walk_line([x, y, z, a])),
+        &[x, y, z, a, b] => Ok(walk_line([x, y, z, a, b])),
+        &[x, y, z, a, b, c] => Ok(walk_line([x, y, z, a, b, c])),
+        other => Err(format!(
+            "--to has {} axes; two to six are possible",
+            other.len()
+        )),
+    }
+}
+
+fn walk_line<const N: usize>(to: [i32; N]) -> Walk {
+    let along = to.map(f64::from);
+    let square: f64 = along.iter().map(|d| d * d).sum();
+    let mut at = [0_i64; N];
+    let mut record = Record::default();
+    for step in Line::new(to) {
+        for (at, delta) in at.iter_mut().zip(step.delta) {
+            *at += i64::from(delta);
+        }
+        // The distance from the line: what is left of the point without its part along the line.
+        let part = at
+            .iter()
+            .zip(along)
+            .map(|(p, d)| *p as f64 * d)
+            .sum::<f64>()
+            / square;
+        let error = at
+            .iter()
+            .zip(along)
+            .map(|(p, d)| (*p as f64 - part * d).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        record.add(&step.delta, error);
+    }
+    record.finish(at.to_vec())
+}
+
+/// Walks an arc.
+///
+/// # Errors
+///
+/// What is wrong with the arguments.
+pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
+    known_method(&shape.method, "direct-search", "arcs")?;
+    if shape.centre_bits > 16 {
+        return Err("--centre-bits is at most 16".to_owned());
+    }
+    let bits = shape.centre_bits;
+    let pair = |text: &str, name: &str| {
+        <[i32; 2]>::try_from(integers(text, name)?).map_err(|_| format!("{name} takes X,Y"))
+    };
+    let (from, to) = (pair(&shape.from, "--from")?, pair(&shape.to, "--to")?);
+    let centre: Vec<i64> = shape
+        .centre
+        .split(',')
+        .map(|text| scaled(text, bits))
+        .collect::<Result<_, _>>()?;
+    let centre: [i64; 2] = centre
+        .try_into()
+        .map_err(|_| "--centre takes X,Y".to_owned())?;
+    let from_centre =
+        |p: [i32; 2]| [0, 1].map(|axis| (i128::from(p[axis]) << bits) - i128::from(centre[axis]));
+    let square = |[x, y]: [i128; 2]| x * x + y * y;
+    let rim = match shape.radius_squared {
+        None => Rim::Spiral,
+        Some(radius_squared) => {
+            let residue = |p| {
+                let square_of_radius = i128::try_from(radius_squared).map_err(|_| TOO_LARGE)?;
+                let residue = (square(from_centre(p)) - square_of_radius) >> bits;
+                i64::try_from(residue).map_err(|_| TOO_LARGE)
+            };
+            Rim::Nominal {
+                start: residue(from)?,
+                end: residue(to)?,
+            }
+        }
+    };
+    let direction = match shape.direction {
+        Turning::Cw => Direction::Clockwise,
+        Turning::Ccw => Direction::CounterClockwise,
+    };
+    let turns = shape.turns;
+    let arc = Arc::new(&ArcMove {
+        from,
+        to,
+        centre,
+        fraction_bits: bits,
+        direction,
+        turns,
+        rim,
+    })
+    .map_err(|error| error.to_string())?;
+    let one = f64::from(1_u32 << bits);
+    let radius = |p: [i32; 2]| {
+        let [x, y] = from_centre(p);
+        (x as f64).hypot(y as f64) / one
+    };
+    let band = match shape.radius_squared {
+        Some(radius_squared) => [(radius_squared as f64).sqrt() / one; 2],
+        None => [radius(from).min(radius(to)), radius(from).max(radius(to))],
+    };
+    let mut at = from;
+    let mut record = Record::default();
+    for step in arc {
+        for (at, delta) in at.iter_mut().zip(step.delta) {
+            *at = at.wrapping_add(i32::from(delta));
+        }
+        let r = radius(at);
+        record.add(&step.delta, (r - band[1]).max(band[0] - r).max(0.0));
+    }
+    Ok(record.finish(at.map(i64::from).to_vec()))
+}
+
+const TOO_LARGE: &str = "--radius-squared does not belong to these points";
+
+#[derive(Default)]
+struct Record {
+    steps: Vec<Vec<i8>>,
+    moving: usize,
+    largest: f64,
+    sum_of_squares: f64,
+}
+
+impl Record {
+    fn add(&mut self, delta: &[i8], error: f64) {
+        self.steps.push(delta.to_vec());
+        self.moving += usize::from(delta.iter().any(|d| *d != 0));
+        self.largest = self.largest.max(error);
+        self.sum_of_squares += error * error;
+    }
+
+    fn finish(self, end: Vec<i64>) -> Walk {
+        let steps = if end.len() == 2 {
+            Steps::Code(self.steps.iter().map(|delta| code(delta)).collect())
+        } else {
+            Steps::Signs(self.steps.iter().map(|delta| signs(delta)).collect())
+        };
+        let count = self.steps.len();
+        Walk {
+            iterations: count,
+            moving: self.moving,
+            max_error_blu: self.largest,
+            rms_error_blu: (self.sum_of_squares / count.max(1) as f64).sqrt(),
+            end,
+            steps,
+        }
+    }
+}
+
+/// `0` is (-1, -1), `4` is (0, 0), `8` is (+1, +1); the second axis counts ones, the first threes.
+fn code(delta: &[i8]) -> char {
+    let digit = delta.iter().fold(0, |code, d| code * 3 + (d + 1) as u8);
+    char::from(b'0' + digit)
+}
+
+fn signs(delta: &[i8]) -> String {
+    delta
+        .iter()
+        .map(|d| ['-', '0', '+'][(d + 1) as usize])
+        .collect()
+}
+
+/// Methods of later releases are refused like any other unknown name.
+fn known_method(method: &str, known: &str, shapes: &str) -> Result<(), String> {
+    if method == known {
+        Ok(())
+    } else {
+        Err(format!(
+            "unknown method `{method}`; for {shapes} there is `{known}`, others will follow"
+        ))
+    }
+}
+
+fn integers(text: &str, name: &str) -> Result<Vec<i32>, String> {
+    text.split(',')
+        .map(|number| {
+            number
+                .trim()
+                .parse()
+                .map_err(|_| format!("{name}: `{number}` is no whole number of steps"))
+        })
+        .collect()
+}
+
+/// A decimal in units of 2^-bits.
+fn scaled(text: &str, bits: u8) -> Result<i64, String> {
+    let wrong = || format!("--centre: `{text}` is no decimal number");
+    let text = text.trim();
+    let (negative, body) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let (whole, part) = body.split_once('.').unwrap_or((body, ""));
+    let digits = format!("{whole}{part}");
+    if digits.is_empty() || digits.len() > 28 || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(wrong());
+    }
+    // 28 digits are below 2^94, so 16 bits more still fit.
+    let value = digits.parse::<i128>().map_err(|_| wrong())? << bits;
+    let power = 10_i128.pow(u32::try_from(part.len()).map_err(|_| wrong())?);
+    if value % power != 0 {
+        return Err(format!("--centre: {text} is not a multiple of 2^-{bits}"));
+    }
+    let value = i64::try_from(value / power).map_err(|_| wrong())?;
+    Ok(if negative { -value } else { value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn centres_are_exact() {
+        assert_eq!(scaled("-3.5", 1), Ok(-7));
+        assert_eq!(scaled("0.0625", 4), Ok(1));
+        assert!(scaled("0.1", 16).is_err());
+        assert!(scaled("1.2.3", 4).is_err());
+    }
+
+    #[test]
+    fn methods_to_come_are_named() {
+        assert!(
+            known_method("dda", "bresenham", "lines")
+                .unwrap_err()
+                .contains("`bresenham`")
+        );
+    }
+
+    #[test]
+    fn a_circle_of_thirty_steps() {
+        let shape = ArcShape {
+            from: "30,0".to_owned(),
+            to: "30,0".to_owned(),
+            centre: "0,0".to_owned(),
+            direction: Turning::Ccw,
+            centre_bits: 16,
+            radius_squared: None,
+            turns: 0,
+            method: "direct-search".to_owned(),
+            format: Output::Json,
+        };
+        let walk = arc(&shape).unwrap();
+        assert_eq!((walk.iterations, walk.end), (168, vec![30, 0]));
+        assert!(walk.max_error_blu < 0.5);
+    }
+}

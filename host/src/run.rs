@@ -1,0 +1,358 @@
+//! `husillo run`: events through the motors into the simulated machine, and what it does with them.
+
+use crate::deviation::{Deviation, Path};
+use crate::drawing::{Class, Drawing, Point};
+use crate::machine_file::MachineFile;
+use crate::report::{Ideal, Motor};
+use crate::setup;
+use husillo_gcode::{Command, Direction, Nm};
+use husillo_machine::{Event, Machine, Motors, Origin, Segment, StepEvent};
+use husillo_sim::Rig;
+use husillo_stepper::Drive;
+use std::io::{self, Write};
+
+/// Most programmed moves kept for the picture.
+const MOST_IDEAL: usize = 20_000;
+/// Steps of each motor in the phase diagram.
+const PHASE_STEPS: usize = 24;
+
+/// A run under way, and its results.
+pub struct Run<'a> {
+    machine: &'a MachineFile,
+    motors: Motors<3, Drive>,
+    rig: Rig<3>,
+    nm_per_step: [f64; 3],
+    half_step_nm: f64,
+    tool: [i32; 3],
+    /// Smallest and largest position of the tool in steps.
+    pub low: [i32; 3],
+    /// See `low`.
+    pub high: [i32; 3],
+    /// Step events, take-up included.
+    pub events: u64,
+    /// Timer ticks of everything.
+    pub ticks: u64,
+    /// Timer ticks of take-up.
+    pub take_up_ticks: u64,
+    /// Take-ups of every axis.
+    pub reversals: [u64; 3],
+    /// Deviation of feed moves.
+    pub deviation: Deviation,
+    /// Picture of the path.
+    pub drawing: Drawing,
+    /// The programmed moves.
+    pub ideal: Vec<Ideal>,
+    /// Whether `ideal` has all of them.
+    pub ideal_is_whole: bool,
+    /// Currents of the first steps.
+    pub phases: [Vec<(u64, [i16; 2])>; 3],
+    phases_open: bool,
+    segment: Option<Segment<3>>,
+    path: Path,
+    target: [i32; 3],
+    arrived: bool,
+    origin: Origin,
+    take_up_axis: Option<usize>,
+    trace: Option<Box<dyn Write>>,
+}
+
+impl std::fmt::Debug for Run<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Run")
+            .field("events", &self.events)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Run<'a> {
+    /// A homed machine at rest; every step goes to `trace` too.
+    ///
+    /// # Errors
+    ///
+    /// A driver that has not the step mode of the machine file.
+    pub fn new(machine: &'a MachineFile, trace: Option<Box<dyn Write>>) -> Result<Self, String> {
+        let motors = setup::motors(machine)?;
+        let rig = setup::rig(machine, &motors);
+        let nm_per_step = machine
+            .axes
+            .each_ref()
+            .map(|axis| axis.step.num as f64 / axis.step.den as f64);
+        let mut run = Self {
+            machine,
+            rig,
+            motors,
+            nm_per_step,
+            half_step_nm: 0.5 * nm_per_step[0],
+            tool: [0; 3],
+            low: [0; 3],
+            high: [0; 3],
+            events: 0,
+            ticks: 0,
+            take_up_ticks: 0,
+            reversals: [0; 3],
+            deviation: Deviation::default(),
+            drawing: Drawing::new(),
+            ideal: Vec::new(),
+            ideal_is_whole: true,
+            phases: [const { Vec::new() }; 3],
+            phases_open: true,
+            segment: None,
+            path: Path::line([0.0; 3], [0.0; 3]),
+            target: [0; 3],
+            arrived: true,
+            origin: Origin::Rest,
+            take_up_axis: None,
+            trace,
+        };
+        for axis in 0..3 {
+            let currents = run.currents(axis);
+            run.phases[axis].push((0, currents));
+        }
+        if let Some(trace) = &mut run.trace {
+            trace
+                .write_all(b"event,t_us,x_nm,y_nm,z_nm,kind\n")
+                .map_err(|error| error.to_string())?;
+        }
+        Ok(run)
+    }
+
+    /// Takes one event of the machine.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    #[inline]
+    pub fn event(&mut self, machine: &Machine<3>, event: &Event<3>) -> io::Result<()> {
+        match event {
+            Event::Step(step) => self.step(machine, step),
+            Event::Dwell { wait_ticks } => {
+                self.ticks += u64::from(*wait_ticks);
+                let levels = *self.motors.rest(u64::from(*wait_ticks));
+                // The driver sees what idling changes at the end of the rest.
+                self.rig.apply(&levels, *wait_ticks);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, machine: &Machine<3>, step: &StepEvent<3>) -> io::Result<()> {
+        self.events += 1;
+        self.ticks += u64::from(step.wait_ticks);
+        let levels = self.motors.step(&step.delta);
+        self.rig.apply(levels, step.wait_ticks);
+        let tool = self.rig.tool();
+        for axis in 0..3 {
+            self.low[axis] = self.low[axis].min(tool[axis]);
+            self.high[axis] = self.high[axis].max(tool[axis]);
+        }
+        self.tool = tool;
+        let origin = machine.origin();
+        let at = self.tool_nm();
+        if self.arrived || origin != self.origin {
+            self.turn_to(machine, origin, at);
+        }
+        match origin {
+            Origin::Feed => {
+                let squared = self.path.distance_squared(at);
+                self.deviation.add(squared);
+                self.arrived = machine.position_steps() == self.target;
+            }
+            Origin::TakeUp => self.take_up(step, at),
+            Origin::Rapid | Origin::Rest => self.arrived = machine.position_steps() == self.target,
+        }
+        if self.drawing.wants([at[0], at[1]]) && origin != Origin::TakeUp {
+            self.drawing.add(self.point(at));
+        }
+        if self.phases_open {
+            self.phase(step);
+        }
+        if self.trace.is_some() {
+            self.write_trace(origin)?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn tool_nm(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| f64::from(self.tool[axis]) * self.nm_per_step[axis])
+    }
+
+    /// Where the tool is, in steps.
+    pub const fn tool_steps(&self) -> [i32; 3] {
+        self.tool
+    }
+
+    fn point(&self, at: [f64; 3]) -> Point {
+        let ideal = self.path.nearest(at);
+        Point {
+            tool: [at[0], at[1]],
+            ideal: [ideal[0], ideal[1]],
+        }
+    }
+
+    /// Another move begins, or take-up does, or it ends.
+    #[cold]
+    fn turn_to(&mut self, machine: &Machine<3>, origin: Origin, at: [f64; 3]) {
+        let executing = machine.executing().copied();
+        if executing != self.segment {
+            self.segment = executing;
+            if let Some(segment) = executing {
+                self.begin(machine, &segment);
+            }
+        }
+        self.arrived = false;
+        if origin != Origin::TakeUp {
+            self.take_up_axis = None;
+            let class = if origin == Origin::Feed {
+                Class::Feed
+            } else {
+                Class::Rapid
+            };
+            if self
+                .drawing
+                .strokes
+                .last()
+                .is_none_or(|stroke| stroke.class != class)
+            {
+                self.drawing.begin(class, self.point(at));
+            }
+        }
+        self.origin = origin;
+    }
+
+    fn begin(&mut self, machine: &Machine<3>, segment: &Segment<3>) {
+        let Some(path) = Path::programmed(segment.from, &segment.command, self.half_step_nm) else {
+            return;
+        };
+        self.path = path;
+        let to = crate::program::target(&segment.command).unwrap_or(segment.from);
+        for (axis, target) in self.target.iter_mut().enumerate() {
+            *target = machine.config().axes[axis]
+                .scale
+                .nearest(to[axis])
+                .unwrap_or(0);
+        }
+        self.keep_ideal(segment, to);
+    }
+
+    fn keep_ideal(&mut self, segment: &Segment<3>, to: [Nm; 3]) {
+        if self.ideal.len() >= MOST_IDEAL {
+            self.ideal_is_whole = false;
+            return;
+        }
+        let flat = |p: [Nm; 3]| [p[0].0 as f64, p[1].0 as f64];
+        let (from, to) = (flat(segment.from), flat(to));
+        match &segment.command {
+            Command::Linear { .. } => self.ideal.push(Ideal::Line(from, to)),
+            Command::Arc { arc, .. } if arc.plane.axes() == [0, 1] => {
+                let whole = arc.turns > 0 || from == to;
+                let end = if whole { from } else { to };
+                let counter_clockwise = arc.direction == Direction::CounterClockwise;
+                self.ideal
+                    .push(Ideal::Arc(from, end, flat(arc.centre), counter_clockwise));
+            }
+            // Seen from the side: the points of the drawing show it.
+            Command::Arc { .. } => self.ideal_is_whole = false,
+            _ => {}
+        }
+    }
+
+    fn take_up(&mut self, step: &StepEvent<3>, at: [f64; 3]) {
+        self.take_up_ticks += u64::from(step.wait_ticks);
+        let axis = step.delta.iter().position(|delta| *delta != 0);
+        if axis != self.take_up_axis {
+            self.take_up_axis = axis;
+            if let Some(count) = axis.and_then(|axis| self.reversals.get_mut(axis)) {
+                *count += 1;
+            }
+            self.drawing.take_up([at[0], at[1]]);
+        }
+    }
+
+    fn currents(&self, axis: usize) -> [i16; 2] {
+        let levels = self.motors.levels()[axis];
+        match setup::driver(self.machine.axes[axis].driver) {
+            Some(driver) => driver.currents(levels),
+            // Step and direction, drawn as two rows of levels.
+            None => [0, 1].map(|bit| if levels.is_high(bit) { 1000 } else { 0 }),
+        }
+    }
+
+    #[cold]
+    fn phase(&mut self, step: &StepEvent<3>) {
+        let micros = self.ticks.saturating_mul(1_000_000) / u64::from(self.machine.timer_hz);
+        for axis in 0..3 {
+            if step.delta[axis] != 0 && self.phases[axis].len() <= PHASE_STEPS {
+                let currents = self.currents(axis);
+                if let [first] = self.phases[axis].as_mut_slice() {
+                    first.0 = micros.saturating_sub(
+                        u64::from(step.wait_ticks) * 1_000_000 / u64::from(self.machine.timer_hz),
+                    );
+                }
+                self.phases[axis].push((micros, currents));
+            }
+        }
+        // Motors that never turn must not keep this going for ever.
+        self.phases_open =
+            self.events < 100_000 && self.phases.iter().any(|phases| phases.len() <= PHASE_STEPS);
+    }
+
+    #[cold]
+    fn write_trace(&mut self, origin: Origin) -> io::Result<()> {
+        let micros = u128::from(self.ticks) * 1_000_000 / u128::from(self.machine.timer_hz);
+        let at = self.tool_nm().map(|nm| nm.round() as i64);
+        let kind = match origin {
+            Origin::TakeUp => "take-up",
+            Origin::Rapid => "rapid",
+            Origin::Feed => "feed",
+            Origin::Rest => "rest",
+        };
+        match &mut self.trace {
+            Some(trace) => writeln!(
+                trace,
+                "{},{micros},{},{},{},{kind}",
+                self.events, at[0], at[1], at[2]
+            ),
+            None => Ok(()),
+        }
+    }
+
+    /// Steps the motors did not follow.
+    pub fn lost_steps(&self) -> [u64; 3] {
+        self.rig.lost_steps()
+    }
+
+    /// Writes what is left of the trace.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    pub fn finish(&mut self) -> io::Result<()> {
+        self.trace.as_mut().map_or(Ok(()), |trace| trace.flush())
+    }
+
+    /// The motors' first steps for the report.
+    pub fn motors(&mut self) -> Vec<Motor> {
+        let phases = std::mem::take(&mut self.phases);
+        self.machine
+            .axes
+            .iter()
+            .zip(phases)
+            .map(|(axis, steps)| {
+                let coils = setup::driver(axis.driver).is_some();
+                Motor {
+                    letter: char::from(axis.letter),
+                    driver: format!("{:?}, {:?}", axis.driver, axis.mode).to_lowercase(),
+                    rows: if coils {
+                        ["coil A", "coil B"]
+                    } else {
+                        ["STEP", "DIR"]
+                    },
+                    steps,
+                }
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,129 @@
+//! A machine file as the parts the crates are made of: limits, motors, the simulated machine.
+
+use crate::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
+use husillo_gcode::{Dialect, Nm};
+use husillo_machine::{Axis, Config, Motors, Scale};
+use husillo_sim::{AxisModel, Rig};
+use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
+
+/// The language of a program: what was asked for, or what the name of the file says.
+///
+/// # Errors
+///
+/// A sentence about the name.
+pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
+    let lower = file.to_ascii_lowercase();
+    let name = match name {
+        Some(name) => name,
+        None if lower.ends_with(".mm") => "micromill",
+        None if [".drl", ".xln", ".exc"]
+            .iter()
+            .any(|end| lower.ends_with(end)) =>
+        {
+            return Err(format!("{file}: drill files are not taken yet"));
+        }
+        None => "rs274",
+    };
+    Dialect::by_name(name)
+        .ok_or_else(|| format!("unknown dialect `{name}`: there are rs274 and micromill"))
+}
+
+/// The configuration of `husillo_machine`.
+///
+/// # Errors
+///
+/// A step that is no ratio of 32-bit numbers.
+pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String> {
+    let [x, y, z] = &file.axes;
+    let axis = |axis: &crate::machine_file::AxisFile| {
+        let scale = u32::try_from(axis.step.num)
+            .ok()
+            .zip(u32::try_from(axis.step.den).ok())
+            .and_then(|(nm, steps)| Scale::new(nm, steps))
+            .ok_or_else(|| {
+                format!(
+                    "{}: the step of {} is out of range",
+                    file.path,
+                    char::from(axis.letter)
+                )
+            })?;
+        Ok::<_, String>(Axis {
+            scale,
+            travel: match axis.travel {
+                Travel::Range(range) => Some(range.map(Nm)),
+                Travel::Unknown | Travel::Unlimited => None,
+            },
+            max_rate_hz: axis.max_rate,
+            lash_steps: axis.lash_steps,
+        })
+    };
+    Ok(Config {
+        axes: [axis(x)?, axis(y)?, axis(z)?],
+        timer_hz: file.timer_hz,
+        dialect,
+        arc_tolerance: file.arc_tolerance.map(Nm),
+    })
+}
+
+/// The output stages of the motors.
+///
+/// # Errors
+///
+/// A driver that has not the step mode asked for.
+pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
+    let drive = |index: usize| {
+        let axis = &file.axes[index];
+        match driver(axis.driver) {
+            Some(driver) => Sequencer::new(driver, mode(axis.mode))
+                .map(Drive::Coils)
+                .map_err(|error| {
+                    format!("{}: axis {}: {error}", file.path, char::from(axis.letter))
+                }),
+            None => Ok(Drive::StepDirection(StepToggle::new())),
+        }
+    };
+    let ticks = |micros: u64| micros.saturating_mul(u64::from(file.timer_hz)) / 1_000_000;
+    let idle = match file.idle {
+        // The inputs of the drivers do not tell a reduced holding current from a full one.
+        Idle::Hold | Idle::Reduced(_) => husillo_machine::Idle::Hold,
+        Idle::Off(after) => husillo_machine::Idle::Off {
+            after_ticks: ticks(after),
+        },
+    };
+    Ok(Motors::new([drive(0)?, drive(1)?, drive(2)?], idle))
+}
+
+/// The simulated machine behind those motors.
+pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
+    let models = file.axes.each_ref().map(|axis| {
+        let model = match driver(axis.driver) {
+            Some(driver) => AxisModel::coils(driver, mode(axis.mode)),
+            None => AxisModel::step_toggle(),
+        };
+        let pull_out = axis.pull_out_rate.map_or(0, |rate| file.timer_hz / rate);
+        model
+            .with_lash(axis.lash_steps)
+            .with_pull_out_ticks(pull_out)
+    });
+    Rig::new(models, *motors.levels())
+}
+
+/// The coil driver of an axis; `None` for step and direction.
+pub const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
+    match driver {
+        Driver::Pbl3717a => Some(husillo_stepper::Driver::Pbl3717a),
+        Driver::A3988 => Some(husillo_stepper::Driver::A3988),
+        Driver::L297 => Some(husillo_stepper::Driver::L297),
+        Driver::Unipolar => Some(husillo_stepper::Driver::Unipolar),
+        Driver::StepDirection => None,
+    }
+}
+
+const fn mode(mode: StepMode) -> Mode {
+    match mode {
+        StepMode::Wave => Mode::Wave,
+        StepMode::Full => Mode::Full,
+        StepMode::Half => Mode::Half,
+        StepMode::Quarter => Mode::Quarter,
+    }
+}
