@@ -58,3 +58,8 @@ pub use error::{Error, ErrorKind};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::Nm;
 pub use word::{Word, Words, words};
+
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
