@@ -3,7 +3,9 @@
 use core::hint::black_box;
 
 use fixed::types::I32F32;
-use husillo_gcode::{Block, Blocks, Commands, Decimal, Dialect, ErrorKind, Modal, Plane, Words, words};
+use husillo_gcode::{
+    Block, Blocks, Commands, Decimal, Dialect, ErrorKind, Modal, Plane, Words, words,
+};
 
 /// Keeps every function in the program.
 pub fn keep() {

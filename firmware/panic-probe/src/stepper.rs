@@ -5,8 +5,8 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use husillo_stepper::{
-    CoilDriver, Drive, Driver, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection, StepDirectionPins,
-    StepToggle, Switch, sine,
+    CoilDriver, Drive, Driver, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection,
+    StepDirectionPins, StepToggle, Switch, sine,
 };
 
 /// Keeps every function in the program.
