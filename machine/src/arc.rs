@@ -210,13 +210,13 @@ fn is_forward(start: [i64; 2], [dx, dy]: [i32; 2], direction: Direction) -> bool
 ///
 /// With V the vector from the fixed-point centre to the start on the grid and e = V - P its rounding
 /// residual, `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`: R^2 is never formed. `e` is at most one step and is kept
-/// with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^62`; the error in F, `|V| 2^-g`, moves the circle
+/// with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`; the error in F, `|V| 2^-g`, moves the circle
 /// by less than `2^-g` steps.
 fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: u8) -> Rim {
     let [cx, cy] = centre;
     let grid = [cx.wrapping_neg(), cy.wrapping_neg()];
     let reach = grid.iter().fold(1u64, |most, v| most.max(v.unsigned_abs()));
-    let residual_bits = reach.leading_zeros().saturating_sub(3).min(24) as u8;
+    let residual_bits = reach.leading_zeros().saturating_sub(4).min(24) as u8;
     let extra = residual_bits.saturating_sub(bits);
     let part = |grid: i64, exact: i64| -> i64 {
         let exact = scale
@@ -224,20 +224,27 @@ fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: 
             .unwrap_or(0);
         let residual = (grid << extra).wrapping_sub(exact);
         let product = grid.wrapping_mul(residual).wrapping_mul(2);
-        // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for F.
         let square = residual.wrapping_mul(residual) >> extra;
-        product.wrapping_sub(square) >> extra.wrapping_add(bits)
+        product.wrapping_sub(square)
     };
     let [gx, gy] = grid;
     let [px, py] = start;
-    let at_start = part(gx, px).wrapping_add(part(gy, py));
+    // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for F.
+    let shift = bits.wrapping_add(extra);
+    let half = (1i64 << shift) >> 1;
+    let sum = part(gx, px).wrapping_add(part(gy, py));
+    let at_start = sum.wrapping_add(half) >> shift;
     // F_E - F_S = (|E|^2 - |S|^2) / 2^bits, so that both ends lie on one circle.
     let square = |grid: i64, step: i32| -> i128 {
         let step = (step as i128) << bits;
         step.wrapping_mul((grid as i128).wrapping_mul(2).wrapping_add(step))
     };
     let [dx, dy] = to;
-    let difference = square(gx, dx).wrapping_add(square(gy, dy)) >> bits;
+    let half = (1i128 << bits) >> 1;
+    let difference = square(gx, dx)
+        .wrapping_add(square(gy, dy))
+        .wrapping_add(half)
+        >> bits;
     Rim::Nominal {
         start: at_start,
         end: at_start.wrapping_add(difference as i64),
