@@ -2,7 +2,7 @@
 G21 G90 G17 G94 F1.2
 M3 S6000
 G0 X2 Y2
-G1 Z-0.05
+G1 Z-0.049
 (lower edge: six scallops to the right)
 G2 X3 Y2 I0.5 J0
 G2 X4 Y2 I0.5 J0
@@ -35,7 +35,18 @@ G1 X1.5 Y3.125
 G1 X2 Y2.75
 G1 X1.5 Y2.375
 G1 X2 Y2
-G0 Z0.1
+G0 Z0.098
+(a zigzag in the middle)
+G0 X3.5 Y3
+G1 Z-0.049
+G1 X4 Y4
+G1 X4.5 Y3
+G1 X5 Y4
+G1 X5.5 Y3
+G1 X6 Y4
+G1 X6.5 Y3
+G0 Z0.098
 M5
-G0 X0 Y0
+(away to the right: X does not turn round any more)
+G0 X10 Y0
 M30

@@ -1,0 +1,397 @@
+//! Every command on small programs, as a user calls it.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use std::path::PathBuf;
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn json(args: &[&str]) -> Value {
+    let output = husillo().args(args).output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn json_lines(args: &[&str]) -> Vec<Value> {
+    let output = husillo().args(args).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+#[test]
+fn the_circles_of_the_micro_mill() {
+    let circles = json(&["run", "../examples/circles.nc", "--format", "json"]);
+    assert_eq!(circles["errors"], 0);
+    assert_eq!(circles["lost_steps"], 0);
+    // Half a step, and the rounded start and end points.
+    assert!(
+        circles["max_deviation_nm"].as_f64().unwrap() <= 0.7072 * 140.0,
+        "{circles}"
+    );
+    assert!(circles["rms_deviation_nm"].as_f64().unwrap() < 50.0);
+    let uncompensated = json(&[
+        "run",
+        "../examples/circles.nc",
+        "--format",
+        "json",
+        "--no-compensation",
+    ]);
+    // The flats the machine really made: about the lash of X and Y together.
+    assert!(uncompensated["max_deviation_nm"].as_f64().unwrap() > 100_000.0);
+}
+
+#[test]
+fn every_example_runs_with_a_report_that_stands_alone() {
+    for (name, reversals) in [
+        ("circles", 14),
+        ("gear", 50),
+        ("star", 22),
+        ("ornament", 45),
+    ] {
+        let report = scratch(&format!("{name}.html"));
+        let program = format!("../examples/{name}.nc");
+        husillo()
+            .args(["run", &program, "-o"])
+            .arg(&report)
+            .assert()
+            .success()
+            .stdout(contains("step events"));
+        let page = std::fs::read_to_string(&report).unwrap();
+        assert!(
+            page.contains("<title>")
+                && page.contains("prefers-color-scheme")
+                && page.contains("class=\"take-up\"")
+        );
+        assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script"));
+        let results = json(&["run", &program, "--format", "json"]);
+        let count: u64 = results["reversals"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|n| n.as_u64().unwrap())
+            .sum();
+        assert_eq!(count, reversals, "{name}");
+    }
+}
+
+#[test]
+fn errors_stop_a_run_before_anything_moves() {
+    let report = scratch("never.html");
+    let _ = std::fs::remove_file(&report);
+    husillo()
+        .args(["run", "tests/data/outside.nc", "-o"])
+        .arg(&report)
+        .assert()
+        .code(1)
+        .stderr(contains(
+            "error[E0401]: X target is 0.25 mm beyond the soft limit",
+        ))
+        .stderr(contains("limit set here"))
+        .stderr(contains("nothing moves"));
+    assert!(!report.exists());
+}
+
+#[test]
+fn all_errors_at_their_columns() {
+    husillo()
+        .args(["check", "tests/data/errors.nc", "--format", "short"])
+        .assert()
+        .code(1)
+        .stdout(
+            "tests/data/errors.nc:2:8: error[E0102]: malformed number `1.2.3`\n\
+         tests/data/errors.nc:3:5: error[E0103]: number too large\n\
+         tests/data/errors.nc:4:4: error[E0201]: unknown word `U`\n\
+         tests/data/errors.nc:5:1: error[E0301]: arc without a centre or a radius\n\
+         tests/data/errors.nc:6:7: error[E0203]: word `X` repeated\n\
+         tests/data/errors.nc:7:1: error[E0202]: unknown G code `G77`\n",
+        );
+}
+
+#[test]
+fn findings_as_text_and_json() {
+    husillo()
+        .args(["check", "tests/data/errors.nc", "--limit", "1"])
+        .assert()
+        .code(1)
+        .stdout(
+            contains("2 | G1 X1.2.3")
+                .and(contains("^^"))
+                .and(contains("5 more findings")),
+        );
+    let findings = json_lines(&["check", "tests/data/errors.nc", "--format", "json"]);
+    assert_eq!(findings.len(), 6);
+    assert_eq!(findings[2]["code"], "E0201");
+    assert_eq!(
+        (findings[2]["line"].as_u64(), findings[2]["column"].as_u64()),
+        (Some(4), Some(4))
+    );
+}
+
+#[test]
+fn a_finding_in_full() {
+    let program = scratch("full.nc");
+    std::fs::write(&program, "G21 G90\nG1 X1 Y1\n").unwrap();
+    husillo()
+        .arg("check")
+        .arg("-")
+        .pipe_stdin(&program)
+        .unwrap()
+        .assert()
+        .code(1)
+        .stdout(
+            "error[E0501]: feed move before any feed rate\n \
+         --> <input>:2:1\n  \
+         |\n\
+         2 | G1 X1 Y1\n  \
+         | ^^ no `F` on this line or before it\n  \
+         |\n  \
+         = note: grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\"\n  \
+         = help: add a feed rate, as in `F100`\n\
+         \n\
+         <input>: 1 error, no warnings\n",
+        );
+}
+
+#[test]
+fn nasty_inputs_are_survived() {
+    let long = [
+        b"G1 X1 F100 (".to_vec(),
+        vec![b'x'; 10 << 20],
+        b")\nG1 X2\n".to_vec(),
+    ]
+    .concat();
+    let cases: [(&[u8], i32); 9] = [
+        (b"", 0),
+        (b"%", 0),
+        (b"%\r\nG21\r\nG0 X1\r\n%\r\n", 0),
+        (b"G0 X1", 0),
+        (b"\x00\x01\xff\xfe\x80", 1),
+        (b"G0 X1\x00\n", 1),
+        (&long, 1),
+        (b"G2 X1 Y1 I5 J5 F100", 1),
+        (b"\xef\xbb\xbfG0 X1\n", 1),
+    ];
+    for (index, (bytes, code)) in cases.into_iter().enumerate() {
+        let program = scratch(&format!("nasty{index}.nc"));
+        std::fs::write(&program, bytes).unwrap();
+        husillo().arg("check").arg(&program).assert().code(code);
+        husillo()
+            .args(["run", "-m", "free", "--format", "json"])
+            .arg(&program)
+            .assert()
+            .code(code);
+    }
+}
+
+#[test]
+fn commands_as_json() {
+    let commands = json_lines(&["commands", "tests/data/kinds.nc", "--format", "json"]);
+    let kinds: Vec<_> = commands
+        .iter()
+        .map(|command| command["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "tool", "spindle", "coolant", "rapid", "linear", "arc", "dwell", "linear", "spindle",
+            "coolant", "stop", "end"
+        ]
+    );
+    let arc = &commands[5];
+    assert_eq!(arc["to_nm"], serde_json::json!([0, 3_000_000, 0]));
+    assert_eq!(arc["centre_nm"], serde_json::json!([0, 2_000_000, 0]));
+    assert_eq!(
+        (&arc["plane"], &arc["direction"], &arc["turns"]),
+        (&"xy".into(), &"ccw".into(), &1.into())
+    );
+    assert_eq!(arc["feed_nm_per_min"], 600_000_000);
+    // Ten millimetres twice a minute.
+    assert_eq!(commands[7]["feed_nm_per_min"], 20_000_000);
+}
+
+#[test]
+fn commands_as_text() {
+    husillo()
+        .args(["commands", "tests/data/percent.nc"])
+        .assert()
+        .success()
+        .stdout("     3  linear X1 Y0 Z0 F100\n");
+}
+
+#[test]
+fn the_micromill_dialect_by_the_name_of_the_file() {
+    let commands = json_lines(&["commands", "tests/data/example.mm", "--format", "json"]);
+    assert_eq!(
+        commands[1]["centre_nm"],
+        serde_json::json!([3_012_000, 3_040_000, 0])
+    );
+    assert_eq!(commands[1]["feed_nm_per_min"], 800_000);
+    husillo()
+        .args(["check", "-m", "micromill", "tests/data/example.mm"])
+        .assert()
+        .success()
+        .stdout(contains("W0302"));
+}
+
+#[test]
+fn steps_as_csv() {
+    let program = scratch("steps.nc");
+    std::fs::write(&program, "G1 X0.00028 F1.2\nG4 P1\nG1 X0.00014\n").unwrap();
+    let output = husillo()
+        .arg("steps")
+        .arg(&program)
+        .args(["-o", "-"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let rows: Vec<_> = text.lines().collect();
+    assert_eq!(
+        rows[..4],
+        [
+            "event,wait_ticks,dx,dy,dz",
+            "1,7000,1,0,0",
+            "2,7000,1,0,0",
+            "2,1000000,0,0,0"
+        ]
+    );
+    // The lash of X is taken up, then one step is made.
+    assert_eq!(rows.len(), 4 + 1457 + 1);
+}
+
+#[test]
+fn the_trace_of_a_run() {
+    let trace = scratch("trace.csv");
+    let program = scratch("trace.nc");
+    std::fs::write(&program, "G1 X0.00042 F1.2\n").unwrap();
+    husillo()
+        .arg("run")
+        .arg(&program)
+        .args(["--format", "json", "--trace"])
+        .arg(&trace)
+        .assert()
+        .success();
+    let text = std::fs::read_to_string(&trace).unwrap();
+    assert_eq!(text.lines().nth(3), Some("3,21000,420,0,0,feed"));
+}
+
+#[test]
+fn arcs_are_those_of_the_oracle() {
+    let text = std::fs::read_to_string("tests/data/arcs_general.json").unwrap();
+    let oracle: Value = serde_json::from_str(&text).unwrap();
+    for arc in oracle["arcs"].as_array().unwrap().iter().step_by(4) {
+        let bits = arc["f"].as_u64().unwrap();
+        let pair = |key: &str| [0, 1].map(|axis| arc[key][axis].as_i64().unwrap());
+        let ints = |key: &str| pair(key).map(|n| n.to_string()).join(",");
+        // A multiple of 2^-16 has at most 16 decimals.
+        let centre = pair("C").map(|c| {
+            let magnitude = u128::from(c.unsigned_abs()) * 10_u128.pow(16) >> bits;
+            format!(
+                "{}{}.{:016}",
+                if c < 0 { "-" } else { "" },
+                magnitude / 10_u128.pow(16),
+                magnitude % 10_u128.pow(16)
+            )
+        });
+        let mut args = vec![
+            "interpolate".to_owned(),
+            "arc".to_owned(),
+            "--format=json".to_owned(),
+        ];
+        args.push(format!("--from={}", ints("S")));
+        args.push(format!("--to={}", ints("E")));
+        args.push(format!("--centre={}", centre.join(",")));
+        args.push(format!("--centre-bits={bits}"));
+        args.push(format!("--direction={}", arc["dir"].as_str().unwrap()));
+        args.push(format!("--turns={}", arc["turns"]));
+        if !arc["R2"].is_null() {
+            args.push(format!("--radius-squared={}", arc["R2"]));
+        }
+        let walk = json(&args.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(walk["steps"], arc["steps"], "{args:?}");
+        assert_eq!(walk["iterations"], arc["iters"]);
+        let error = walk["max_error_blu"].as_f64().unwrap() - arc["max_dev"].as_f64().unwrap();
+        assert!(error.abs() < 1e-5, "{args:?}: {error}");
+    }
+}
+
+#[test]
+fn lines_of_more_axes_are_those_of_the_oracle() {
+    let text = std::fs::read_to_string("tests/data/lines_nd.json").unwrap();
+    let oracle: Value = serde_json::from_str(&text).unwrap();
+    for line in oracle["nd"].as_array().unwrap().iter().step_by(3) {
+        let to: Vec<_> = line["d"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(Value::to_string)
+            .collect();
+        let walk = json(&[
+            "interpolate",
+            "line",
+            "--format=json",
+            &format!("--to={}", to.join(",")),
+        ]);
+        assert_eq!(walk["steps"], line["steps"], "{to:?}");
+    }
+}
+
+#[test]
+fn wrong_usage_ends_with_two() {
+    for args in [
+        &["run", "no-such-file.nc"][..],
+        &["check", "."],
+        &["check", "-m", "nowhere", "tests/data/percent.nc"],
+        &["check", "--dialect", "latin", "tests/data/percent.nc"],
+        &["interpolate", "line", "--to", "5"],
+        &["interpolate", "line", "--to", "5,2", "--method", "dda"],
+        &[
+            "interpolate",
+            "arc",
+            "--from=1,0",
+            "--to=1,0",
+            "--centre=0.1,0",
+            "--direction=cw",
+        ],
+        &["frobnicate"],
+    ] {
+        husillo()
+            .args(args)
+            .assert()
+            .code(2)
+            .stderr(predicate::str::is_empty().not());
+    }
+}
+
+#[test]
+fn a_misspelt_key_of_a_machine_file() {
+    let machine = scratch("mine.toml");
+    let text = std::fs::read_to_string("../machines/micromill.toml").unwrap();
+    std::fs::write(&machine, text.replacen("backlash", "baklash", 1)).unwrap();
+    husillo()
+        .args(["check", "tests/data/percent.nc", "-m"])
+        .arg(&machine)
+        .assert()
+        .code(2)
+        .stderr(
+            contains("error[E0801]: unknown key `baklash` in [axis.x]")
+                .and(contains("did you mean `backlash`?")),
+        );
+}
