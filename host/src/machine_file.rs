@@ -415,7 +415,7 @@ impl Table<'_, '_> {
         let range =
             value
                 .as_array()
-                .and_then(|array| match (array.len(), array.get(0), array.get(1)) {
+                .and_then(|array| match (array.len(), array.first(), array.get(1)) {
                     (2, Some(low), Some(high)) => {
                         Some([length(low.get_ref())?, length(high.get_ref())?])
                     }

@@ -101,12 +101,12 @@ pub fn html(report: &Report) -> String {
     let mut page = String::new();
     let name = escape(&report.program);
     // Writing to a String cannot fail.
-    let _ = write!(
+    let _ = writeln!(
         page,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <header><h1>{name}</h1><p>{}</p></header>\n<main>\n<dl>\n",
+         <header><h1>{name}</h1><p>{}</p></header>\n<main>\n<dl>",
         escape(&report.machine)
     );
     for (term, value) in &report.figures {
@@ -165,10 +165,10 @@ impl Frame {
     }
 
     fn open(&self, page: &mut String, id: &str, title: &str, description: &str) {
-        let _ = write!(
+        let _ = writeln!(
             page,
             "<svg viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\">\
-             <title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>\n",
+             <title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>",
             self.size[0],
             self.size[1],
             escape(title),
@@ -256,12 +256,12 @@ fn path_section(page: &mut String, report: &Report) {
 
 fn work_area(page: &mut String, frame: &Frame, low: [f64; 2], high: [f64; 2]) {
     let ([x0, y1], [x1, y0]) = (frame.at(low), frame.at(high));
-    let _ = write!(
+    let _ = writeln!(
         page,
         "<defs><pattern id=\"hatch\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
          <path class=\"hatch\" d=\"M0 0v7\"/></pattern></defs>\
          <path style=\"fill:url(#hatch);fill-rule:evenodd\" d=\"M{:.1} {:.1}H{:.1}V{:.1}H{:.1}ZM{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z\"/>\
-         <rect class=\"area\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"><title>work area</title></rect>\n",
+         <rect class=\"area\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"><title>work area</title></rect>",
         x0 - 8.0,
         y0 - 8.0,
         x1 + 8.0,
@@ -495,10 +495,10 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
         let last = motor.steps.last().map_or(1, |(at, _)| *at).max(1);
         let first = motor.steps.first().map_or(0, |(at, _)| *at);
         let span = (last - first).max(1) as f64;
-        let _ = write!(
+        let _ = writeln!(
             page,
             "<svg viewBox=\"0 0 1000 170\" role=\"img\" aria-labelledby=\"phase-{0}-t phase-{0}-d\"><title id=\"phase-{0}-t\">\
-             Coil currents of motor {0}, {1}</title><desc id=\"phase-{0}-d\">{2} steps in {3:.1} ms</desc>\n",
+             Coil currents of motor {0}, {1}</title><desc id=\"phase-{0}-d\">{2} steps in {3:.1} ms</desc>",
             motor.letter,
             escape(&motor.driver),
             motor.steps.len() - 1,

@@ -104,10 +104,7 @@ impl<'a> Run<'a> {
             take_up_axis: None,
             trace,
         };
-        for axis in 0..3 {
-            let currents = run.currents(axis);
-            run.phases[axis].push((0, currents));
-        }
+        run.phases = [0, 1, 2].map(|axis| vec![(0, run.currents(axis))]);
         if let Some(trace) = &mut run.trace {
             trace
                 .write_all(b"event,t_us,x_nm,y_nm,z_nm,kind\n")
@@ -143,9 +140,9 @@ impl<'a> Run<'a> {
         let levels = self.motors.step(&step.delta);
         self.rig.apply(levels, step.wait_ticks);
         let tool = self.rig.tool();
-        for axis in 0..3 {
-            self.low[axis] = self.low[axis].min(tool[axis]);
-            self.high[axis] = self.high[axis].max(tool[axis]);
+        for ((low, high), tool) in self.low.iter_mut().zip(&mut self.high).zip(tool) {
+            *low = tool.min(*low);
+            *high = tool.max(*high);
         }
         self.tool = tool;
         let origin = machine.origin();

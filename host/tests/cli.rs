@@ -302,7 +302,7 @@ fn arcs_are_those_of_the_oracle() {
         let ints = |key: &str| pair(key).map(|n| n.to_string()).join(",");
         // A multiple of 2^-16 has at most 16 decimals.
         let centre = pair("C").map(|c| {
-            let magnitude = u128::from(c.unsigned_abs()) * 10_u128.pow(16) >> bits;
+            let magnitude = (u128::from(c.unsigned_abs()) * 10_u128.pow(16)) >> bits;
             format!(
                 "{}{}.{:016}",
                 if c < 0 { "-" } else { "" },
