@@ -293,9 +293,9 @@ fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     };
     // The `;` that ended the block takes one place.
     let room = usize::from(limit).saturating_sub(1);
-    let mut used = text
-        .iter()
-        .enumerate()
+    // Counted by a range: the sum of `enumerate` is checked for overflow where such checks are on.
+    let mut used = (0..text.len())
+        .zip(text)
         .filter(|(_, byte)| !byte.is_ascii_whitespace());
     match used.nth(room) {
         Some((at, _)) => Err(Error {

@@ -114,7 +114,7 @@ struct Point<'a, const N: usize>(&'a [Nm; N]);
 
 impl<const N: usize> fmt::Display for Point<'_, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (axis, at) in self.0.iter().enumerate() {
+        for (axis, at) in (0..N).zip(self.0) {
             write!(f, " {}{at}", char::from(axis_letter(axis)))?;
         }
         Ok(())

@@ -86,7 +86,7 @@ impl<const N: usize> Modal<N> {
             Frame::Machine => [Nm(0); N],
         };
         let mut target = self.position;
-        for (axis, (target, zero)) in target.iter_mut().zip(zero).enumerate() {
+        for (axis, (target, zero)) in (0..N).zip(target.iter_mut().zip(zero)) {
             if let Some(value) = block.axis(axis) {
                 let letter = axis_letter(axis);
                 let length = self.length(block, letter, value)?;
@@ -167,7 +167,7 @@ impl<const N: usize> Modal<N> {
         }
         let mut shift = self.shift;
         let frames = self.position.into_iter().zip(self.system_offset());
-        for (axis, (shift, (at, zero))) in shift.iter_mut().zip(frames).enumerate() {
+        for (axis, (shift, (at, zero))) in (0..N).zip(shift.iter_mut().zip(frames)) {
             if let Some(value) = block.axis(axis) {
                 let letter = axis_letter(axis);
                 let length = self.length(block, letter, value)?;
@@ -186,7 +186,7 @@ impl<const N: usize> Modal<N> {
     /// G28: through the given point to the stored position, only the axes named; all axes straight where none is.
     fn go_home(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         let mut to = self.position;
-        for (axis, (to, home)) in to.iter_mut().zip(self.home).enumerate() {
+        for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(self.home)) {
             if block.axes() == 0 || block.axis(axis).is_some() {
                 *to = home;
             }
@@ -220,12 +220,10 @@ impl<const N: usize> Modal<N> {
         let axes = self.plane.axes();
         let letters = self.plane.centre_letters();
         let plane_words = axes.iter().any(|&axis| block.axis(axis).is_some());
-        let centre_words = letters
-            .iter()
-            .filter(|&&letter| block.word(letter).is_some())
-            .count();
+        let centre_words = letters.map(|letter| block.word(letter).is_some());
+        let any_centre = centre_words.contains(&true);
         let radius_word = block.word(b'R');
-        if block.axes() == 0 && centre_words == 0 && radius_word.is_none() {
+        if block.axes() == 0 && !any_centre && radius_word.is_none() {
             return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
         }
         // Two axes make a plane; a machine without them has no such arc.
@@ -240,7 +238,7 @@ impl<const N: usize> Modal<N> {
             |point: &[Nm; N]| axes.map(|axis| point.get(axis).copied().unwrap_or_default());
         let (from, end) = (plane_of(&self.position), plane_of(&to));
         let (centre, radius, mismatch) = match radius_word {
-            Some(_) if centre_words != 0 => {
+            Some(_) if any_centre => {
                 return Err(block.error_at(ErrorKind::RadiusAndCentre, b'R'));
             }
             Some(_) if !plane_words => return Err(block.error_at_motion(ErrorKind::NoEnd)),
@@ -305,11 +303,11 @@ impl<const N: usize> Modal<N> {
         &self,
         block: &Block,
         letters: [u8; 2],
-        words: usize,
+        given: [bool; 2],
         from: [Nm; 2],
     ) -> Result<[Nm; 2], Error> {
         let absolute = self.centres == Distance::Absolute;
-        if words == 0 || (absolute && words < 2) {
+        if !given.contains(&true) || (absolute && given.contains(&false)) {
             return Err(block.error_at_motion(ErrorKind::NoCentre));
         }
         let offset = self.work_offset();
