@@ -106,11 +106,17 @@ impl Scale {
         if steps >> (62 - bits) != 0 {
             return None;
         }
-        let Some(fraction) = ((rest << bits) + unit / 2).checked_div(unit) else {
+        // rest < 2^32, so the shifted one is below 2^63.
+        let Some(fraction) = (rest << bits).wrapping_add(unit / 2).checked_div(unit) else {
             return None;
         };
-        let value = ((steps << bits) + fraction) as i64;
-        Some(if at.0 < 0 { -value } else { value })
+        // Below 2^62 and at most 2^31: nothing wraps.
+        let value = (steps << bits).wrapping_add(fraction) as i64;
+        Some(if at.0 < 0 {
+            value.wrapping_neg()
+        } else {
+            value
+        })
     }
 }
 

@@ -28,7 +28,8 @@ pub(crate) fn lattice<const N: usize>(
     at: &[Nm; N],
 ) -> Result<[i32; N], MoveError> {
     let mut steps = [0; N];
-    for (number, ((axis, at), step)) in axes.iter().zip(at).zip(&mut steps).enumerate() {
+    // Not `enumerate`: its count could overflow for all the compiler knows.
+    for (number, ((axis, at), step)) in (0..N).zip(axes.iter().zip(at).zip(&mut steps)) {
         *step = axis
             .scale
             .nearest(*at)
@@ -175,7 +176,7 @@ impl<const N: usize> Config<N> {
             .map(|(_, way)| way);
         // No axis steps faster than it can, on the average of the move.
         let mut least = 0;
-        let ways = segment.from.iter().zip(to).zip(&self.axes).enumerate();
+        let ways = (0..N).zip(segment.from.iter().zip(to).zip(&self.axes));
         for (number, ((from, to), axis)) in ways {
             if !is_round(&number) {
                 least = axis.least_ticks(to.0.abs_diff(from.0), hz).max(least);
