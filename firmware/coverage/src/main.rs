@@ -227,8 +227,14 @@ fn last_entry(text: &str) -> &str {
     text.trim()
 }
 
-/// `<Type<..> as Trait>::function` and `Type::<..>::function` to `Type::function`.
+/// `<Type<..> as Trait>::function` and `Type::<..>::function::<..>` to `Type::function`.
 fn named(entry: &str) -> String {
+    let entry = match entry.rsplit_once("::<") {
+        Some((function, generics)) if generics.ends_with('>') && !generics.contains("::") => {
+            function
+        }
+        _ => entry,
+    };
     let (item, function) = match entry.rsplit_once("::") {
         Some((item, function)) => (item, function),
         None => return entry.to_string(),
