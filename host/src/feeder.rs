@@ -19,8 +19,9 @@ pub fn feed(
         for (_, text) in dialect.blocks(line.bytes) {
             loop {
                 let taken = machine.line(text);
-                while let Some(event) = machine.next_event() {
-                    each(machine, &event)?;
+                // By reference: moving the event would read whole what was just written in parts, and wait for it.
+                while let Some(ref event) = machine.next_event() {
+                    each(machine, event)?;
                     if matches!(event, Event::Pause(Pause::End { .. })) {
                         return Ok(());
                     }
