@@ -47,8 +47,7 @@ where
     group.throughput(Throughput::Elements(path.clone().count() as u64));
     group.bench_function(name, |bencher| {
         bencher.iter(|| {
-            let mut path = black_box(path.clone());
-            while let Some(step) = path.next() {
+            for step in black_box(path.clone()) {
                 black_box(step);
             }
         });

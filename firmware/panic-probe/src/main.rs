@@ -22,7 +22,9 @@ extern "C" fn _start() -> ! {
     stepper::keep();
     backlash::keep();
     machine::keep();
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
 
 #[cfg(not(feature = "show"))]
@@ -40,5 +42,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 #[panic_handler]
 fn panic(information: &core::panic::PanicInfo<'_>) -> ! {
     core::hint::black_box(information.location());
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
