@@ -135,15 +135,17 @@ impl Path {
     }
 
     /// Returns the square of the distance from `tool` to the path. Points of a helix must come in order.
+    ///
+    /// By reference: copying what was just written in parts reads it whole, and waits for it.
     #[inline]
-    pub fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
+    pub fn distance_squared(&mut self, tool: &[f64; 3]) -> f64 {
         match self {
             Self::Line {
                 from,
                 along,
                 length,
             } => {
-                let p = subtract(tool, *from);
+                let p = subtract(*tool, *from);
                 let t = dot(p, *along);
                 if t < 0.0 || t > *length {
                     let beyond = t.clamp(0.0, *length);
@@ -174,10 +176,10 @@ impl Path {
                 [0, 1, 2].map(|axis| from[axis] + along[axis] * t)
             }
             Self::Arc(arc) => {
-                let p = arc.vector(tool);
+                let p = arc.vector(&tool);
                 let r = p[0].hypot(p[1]);
                 if r == 0.0 || !arc.covers(p) {
-                    return arc.nearest_end(tool);
+                    return arc.nearest_end(&tool);
                 }
                 let scale = r.clamp(arc.radii[0], arc.radii[1]) / r;
                 let mut nearest = tool;
@@ -190,7 +192,7 @@ impl Path {
 }
 
 impl ArcPath {
-    fn vector(&self, p: [f64; 3]) -> [f64; 2] {
+    fn vector(&self, p: &[f64; 3]) -> [f64; 2] {
         [
             p[self.plane[0]] - self.centre[0],
             p[self.plane[1]] - self.centre[1],
@@ -204,7 +206,7 @@ impl ArcPath {
             return true;
         }
         let sign = self.sweep.signum();
-        let (start, end) = (self.vector(self.ends[0]), self.vector(self.ends[1]));
+        let (start, end) = (self.vector(&self.ends[0]), self.vector(&self.ends[1]));
         let after_start = sign * (start[0] * p[1] - start[1] * p[0]) >= 0.0;
         let before_end = sign * (p[0] * end[1] - p[1] * end[0]) >= 0.0;
         if self.sweep.abs() <= std::f64::consts::PI {
@@ -214,8 +216,8 @@ impl ArcPath {
         }
     }
 
-    fn nearest_end(&self, tool: [f64; 3]) -> [f64; 3] {
-        let square = |end: [f64; 3]| dot(subtract(tool, end), subtract(tool, end));
+    fn nearest_end(&self, tool: &[f64; 3]) -> [f64; 3] {
+        let square = |end: [f64; 3]| dot(subtract(*tool, end), subtract(*tool, end));
         let [start, end] = self.ends;
         if square(start) < square(end) {
             start
@@ -224,13 +226,14 @@ impl ArcPath {
         }
     }
 
-    fn distance_squared(&mut self, tool: [f64; 3]) -> f64 {
+    #[inline]
+    fn distance_squared(&mut self, tool: &[f64; 3]) -> f64 {
         let p = self.vector(tool);
         let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
         let rise = self.ends[1][self.across] - self.ends[0][self.across];
         if rise == 0.0 {
             if !self.covers(p) {
-                let rest = subtract(tool, self.nearest_end(tool));
+                let rest = subtract(*tool, self.nearest_end(tool));
                 return dot(rest, rest);
             }
             let radial = (r - self.radii[1]).max(self.radii[0] - r).max(0.0);
@@ -301,9 +304,9 @@ mod tests {
     #[test]
     fn a_segment_has_ends() {
         let mut line = Path::line([0.0; 3], [100.0, 0.0, 0.0]);
-        assert_eq!(line.distance_squared([50.0, 3.0, 4.0]), 25.0);
-        assert_eq!(line.distance_squared([-3.0, 4.0, 0.0]), 25.0);
-        assert_eq!(line.distance_squared([103.0, 0.0, 4.0]), 25.0);
+        assert_eq!(line.distance_squared(&[50.0, 3.0, 4.0]), 25.0);
+        assert_eq!(line.distance_squared(&[-3.0, 4.0, 0.0]), 25.0);
+        assert_eq!(line.distance_squared(&[103.0, 0.0, 4.0]), 25.0);
         assert_eq!(line.nearest([50.0, 3.0, 4.0]), [50.0, 0.0, 0.0]);
     }
 
@@ -318,9 +321,9 @@ mod tests {
             0,
             Some(100.0),
         );
-        assert!((arc.distance_squared([60.0, 81.0, 0.0]).sqrt() - 0.8016).abs() < 1e-3);
-        assert_eq!(arc.distance_squared([100.0, -7.0, 0.0]), 49.0);
-        assert_eq!(arc.distance_squared([-7.0, 100.0, 0.0]), 49.0);
+        assert!((arc.distance_squared(&[60.0, 81.0, 0.0]).sqrt() - 0.8016).abs() < 1e-3);
+        assert_eq!(arc.distance_squared(&[100.0, -7.0, 0.0]), 49.0);
+        assert_eq!(arc.distance_squared(&[-7.0, 100.0, 0.0]), 49.0);
         assert!((arc.length() - 157.0796).abs() < 1e-3);
     }
 
@@ -335,8 +338,8 @@ mod tests {
             0,
             Some(100.0),
         );
-        assert!(arc.distance_squared([-60.0, -80.0, 0.0]) < 1e-20);
-        assert!(arc.distance_squared([60.0, 80.0, 0.0]) > 1.0);
+        assert!(arc.distance_squared(&[-60.0, -80.0, 0.0]) < 1e-20);
+        assert!(arc.distance_squared(&[60.0, 80.0, 0.0]) > 1.0);
     }
 
     #[test]
@@ -357,7 +360,7 @@ mod tests {
                 100.0 * angle.sin(),
                 40.0 * f64::from(k) / 400.0,
             ];
-            assert!(arc.distance_squared(tool) < 1e-16);
+            assert!(arc.distance_squared(&tool) < 1e-16);
         }
     }
 }

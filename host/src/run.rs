@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
         }
         match origin {
             Origin::Feed => {
-                let squared = self.path.distance_squared(at);
+                let squared = self.path.distance_squared(&at);
                 self.deviation.add(squared);
                 self.arrived = machine.position_steps() == self.target;
             }
