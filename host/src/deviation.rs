@@ -199,6 +199,18 @@ impl ArcPath {
         ]
     }
 
+    /// How far a radius is outside of the band; `f64::max` would care for NaN, which does not come here.
+    #[inline]
+    fn outside(&self, r: f64) -> f64 {
+        if r > self.radii[1] {
+            r - self.radii[1]
+        } else if r < self.radii[0] {
+            self.radii[0] - r
+        } else {
+            0.0
+        }
+    }
+
     /// Whether the direction of `p` from the centre is one the arc passes.
     #[inline]
     fn covers(&self, p: [f64; 2]) -> bool {
@@ -236,7 +248,7 @@ impl ArcPath {
                 let rest = subtract(*tool, self.nearest_end(tool));
                 return dot(rest, rest);
             }
-            let radial = (r - self.radii[1]).max(self.radii[0] - r).max(0.0);
+            let radial = self.outside(r);
             let across = tool[self.across] - self.ends[0][self.across];
             return radial * radial + across * across;
         }
@@ -252,7 +264,7 @@ impl ArcPath {
         self.turned += turned;
         let part = (self.turned / self.sweep).clamp(0.0, 1.0);
         let across = tool[self.across] - (self.ends[0][self.across] + rise * part);
-        let radial = (r - self.radii[1]).max(self.radii[0] - r).max(0.0);
+        let radial = self.outside(r);
         // The helix rises at a slope, so the distance square to it is shorter than the one straight up.
         let slope = rise / (self.sweep * r.max(1.0));
         radial * radial + across * across / (1.0 + slope * slope)
@@ -271,7 +283,9 @@ impl Deviation {
     /// Takes one squared distance.
     #[inline]
     pub fn add(&mut self, squared: f64) {
-        self.largest_squared = self.largest_squared.max(squared);
+        if squared > self.largest_squared {
+            self.largest_squared = squared;
+        }
         self.sum_of_squares += squared;
         self.count += 1;
     }

@@ -373,10 +373,10 @@ fn legend(page: &mut String) {
         ("feed", "feed", "M0 0h40"),
         ("take-up", "backlash take-up", "M20 -6v12"),
         ("ideal", "programmed path", "M0 0h40"),
-        ("area", "limit of the work area", "M0 0h40"),
+        ("area", "work area", "M0 0h40"),
     ];
     for (index, (class, text, shape)) in entries.iter().enumerate() {
-        let x = 10 + 165 * index;
+        let x = 10 + 158 * index;
         let _ = writeln!(
             page,
             "<g transform=\"translate({x} 14)\"><path class=\"{class}\" d=\"{shape}\"/><text x=\"48\" y=\"4\">{text}</text></g>"
@@ -410,6 +410,9 @@ fn deviation_section(page: &mut String, report: &Report) {
     });
     let size = (high[0] - low[0]).max(high[1] - low[1]).max(1.0);
     let factor = round_down(0.04 * size / report.largest_nm);
+    if factor <= 1.0 {
+        return; // the tool path shows it as it is
+    }
     let pad = 0.06 * size;
     let frame = Frame::around([[low[0] - pad, low[1] - pad], [high[0] + pad, high[1] + pad]]);
     let _ = writeln!(

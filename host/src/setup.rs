@@ -84,8 +84,10 @@ pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
     };
     let ticks = |micros: u64| micros.saturating_mul(u64::from(file.timer_hz)) / 1_000_000;
     let idle = match file.idle {
-        // The inputs of the drivers do not tell a reduced holding current from a full one.
-        Idle::Hold | Idle::Reduced(_) => husillo_machine::Idle::Hold,
+        Idle::Hold => husillo_machine::Idle::Hold,
+        Idle::Reduced(after) => husillo_machine::Idle::Reduced {
+            after_ticks: ticks(after),
+        },
         Idle::Off(after) => husillo_machine::Idle::Off {
             after_ticks: ticks(after),
         },
