@@ -8,6 +8,11 @@ pub enum Idle {
     /// Keep the current on.
     #[default]
     Hold,
+    /// Reduce the current after this many timer ticks of rest, where the driver can; the next step has all of it.
+    Reduced {
+        /// Timer ticks from the last step.
+        after_ticks: u64,
+    },
     /// Turn all currents off after this many timer ticks of rest. The next step first restores the
     /// phase that was held.
     Off {
@@ -23,7 +28,7 @@ pub struct Motors<const N: usize, D> {
     levels: [Levels; N],
     idle: Idle,
     rested_ticks: u64,
-    is_off: bool,
+    is_resting: bool,
     was_released: bool,
 }
 
@@ -35,7 +40,7 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
             drivers,
             idle,
             rested_ticks: 0,
-            is_off: false,
+            is_resting: false,
             was_released: false,
         }
     }
@@ -43,14 +48,13 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
     /// The levels after one step event.
     #[inline]
     pub fn step(&mut self, delta: &[i8; N]) -> &[Levels; N] {
-        if self.is_off {
-            self.set_enabled(true);
+        if self.is_resting {
+            self.wake();
         }
         self.rested_ticks = 0;
         for ((driver, levels), delta) in self.drivers.iter_mut().zip(&mut self.levels).zip(delta) {
-            if *delta != 0 {
-                *levels = driver.step(*delta);
-            }
+            // Which axes step is anybody's guess on an arc: a step by 0 is cheaper than a branch.
+            *levels = driver.step(*delta);
         }
         &self.levels
     }
@@ -59,21 +63,36 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
     pub fn rest(&mut self, ticks: u64) -> &[Levels; N] {
         self.rested_ticks = self.rested_ticks.saturating_add(ticks);
         match self.idle {
-            Idle::Off { after_ticks } if self.rested_ticks >= after_ticks && !self.is_off => {
+            _ if self.is_resting => {}
+            Idle::Off { after_ticks } if self.rested_ticks >= after_ticks => {
                 self.set_enabled(false);
+            }
+            Idle::Reduced { after_ticks } if self.rested_ticks >= after_ticks => {
+                self.is_resting = true;
+                self.update(|driver| driver.set_reduced(true));
             }
             _ => {}
         }
         &self.levels
     }
 
+    #[cold]
+    fn wake(&mut self) {
+        self.update(|driver| driver.set_reduced(false));
+        self.set_enabled(true);
+    }
+
+    fn update(&mut self, change: impl Fn(&mut D) -> Levels) {
+        for (driver, levels) in self.drivers.iter_mut().zip(&mut self.levels) {
+            *levels = change(driver);
+        }
+    }
+
     /// Turns the currents of all motors off, or on in the phase that was held last.
     pub fn set_enabled(&mut self, on: bool) {
-        self.is_off = !on;
+        self.is_resting = !on;
         self.was_released |= !on;
-        for (driver, levels) in self.drivers.iter_mut().zip(&mut self.levels) {
-            *levels = driver.set_enabled(on);
-        }
+        self.update(|driver| driver.set_enabled(on));
     }
 
     /// The levels now.

@@ -121,3 +121,18 @@ fn interpolator_lash_and_driver_of_others() {
     assert!(motors.was_released());
     assert_eq!(motors.step(&[0, 0, 0]), &[Levels(1), Levels(4), Levels(1)]);
 }
+
+#[test]
+fn resting_motors_hold_with_less_current_and_step_with_all_of_it() {
+    use husillo_stepper::{Driver, Mode, Sequencer};
+    let driver = Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap();
+    let mut motors = Motors::new([driver], Idle::Reduced { after_ticks: 100 });
+    let currents = |levels: &[Levels; 1]| Driver::Pbl3717a.currents(levels[0]).map(i16::abs);
+    assert_eq!(currents(motors.step(&[1])), [1000, 1000]);
+    assert_eq!(currents(motors.rest(99)), [1000, 1000]);
+    assert_eq!(currents(motors.rest(1)), [600, 600]);
+    assert!(!motors.was_released());
+    let mut again = driver;
+    again.step(1);
+    assert_eq!(motors.step(&[1]), &[again.step(1)]);
+}

@@ -34,4 +34,11 @@ impl CoilDriver for Drive {
             Drive::StepDirection(motor) => motor.set_enabled(on),
         }
     }
+
+    fn set_reduced(&mut self, on: bool) -> Levels {
+        match self {
+            Drive::Coils(motor) => motor.set_reduced(on),
+            Drive::StepDirection(motor) => motor.set_reduced(on),
+        }
+    }
 }

@@ -224,6 +224,17 @@ impl CoilDriver for Sequencer {
         self.stride = if on { self.signed_stride() } else { 0 };
         self.levels()
     }
+
+    /// 60 % in every phase that has 100 %: the PBL3717A in whole and half steps, by I0 high. Quarter steps and the
+    /// A3988 need their levels for the angle, the other drivers have none.
+    fn set_reduced(&mut self, on: bool) -> Levels {
+        if let (Driver::Pbl3717a, Mode::Wave | Mode::Full | Mode::Half, true) =
+            (self.driver, self.mode, self.is_enabled())
+        {
+            self.set = if on { 0b010_010 } else { 0 };
+        }
+        self.levels()
+    }
 }
 
 /// The start position of a driver.
