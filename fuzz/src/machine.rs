@@ -25,6 +25,8 @@ pub fn machine(data: &[u8]) {
             timer_hz: 1_000_000,
             dialect,
             arc_tolerance: None,
+            rapid: None,
+            top_feed: None,
         };
         run(config, data);
     }

@@ -62,6 +62,8 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         timer_hz: file.timer_hz,
         dialect,
         arc_tolerance: file.arc_tolerance.map(Nm),
+        rapid: file.rapid.map(Nm),
+        top_feed: file.top_feed.map(Nm),
     })
 }
 

@@ -41,4 +41,8 @@ pub struct Config<const N: usize> {
     /// The largest difference of an arc's start and end radius that is accepted; `None`: as far as
     /// [`Modal`](husillo_gcode::Modal) accepts it.
     pub arc_tolerance: Option<Nm>,
+    /// Highest path speed of rapid moves in nanometres per minute; `None`: as fast as the axes go.
+    pub rapid: Option<Nm>,
+    /// Highest path speed of feed moves in nanometres per minute; `None`: as fast as the axes go.
+    pub top_feed: Option<Nm>,
 }

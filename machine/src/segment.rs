@@ -196,7 +196,12 @@ impl<const N: usize> Config<N> {
             }
         }
         let whole = length(straight.chain([around]));
-        feed.map_or(0, |feed| ticks_of(feed, whole, hz)).max(least)
+        let at_speed = |speed: Nm| ticks_of(&Feed::PerMinute(speed), whole, hz);
+        let (programmed, top) = match feed {
+            Some(feed) => (ticks_of(feed, whole, hz), self.top_feed),
+            None => (0, self.rapid),
+        };
+        programmed.max(top.map_or(0, at_speed)).max(least)
     }
 }
 

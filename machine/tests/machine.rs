@@ -210,3 +210,20 @@ fn arcs_whose_ends_fall_on_one_step_are_short_or_whole_as_programmed() {
     let (_, steps) = drain(&mut machine, &mut Screw::new());
     assert!(steps > 40_000, "{steps}");
 }
+
+#[test]
+fn rapid_and_feed_keep_to_the_path_speeds_of_the_machine() {
+    let mut config = config();
+    config
+        .axes
+        .iter_mut()
+        .for_each(|axis| axis.max_rate_hz = 1_000_000);
+    config.rapid = Some(Nm(600_000_000));
+    config.top_feed = Some(Nm(60_000_000));
+    let mut machine: Machine<3> = Machine::new(config);
+    let mut screw = Screw::new();
+    machine.line(b"G0 X3 Y4").unwrap();
+    assert_eq!(drain(&mut machine, &mut screw).0, 500_000);
+    machine.line(b"G1 X6 Y8 F1000").unwrap();
+    assert_eq!(drain(&mut machine, &mut screw).0, 5_000_000);
+}

@@ -20,6 +20,8 @@ pub fn mill() -> Machine<3> {
         timer_hz: 1_000_000,
         dialect: Dialect::RS274,
         arc_tolerance: None,
+        rapid: None,
+        top_feed: None,
     })
 }
 

@@ -133,6 +133,8 @@ fn machine(report: Report<'_>) {
         timer_hz: 1_000_000,
         dialect: Dialect::RS274,
         arc_tolerance: None,
+        rapid: None,
+        top_feed: None,
     };
     for (name, text) in [
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
