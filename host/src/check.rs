@@ -235,7 +235,8 @@ impl Checker<'_> {
         if silent {
             return Ok(());
         }
-        let steps = mismatch * i128::from(step.den) / i128::from(step.num);
+        // Nearest: 559 nm are 4 steps of 140 nm.
+        let steps = (2 * mismatch * i128::from(step.den) / i128::from(step.num) + 1) / 2;
         let message = format!(
             "the end point is not on the arc: radius differs by {} ({steps} steps)",
             length(arc.mismatch.0 as f64)
