@@ -243,6 +243,13 @@ impl<const N: usize> Modal<N> {
         rate.map(Nm)
     }
 
+    /// Spindle and coolant off, as after M5 and M9: for an abort outside of the program.
+    pub fn stop_outputs(&mut self) {
+        self.spindle = SpindleDirection::Off;
+        self.mist = false;
+        self.flood = false;
+    }
+
     /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while it is off).
     pub fn spindle(&self) -> (SpindleDirection, u64) {
         (self.spindle, self.milli_rpm)
@@ -446,8 +453,7 @@ impl<const N: usize> Modal<N> {
         } else {
             None
         };
-        self.spindle = SpindleDirection::Off;
-        (self.mist, self.flood) = (false, false);
+        self.stop_outputs();
     }
 
     /// A word as a length, or the error at that word.

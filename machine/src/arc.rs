@@ -10,8 +10,8 @@ const MAX_RADIUS_STEPS: u64 = 1 << 28;
 
 /// What the interpolator is to do for an arc.
 pub(crate) enum Course {
-    /// Walk round.
-    Round(ArcMove),
+    /// Walk round; the radius in steps.
+    Round(ArcMove, u32),
     /// Too short to go round anything on this grid: straight to the end.
     Straight,
 }
@@ -25,7 +25,7 @@ pub(crate) fn in_plane<T: Copy + Default, const N: usize>(
 }
 
 /// Vector from the centre to a point, in nanometres.
-fn from_centre(point: [Nm; 2], centre: [Nm; 2]) -> [i64; 2] {
+pub(crate) fn from_centre(point: [Nm; 2], centre: [Nm; 2]) -> [i64; 2] {
     let [x, y] = point;
     let [i, j] = centre;
     [x.0.saturating_sub(i.0), y.0.saturating_sub(j.0)]
@@ -160,7 +160,7 @@ pub(crate) fn course<const N: usize>(
     } else {
         Rim::Spiral
     };
-    Ok(Course::Round(ArcMove {
+    let round = ArcMove {
         from: [0, 0],
         to,
         centre,
@@ -171,7 +171,8 @@ pub(crate) fn course<const N: usize>(
         },
         turns,
         rim,
-    }))
+    };
+    Ok(Course::Round(round, radius_steps))
 }
 
 /// For ends within a step of each other on the grid: whether the exact arc is the short way

@@ -3,7 +3,7 @@
 /// `a * b / c`, rounded to nearest; saturates, and is `u64::MAX` for `c = 0`.
 ///
 /// Exact while `(a mod c) * b < 2^64`; beyond that `a mod c` and `c` lose low bits together, which costs
-/// a relative error below 2^-31 (`b < 2^32` in every use: a timer's ticks, or the fraction of a scale).
+/// a relative error below 2^-25 (`b < 2^38` in every use: 60 times a timer's frequency at most).
 pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     let (Some(quotient), Some(mut rest)) = (a.checked_div(c), a.checked_rem(c)) else {
         return u64::MAX;

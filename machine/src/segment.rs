@@ -6,9 +6,12 @@ use husillo_planner::Timer;
 
 use crate::{
     Axis, Config, MoveError,
-    arc::{Course, course, extent, in_plane},
+    arc::{Course, course, extent, from_centre, in_plane, radius},
     duration::{length, mul_div},
 };
+
+/// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
+const MAX_EVENTS: u64 = 1 << 31;
 
 /// The move that is being executed, as it was programmed.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -45,9 +48,13 @@ impl<const N: usize> Config<N> {
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
         match command {
-            Command::Rapid { to } | Command::Linear { to, .. } => self.check_point(to),
+            Command::Rapid { to } | Command::Linear { to, .. } => {
+                self.check_point(to)?;
+                self.check_length(from, to).map(|_| ())
+            }
             Command::Arc { arc, .. } => {
                 self.check_point(&arc.to)?;
+                let longest = self.check_length(from, &arc.to)?;
                 let plane = arc.plane.axes();
                 for (number, [low, high]) in plane.into_iter().zip(extent(from, arc)) {
                     self.check_travel(number, low)?;
@@ -64,10 +71,35 @@ impl<const N: usize> Config<N> {
                     _ => {}
                 }
                 let [start, end] = [lattice(&self.axes, from)?, lattice(&self.axes, &arc.to)?];
-                self.course(from, arc, start, end).map(|_| ())
+                let course = self.course(from, arc, start, end)?;
+                // A turn has less than 6 (r + 4) events, a helix as many more as its longest axis has steps.
+                let events = match course {
+                    Course::Round(_, radius) => u64::from(radius)
+                        .saturating_add(4)
+                        .saturating_mul(6)
+                        .saturating_mul(u64::from(arc.turns).saturating_add(1)),
+                    Course::Straight => 0,
+                };
+                if events.saturating_add(longest) > MAX_EVENTS {
+                    return Err(MoveError::ArcTooLarge);
+                }
+                Ok(())
             }
             _ => Ok(()),
         }
+    }
+
+    /// The most steps of one axis.
+    fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
+        let mut longest = 0;
+        let ends = lattice(&self.axes, from)?
+            .into_iter()
+            .zip(lattice(&self.axes, to)?);
+        for (axis, (start, end)) in (0..N).zip(ends) {
+            let steps = end.checked_sub(start).ok_or(MoveError::Reach { axis })?;
+            longest = u64::from(steps.unsigned_abs()).max(longest);
+        }
+        Ok(longest)
     }
 
     fn check_point(&self, to: &[Nm; N]) -> Result<(), MoveError> {
@@ -83,7 +115,8 @@ impl<const N: usize> Config<N> {
         };
         // Half a step: a rim that touches the limit touches it by rounding, too.
         let slack = self.axes.get(number).map_or(0, |axis| {
-            i64::from(axis.scale.nm() / axis.scale.steps().max(1) / 2)
+            let step = axis.scale.nm().div_ceil(axis.scale.steps().max(1));
+            i64::from(step.div_ceil(2))
         });
         let axis = number;
         if position.0 < low.0.saturating_sub(slack) {
@@ -136,12 +169,13 @@ impl<const N: usize> Config<N> {
         }
         let path = match &segment.command {
             Command::Arc { arc, .. } => match self.course(&segment.from, arc, start, end) {
-                Ok(Course::Round(round)) => P::arc(&round, arc.plane.axes(), delta).ok(),
+                Ok(Course::Round(round, _)) => P::arc(&round, arc.plane.axes(), delta).ok(),
                 _ => None,
             },
             _ => None,
         };
-        // What is too small to go round is a line: the interpolator says so.
+        // What is too small to go round is a line: the interpolator says so. It has no other reason left after
+        // `check`: the radius, the events and the plane were looked at.
         let path = path.unwrap_or_else(|| P::line(delta));
         let ticks = self.ticks(segment, &path);
         let timer = (path.remaining() > 0)
@@ -194,6 +228,15 @@ impl<const N: usize> Config<N> {
             for axis in [first, second] {
                 least = axis.least_ticks(around, hz).max(least);
             }
+        }
+        if let (Command::Arc { arc, .. }, None) = (&segment.command, plane) {
+            // Whole turns that are too small for the grid take their time all the same; pi is 355 / 113.
+            let [a, b] = arc.plane.axes();
+            let centre = in_plane(&arc.centre, [a, b]);
+            let [start, end] = [&segment.from, &arc.to].map(|at| in_plane(at, [a, b]));
+            let turns = u64::from(arc.turns).saturating_add(u64::from(start == end));
+            let rim = radius(from_centre(start, centre));
+            around = mul_div(rim.saturating_mul(turns), 710, 113);
         }
         let whole = length(straight.chain([around]));
         let at_speed = |speed: Nm| ticks_of(&Feed::PerMinute(speed), whole, hz);

@@ -227,3 +227,55 @@ fn rapid_and_feed_keep_to_the_path_speeds_of_the_machine() {
     machine.line(b"G1 X6 Y8 F1000").unwrap();
     assert_eq!(drain(&mut machine, &mut screw).0, 5_000_000);
 }
+
+#[test]
+fn moves_longer_than_the_step_counter_are_refused() {
+    let mut machine: Machine<3> = Machine::new(config());
+    machine.line(b"G0 X250000").unwrap();
+    machine.abort();
+    let command = husillo_gcode::Command::Rapid {
+        to: [Nm(-250_000_000_000), Nm(0), Nm(0)],
+    };
+    let from = [Nm(250_000_000_000), Nm(0), Nm(0)];
+    assert_eq!(
+        config().check(&from, &command),
+        Err(MoveError::Reach { axis: 0 })
+    );
+    // Two turns of 1.4e9 steps each.
+    assert_eq!(
+        machine.line(b"G3 X0 Y0 I35000 J0 P2 F1"),
+        Err(Refused::Move(MoveError::ArcTooLarge))
+    );
+}
+
+#[test]
+fn an_abort_stops_the_spindle_for_good() {
+    let mut machine: Machine<3> = Machine::new(config());
+    machine.line(b"M3 S100 M8").unwrap();
+    events(&mut machine);
+    machine.abort();
+    assert_eq!(events(&mut machine).len(), 2);
+    machine.line(b"S200").unwrap();
+    assert!(events(&mut machine).iter().all(|event| !matches!(
+        event,
+        Event::Output(Output::Spindle {
+            direction: SpindleDirection::Clockwise,
+            ..
+        })
+    )));
+}
+
+#[test]
+fn turns_too_small_for_the_grid_take_their_time() {
+    let mut machine: Machine<3> = Machine::new(config());
+    machine.line(b"G3 I0.00004 J0 P1000 F1").unwrap();
+    drain(&mut machine, &mut Screw::new());
+    machine.line(b"G1 X0.00014").unwrap();
+    let (ticks, _) = drain(&mut machine, &mut Screw::new());
+    // 1000 turns of 2 pi 40 nm, then 140 nm, at 1 mm/min.
+    let ideal = (1000.0 * core::f64::consts::TAU * 40.0 + 140.0) * 60.0;
+    assert!(
+        (ticks as f64 - ideal).abs() < 60.0,
+        "{ticks}, ideal {ideal}"
+    );
+}
