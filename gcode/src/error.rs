@@ -62,6 +62,8 @@ pub enum ErrorKind {
     NotZero(u8),
     /// An arc without a centre and without a radius, or with its centre at its start.
     NoCentre,
+    /// One word of a centre given in absolute coordinates (G90.1, micromill dialect), which takes both.
+    HalfCentre,
     /// An arc whose end is not on it: radii differ by so much.
     EndOffArc(Nm),
     /// An arc with a radius and a centre.
@@ -74,6 +76,8 @@ pub enum ErrorKind {
     NoEnd,
     /// A feed move without a feed rate.
     NoFeed,
+    /// A feed move under G93 without an F word of its own.
+    NoInverseTime,
     /// A negative value of a word that must not be negative.
     Negative(u8),
     /// `G4` without `P`.
@@ -102,13 +106,13 @@ impl ErrorKind {
             ErrorKind::MachineFrame => 209,
             ErrorKind::ZNotAlone => 210,
             ErrorKind::NotZero(_) => 211,
-            ErrorKind::NoCentre => 301,
+            ErrorKind::NoCentre | ErrorKind::HalfCentre => 301,
             ErrorKind::EndOffArc(_) => 302,
             ErrorKind::RadiusAndCentre => 303,
             ErrorKind::RadiusTooSmall(_) => 304,
             ErrorKind::RadiusToSamePoint => 305,
             ErrorKind::NoEnd => 306,
-            ErrorKind::NoFeed => 501,
+            ErrorKind::NoFeed | ErrorKind::NoInverseTime => 501,
             ErrorKind::Negative(_) => 502,
             ErrorKind::NoDwellTime => 504,
         }
@@ -187,10 +191,12 @@ impl fmt::Display for ErrorKind {
             ErrorKind::MachineFrame => "`G53` needs `G0` or `G1` and absolute distances",
             ErrorKind::ZNotAlone => "`Z` must be alone in its string",
             ErrorKind::NoCentre => "arc without a centre or a radius",
+            ErrorKind::HalfCentre => "absolute arc centre with one word of two",
             ErrorKind::RadiusAndCentre => "arc has both a radius and a centre",
             ErrorKind::RadiusToSamePoint => "arc given by its radius ends where it starts",
             ErrorKind::NoEnd => "arc without an end in its plane",
             ErrorKind::NoFeed => "feed move before any feed rate",
+            ErrorKind::NoInverseTime => "feed move without its own F under G93",
             ErrorKind::NoDwellTime => "dwell without `P`",
         };
         f.write_str(fixed)

@@ -141,7 +141,11 @@ impl<const N: usize> Modal<N> {
     /// The feed in effect for a feed move of this block.
     fn feed_of(&self, block: &Block) -> Result<Feed, Error> {
         let rate = i64::try_from(self.feed).ok().filter(|&rate| rate > 0);
-        let rate = rate.ok_or_else(|| block.error_at_motion(ErrorKind::NoFeed))?;
+        let missing = match self.feed_mode {
+            FeedMode::PerMinute => ErrorKind::NoFeed,
+            FeedMode::InverseTime => ErrorKind::NoInverseTime,
+        };
+        let rate = rate.ok_or_else(|| block.error_at_motion(missing))?;
         Ok(match self.feed_mode {
             FeedMode::PerMinute => Feed::PerMinute(Nm(rate)),
             FeedMode::InverseTime => Feed::InverseTime {
@@ -307,8 +311,11 @@ impl<const N: usize> Modal<N> {
         from: [Nm; 2],
     ) -> Result<[Nm; 2], Error> {
         let absolute = self.centres == Distance::Absolute;
-        if !given.contains(&true) || (absolute && given.contains(&false)) {
+        if !given.contains(&true) {
             return Err(block.error_at_motion(ErrorKind::NoCentre));
+        }
+        if absolute && given.contains(&false) {
+            return Err(block.error_at_motion(ErrorKind::HalfCentre));
         }
         let offset = self.work_offset();
         let zero = if absolute {

@@ -59,13 +59,22 @@ pub fn check<W: Write>(
         rapid_nm: 0.0,
         events: 0.0,
     };
+    let mut is_empty = true;
     program::walk(
         source,
         file,
         dialect,
         findings,
-        |meaning, command, from, findings| checker.command(meaning, command, from, findings),
+        |meaning, command, from, findings| {
+            is_empty = false;
+            checker.command(meaning, command, from, findings)
+        },
     )?;
+    if is_empty && findings.errors == 0 {
+        let message = "no command in the program".to_string();
+        let note = "nothing would move: empty, comments only, or cut off".to_string();
+        findings.add(&Finding::general(Severity::Warning, "W0602", message).note(note))?;
+    }
     if let Some(finding) = checker.reversals() {
         findings.add(&finding)?;
     }

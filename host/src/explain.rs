@@ -114,6 +114,10 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label("needs `I` and `J`, or `R`")
             .note("grbl: `error:35`; LinuxCNC: \"R i j k words all missing for arc\"")
             .help("add the centre as `I` and `J`, relative to the start, or the radius as `R`"),
+        ErrorKind::HalfCentre => finding
+            .label("an absolute centre takes both words of its plane")
+            .note("G90.1 and the micromill dialect give the centre itself, not its distance from the start")
+            .help("add the other centre word, or G91.1 for distances"),
         ErrorKind::EndOffArc(_) => finding
             .label("start and end have different distances from the centre")
             .note("an error from 0.5 mm on, or from 5 um and 0.1 % of the radius on: as grbl and LinuxCNC have it")
@@ -129,6 +133,10 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label("no `F` on this line or before it")
             .note("grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\"")
             .help("add a feed rate, as in `F100`"),
+        ErrorKind::NoInverseTime => finding
+            .label("no `F` on this line")
+            .note("under G93 an F is the inverse of the minutes of one move and is not kept for the next")
+            .help("add F, or G94 for feed rates that stay"),
         ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
         ErrorKind::NoDwellTime => finding.label("how long is not said").note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
         _ => finding,
