@@ -66,15 +66,14 @@ fn check_line(delta: [i32; 4]) {
         delta.map(i32::unsigned_abs).into_iter().max().unwrap_or(0)
     );
     if events > MOST_EVENTS {
-        line.take(1000)
-            .for_each(|step| assert!(step.delta != [0; 4]));
+        line.take(1000).for_each(|step| assert!(step.axes != 0));
         return;
     }
     let mut at = [0_i32; 4];
     for step in line {
         assert_eq!(step.sweep, 1);
-        assert!(step.delta.contains(&1) || step.delta.contains(&-1));
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        assert!(step.axes != 0);
+        for (at, delta) in at.iter_mut().zip(step.deltas::<4>()) {
             *at += i32::from(delta);
         }
     }
@@ -102,37 +101,37 @@ fn check_arc(arc: &ArcMove, along: [i32; 3]) {
     let mut sweep = 0_u64;
     let mut events = 0_u32;
     for step in flat.clone() {
-        assert!(step.delta != [0; 2] && step.delta.iter().all(|delta| delta.abs() <= 1));
+        assert!(step.axes != 0 && step.negative & !step.axes == 0);
         assert!(step.sweep <= flat.largest_sweep());
-        sweep += step.sweep;
+        sweep += u64::from(step.sweep);
         events += 1;
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        for (at, delta) in at.iter_mut().zip(step.deltas::<2>()) {
             *at += i32::from(delta);
         }
     }
     assert_eq!(at, arc.to, "an arc ends at its end");
     assert_eq!((events, sweep), (flat.events(), flat.total_sweep()));
     check_helix(
-        flat,
+        arc,
+        flat.total_sweep(),
         along,
         [arc.to[0] - arc.from[0], arc.to[1] - arc.from[1]],
     );
 }
 
-fn check_helix(flat: Arc, along: [i32; 3], [dx, dy]: [i32; 2]) {
+fn check_helix(arc: &ArcMove, sweep: u64, along: [i32; 3], [dx, dy]: [i32; 2]) {
     if along[2].unsigned_abs() > MOST_EVENTS {
         return;
     }
-    let sweep = flat.total_sweep();
-    let Ok(helix) = Helix::new(flat, [0, 1], along) else {
+    let Ok(helix) = Helix::new(arc, [0, 1], along) else {
         return;
     };
     let promised = helix.total_sweep();
     let (mut at, mut swept) = ([0_i32; 3], 0_u64);
     for step in helix {
-        assert!(step.delta != [0; 3]);
-        swept += step.sweep;
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        assert!(step.axes != 0);
+        swept += u64::from(step.sweep);
+        for (at, delta) in at.iter_mut().zip(step.deltas::<3>()) {
             *at += i32::from(delta);
         }
     }

@@ -79,7 +79,8 @@ fn walk_line<const N: usize>(to: [i32; N]) -> Walk {
     let mut at = [0_i64; N];
     let mut record = Record::default();
     for step in Line::new(to) {
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        let delta = step.deltas::<N>();
+        for (at, delta) in at.iter_mut().zip(delta) {
             *at += i64::from(delta);
         }
         // The distance from the line: what is left of the point without its part along the line.
@@ -95,7 +96,7 @@ fn walk_line<const N: usize>(to: [i32; N]) -> Walk {
             .map(|(p, d)| (*p as f64 - part * d).powi(2))
             .sum::<f64>()
             .sqrt();
-        record.add(&step.delta, error);
+        record.add(&delta, error);
     }
     record.finish(at.to_vec())
 }
@@ -167,11 +168,12 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
     let mut at = from;
     let mut record = Record::default();
     for step in arc {
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        let delta = step.deltas::<2>();
+        for (at, delta) in at.iter_mut().zip(delta) {
             *at = at.wrapping_add(i32::from(delta));
         }
         let r = radius(at);
-        record.add(&step.delta, (r - band[1]).max(band[0] - r).max(0.0));
+        record.add(&delta, (r - band[1]).max(band[0] - r).max(0.0));
     }
     Ok(record.finish(at.map(i64::from).to_vec()))
 }

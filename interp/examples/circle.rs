@@ -14,7 +14,7 @@ fn main() -> Result<(), ArcError> {
     })?;
     let steps: String = arc
         .map(|step| {
-            let [dx, dy] = step.delta;
+            let [dx, dy] = step.deltas();
             char::from(b'4'.wrapping_add_signed(3 * dx + dy))
         })
         .collect();

@@ -3,8 +3,8 @@
 use core::fmt;
 use core::iter::FusedIterator;
 
-use crate::Step;
-use crate::walk::{Spread, Start, Walk};
+use crate::walk::{Spread, Start, Toward, Walk};
+use crate::{Interpolator, Step, interpolator::Totals};
 
 /// Largest distance of an end from the centre, in BLU: then every difference of two points of the
 /// arc fits `i32`.
@@ -110,7 +110,7 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
     16
 }
 
-/// A circular arc, one event at a time: always the nearest point of the next row or column, two
+/// A circular arc of axes 0 and 1, one event at a time: always the nearest point of the next row or column, two
 /// sign tests and a few additions an event; ends exactly at `to`.
 ///
 /// Deviation from the circle: less than 1/2 BLU for a whole-step centre and an integer R^2, at most
@@ -120,9 +120,7 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
 pub struct Arc {
     walk: Width,
     left: u32,
-    events: u32,
-    total_sweep: u64,
-    largest_sweep: u64,
+    totals: Totals,
     radius: u64,
     sweep_bits: i8,
 }
@@ -135,7 +133,7 @@ enum Width {
 
 impl Width {
     #[inline]
-    fn next(&mut self) -> Option<Step<2>> {
+    fn next(&mut self) -> Option<Step> {
         match self {
             Width::Narrow(walk) => walk.next(),
             Width::Wide(walk) => walk.next(),
@@ -149,7 +147,7 @@ impl Arc {
     /// # Errors
     /// See [`ArcError`]; nothing is walked then.
     pub fn new(arc: &ArcMove) -> Result<Arc, ArcError> {
-        Arc::with_width(arc, false)
+        Arc::in_plane(arc, [0, 1], false)
     }
 
     /// As [`Arc::new`], always with 64-bit state; for comparison, the steps are the same.
@@ -157,33 +155,23 @@ impl Arc {
     /// # Errors
     /// As [`Arc::new`].
     pub fn wide(arc: &ArcMove) -> Result<Arc, ArcError> {
-        Arc::with_width(arc, true)
+        Arc::in_plane(arc, [0, 1], true)
     }
 
-    fn with_width(arc: &ArcMove, is_wide: bool) -> Result<Arc, ArcError> {
-        let (start, radius, fits_narrow) = start(arc)?;
+    /// An arc whose steps are those of two axes below 8.
+    pub(crate) fn in_plane(arc: &ArcMove, plane: [u32; 2], is_wide: bool) -> Result<Arc, ArcError> {
+        let (start, radius, fits_narrow) = start(arc, plane)?;
         let walk = if fits_narrow && !is_wide {
             Width::Narrow(Walk::new(&start))
         } else {
             Width::Wide(Walk::new(&start))
         };
-        let (mut events, mut total_sweep, mut largest_sweep) = (0_u32, 0_u64, 0_u64);
         let mut dry = walk.clone();
-        while let Some(step) = dry.next() {
-            events = events.wrapping_add(1);
-            if u64::from(events) > MAX_EVENTS {
-                return Err(ArcError::TooLong);
-            }
-            // A sweep is below 2^32 (r < 2^31 in its unit), events are at most 2^31.
-            total_sweep = total_sweep.wrapping_add(step.sweep);
-            largest_sweep = largest_sweep.max(step.sweep);
-        }
+        let totals = Totals::of(core::iter::from_fn(|| dry.next())).ok_or(ArcError::TooLong)?;
         Ok(Arc {
             walk,
-            left: events,
-            events,
-            total_sweep,
-            largest_sweep,
+            left: totals.events,
+            totals,
             radius,
             // f <= 30 and shift <= 16: fits.
             sweep_bits: (arc.fraction_bits as i8).wrapping_sub(start.sweep_shift as i8),
@@ -192,22 +180,7 @@ impl Arc {
 
     /// Events of the whole arc.
     pub const fn events(&self) -> u32 {
-        self.events
-    }
-
-    /// Events still to come.
-    pub const fn remaining(&self) -> u32 {
-        self.left
-    }
-
-    /// Sum of the sweeps of all events of the arc.
-    pub const fn total_sweep(&self) -> u64 {
-        self.total_sweep
-    }
-
-    /// Largest sweep of one event of the arc, below 2^32.
-    pub const fn largest_sweep(&self) -> u64 {
-        self.largest_sweep
+        self.totals.events
     }
 
     /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in BLU. Of a
@@ -228,7 +201,7 @@ impl Arc {
     }
 
     /// Quadrant changes still to come.
-    pub fn quadrants(&self) -> u64 {
+    pub fn quadrants(&self) -> u32 {
         match &self.walk {
             Width::Narrow(walk) => walk.quadrants(),
             Width::Wide(walk) => walk.quadrants(),
@@ -236,11 +209,26 @@ impl Arc {
     }
 }
 
+impl Interpolator for Arc {
+    #[inline]
+    fn remaining(&self) -> u32 {
+        self.left
+    }
+
+    fn total_sweep(&self) -> u64 {
+        self.totals.total_sweep
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        self.totals.largest_sweep
+    }
+}
+
 impl Iterator for Arc {
-    type Item = Step<2>;
+    type Item = Step;
 
     #[inline]
-    fn next(&mut self) -> Option<Step<2>> {
+    fn next(&mut self) -> Option<Step> {
         let step = self.walk.next()?;
         self.left = self.left.wrapping_sub(1);
         Some(step)
@@ -342,7 +330,7 @@ const fn shifted(value: i64, bits: u8) -> i64 {
 /// What the walk needs; with it the radius in sweep units and whether 32 bits hold the state.
 ///
 /// All arithmetic here wraps by name only: coordinates and radii are below 2^47, see [`Spot::new`].
-fn start(arc: &ArcMove) -> Result<(Start, u64, bool), ArcError> {
+fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool), ArcError> {
     let bits = arc.fraction_bits;
     if bits > 30 {
         return Err(ArcError::FractionBits);
@@ -385,20 +373,23 @@ fn start(arc: &ArcMove) -> Result<(Start, u64, bool), ArcError> {
         .and_then(|change| change.checked_add(start_residue))
         .ok_or(ArcError::TooLarge)?;
     let mean_radius = mean(first, last).wrapping_shl(shift.into());
-    let spread = spread(&from, &to, change, quadrants, mean_radius, bits)?;
+    let (spread, quotient) = spread(&from, &to, change, quadrants, mean_radius, bits)?;
     let radius = match arc.rim {
         Rim::Spiral => mean(first, last),
         Rim::Nominal { .. } => from.radius(shift, start_residue, bits),
     }
     .max(1);
 
-    let (ux, uy): (i8, i8) = match from.quadrant {
-        0 => (-1, 0),
-        1 => (0, -1),
-        2 => (1, 0),
-        _ => (0, 1),
+    // The u-step of a quadrant is (-1, 0), (0, -1), (1, 0), (0, 1); its v-step the one before, backwards.
+    let [first, second] = plane;
+    let along_x = |is_negative: bool| Toward::new(first, is_negative);
+    let along_y = |is_negative: bool| Toward::new(second, is_negative != is_clockwise);
+    let (toward_u, toward_v) = match from.quadrant {
+        0 => (along_x(true), along_y(false)),
+        1 => (along_y(true), along_x(true)),
+        2 => (along_x(false), along_y(true)),
+        _ => (along_y(false), along_x(false)),
     };
-    let mirror = |x: i8, y: i8| [x, if is_clockwise { y.wrapping_neg() } else { y }];
     let difference = |coordinate: i64| one.wrapping_add(coordinate).wrapping_add(coordinate);
     let start = Start {
         residue: start_residue,
@@ -407,18 +398,20 @@ fn start(arc: &ArcMove) -> Result<(Start, u64, bool), ArcError> {
         du_end: difference(to.u.wrapping_neg()),
         dv_end: difference(to.v),
         one,
-        quadrants,
-        toward_u: mirror(ux, uy),
-        toward_v: mirror(uy, ux.wrapping_neg()),
+        // Below 2^31, as the events are.
+        quadrants: quadrants as u32,
+        toward_u,
+        toward_v,
         spread,
+        quotient,
         // Where a step crosses the curve instead of following it: half a step's worth of time.
         least_sweep: (radius.wrapping_shl(shift.into()) / 2).max(1) as i64,
-        sweep_shift: shift.into(),
+        sweep_shift: shift,
     };
     // The state needs 3 (r + 4) 2^f, and on top of it what the spread adds in a few steps.
     let needed = reach
         .wrapping_mul(3)
-        .saturating_add(spread.quotient.unsigned_abs().saturating_mul(4));
+        .saturating_add(quotient.unsigned_abs().saturating_mul(4));
     let after_u = start.residue.wrapping_add(start.du);
     let after_v = start.residue.wrapping_add(start.dv);
     let fits_narrow = reach <= MAX_NARROW
@@ -478,7 +471,7 @@ fn spread(
     quadrants: u64,
     mean_radius: u64,
     bits: u8,
-) -> Result<Spread, ArcError> {
+) -> Result<(Spread, i64), ArcError> {
     // r / sqrt(2), the height of an octant: r < 2^47, so the product is below 2^63.
     let height = (mean_radius.wrapping_mul(46341) >> 16) as i64;
     let octants = height.wrapping_add(height);
@@ -506,14 +499,14 @@ fn spread(
     // At most 1.42 quadrants (r + 2) < 2^31.
     let steps = u32::try_from(steps).map_err(|_| ArcError::TooLong)?;
     let quotient = change.checked_div_euclid(steps.into()).unwrap_or(0);
-    Ok(Spread {
+    let spread = Spread {
         left: if change == 0 { 0 } else { steps },
         steps,
-        quotient,
         // change - quotient steps is the remainder, below steps.
         remainder: change.wrapping_sub(quotient.wrapping_mul(steps.into())) as u32,
         phase: 0,
-    })
+    };
+    Ok((spread, quotient))
 }
 
 /// Mean of two values below 2^63, rounded down.

@@ -2,7 +2,7 @@
 
 use core::iter::FusedIterator;
 
-use crate::{Arc, ArcError, Step};
+use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
 
 /// An arc in the plane of two axes while the others go a straight way, in proportion to the swept
 /// area (not to the count of events, which would be 0.5 % off): always within 1/2 step of it.
@@ -12,12 +12,11 @@ use crate::{Arc, ArcError, Step};
 #[derive(Clone, Debug)]
 pub struct Helix<const N: usize> {
     arc: Arc,
-    plane: [usize; 2],
     axes: [Slave; N],
     pace: Pace,
     events: u32,
     left: u32,
-    largest_sweep: u64,
+    largest_sweep: u32,
     /// Sweeps of a dense helix are in units 2^lift times finer, so that they can be shared out.
     lift: u8,
     burst: Burst,
@@ -40,7 +39,7 @@ struct Slave {
     /// Its steps times the sweep done, modulo the total sweep; starts at half of it (rounding).
     phase: u64,
     rate: u32,
-    sign: i8,
+    is_negative: bool,
     /// Steps in the present burst, and their distribution over its events.
     due: u32,
     due_phase: u32,
@@ -51,40 +50,42 @@ struct Slave {
 struct Burst {
     left: u32,
     of: u32,
-    delta: [i8; 2],
-    sweep: u64,
+    step: Step,
+    /// Sweep of one of them.
+    share: u32,
     /// This many events have one unit of sweep more.
     longer: u32,
 }
 
 impl<const N: usize> Helix<N> {
-    /// Joins `arc`, whose two axes are `plane` of the machine, with `along` steps of the others
-    /// (entries of the plane's own axes are ignored).
+    /// The arc `arc` of the axes `plane` with `along` steps of the others (entries of the plane's own
+    /// axes are ignored, and those above the eighth).
     ///
     /// # Errors
-    /// [`ArcError::Plane`], and [`ArcError::TooLong`] above 2^31 events.
-    pub fn new(arc: Arc, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
+    /// [`ArcError::Plane`], what [`Arc::new`] says, and [`ArcError::TooLong`] above 2^31 events.
+    pub fn new(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
         let [first, second] = plane;
-        if first == second || first >= N || second >= N {
+        if first == second || first >= N.min(8) || second >= N.min(8) {
             return Err(ArcError::Plane);
         }
+        let arc = Arc::in_plane(arc, [first as u32, second as u32], false)?;
         let total = arc.total_sweep();
         let mut fastest = 0_u32;
         let mut axes = along.map(|steps| Slave {
             phase: total / 2,
             rate: steps.unsigned_abs(),
-            sign: if steps < 0 { -1 } else { 1 },
+            is_negative: steps < 0,
             due: 0,
             due_phase: 0,
         });
-        for (index, axis) in axes.iter_mut().enumerate() {
-            if index == first || index == second {
+        for (index, axis) in (0..N).zip(&mut axes) {
+            if index == first || index == second || index > 7 {
                 axis.rate = 0;
             }
             fastest = fastest.max(axis.rate);
         }
         // rate <= 2^31 and a sweep is below 2^32: the product fits.
-        let most = u64::from(fastest).wrapping_mul(arc.largest_sweep());
+        let most = u64::from(fastest).wrapping_mul(arc.largest_sweep().into());
         let pace = match fastest {
             0 => Pace::Flat,
             _ if most <= total => Pace::Sparse,
@@ -94,15 +95,14 @@ impl<const N: usize> Helix<N> {
             events: arc.events(),
             left: arc.events(),
             largest_sweep: arc.largest_sweep(),
-            plane,
             axes,
             pace,
             lift: 0,
             burst: Burst {
                 left: 0,
                 of: 0,
-                delta: [0; 2],
-                sweep: 0,
+                step: Step::default(),
+                share: 0,
                 longer: 0,
             },
             arc,
@@ -121,11 +121,11 @@ impl<const N: usize> Helix<N> {
     /// The dry pass of a dense helix: one round for each event of the plane.
     fn dry_pass(&mut self) -> Result<(), ArcError> {
         let mut dry = self.clone();
-        let (mut events, mut largest) = (0_u64, 0_u64);
+        let (mut events, mut largest) = (0_u64, 0_u32);
         while dry.load().is_some() {
             events = events.saturating_add(u64::from(dry.burst.of));
-            let longer = u64::from(dry.burst.longer.min(1));
-            largest = largest.max(dry.burst.sweep.saturating_add(longer));
+            let longer = dry.burst.longer.min(1);
+            largest = largest.max(dry.burst.share.saturating_add(longer));
         }
         if events > 1 << 31 {
             return Err(ArcError::TooLong);
@@ -145,7 +145,7 @@ impl<const N: usize> Helix<N> {
             // rate sweep < 2^63 and phase < total < 2^63; total is positive, as an event was.
             let phase = axis
                 .phase
-                .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep));
+                .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep.into()));
             // Together the steps due are `rate`, so each count fits.
             axis.due = phase.checked_div(total).unwrap_or(0) as u32;
             axis.phase = phase.wrapping_sub(u64::from(axis.due).wrapping_mul(total));
@@ -154,43 +154,44 @@ impl<const N: usize> Helix<N> {
         for axis in &mut self.axes {
             axis.due_phase = of / 2;
         }
-        let sweep = step.sweep.wrapping_shl(self.lift.into());
+        let sweep = u64::from(step.sweep).wrapping_shl(self.lift.into());
         let share = sweep.checked_div(of.into()).unwrap_or(0);
         self.burst = Burst {
             left: of,
             of,
-            delta: step.delta,
-            sweep: share,
+            step,
+            // Below 2^32, see `new`.
+            share: share as u32,
             longer: sweep.wrapping_sub(share.wrapping_mul(of.into())) as u32,
         };
         Some(())
     }
 
     /// An event of a dense helix.
-    fn next_of_burst(&mut self) -> Option<Step<N>> {
+    fn next_of_burst(&mut self) -> Option<Step> {
         if self.burst.left == 0 {
             self.load()?;
         }
         let burst = &mut self.burst;
         burst.left = burst.left.wrapping_sub(1);
-        let mut delta = [0; N];
-        for (delta, axis) in delta.iter_mut().zip(&mut self.axes) {
+        let mut step = Step::default();
+        let mut bit = 1_u8;
+        for axis in &mut self.axes {
             // phase < of and due <= of <= 2^31: the sum fits.
             axis.due_phase = axis.due_phase.wrapping_add(axis.due);
             if axis.due_phase >= burst.of {
                 axis.due_phase = axis.due_phase.wrapping_sub(burst.of);
-                *delta = axis.sign;
+                axis.add_to(&mut step, bit);
             }
+            bit = bit.wrapping_shl(1);
         }
         if burst.left == 0 {
-            delta = join(delta, self.plane, burst.delta);
+            step.axes |= burst.step.axes;
+            step.negative |= burst.step.negative;
         }
-        let longer = u64::from(burst.left < burst.longer);
+        step.sweep = burst.share.wrapping_add((burst.left < burst.longer).into());
         self.left = self.left.wrapping_sub(1);
-        Some(Step {
-            delta,
-            sweep: burst.sweep.wrapping_add(longer),
-        })
+        Some(step)
     }
 
     /// The arc in the plane.
@@ -203,71 +204,66 @@ impl<const N: usize> Helix<N> {
         self.events
     }
 
-    /// Events still to come.
-    #[inline]
-    pub const fn remaining(&self) -> u32 {
-        match self.pace {
-            Pace::Dense => self.left,
-            _ => self.arc.remaining(),
-        }
-    }
-
-    /// Sum of the sweeps of all events of the move.
-    pub const fn total_sweep(&self) -> u64 {
-        self.arc.total_sweep().wrapping_shl(self.lift as u32)
-    }
-
-    /// Largest sweep of one event of the move, below 2^32.
-    pub const fn largest_sweep(&self) -> u64 {
-        self.largest_sweep
-    }
-
     /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in its plane.
     pub const fn radius(&self) -> u64 {
         self.arc.radius().wrapping_shl(self.lift as u32)
     }
 }
 
-/// The deltas of the plane at their axes, those of `others` elsewhere. Selected, not stored one by
-/// one: bytes just written are slow to read back as a word.
-#[inline]
-fn join<const N: usize>(others: [i8; N], plane: [usize; 2], of_plane: [i8; 2]) -> [i8; N] {
-    let mut delta = others;
-    for (index, delta) in delta.iter_mut().enumerate() {
-        for (axis, value) in plane.into_iter().zip(of_plane) {
-            *delta = if index == axis { value } else { *delta };
+impl Slave {
+    /// A step of this axis, which has this bit.
+    #[inline]
+    fn add_to(&self, step: &mut Step, bit: u8) {
+        step.axes |= bit;
+        if self.is_negative {
+            step.negative |= bit;
         }
     }
-    delta
+}
+
+impl<const N: usize> Interpolator for Helix<N> {
+    #[inline]
+    fn remaining(&self) -> u32 {
+        match self.pace {
+            Pace::Dense => self.left,
+            _ => self.arc.remaining(),
+        }
+    }
+
+    fn total_sweep(&self) -> u64 {
+        self.arc.total_sweep().wrapping_shl(self.lift.into())
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        self.largest_sweep
+    }
 }
 
 impl<const N: usize> Iterator for Helix<N> {
-    type Item = Step<N>;
+    type Item = Step;
 
     #[inline]
-    fn next(&mut self) -> Option<Step<N>> {
+    fn next(&mut self) -> Option<Step> {
         if self.pace == Pace::Dense {
             return self.next_of_burst();
         }
-        let step = self.arc.next()?;
-        let mut delta = [0; N];
+        let mut step = self.arc.next()?;
         if self.pace == Pace::Sparse {
             let total = self.arc.total_sweep();
-            for (delta, axis) in delta.iter_mut().zip(&mut self.axes) {
+            let mut bit = 1_u8;
+            for axis in &mut self.axes {
                 // rate sweep <= total < 2^63 and phase < total: fits, and one subtraction is enough.
                 axis.phase = axis
                     .phase
-                    .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep));
+                    .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep.into()));
                 if axis.phase >= total {
                     axis.phase = axis.phase.wrapping_sub(total);
-                    *delta = axis.sign;
+                    axis.add_to(&mut step, bit);
                 }
+                bit = bit.wrapping_shl(1);
             }
         }
-        Some(Step {
-            delta: join(delta, self.plane, step.delta),
-            sweep: step.sweep,
-        })
+        Some(step)
     }
 
     #[inline]

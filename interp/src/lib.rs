@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod interpolator;
 mod step;
 
 mod line;
@@ -16,6 +17,7 @@ mod path;
 
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
 pub use helix::Helix;
+pub use interpolator::{Interpolator, Moves};
 pub use line::Line;
-pub use path::{Interpolator, Path};
+pub use path::Path;
 pub use step::Step;

@@ -1,34 +1,8 @@
-//! Line or arc behind one name, and the seam for other interpolators.
+//! Line or arc behind one name.
 
-use crate::{Arc, ArcError, ArcMove, Helix, Line, Step};
+use crate::{ArcError, ArcMove, Helix, Interpolator, Line, Moves, Step};
 
-/// Anything that turns a move into events; what a machine is generic over.
-pub trait Interpolator<const N: usize>: Iterator<Item = Step<N>> + Sized {
-    /// A straight move by `delta` steps.
-    fn line(delta: [i32; N]) -> Self;
-
-    /// An arc in the axes `plane`, while the others make `along` steps (entries of the plane's axes
-    /// are ignored).
-    ///
-    /// # Errors
-    /// [`ArcError`]; for [`ArcError::Degenerate`] make a line instead.
-    fn arc(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError>;
-
-    /// Events still to come.
-    fn remaining(&self) -> u32;
-
-    /// Sum of the sweeps of all events of the whole move.
-    fn total_sweep(&self) -> u64;
-
-    /// Largest sweep of one event of the whole move.
-    fn largest_sweep(&self) -> u64;
-
-    /// Of an arc the radius in the unit of its sweep (`total_sweep / radius` is its length in BLU);
-    /// `None` for a line.
-    fn radius(&self) -> Option<u64>;
-}
-
-/// The default interpolator: the nearest-point line and arc of this crate.
+/// The default set of methods: the nearest-point line and arc of this crate.
 #[derive(Clone, Debug)]
 // One of these lives in a machine, in place; a box would need an allocator.
 #[allow(clippy::large_enum_variant)]
@@ -39,15 +13,7 @@ pub enum Path<const N: usize> {
     Arc(Helix<N>),
 }
 
-impl<const N: usize> Interpolator<N> for Path<N> {
-    fn line(delta: [i32; N]) -> Self {
-        Path::Line(Line::new(delta))
-    }
-
-    fn arc(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
-        Ok(Path::Arc(Helix::new(Arc::new(arc)?, plane, along)?))
-    }
-
+impl<const N: usize> Interpolator for Path<N> {
     #[inline]
     fn remaining(&self) -> u32 {
         match self {
@@ -58,16 +24,26 @@ impl<const N: usize> Interpolator<N> for Path<N> {
 
     fn total_sweep(&self) -> u64 {
         match self {
-            Path::Line(line) => line.events().into(),
+            Path::Line(line) => line.total_sweep(),
             Path::Arc(helix) => helix.total_sweep(),
         }
     }
 
-    fn largest_sweep(&self) -> u64 {
+    fn largest_sweep(&self) -> u32 {
         match self {
-            Path::Line(line) => line.events().min(1).into(),
+            Path::Line(line) => line.largest_sweep(),
             Path::Arc(helix) => helix.largest_sweep(),
         }
+    }
+}
+
+impl<const N: usize> Moves<N> for Path<N> {
+    fn line(delta: [i32; N]) -> Self {
+        Path::Line(Line::new(delta))
+    }
+
+    fn arc(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
+        Ok(Path::Arc(Helix::new(arc, plane, along)?))
     }
 
     fn radius(&self) -> Option<u64> {
@@ -79,10 +55,10 @@ impl<const N: usize> Interpolator<N> for Path<N> {
 }
 
 impl<const N: usize> Iterator for Path<N> {
-    type Item = Step<N>;
+    type Item = Step;
 
     #[inline]
-    fn next(&mut self) -> Option<Step<N>> {
+    fn next(&mut self) -> Option<Step> {
         match self {
             Path::Line(line) => line.next(),
             Path::Arc(helix) => helix.next(),

@@ -1,12 +1,37 @@
 //! One event: the axes that step together.
 
 /// One event of a move: which axes step, and how much of the path that is.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub struct Step<const N: usize> {
-    /// One step (-1, 0 or +1) for each axis, in BLU; never all zero.
-    pub delta: [i8; N],
-    /// Share of the move's path time: 1 for lines; for arcs the cross product |P x delta| of the
+///
+/// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`: an interrupt writes them to its step and
+/// direction pins as they are. Eight axes at most.
+#[derive(Copy, Clone, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Step {
+    /// The axes that make a step. Empty only in the idle passes of a DDA, which take their time and move nothing.
+    pub axes: u8,
+    /// Those of them that step backwards; no other bits.
+    pub negative: u8,
+    /// Share of the move's path time: 1 for lines; for arcs the cross product |P x step| of the
     /// position from the centre *before* the step, see [`Arc::sweep_bits`](crate::Arc::sweep_bits)
     /// for its unit. Always positive.
-    pub sweep: u64,
+    pub sweep: u32,
+}
+
+impl Step {
+    /// -1, 0 or +1 step of one axis, in BLU.
+    #[inline]
+    pub const fn delta(self, axis: usize) -> i8 {
+        // An axis that does not exist does not step: the masks have eight bits, shifts beyond 31 would wrap.
+        if axis > 7 {
+            return 0;
+        }
+        let steps = (self.axes >> axis) as i8 & 1;
+        let backwards = (self.negative >> axis) as i8 & 1;
+        steps.wrapping_sub(backwards.wrapping_mul(2))
+    }
+
+    /// The step of every axis, in BLU.
+    #[inline]
+    pub fn deltas<const N: usize>(self) -> [i8; N] {
+        core::array::from_fn(|axis| self.delta(axis))
+    }
 }

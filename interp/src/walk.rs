@@ -19,17 +19,20 @@ use crate::Step;
 /// All operations wrap; `Arc::new` chooses the word so that they do not.
 pub(crate) trait Word: Copy + Ord + core::fmt::Debug {
     const ZERO: Self;
+    const MAX: Self;
     fn narrow(value: i64) -> Self;
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn half(self) -> Self;
     /// `self` where `condition` holds, otherwise 0; without a branch.
     fn only_if(self, condition: bool) -> Self;
-    fn unsigned(self) -> u64;
+    /// A positive sweep of less than 2^32 after the shift; there is none where the state is narrow.
+    fn sweep(self, shift: u8) -> u32;
 }
 
 impl Word for i32 {
     const ZERO: i32 = 0;
+    const MAX: i32 = i32::MAX;
     #[inline]
     fn narrow(value: i64) -> i32 {
         value as i32
@@ -51,13 +54,14 @@ impl Word for i32 {
         self & i32::from(condition).wrapping_neg()
     }
     #[inline]
-    fn unsigned(self) -> u64 {
-        u64::from(self as u32)
+    fn sweep(self, _shift: u8) -> u32 {
+        self as u32
     }
 }
 
 impl Word for i64 {
     const ZERO: i64 = 0;
+    const MAX: i64 = i64::MAX;
     #[inline]
     fn narrow(value: i64) -> i64 {
         value
@@ -79,8 +83,8 @@ impl Word for i64 {
         self & i64::from(condition).wrapping_neg()
     }
     #[inline]
-    fn unsigned(self) -> u64 {
-        self as u64
+    fn sweep(self, shift: u8) -> u32 {
+        self.wrapping_shr(shift.into()) as u32
     }
 }
 
@@ -93,63 +97,84 @@ pub(crate) struct Start {
     pub(crate) du_end: i64,
     pub(crate) dv_end: i64,
     pub(crate) one: i64,
-    pub(crate) quadrants: u64,
-    pub(crate) toward_u: [i8; 2],
-    pub(crate) toward_v: [i8; 2],
+    pub(crate) quadrants: u32,
+    pub(crate) toward_u: Toward,
+    pub(crate) toward_v: Toward,
     pub(crate) spread: Spread,
+    pub(crate) quotient: i64,
     pub(crate) least_sweep: i64,
-    pub(crate) sweep_shift: u32,
+    pub(crate) sweep_shift: u8,
 }
 
-/// The change of radius, spread over the first `left` steps: `quotient` each and 1 more whenever
+/// The change of radius, spread over the first `left` steps: the quotient each and 1 more whenever
 /// the remainders add up to `steps`.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Spread {
     pub(crate) left: u32,
     pub(crate) steps: u32,
-    pub(crate) quotient: i64,
     pub(crate) remainder: u32,
     pub(crate) phase: u32,
 }
 
-/// A step in x and y as one word: bytes that are stored one by one are slow to read back together.
-#[derive(Copy, Clone, Debug)]
-struct Pair(u16);
+/// A step of one axis, or of two: the axes in the low byte, those that go backwards in the high one, so that steps
+/// are joined by `|` in one word.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Toward(u16);
 
-impl Pair {
-    fn new([x, y]: [i8; 2]) -> Pair {
-        Pair(u16::from_ne_bytes([x as u8, y as u8]))
-    }
+impl Toward {
+    const NOWHERE: Toward = Toward(0);
 
-    fn opposite(self) -> Pair {
-        Pair(u16::from_ne_bytes(
-            self.0.to_ne_bytes().map(u8::wrapping_neg),
-        ))
+    /// One step of an axis below 8.
+    pub(crate) const fn new(axis: u32, is_negative: bool) -> Toward {
+        let bit = 1_u16.wrapping_shl(axis);
+        Toward(if is_negative { bit | (bit << 8) } else { bit })
     }
 
     #[inline]
-    fn only_if(self, condition: bool) -> u16 {
-        self.0 & u16::from(condition).wrapping_neg()
+    const fn opposite(self) -> Toward {
+        Toward(self.0 ^ (self.0 << 8))
+    }
+
+    #[inline]
+    fn only_if(self, condition: bool) -> Toward {
+        Toward(self.0 & u16::from(condition).wrapping_neg())
+    }
+
+    #[inline]
+    const fn and(self, other: Toward) -> Toward {
+        Toward(self.0 | other.0)
+    }
+
+    #[inline]
+    const fn step(self, sweep: u32) -> Step {
+        let [axes, negative] = self.0.to_le_bytes();
+        Step {
+            axes,
+            negative,
+            sweep,
+        }
     }
 }
 
-/// The walking state in words of one width.
+/// The walking state in words of one width: 64 bytes where they are of 32 bits.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Walk<W> {
     residue: W,
     du: W,
     dv: W,
+    /// Where something else than a step is due: the end of the quadrant, in the last one the end of the arc.
+    du_limit: W,
+    dv_limit: W,
+    one: W,
+    least_sweep: W,
+    toward_u: Toward,
+    toward_v: Toward,
+    sweep_shift: u8,
+    quadrants: u32,
     du_end: W,
     dv_end: W,
-    one: W,
-    bias: W,
-    least_sweep: W,
     quotient: W,
     spread: Spread,
-    quadrants: u64,
-    toward_u: Pair,
-    toward_v: Pair,
-    sweep_shift: u32,
 }
 
 impl<W: Word> Walk<W> {
@@ -158,31 +183,48 @@ impl<W: Word> Walk<W> {
             residue: W::narrow(start.residue),
             du: W::narrow(start.du),
             dv: W::narrow(start.dv),
+            du_limit: W::ZERO,
+            dv_limit: W::MAX,
+            one: W::narrow(start.one),
+            least_sweep: W::narrow(start.least_sweep),
+            toward_u: start.toward_u,
+            toward_v: start.toward_v,
+            sweep_shift: start.sweep_shift,
+            quadrants: start.quadrants,
             du_end: W::narrow(start.du_end),
             dv_end: W::narrow(start.dv_end),
-            one: W::narrow(start.one),
-            // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
-            bias: W::narrow(start.one / 2),
-            least_sweep: W::narrow(start.least_sweep),
-            quotient: W::narrow(start.spread.quotient),
+            quotient: W::narrow(start.quotient),
             spread: start.spread,
-            quadrants: start.quadrants,
-            toward_u: Pair::new(start.toward_u),
-            toward_v: Pair::new(start.toward_v),
-            sweep_shift: start.sweep_shift,
         }
+        .limited()
     }
 
-    pub(crate) fn quadrants(&self) -> u64 {
-        self.quadrants
+    /// With the limits of the present quadrant.
+    fn limited(mut self) -> Self {
+        if self.quadrants == 0 {
+            (self.du_limit, self.dv_limit) = (self.du_end, self.dv_end);
+        }
+        self
+    }
+
+    /// Quadrant changes still to come.
+    pub(crate) fn quadrants(&self) -> u32 {
+        // A change is made when the next step is asked for.
+        let is_pending = self.quadrants != 0 && self.du >= W::ZERO;
+        self.quadrants.wrapping_sub(is_pending.into())
     }
 
     /// The next step; `None` when the end is reached.
     #[inline(always)]
-    pub(crate) fn next(&mut self) -> Option<Step<2>> {
-        if self.quadrants == 0 && (self.du >= self.du_end || self.dv >= self.dv_end) {
-            let (delta, sweep) = self.run_off();
-            return (delta != 0).then(|| self.step(delta, sweep));
+    pub(crate) fn next(&mut self) -> Option<Step> {
+        if (self.du >= self.du_limit) | (self.dv >= self.dv_limit) {
+            if self.quadrants == 0 {
+                return self.run_off();
+            }
+            self.turn();
+            if (self.du >= self.du_limit) | (self.dv >= self.dv_limit) && self.quadrants == 0 {
+                return self.run_off();
+            }
         }
         if self.spread.left != 0 {
             self.change_radius();
@@ -191,11 +233,13 @@ impl<W: Word> Walk<W> {
         let after_u = self.residue.plus(du);
         let after_v = self.residue.plus(dv);
         let after_both = after_u.plus(dv);
+        // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
+        let bias = self.one.half();
         // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of
         // after_both leaves two candidates. Compared by differences: each fits where the three do.
         let is_outside = after_both >= W::ZERO;
-        let takes_v = !(is_outside & (after_both > self.bias.minus(after_u)));
-        let takes_u = is_outside | (after_both >= self.bias.minus(after_v));
+        let takes_v = !(is_outside & (after_both > bias.minus(after_u)));
+        let takes_u = is_outside | (after_both >= bias.minus(after_v));
         self.residue = self
             .residue
             .plus(du.only_if(takes_u))
@@ -205,53 +249,52 @@ impl<W: Word> Walk<W> {
         self.dv = dv.plus(two.only_if(takes_v));
         let along_u = dv.minus(self.one).half();
         let along_v = self.one.minus(du).half();
-        let step = self.step(
-            self.toward_u.only_if(takes_u) | self.toward_v.only_if(takes_v),
-            along_u.only_if(takes_u).plus(along_v.only_if(takes_v)),
-        );
-        if self.quadrants != 0 && self.du >= W::ZERO {
-            (self.du, self.dv) = (two.minus(self.dv), self.du);
-            (self.toward_u, self.toward_v) = (self.toward_v.opposite(), self.toward_u);
-            self.quadrants = self.quadrants.wrapping_sub(1);
-        }
-        Some(step)
+        let sweep = along_u.only_if(takes_u).plus(along_v.only_if(takes_v));
+        let toward = self
+            .toward_u
+            .only_if(takes_u)
+            .and(self.toward_v.only_if(takes_v));
+        Some(self.step(toward, sweep))
+    }
+
+    /// Into the next quadrant.
+    #[cold]
+    fn turn(&mut self) {
+        let two = self.one.plus(self.one);
+        (self.du, self.dv) = (two.minus(self.dv), self.du);
+        (self.toward_u, self.toward_v) = (self.toward_v.opposite(), self.toward_u);
+        self.quadrants = self.quadrants.wrapping_sub(1);
+        *self = self.limited();
     }
 
     /// Level with the end in one axis (or past it): straight to it. The end is a rounded point, so
-    /// this is a step or two. Returns the step and its sweep, which may be negative; no step: there.
+    /// this is a step or two. No step: there.
     #[cold]
-    fn run_off(&mut self) -> (u16, W) {
+    fn run_off(&mut self) -> Option<Step> {
         let along_u = self.dv.minus(self.one).half();
         let along_v = self.one.minus(self.du).half();
         let two = self.one.plus(self.one);
-        let (mut delta, mut sweep) = (0, W::ZERO);
+        let (mut toward, mut sweep) = (Toward::NOWHERE, W::ZERO);
         if self.du < self.du_end {
             self.du = self.du.plus(two);
-            (delta, sweep) = (delta | self.toward_u.0, sweep.plus(along_u));
+            (toward, sweep) = (toward.and(self.toward_u), sweep.plus(along_u));
         } else if self.du > self.du_end {
             self.du = self.du.minus(two);
-            (delta, sweep) = (delta | self.toward_u.opposite().0, sweep.minus(along_u));
+            (toward, sweep) = (toward.and(self.toward_u.opposite()), sweep.minus(along_u));
         }
         if self.dv < self.dv_end {
             self.dv = self.dv.plus(two);
-            (delta, sweep) = (delta | self.toward_v.0, sweep.plus(along_v));
+            (toward, sweep) = (toward.and(self.toward_v), sweep.plus(along_v));
         } else if self.dv > self.dv_end {
             self.dv = self.dv.minus(two);
-            (delta, sweep) = (delta | self.toward_v.opposite().0, sweep.minus(along_v));
+            (toward, sweep) = (toward.and(self.toward_v.opposite()), sweep.minus(along_v));
         }
-        (delta, sweep)
+        (toward != Toward::NOWHERE).then(|| self.step(toward, sweep))
     }
 
     #[inline(always)]
-    fn step(&self, delta: u16, sweep: W) -> Step<2> {
-        let [x, y] = delta.to_ne_bytes();
-        Step {
-            delta: [x as i8, y as i8],
-            sweep: sweep
-                .max(self.least_sweep)
-                .unsigned()
-                .wrapping_shr(self.sweep_shift),
-        }
+    fn step(&self, toward: Toward, sweep: W) -> Step {
+        toward.step(sweep.max(self.least_sweep).sweep(self.sweep_shift))
     }
 
     #[inline]

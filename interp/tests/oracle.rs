@@ -100,10 +100,10 @@ fn arcs_step_as_recorded() {
             let mut points = Vec::new();
             let mut steps = String::new();
             for step in arc {
-                steps.push(digit(step.delta));
+                steps.push(digit(step.deltas()));
                 at = [
-                    at[0] + i64::from(step.delta[0]),
-                    at[1] + i64::from(step.delta[1]),
+                    at[0] + i64::from(step.delta(0)),
+                    at[1] + i64::from(step.delta(1)),
                 ];
                 points.push(at);
             }
@@ -126,7 +126,7 @@ fn plane_lines_step_as_recorded() {
     for record in list(&oracle["lines"]) {
         let line = Line::new(narrow(pair(&record["d"])));
         assert_eq!(i64::from(line.events()), number(&record["iters"]));
-        let steps: String = line.map(|step| digit(step.delta)).collect();
+        let steps: String = line.map(|step| digit(step.deltas())).collect();
         assert_eq!(steps, record["steps"].as_str().unwrap(), "{record}");
     }
 }
@@ -144,9 +144,8 @@ fn lines_of_many_axes_step_as_recorded() {
         let axes = list(&record["d"]).len();
         let steps: Vec<String> = Line::new(delta)
             .map(|step| {
-                let signs = step.delta.iter().take(axes);
-                signs
-                    .map(|&delta| b"-0+"[(delta + 1) as usize] as char)
+                (0..axes)
+                    .map(|axis| b"-0+"[(step.delta(axis) + 1) as usize] as char)
                     .collect()
             })
             .collect();

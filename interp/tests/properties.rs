@@ -1,17 +1,17 @@
 //! What holds for every line, arc and helix.
 
 use husillo_interp::{
-    Arc, ArcError, ArcMove, Direction, Helix, Interpolator, Line, Path, Rim, Step,
+    Arc, ArcError, ArcMove, Direction, Helix, Interpolator, Line, Moves, Path, Rim, Step,
     fraction_bits_for,
 };
 use proptest::prelude::*;
 
 /// Positions after each event, the start included.
-fn points<const N: usize>(from: [i32; N], steps: impl Iterator<Item = Step<N>>) -> Vec<[i64; N]> {
+fn points<const N: usize>(from: [i32; N], steps: impl Iterator<Item = Step>) -> Vec<[i64; N]> {
     let mut at = from.map(i64::from);
     let mut points = vec![at];
     for step in steps {
-        for (at, delta) in at.iter_mut().zip(step.delta) {
+        for (at, delta) in at.iter_mut().zip(step.deltas::<N>()) {
             *at += i64::from(delta);
         }
         points.push(at);
@@ -128,13 +128,13 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
         Err(error) => return Err(TestCaseError::fail(error.to_string())),
     };
     let wide = Arc::wide(arc_move).unwrap();
-    let steps: Vec<Step<2>> = arc.clone().collect();
+    let steps: Vec<Step> = arc.clone().collect();
     // 32-bit and 64-bit state give the same events.
     prop_assert!(steps.iter().copied().eq(wide));
     // The counts and sums of the dry pass are those of the walk.
     prop_assert_eq!(steps.len(), arc.events() as usize);
     prop_assert_eq!(
-        steps.iter().map(|step| step.sweep).sum::<u64>(),
+        steps.iter().map(|step| u64::from(step.sweep)).sum::<u64>(),
         arc.total_sweep()
     );
     prop_assert_eq!(
@@ -142,11 +142,7 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
         Some(arc.largest_sweep())
     );
     // Every event moves, and takes time; nothing is announced that does not come.
-    prop_assert!(
-        steps
-            .iter()
-            .all(|step| step.delta != [0, 0] && step.sweep > 0)
-    );
+    prop_assert!(steps.iter().all(|step| step.axes != 0 && step.sweep > 0));
     let points = points(arc_move.from, steps.iter().copied());
     // Always ends exactly.
     prop_assert_eq!(points.last(), Some(&arc_move.to.map(i64::from)));
@@ -156,7 +152,7 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
     for (at, step) in points.iter().zip(&steps) {
         let [x, y] =
             [0, 1].map(|axis| i128::from(at[axis]) * one - i128::from(arc_move.centre[axis]));
-        let cross = x * i128::from(step.delta[1]) - y * i128::from(step.delta[0]);
+        let cross = x * i128::from(step.delta(1)) - y * i128::from(step.delta(0));
         let turning = if arc_move.direction == Direction::Clockwise {
             -cross
         } else {
@@ -301,9 +297,9 @@ proptest! {
             Ok(Path::Line(_)) => unreachable!("an arc"),
             Err(_) => return Ok(()),
         };
-        let steps: Vec<Step<4>> = helix.clone().collect();
+        let steps: Vec<Step> = helix.clone().collect();
         prop_assert_eq!(steps.len(), helix.events() as usize);
-        prop_assert_eq!(steps.iter().map(|step| step.sweep).sum::<u64>(), helix.total_sweep());
+        prop_assert_eq!(steps.iter().map(|step| u64::from(step.sweep)).sum::<u64>(), helix.total_sweep());
         prop_assert_eq!(steps.iter().map(|step| step.sweep).max(), Some(helix.largest_sweep()));
         // Half a step of rounding at the plane's events and another half within bursts; and the
         // shares of a burst are whole units of sweep.
@@ -311,8 +307,8 @@ proptest! {
         let mut at = [0_i64; 4];
         let mut sweep = 0_u128;
         for step in &steps {
-            prop_assert!(step.sweep > 0 && step.delta != [0; 4]);
-            for (at, delta) in at.iter_mut().zip(step.delta) {
+            prop_assert!(step.sweep > 0 && step.axes != 0);
+            for (at, delta) in at.iter_mut().zip(step.deltas::<4>()) {
                 *at += i64::from(delta);
             }
             sweep += u128::from(step.sweep);
@@ -324,9 +320,9 @@ proptest! {
         }
         let plane = [1, 0].map(|axis| i64::from(arc.to[axis]) - i64::from(arc.from[axis]));
         prop_assert_eq!(at, [i64::from(along[0]), plane[0], i64::from(along[2]), plane[1]]);
-        let alone: Vec<[i8; 2]> = steps.iter().map(|step| [step.delta[3], step.delta[1]])
+        let alone: Vec<[i8; 2]> = steps.iter().map(|step| [step.delta(3), step.delta(1)])
             .filter(|delta| *delta != [0, 0]).collect();
-        prop_assert!(alone.into_iter().eq(Arc::new(&arc).unwrap().map(|step| step.delta)));
+        prop_assert!(alone.into_iter().eq(Arc::new(&arc).unwrap().map(Step::deltas)));
     }
 
     /// No input panics, and what is accepted has its bounds.
@@ -349,7 +345,7 @@ proptest! {
 fn longest_line() {
     let line = Line::new([i32::MIN, i32::MAX, 0]);
     assert_eq!(line.events(), 1 << 31);
-    let first: Vec<_> = line.take(3).map(|step| step.delta).collect();
+    let first: Vec<_> = line.take(3).map(Step::deltas::<3>).collect();
     assert_eq!(first, [[-1, 1, 0]; 3]);
 }
 
@@ -392,13 +388,12 @@ fn refusals() {
         ..arc
     };
     assert_eq!(Arc::new(&off).err(), Some(ArcError::OffRim));
-    let fine = Arc::new(&ArcMove {
+    let fine = ArcMove {
         from: [5, 5],
         ..arc
-    })
-    .unwrap();
+    };
     assert_eq!(
-        Helix::new(fine, [1, 1], [0; 3]).err(),
+        Helix::new(&fine, [1, 1], [0; 3]).err(),
         Some(ArcError::Plane)
     );
 }

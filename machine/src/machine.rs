@@ -2,7 +2,7 @@
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Modal, Nm, SpindleDirection};
-use husillo_interp::{Interpolator, Path, Step};
+use husillo_interp::{Moves, Path, Step};
 use husillo_planner::Timer;
 
 use crate::{
@@ -51,7 +51,7 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash> {
     origin: Origin,
 }
 
-impl<const N: usize, P: Interpolator<N>> Machine<N, P, Backlash> {
+impl<const N: usize, P: Moves<N>> Machine<N, P, Backlash> {
     /// A machine with one lash value an axis.
     pub fn new(config: Config<N>) -> Self {
         let lash = config
@@ -61,7 +61,7 @@ impl<const N: usize, P: Interpolator<N>> Machine<N, P, Backlash> {
     }
 }
 
-impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
+impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
     /// A machine with a lash model of your own for every axis.
     pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
         match &mut self.path {
             Some((path, timer)) if self.held.is_none() => match path.next() {
                 Some(step) => {
-                    let wait = timer.wait(step.sweep);
+                    let wait = timer.wait(step.sweep.into());
                     Some(self.path_step(step, wait))
                 }
                 None => {
@@ -143,17 +143,18 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
 
     /// A step of the path, unless an axis turns round and must be taken up first.
     #[inline]
-    fn path_step(&mut self, step: Step<N>, wait: u64) -> Event<N> {
+    fn path_step(&mut self, step: Step, wait: u64) -> Event<N> {
+        let delta = step.deltas();
         let may_owe = self.is_compensating
-            && (self.unfinished.is_some() || !self.compensator.is_straight_on(&step.delta));
+            && (self.unfinished.is_some() || !self.compensator.is_straight_on(&delta));
         let take_up = if may_owe {
-            self.turn_round(&step.delta, wait)
+            self.turn_round(&delta, wait)
         } else {
             None
         };
         match take_up {
             Some(event) => event,
-            None => self.give(step.delta, wait),
+            None => self.give(delta, wait),
         }
     }
 
@@ -259,7 +260,9 @@ impl<const N: usize, P: Interpolator<N>, L: Lash> Machine<N, P, L> {
                     self.path = None;
                     continue;
                 };
-                let wait = timer.wait(step.sweep).saturating_add(self.carried_ticks);
+                let wait = timer
+                    .wait(step.sweep.into())
+                    .saturating_add(self.carried_ticks);
                 self.carried_ticks = 0;
                 return Some(self.path_step(step, wait));
             }

@@ -1,7 +1,7 @@
 //! One command that moves, as steps and ticks.
 
 use husillo_gcode::{Command, Feed, Nm};
-use husillo_interp::Interpolator;
+use husillo_interp::Moves;
 use husillo_planner::Timer;
 
 use crate::{
@@ -157,7 +157,7 @@ impl<const N: usize> Config<N> {
     /// The interpolator and the timer of a move that has passed [`Config::check`].
     ///
     /// `start` is where the axes stand, `end` where they shall stand; the path begins at `from` exactly.
-    pub(crate) fn begin<P: Interpolator<N>>(
+    pub(crate) fn begin<P: Moves<N>>(
         &self,
         segment: &Segment<N>,
         start: [i32; N],
@@ -179,13 +179,13 @@ impl<const N: usize> Config<N> {
         let path = path.unwrap_or_else(|| P::line(delta));
         let ticks = self.ticks(segment, &path);
         let timer = (path.remaining() > 0)
-            .then(|| Timer::new(ticks, path.total_sweep(), path.largest_sweep()));
+            .then(|| Timer::new(ticks, path.total_sweep(), path.largest_sweep().into()));
         (path, ticks, timer)
     }
 
     /// Timer ticks of the whole move: of the way as programmed, not of the steps it rounds to, so that many
     /// moves shorter than a step take the time of their sum.
-    fn ticks<P: Interpolator<N>>(&self, segment: &Segment<N>, path: &P) -> u64 {
+    fn ticks<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> u64 {
         let hz = u64::from(self.timer_hz);
         let (feed, to, plane) = match &segment.command {
             Command::Rapid { to } => (None, to, None),

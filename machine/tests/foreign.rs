@@ -4,7 +4,7 @@ mod common;
 
 use common::config;
 use husillo_backlash::Lash;
-use husillo_interp::{ArcError, ArcMove, Interpolator, Step};
+use husillo_interp::{ArcError, ArcMove, Interpolator, Moves, Step};
 use husillo_machine::{Event, Idle, Machine, Motors};
 use husillo_stepper::{CoilDriver, Levels};
 
@@ -15,27 +15,21 @@ struct AxisByAxis {
 }
 
 impl Iterator for AxisByAxis {
-    type Item = Step<3>;
+    type Item = Step;
 
-    fn next(&mut self) -> Option<Step<3>> {
+    fn next(&mut self) -> Option<Step> {
         let axis = self.left.iter().position(|left| *left != 0)?;
-        let mut delta = [0; 3];
-        delta[axis] = self.left[axis].signum() as i8;
+        let is_negative = self.left[axis] < 0;
         self.left[axis] -= self.left[axis].signum();
-        Some(Step { delta, sweep: 1 })
+        Some(Step {
+            axes: 1 << axis,
+            negative: u8::from(is_negative) << axis,
+            sweep: 1,
+        })
     }
 }
 
-impl Interpolator<3> for AxisByAxis {
-    fn line(left: [i32; 3]) -> Self {
-        let steps = left.iter().map(|left| left.unsigned_abs()).sum();
-        Self { left, steps }
-    }
-
-    fn arc(_: &ArcMove, _: [usize; 2], along: [i32; 3]) -> Result<Self, ArcError> {
-        Ok(Self::line(along))
-    }
-
+impl Interpolator for AxisByAxis {
     fn remaining(&self) -> u32 {
         self.left.iter().map(|left| left.unsigned_abs()).sum()
     }
@@ -44,8 +38,19 @@ impl Interpolator<3> for AxisByAxis {
         u64::from(self.steps)
     }
 
-    fn largest_sweep(&self) -> u64 {
+    fn largest_sweep(&self) -> u32 {
         1
+    }
+}
+
+impl Moves<3> for AxisByAxis {
+    fn line(left: [i32; 3]) -> Self {
+        let steps = left.iter().map(|left| left.unsigned_abs()).sum();
+        Self { left, steps }
+    }
+
+    fn arc(_: &ArcMove, _: [usize; 2], along: [i32; 3]) -> Result<Self, ArcError> {
+        Ok(Self::line(along))
     }
 
     fn radius(&self) -> Option<u64> {

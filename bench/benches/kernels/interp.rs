@@ -24,10 +24,10 @@ pub fn bench(criterion: &mut Criterion) {
     };
     let narrow = Arc::new(&circle).expect("a circle");
     let wide = Arc::wide(&circle).expect("a circle");
-    let helix = Helix::new(narrow.clone(), [0, 1], [0, 0, 5000]).expect("a helix");
+    let helix = Helix::new(&circle, [0, 1], [0, 0, 5000]).expect("a helix");
     walk(&mut group, "arc_i32", &narrow);
     walk(&mut group, "arc_i64", &wide);
-    walk::<Helix<3>, 3>(&mut group, "helix", &helix);
+    walk::<Helix<3>>(&mut group, "helix", &helix);
     group.throughput(Throughput::Elements(1));
     group.bench_function("arc_setup_quarter_of_1000_steps", |bencher| {
         let quarter = ArcMove {
@@ -40,9 +40,9 @@ pub fn bench(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn walk<I, const N: usize>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, path: &I)
+fn walk<I>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, path: &I)
 where
-    I: Iterator<Item = Step<N>> + Clone,
+    I: Iterator<Item = Step> + Clone,
 {
     group.throughput(Throughput::Elements(path.clone().count() as u64));
     group.bench_function(name, |bencher| {

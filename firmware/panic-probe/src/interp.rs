@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use husillo_interp::{Arc, Helix, Interpolator, Line, Path, fraction_bits_for};
+use husillo_interp::{Arc, Helix, Interpolator, Line, Moves, Path, Step, fraction_bits_for};
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -11,6 +11,10 @@ pub fn keep() {
         Line::<3>::new as *const (),
         Line::<3>::events as *const (),
         Line::<3>::remaining as *const (),
+        Line::<3>::total_sweep as *const (),
+        Line::<3>::largest_sweep as *const (),
+        Step::delta as *const (),
+        Step::deltas::<3> as *const (),
         <Line<3> as Iterator>::next as *const (),
         <Line<3> as Iterator>::size_hint as *const (),
         <Line<6> as Iterator>::next as *const (),
@@ -37,11 +41,11 @@ pub fn keep() {
         <Helix<3> as Iterator>::size_hint as *const (),
         <Path<3> as Iterator>::next as *const (),
         <Path<3> as Iterator>::size_hint as *const (),
-        <Path<3> as Interpolator<3>>::line as *const (),
-        <Path<3> as Interpolator<3>>::arc as *const (),
-        <Path<3> as Interpolator<3>>::remaining as *const (),
-        <Path<3> as Interpolator<3>>::total_sweep as *const (),
-        <Path<3> as Interpolator<3>>::largest_sweep as *const (),
-        <Path<3> as Interpolator<3>>::radius as *const (),
+        <Path<3> as Moves<3>>::line as *const (),
+        <Path<3> as Moves<3>>::arc as *const (),
+        <Path<3> as Interpolator>::remaining as *const (),
+        <Path<3> as Interpolator>::total_sweep as *const (),
+        <Path<3> as Interpolator>::largest_sweep as *const (),
+        <Path<3> as Moves<3>>::radius as *const (),
     ]);
 }
