@@ -24,8 +24,6 @@ pub(crate) trait Word: Copy + Ord + core::fmt::Debug {
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn half(self) -> Self;
-    /// `self` where `condition` holds, otherwise 0; without a branch.
-    fn only_if(self, condition: bool) -> Self;
     /// A positive sweep of less than 2^32 after the shift; there is none where the state is narrow.
     fn sweep(self, shift: u8) -> u32;
 }
@@ -48,10 +46,6 @@ impl Word for i32 {
     #[inline]
     fn half(self) -> i32 {
         self >> 1
-    }
-    #[inline]
-    fn only_if(self, condition: bool) -> i32 {
-        self & i32::from(condition).wrapping_neg()
     }
     #[inline]
     fn sweep(self, _shift: u8) -> u32 {
@@ -77,10 +71,6 @@ impl Word for i64 {
     #[inline]
     fn half(self) -> i64 {
         self >> 1
-    }
-    #[inline]
-    fn only_if(self, condition: bool) -> i64 {
-        self & i64::from(condition).wrapping_neg()
     }
     #[inline]
     fn sweep(self, shift: u8) -> u32 {
@@ -133,11 +123,6 @@ impl Toward {
     #[inline]
     const fn opposite(self) -> Toward {
         Toward(self.0 ^ (self.0 << 8))
-    }
-
-    #[inline]
-    fn only_if(self, condition: bool) -> Toward {
-        Toward(self.0 & u16::from(condition).wrapping_neg())
     }
 
     #[inline]
@@ -237,23 +222,25 @@ impl<W: Word> Walk<W> {
         let bias = self.one.half();
         // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of
         // after_both leaves two candidates. Compared by differences: each fits where the three do.
+        // With branches, as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on a desktop.
         let is_outside = after_both >= W::ZERO;
-        let takes_v = !(is_outside & (after_both > bias.minus(after_u)));
-        let takes_u = is_outside | (after_both >= bias.minus(after_v));
-        self.residue = self
-            .residue
-            .plus(du.only_if(takes_u))
-            .plus(dv.only_if(takes_v));
         let two = self.one.plus(self.one);
-        self.du = du.plus(two.only_if(takes_u));
-        self.dv = dv.plus(two.only_if(takes_v));
         let along_u = dv.minus(self.one).half();
         let along_v = self.one.minus(du).half();
-        let sweep = along_u.only_if(takes_u).plus(along_v.only_if(takes_v));
-        let toward = self
-            .toward_u
-            .only_if(takes_u)
-            .and(self.toward_v.only_if(takes_v));
+        let (toward, sweep) = if is_outside & (after_both > bias.minus(after_u)) {
+            self.residue = after_u;
+            self.du = du.plus(two);
+            (self.toward_u, along_u)
+        } else if !is_outside & (after_both < bias.minus(after_v)) {
+            self.residue = after_v;
+            self.dv = dv.plus(two);
+            (self.toward_v, along_v)
+        } else {
+            self.residue = after_both;
+            self.du = du.plus(two);
+            self.dv = dv.plus(two);
+            (self.toward_u.and(self.toward_v), along_u.plus(along_v))
+        };
         Some(self.step(toward, sweep))
     }
 
