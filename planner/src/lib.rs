@@ -5,4 +5,17 @@
 
 mod timer;
 
+mod direction;
+mod junction;
+mod look_ahead;
+mod ramp;
+mod rate;
+mod ring;
+mod stretch;
+
+pub use direction::Direction;
+pub use junction::{Junction, arc_acceleration, arc_speed};
+pub use look_ahead::{Limits, LookAhead};
+pub use ramp::Ramp;
+pub use stretch::Stretch;
 pub use timer::Timer;

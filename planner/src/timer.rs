@@ -36,6 +36,11 @@ impl Timer {
     /// `ticks / sweep * largest_sweep`, the longest wait, has to be below 2^61 ticks; beyond that
     /// waits are cut to it. A sweep of 0 is taken as 1.
     pub fn new(ticks: u64, sweep: u64, largest_sweep: u64) -> Timer {
+        Timer::with_most_bits(ticks, sweep, largest_sweep, 61)
+    }
+
+    /// [`Timer::new`] with no more than so many fraction bits, 61 at most.
+    pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u64, most: u8) -> Timer {
         let sweep = sweep.max(1);
         // The longest wait is below 2^(bits(ticks) - bits(sweep) + 1 + bits(largest)).
         let longest = i64::from(bits(ticks))
@@ -43,7 +48,9 @@ impl Timer {
             .wrapping_add(1)
             .wrapping_add(i64::from(bits(largest_sweep)));
         // At most 61, so that 2^fraction_bits owed fits beside a product.
-        let fraction_bits = i64::from(PRODUCT_BITS).wrapping_sub(longest).clamp(0, 61) as u8;
+        let fraction_bits = i64::from(PRODUCT_BITS)
+            .wrapping_sub(longest)
+            .clamp(0, most.min(61).into()) as u8;
         let (rate, rest) = scaled_quotient(ticks, sweep, fraction_bits);
         let (mut low, rest) = continue_quotient(0, rest, sweep, 32);
         // Up, so that the whole sweep reaches the last tick in spite of the cut.
@@ -89,19 +96,23 @@ impl Timer {
     /// Ticks to wait before an event of this `sweep`; what is less than a tick is owed to the next.
     #[inline]
     pub fn wait(&mut self, sweep: u64) -> u64 {
+        // At most 2^62 + 2^32, and owed < 2^61.
+        let sum = self.owed.wrapping_add(self.product(sweep));
+        let ticks = sum.wrapping_shr(self.fraction_bits.into());
+        self.owed = sum.wrapping_sub(ticks.wrapping_shl(self.fraction_bits.into()));
+        ticks
+    }
+
+    /// The time of an event with all its fraction bits, of which nothing is owed here.
+    #[inline]
+    pub(crate) fn product(&mut self, sweep: u64) -> u64 {
         // sweep < 2^32 where rate_low is not 0: (2^32 - 1)^2 + 2^32 - 1 fits.
         let low = u64::from(self.rate_low)
             .wrapping_mul(sweep)
             .wrapping_add(self.owed_low.into());
         self.owed_low = low as u32;
-        // rate sweep <= 2^62, owed < 2^61, low >> 32 < 2^32.
-        let sum = self
-            .owed
-            .wrapping_add(self.rate.wrapping_mul(sweep))
-            .wrapping_add(low >> 32);
-        let ticks = sum.wrapping_shr(self.fraction_bits.into());
-        self.owed = sum.wrapping_sub(ticks.wrapping_shl(self.fraction_bits.into()));
-        ticks
+        // rate sweep <= 2^62, low >> 32 < 2^32.
+        self.rate.wrapping_mul(sweep).wrapping_add(low >> 32)
     }
 
     /// Fraction bits of the rate.
@@ -115,12 +126,12 @@ impl Timer {
     }
 }
 
-const fn bits(value: u64) -> u32 {
+pub(crate) const fn bits(value: u64) -> u32 {
     64_u32.wrapping_sub(value.leading_zeros())
 }
 
 /// floor(`ticks` 2^`fraction_bits` / `sweep`) and the remainder; `sweep` is not 0.
-fn scaled_quotient(ticks: u64, sweep: u64, fraction_bits: u8) -> (u64, u64) {
+pub(crate) fn scaled_quotient(ticks: u64, sweep: u64, fraction_bits: u8) -> (u64, u64) {
     let whole = ticks.checked_div(sweep).unwrap_or(0);
     let rest = ticks.wrapping_sub(whole.wrapping_mul(sweep));
     continue_quotient(whole, rest, sweep, fraction_bits.into())

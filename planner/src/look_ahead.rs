@@ -1,0 +1,270 @@
+//! How fast each move may end, given the moves behind it.
+//!
+//! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. Add these up along the
+//! queue and call the sum the *height* of a junction. The square of the speed at the end of the first move may be, for
+//! every junction behind it, the square of the speed allowed there and the height between, whichever junction allows
+//! the least:
+//!
+//! ```text
+//!  height + limit^2
+//!     |                x           x  junction, no limit to anything before it
+//!     |      x     o               o  candidate: lower than all behind it
+//!     |   o                      end  speed 0 (or the start speed)
+//!     +---+--+-----+---+----------+-> junctions, first move's end on the left
+//! ```
+//!
+//! Only the candidates are kept: a new junction throws out those behind which it stands lower, once and for all, so a
+//! move is looked at twice in its life however long the queue is. The lowest candidate is always the first one. (This
+//! is the minimum over a sliding window of Knuth's school; Grbl's two passes of planner.c come to the same speeds.)
+
+use crate::{Stretch, ring::Ring, stretch::square};
+
+/// How fast the executing move may be and end, at this moment.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// Speed of the move with the override, at most the machine's.
+    pub top_nm_per_s: u32,
+    /// Square of the highest speed at the end of the move, (nm/s)^2.
+    pub exit_squared: u64,
+}
+
+/// A queue of up to `CAPACITY` moves, each with a payload `M`, the executing one included.
+///
+/// ```
+/// use husillo_planner::{LookAhead, Stretch};
+///
+/// let millimetre = Stretch {
+///     length_nm: 1_000_000,
+///     top_nm_per_s: 10_000_000,
+///     ceiling_nm_per_s: 50_000_000,
+///     obeys_override: true,
+///     acceleration_nm_per_s2: 10_000_000,
+///     start_nm_per_s: 0,
+///     entry_limit_nm_per_s: u32::MAX,
+/// };
+/// let mut moves = LookAhead::<&str, 2>::new();
+/// moves.push(millimetre, "first").unwrap();
+/// assert_eq!(moves.limits().exit_squared, 0); // nothing behind: it has to stop
+/// moves.push(millimetre, "second").unwrap();
+/// assert_eq!(moves.limits().exit_squared, 2 * 10_000_000 * 1_000_000); // 2 a L
+/// assert_eq!(moves.push(millimetre, "third"), Err((millimetre, "third"))); // full
+/// ```
+#[derive(Clone, Debug)]
+pub struct LookAhead<M, const CAPACITY: usize> {
+    slots: Ring<Slot<M>, CAPACITY>,
+    candidates: Ring<Candidate, CAPACITY>,
+    /// Height of the end of the first move. Heights cannot overflow: 2^43 moves of 2^85.
+    front_end: u128,
+    /// Height of the end of the last move.
+    end: u128,
+    /// Number of the first move; wraps.
+    front_number: u32,
+    percent: u8,
+    limits: Limits,
+}
+
+#[derive(Clone, Debug)]
+struct Slot<M> {
+    stretch: Stretch,
+    gain: u128,
+    payload: M,
+}
+
+/// A junction that nothing behind it makes superfluous.
+#[derive(Copy, Clone, Debug)]
+struct Candidate {
+    /// Of the move after the junction.
+    number: u32,
+    height_and_limit: u128,
+}
+
+impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
+    /// An empty queue at 100 %.
+    pub const fn new() -> Self {
+        Self {
+            slots: Ring::new(),
+            candidates: Ring::new(),
+            front_end: 0,
+            end: 0,
+            front_number: 0,
+            percent: 100,
+            limits: Limits {
+                top_nm_per_s: 0,
+                exit_squared: 0,
+            },
+        }
+    }
+
+    /// Appends a move. The speeds of the moves before it may rise, none ever falls.
+    ///
+    /// Constant time on the average, no division.
+    ///
+    /// # Errors
+    /// Gives the move back when the queue is full.
+    pub fn push(&mut self, stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
+        if self.slots.is_full() {
+            return Err((stretch, payload));
+        }
+        let gain = stretch.gain();
+        match self.slots.back() {
+            Some(last) => {
+                let limit = entry_squared(&last.stretch, &stretch, self.percent);
+                // At most 2^31 moves wait, so numbers of moves in the queue differ.
+                let number = self.front_number.wrapping_add(self.slots.len() as u32);
+                self.add_candidate(number, limit);
+                self.end = self.end.wrapping_add(gain);
+            }
+            None => {
+                self.front_end = gain;
+                self.end = gain;
+                self.limits.top_nm_per_s = stretch.top_at(self.percent);
+            }
+        }
+        self.slots.push_back(Slot {
+            stretch,
+            gain,
+            payload,
+        });
+        self.update_exit();
+        Ok(())
+    }
+
+    /// Takes the first move out when it has been executed; the next one is the executing one from now on.
+    pub fn pop(&mut self) -> Option<(Stretch, M)> {
+        let slot = self.slots.pop_front()?;
+        self.front_number = self.front_number.wrapping_add(1);
+        if let Some(candidate) = self.candidates.front() {
+            if candidate.number == self.front_number {
+                self.candidates.pop_front();
+            }
+        }
+        if let Some(front) = self.slots.front() {
+            self.front_end = self.front_end.wrapping_add(front.gain);
+            self.limits.top_nm_per_s = front.stretch.top_at(self.percent);
+        }
+        self.update_exit();
+        Some((slot.stretch, slot.payload))
+    }
+
+    /// The executing move, or the one to be executed next.
+    pub fn front(&self) -> Option<(&Stretch, &M)> {
+        self.slots
+            .front()
+            .map(|slot| (&slot.stretch, &slot.payload))
+    }
+
+    /// The move appended last.
+    pub fn back(&self) -> Option<(&Stretch, &M)> {
+        self.slots.back().map(|slot| (&slot.stretch, &slot.payload))
+    }
+
+    /// What holds for the first move now: ask at every event, it may rise. All zero when the queue is empty.
+    #[inline]
+    pub const fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// Scales the programmed speeds: 10 to 200 percent, others are taken as the nearest of these.
+    ///
+    /// Looks at every move once. A lower override may ask the executing move for less than it can brake to; [`Ramp`](crate::Ramp)
+    /// then brakes as hard as it may, and no junction is passed faster than its limit.
+    pub fn set_override(&mut self, percent: u8) {
+        let percent = percent.clamp(10, 200);
+        if percent == self.percent {
+            return;
+        }
+        self.percent = percent;
+        self.candidates.clear();
+        let Some(front) = self.slots.front() else {
+            return;
+        };
+        self.limits.top_nm_per_s = front.stretch.top_at(percent);
+        self.front_end = front.gain;
+        self.end = front.gain;
+        let mut last = front.stretch;
+        for offset in 1..self.slots.len() {
+            let Some(slot) = self.slots.get(offset) else {
+                break;
+            };
+            let (stretch, gain) = (slot.stretch, slot.gain);
+            let number = self.front_number.wrapping_add(offset as u32);
+            self.add_candidate(number, entry_squared(&last, &stretch, percent));
+            self.end = self.end.wrapping_add(gain);
+            last = stretch;
+        }
+        self.update_exit();
+    }
+
+    /// The override in percent.
+    pub const fn percent(&self) -> u8 {
+        self.percent
+    }
+
+    /// Moves in the queue, the executing one included.
+    pub const fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether nothing is to be executed.
+    pub const fn is_empty(&self) -> bool {
+        self.slots.len() == 0
+    }
+
+    /// Whether [`LookAhead::push`] would give the move back.
+    pub const fn is_full(&self) -> bool {
+        self.slots.is_full()
+    }
+
+    /// Drops all moves; the override stays.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+        self.candidates.clear();
+        self.update_exit();
+    }
+
+    /// The junction at the end of the queue gets a move behind it: all candidates it undercuts go.
+    fn add_candidate(&mut self, number: u32, limit_squared: u64) {
+        let height_and_limit = self.end.wrapping_add(limit_squared.into());
+        while self
+            .candidates
+            .back()
+            .is_some_and(|candidate| candidate.height_and_limit >= height_and_limit)
+        {
+            self.candidates.pop_back();
+        }
+        self.candidates.push_back(Candidate {
+            number,
+            height_and_limit,
+        });
+    }
+
+    fn update_exit(&mut self) {
+        let Some(last) = self.slots.back() else {
+            self.limits = Limits::default();
+            return;
+        };
+        let stop = square(last.stretch.start_nm_per_s);
+        let mut lowest = self.end.wrapping_add(stop.into());
+        if let Some(candidate) = self.candidates.front() {
+            lowest = lowest.min(candidate.height_and_limit);
+        }
+        let exit = lowest.saturating_sub(self.front_end);
+        self.limits.exit_squared = u64::try_from(exit).unwrap_or(u64::MAX);
+    }
+}
+
+impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Square of the highest speed from one move to the next: the junction's, neither move's top exceeded. The start speed
+/// of the first is allowed always: a stop from it and a new start are.
+fn entry_squared(before: &Stretch, after: &Stretch, percent: u8) -> u64 {
+    let speed = after
+        .entry_limit_nm_per_s
+        .min(before.top_at(percent))
+        .min(after.top_at(percent));
+    square(speed.max(before.start_nm_per_s))
+}

@@ -1,0 +1,271 @@
+//! When the events of the executing move happen.
+
+use crate::{
+    Limits, Stretch, Timer,
+    rate::{Rate, unit},
+    stretch::square,
+};
+
+/// Path speed from event to event: as fast as top speed, acceleration and the end of the move allow.
+///
+/// Its state is the square of the speed, which changes by 2 a ds at most over an event of the length ds. The speed is
+/// carried from move to move, and what is less than a tick is owed to the next event, whatever move it belongs to. An
+/// event within the ramp costs a square root and a division of 64 bits, one at constant speed neither. At constant
+/// speed the times add up to the programmed ones exactly; on a ramp speeds are rounded down to nm/s.
+///
+/// ```
+/// use husillo_planner::{LookAhead, Ramp, Stretch};
+///
+/// let stretch = Stretch {
+///     length_nm: 100_000, // 100 steps of 1 um
+///     top_nm_per_s: 1_000_000,
+///     ceiling_nm_per_s: 1_000_000,
+///     obeys_override: true,
+///     acceleration_nm_per_s2: 50_000_000,
+///     start_nm_per_s: 0,
+///     entry_limit_nm_per_s: 0,
+/// };
+/// let mut moves = LookAhead::<(), 8>::new();
+/// moves.push(stretch, ()).unwrap();
+/// let mut ramp = Ramp::new(1_000_000);
+/// // At 1 mm/s the whole move takes 100 000 us.
+/// ramp.begin(&stretch, 100, 1, 100_000 << 16);
+/// let waits: Vec<u64> = (0..100).map_while(|_| ramp.wait(1, moves.limits())).collect();
+/// assert_eq!(waits[0], 6_324); // sqrt(2 ds / a)
+/// assert_eq!(waits[50], 1_000);
+/// assert!(waits[99].abs_diff(6_324) <= 1);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Ramp {
+    timer_hz: u32,
+    /// Square of the present speed, and its root.
+    squared: u64,
+    speed: u32,
+    is_held: bool,
+    /// Fraction of a tick owed to the next event, times 2^64.
+    owed: u64,
+    /// 2 a ds for a unit of sweep, (nm/s)^2, and the fraction of it owed.
+    gain: Rate,
+    gain_owed: u64,
+    /// 2 a s for what is left of the move.
+    remaining: u128,
+    /// 2 ds f for a unit of sweep: ticks times the sum of the speeds before and after.
+    passage: Rate,
+    /// Events at top speed.
+    cruise: Timer,
+    cruise_shift: u8,
+    top: u32,
+    top_squared: u64,
+    /// Square of the speed that needs no ramp.
+    floor: u64,
+    /// The move as begun, for another top speed.
+    programmed_top: u32,
+    start: u32,
+    cruise_ticks_q16: u64,
+    total_sweep: u64,
+    largest_sweep: u32,
+}
+
+impl Ramp {
+    /// Standing still; waits are in ticks of `timer_hz`.
+    pub fn new(timer_hz: u32) -> Ramp {
+        Ramp {
+            timer_hz,
+            squared: 0,
+            speed: 0,
+            is_held: false,
+            owed: 0,
+            gain: Rate::default(),
+            gain_owed: 0,
+            remaining: 0,
+            passage: Rate::default(),
+            cruise: Timer::new(0, 1, 1),
+            cruise_shift: 1,
+            top: 0,
+            top_squared: 0,
+            floor: 0,
+            programmed_top: 1,
+            start: 0,
+            cruise_ticks_q16: 0,
+            total_sweep: 1,
+            largest_sweep: 1,
+        }
+    }
+
+    /// Begins a move at the speed the one before ended with.
+    ///
+    /// `total_sweep` is that of all its events, `largest_sweep` that of the largest one.
+    /// `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times 2^16: what is exact about the
+    /// programmed feed is in it. A move without events is begun with a sweep of 1 and waited for once; its ticks
+    /// belong to the next event.
+    ///
+    /// Some ten divisions of 64 bits.
+    pub fn begin(
+        &mut self,
+        stretch: &Stretch,
+        total_sweep: u64,
+        largest_sweep: u32,
+        cruise_ticks_q16: u64,
+    ) {
+        let total_sweep = total_sweep.max(1);
+        self.total_sweep = total_sweep;
+        self.largest_sweep = largest_sweep;
+        self.cruise_ticks_q16 = cruise_ticks_q16;
+        self.programmed_top = stretch.top_nm_per_s.max(1);
+        self.start = stretch.start_nm_per_s;
+        let (length, length_bits) = unit(stretch.length(), total_sweep);
+        self.gain = Rate::new(
+            length,
+            stretch.double_acceleration(),
+            length_bits,
+            largest_sweep,
+        );
+        self.gain_owed = 0;
+        self.remaining = stretch.gain();
+        let double_hz = u64::from(self.timer_hz).wrapping_mul(2);
+        self.passage = Rate::new(length, double_hz, length_bits, largest_sweep);
+        // Only a start speed gets a ramp above a junction's limit: from there it may fall at once.
+        let entry = square(stretch.entry_limit_nm_per_s);
+        if self.squared > entry {
+            self.set_squared(entry);
+        }
+        // Not a top speed: the next event sets the one that holds then.
+        self.top = 0;
+    }
+
+    /// Ticks to wait before an event of this `sweep`, at most the largest one.
+    ///
+    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment. `None` when a hold has
+    /// brought the path to a stop: the event did not happen, ask again after [`Ramp::resume`].
+    #[inline]
+    pub fn wait(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
+        if limits.top_nm_per_s != self.top {
+            self.set_top(limits.top_nm_per_s);
+        }
+        // The product is at most 2^62, owed less than 2^63.
+        let gain = self.gain.times(sweep).wrapping_add(self.gain_owed);
+        let (gain, gain_owed) = self.gain.split(gain);
+        let remaining = self.remaining.saturating_sub(gain.into());
+        let end = u64::try_from(remaining)
+            .unwrap_or(u64::MAX)
+            .saturating_add(limits.exit_squared);
+        let before = self.squared.max(self.floor);
+        let top = if self.is_held { 0 } else { self.top_squared };
+        // One more than it gains: rounding must not keep it from braking to the end.
+        let least = before.saturating_sub(gain.saturating_add(1));
+        let after = before.saturating_add(gain).min(top).min(end).max(least);
+        if self.is_held && after <= self.floor {
+            self.set_squared(0);
+            return None;
+        }
+        self.gain_owed = gain_owed;
+        self.remaining = remaining;
+        let after = after.max(self.floor);
+        if before == self.top_squared && after == before {
+            self.squared = after;
+            self.speed = self.top;
+            let time = self.cruise.product(sweep.into());
+            return Some(self.settle(time, self.cruise_shift));
+        }
+        let speed_before = if before == self.squared {
+            self.speed
+        } else {
+            root(before)
+        };
+        let speed_after = if after == self.top_squared {
+            self.top
+        } else if after == before {
+            speed_before
+        } else {
+            root(after)
+        };
+        self.squared = after;
+        self.speed = speed_after;
+        let mut speeds = u64::from(speed_before).wrapping_add(speed_after.into());
+        if before < gain / 4 && after < gain / 4 {
+            // From next to nothing to next to nothing in one event: up and down within it, at the mean half of
+            // the peak sqrt(a ds).
+            let peak = u64::from(root(gain / 2)).min(u64::from(self.top).wrapping_mul(2));
+            speeds = speeds.max(peak).max(1);
+        }
+        let time = self
+            .passage
+            .times(sweep)
+            .checked_div(speeds)
+            .unwrap_or(u64::MAX >> 1);
+        Some(self.settle(time, self.passage.fraction_bits()))
+    }
+
+    /// Feed hold: the path brakes from the next event on, through as many moves as it takes.
+    pub fn hold(&mut self) {
+        self.is_held = true;
+    }
+
+    /// Ends a hold, also one that has not stopped the path yet.
+    pub fn resume(&mut self) {
+        self.is_held = false;
+    }
+
+    /// Whether a hold is on.
+    pub const fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// Stands still from now on: after a dwell, a take-up, an abort. The next event starts anew.
+    pub fn stop(&mut self) {
+        self.set_squared(0);
+    }
+
+    /// Path speed after the event given last, rounded down.
+    pub const fn speed_nm_per_s(&self) -> u32 {
+        self.speed
+    }
+
+    /// Whole ticks of a time with that many fraction bits (1 to 63); the rest is owed.
+    fn settle(&mut self, time: u64, fraction_bits: u8) -> u64 {
+        let bits = u32::from(fraction_bits);
+        let fraction = time.wrapping_shl(64_u32.wrapping_sub(bits));
+        let (owed, carries) = self.owed.overflowing_add(fraction);
+        self.owed = owed;
+        // At most 2^63: a carry fits.
+        time.wrapping_shr(bits).wrapping_add(carries.into())
+    }
+
+    fn set_squared(&mut self, squared: u64) {
+        self.squared = squared;
+        self.speed = root(squared);
+    }
+
+    /// Another top speed: cruising takes the programmed time in proportion.
+    #[cold]
+    fn set_top(&mut self, top: u32) {
+        let top = top.max(1);
+        self.top = top;
+        self.top_squared = square(top);
+        self.floor = square(self.start.min(top));
+        let ticks = scale(self.cruise_ticks_q16, self.programmed_top, top);
+        self.cruise = Timer::with_most_bits(ticks, self.total_sweep, self.largest_sweep.into(), 47);
+        // 16 to 63.
+        self.cruise_shift = self.cruise.fraction_bits().wrapping_add(16);
+    }
+}
+
+/// Of 64 bits, so the root has 32.
+fn root(squared: u64) -> u32 {
+    squared.isqrt() as u32
+}
+
+/// `ticks` `numerator` / `denominator`, which is not 0, rounded down; saturates.
+fn scale(ticks: u64, numerator: u32, denominator: u32) -> u64 {
+    if numerator == denominator {
+        return ticks;
+    }
+    let [numerator, denominator] = [u64::from(numerator), u64::from(denominator)];
+    let whole = ticks.checked_div(denominator).unwrap_or(0);
+    let rest = ticks.wrapping_sub(whole.wrapping_mul(denominator));
+    // rest and numerator are below 2^32.
+    let part = rest.wrapping_mul(numerator).checked_div(denominator);
+    whole
+        .saturating_mul(numerator)
+        .saturating_add(part.unwrap_or(0))
+}

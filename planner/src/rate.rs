@@ -1,0 +1,69 @@
+//! Something for each unit of sweep.
+
+use crate::timer::{bits, scaled_quotient};
+
+/// A quantity for a unit of sweep, with as many fraction bits as leave products in 62 bits.
+#[derive(Copy, Clone, Debug, Default)]
+pub(crate) struct Rate {
+    mantissa: u64,
+    /// 1 to 63, except for the default.
+    fraction_bits: u8,
+}
+
+impl Rate {
+    /// `length` 2^-`length_bits` `factor`, for sweeps of at most `largest_sweep`, rounded down. What is
+    /// too large for products of 62 bits with at least one fraction bit is cut.
+    pub(crate) fn new(length: u64, factor: u64, length_bits: u8, largest_sweep: u32) -> Rate {
+        // 64 bits each.
+        let product = u128::from(length).wrapping_mul(factor.into());
+        let product_bits = 128_u32.wrapping_sub(product.leading_zeros());
+        let room = 62_u32.saturating_sub(bits(largest_sweep.into())).max(1);
+        let excess = product_bits.saturating_sub(room);
+        // Between 63 bits and what the length has.
+        let length_bits = u32::from(length_bits);
+        let excess = excess.max(length_bits.saturating_sub(63));
+        let Some(fraction_bits @ 1..) = length_bits.checked_sub(excess) else {
+            return Rate {
+                mantissa: 1_u64.wrapping_shl(room).wrapping_sub(1),
+                fraction_bits: 1,
+            };
+        };
+        Rate {
+            // At most `room` bits are left, fraction bits at most 63.
+            mantissa: product.wrapping_shr(excess) as u64,
+            fraction_bits: fraction_bits as u8,
+        }
+    }
+
+    /// For this sweep, times 2^`fraction_bits`; at most 2^62.
+    #[inline]
+    pub(crate) fn times(&self, sweep: u32) -> u64 {
+        self.mantissa.wrapping_mul(sweep.into())
+    }
+
+    /// The whole part and the fraction of a product.
+    #[inline]
+    pub(crate) fn split(&self, product: u64) -> (u64, u64) {
+        let bits = u32::from(self.fraction_bits);
+        let whole = product.wrapping_shr(bits);
+        (whole, product.wrapping_sub(whole.wrapping_shl(bits)))
+    }
+
+    pub(crate) const fn fraction_bits(&self) -> u8 {
+        self.fraction_bits
+    }
+}
+
+/// Length of a unit of sweep with 62 or 63 significant bits, and how many of them are fraction bits.
+///
+/// `length` is below 2^45, `total_sweep` not 0.
+pub(crate) fn unit(length: u64, total_sweep: u64) -> (u64, u8) {
+    // The quotient is below 2^(bits(length) - bits(total) + 1): 63 bits with these. From 18 to 126.
+    let fraction_bits = 62_u32
+        .wrapping_add(bits(total_sweep))
+        .wrapping_sub(bits(length)) as u8;
+    (
+        scaled_quotient(length, total_sweep, fraction_bits).0,
+        fraction_bits,
+    )
+}

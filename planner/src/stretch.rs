@@ -1,0 +1,65 @@
+//! A move as look-ahead sees it.
+
+/// Lengths are cut to this (17 km): then nothing overflows.
+const MAX_LENGTH_NM: u64 = 1 << 44;
+/// Accelerations are cut to this (1100 m/s^2).
+const MAX_ACCELERATION: u64 = 1 << 40;
+
+/// One move: how long it is and how fast it may be passed.
+///
+/// Speeds are along the path in nm/s, up to 4.29 m/s. A length above 2^44 nm and an acceleration above 2^40 nm/s^2 are
+/// taken as these; an acceleration of 0 as 1.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// Length of the path in nm.
+    pub length_nm: u64,
+    /// Speed as programmed; an override scales it. 0 is taken as 1.
+    pub top_nm_per_s: u32,
+    /// What the machine allows in this direction, whatever the override.
+    pub ceiling_nm_per_s: u32,
+    /// Whether an override applies (to a rapid or a synchronised move it may not).
+    pub obeys_override: bool,
+    /// Acceleration along the path.
+    pub acceleration_nm_per_s2: u64,
+    /// Speed that may be started and stopped at without a ramp.
+    pub start_nm_per_s: u32,
+    /// Highest speed at the junction with the move before (see [`Junction`](crate::Junction)); 0 stops there.
+    pub entry_limit_nm_per_s: u32,
+}
+
+impl Stretch {
+    /// Speed at an override of `percent`, at least 1 nm/s.
+    pub fn top_at(&self, percent: u8) -> u32 {
+        let programmed = u64::from(self.top_nm_per_s);
+        let scaled = if self.obeys_override {
+            // Below 2^32 2^8.
+            programmed.wrapping_mul(percent.into()) / 100
+        } else {
+            programmed
+        };
+        // At most the ceiling, which has 32 bits.
+        scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32
+    }
+
+    /// By how much the square of the speed can change over the whole stretch: 2 a L, at most 2^85.
+    pub(crate) fn gain(&self) -> u128 {
+        u128::from(self.length()).wrapping_mul(u128::from(self.double_acceleration()))
+    }
+
+    pub(crate) fn length(&self) -> u64 {
+        self.length_nm.min(MAX_LENGTH_NM)
+    }
+
+    /// 2 a, at most 2^41.
+    pub(crate) fn double_acceleration(&self) -> u64 {
+        self.acceleration_nm_per_s2
+            .clamp(1, MAX_ACCELERATION)
+            .wrapping_mul(2)
+    }
+}
+
+/// A speed squared, exactly.
+pub(crate) fn square(speed_nm_per_s: u32) -> u64 {
+    // (2^32 - 1)^2 < 2^64
+    u64::from(speed_nm_per_s).wrapping_mul(speed_nm_per_s.into())
+}
