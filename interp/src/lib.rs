@@ -6,18 +6,33 @@
 mod interpolator;
 mod step;
 
+mod dda_line;
+mod dda_line_exact;
 mod line;
 
 mod arc;
 mod walk;
+
+mod counted;
+mod dda_arc;
+mod direct_search;
+mod direct_search_printed;
+mod quadrant;
+mod staircase;
 
 mod helix;
 
 mod path;
 
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
+pub use dda_arc::{ArcDda, DdaRegisters};
+pub use dda_line::LineDda;
+pub use dda_line_exact::LineDdaExact;
+pub use direct_search::{DirectSearch, TimedDirectSearch, TimedStep};
+pub use direct_search_printed::DirectSearchPrinted;
 pub use helix::Helix;
 pub use interpolator::{Interpolator, Moves};
 pub use line::Line;
 pub use path::Path;
+pub use staircase::Staircase;
 pub use step::Step;

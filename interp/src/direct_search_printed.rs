@@ -1,0 +1,133 @@
+//! The direct-search arc as it was first made.
+
+use core::iter::FusedIterator;
+
+use crate::counted::Counted;
+use crate::quadrant::{Quadrant, Start};
+use crate::{ArcError, ArcMove, Interpolator, Step};
+
+/// A circular arc about a whole-step centre: of the three points ahead the one with the least
+/// |D|, D = |P|^2 - R^2, found by comparing all three.
+///
+/// The steps are those of [`DirectSearch`](crate::DirectSearch), which needs half the comparisons.
+///
+/// | | |
+/// | --- | --- |
+/// | error, integer R^2 | less than 1/2 BLU, strictly; first point and run-off to the last: their rounding |
+/// | events | 4 round(sqrt 2 R) for a full circle |
+/// | speed ripple, equal times | 1 to 1.414 of the rate along the curve, mean 1.111 (-10 / +27 %) |
+/// | state | 32 bits; radius up to 2^28 BLU |
+/// | source | Koren 1979; micromill, annex A.6 |
+///
+/// What the printed program lacks: the test of the quadrant, the first D, the reload of dX and dY (only one of them
+/// changes at a quadrant's border), and any end. With the obvious test for the end point half of all arcs
+/// with a rounded end miss it and never stop. Those parts are ours: an arc ends exactly.
+///
+/// The sweep of an event is |P x step|, at least 1; `total_sweep / radius` is the length in BLU. The
+/// rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not looked at.
+#[derive(Clone, Debug)]
+pub struct DirectSearchPrinted {
+    walk: Counted<Walk>,
+    radius: u32,
+}
+
+#[derive(Clone, Debug)]
+struct Walk {
+    point: Quadrant,
+    residue: i32,
+}
+
+impl DirectSearchPrinted {
+    /// Prepares an arc: walks it once to count its events.
+    ///
+    /// # Errors
+    /// [`ArcError`]; `FractionBits` where the centre is no whole step, `OffRim` where an end is more
+    /// than about two BLU from the circle through (or about) the first.
+    pub fn new(arc: &ArcMove) -> Result<DirectSearchPrinted, ArcError> {
+        let start = Start::new(arc)?;
+        Ok(DirectSearchPrinted {
+            walk: Counted::new(Walk {
+                point: start.quadrant,
+                residue: start.residue,
+            })?,
+            radius: start.radius,
+        })
+    }
+
+    /// Events of the whole arc.
+    pub const fn events(&self) -> u32 {
+        self.walk.totals.events
+    }
+
+    /// Radius to the nearest BLU: `total_sweep / radius` is the arc's length.
+    pub const fn radius(&self) -> u32 {
+        self.radius
+    }
+}
+
+impl Iterator for Walk {
+    type Item = Step;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        let point = &mut self.point;
+        if point.is_level() {
+            return point.straight(true);
+        }
+        let twice = |value: i32| value.wrapping_add(value);
+        // u and v are at most R + 3, |D| at most 4 (R + 1) where the arc begins: six times R = 2^28 fits.
+        let after_u = self.residue.wrapping_add(1).wrapping_sub(twice(point.u));
+        let change_v = twice(point.v).wrapping_add(1);
+        let after_v = self.residue.wrapping_add(change_v);
+        let after_both = after_u.wrapping_add(change_v);
+        let (one_u, one_v) = (after_u.unsigned_abs(), after_v.unsigned_abs());
+        let both = after_both.unsigned_abs();
+        let (takes_u, takes_v) = if both <= one_u && both <= one_v {
+            self.residue = after_both;
+            (true, true)
+        } else if one_u < one_v {
+            self.residue = after_u;
+            (true, false)
+        } else {
+            self.residue = after_v;
+            (false, true)
+        };
+        let step = point.take(takes_u, takes_v);
+        if point.is_over() {
+            point.turn();
+        }
+        Some(step)
+    }
+}
+
+impl Iterator for DirectSearchPrinted {
+    type Item = Step;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        self.walk.next()
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.walk.size_hint()
+    }
+}
+
+impl ExactSizeIterator for DirectSearchPrinted {}
+impl FusedIterator for DirectSearchPrinted {}
+
+impl Interpolator for DirectSearchPrinted {
+    #[inline]
+    fn remaining(&self) -> u32 {
+        self.walk.left()
+    }
+
+    fn total_sweep(&self) -> u64 {
+        self.walk.totals.total_sweep
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        self.walk.totals.largest_sweep
+    }
+}
