@@ -13,9 +13,15 @@ mod rate;
 mod ring;
 mod stretch;
 
+mod rates;
+mod trapezoid;
+mod wide;
+
 pub use direction::Direction;
 pub use junction::{Junction, arc_acceleration, arc_speed};
 pub use look_ahead::{Limits, LookAhead};
 pub use ramp::Ramp;
+pub use rates::{Rates, RatesError};
 pub use stretch::Stretch;
 pub use timer::Timer;
+pub use trapezoid::Trapezoid;

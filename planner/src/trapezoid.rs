@@ -1,0 +1,505 @@
+//! Constant acceleration up, constant rate, constant acceleration down.
+
+use crate::rates::{Rates, RatesError, gain, square_of};
+use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
+
+/// Ticks before each event of a move that speeds up, cruises and slows down at constant acceleration.
+///
+/// ```text
+/// rate          top
+///          ______________
+///         /              \
+///        /                \
+/// start /                  \ end
+///       |up| level       |down|
+/// ```
+///
+/// The events are those of the true trapezoid, one at every whole step of its path. On a ramp with the time T = f v / a
+/// since standstill (f ticks a second, rate v, acceleration a), the n-th event is at `T^2 = T0^2 + n 2 f^2 / a`. The
+/// square is kept in integers, its root T rounded down with what it leaves over, and the interval is the difference of
+/// two roots: the first event is as exact as the thousandth and nothing drifts.
+///
+/// - As many events as asked for, always; [`len`](ExactSizeIterator::len) is right.
+/// - Each interval is within 1 tick of the true one, within 2 where two parts of the profile meet, and no sum of
+///   intervals is off by more than 2 ticks plus 1 for each such place. `2 f^2 / a` has 32 fraction bits: less than
+///   1 tick^2 in the square after 2^32 events.
+/// - Slowing down gives the intervals of speeding up backwards, tick for tick, between the same rates.
+/// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
+///
+/// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64 bytes. Cost of an
+/// event, loop included, in instructions: TABLE. Where a part begins, two divisions by shift
+/// and subtract and up to four square roots are added.
+///
+/// ```
+/// use husillo_planner::{Rates, Trapezoid};
+///
+/// let rates = Rates {
+///     timer_hz: 1_000_000,
+///     start_rate_hz: 0,
+///     top_rate_hz: 200,
+///     end_rate_hz: 0,
+///     acceleration_hz_per_s: 5000,
+/// };
+/// let intervals: Vec<u32> = Trapezoid::new(&rates, 10)?.collect();
+/// assert_eq!(intervals, [20000, 8284, 6356, 5360, 5000, 5000, 5360, 6356, 8284, 20000]);
+/// # Ok::<(), husillo_planner::RatesError>(())
+/// ```
+///
+/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 6 (exact timing before his
+/// approximation); the root with remainder by integer Newton steps is our own.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Trapezoid {
+    timer_hz: u32,
+    acceleration_hz_per_s: u32,
+    top_rate_hz: u32,
+    end_rate_hz: u32,
+    /// 2 f^2 / a in ticks^2: whole part below 2^60, and 32 fraction bits.
+    gain: u64,
+    gain_fraction: u32,
+    /// Events up to the end, or to the stop of a hold.
+    remaining: u32,
+    /// Events after that stop.
+    beyond: u32,
+    /// Events left before the profile has to be looked at again.
+    run: u32,
+    pace: Pace,
+    is_holding: bool,
+}
+
+/// How the next events are timed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Pace {
+    Up(Point),
+    Down(Point),
+    /// At the top rate: ticks of one event, 32 bits of fraction, and what is owed of a tick.
+    Level {
+        ticks: u32,
+        fraction: u32,
+        owed: u32,
+    },
+}
+
+/// A point of a ramp: `time^2 + residue + fraction / 2^32` is its square.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Point {
+    /// Ticks since standstill, rounded down; below 2^30.
+    time: u32,
+    /// At most 2 `time`.
+    residue: u32,
+    fraction: u32,
+    /// The last interval: the guess at the next one.
+    last: u32,
+}
+
+impl Trapezoid {
+    /// The profile of a move of so many events.
+    ///
+    /// # Errors
+    /// See [`RatesError`]. An end rate too high to be reached is not an error.
+    pub fn new(rates: &Rates, events: u32) -> Result<Trapezoid, RatesError> {
+        rates.check()?;
+        let gain = gain(rates.timer_hz, rates.acceleration_hz_per_s);
+        let square = |rate| square_of(rates.timer_hz, rates.acceleration_hz_per_s, rate);
+        let start = square(rates.start_rate_hz);
+        // gain < 2^92, events < 2^32: fits.
+        let highest = square(rates.end_rate_hz).wrapping_add(gain.wrapping_mul(events.into()));
+        if start > highest {
+            return Err(RatesError::TooShort);
+        }
+        Ok(Trapezoid {
+            timer_hz: rates.timer_hz,
+            acceleration_hz_per_s: rates.acceleration_hz_per_s,
+            top_rate_hz: rates.top_rate_hz,
+            end_rate_hz: rates.end_rate_hz,
+            gain: gain.wrapping_shr(FRACTION_BITS) as u64,
+            gain_fraction: gain as u32,
+            remaining: events,
+            beyond: 0,
+            run: 0,
+            pace: Pace::Up(Point::new(start)),
+            is_holding: false,
+        })
+    }
+
+    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the next stop.
+    pub const fn remaining(&self) -> u32 {
+        // Their sum is at most what `new` was given.
+        self.remaining.wrapping_add(self.beyond)
+    }
+
+    /// The present rate: rounded down, by 1 Hz and by what the acceleration changes in one tick at most.
+    pub fn rate_hz(&self) -> u32 {
+        let (Pace::Up(point) | Pace::Down(point)) = self.pace else {
+            return self.top_rate_hz;
+        };
+        // time a < 2^62.
+        u64::from(point.time)
+            .wrapping_mul(self.acceleration_hz_per_s.into())
+            .checked_div(self.timer_hz.into())
+            .unwrap_or(0) as u32
+    }
+
+    /// Changes the top rate from the next event on (feed override). The rate goes there at the move's acceleration,
+    /// up or down; the end is met as before, at most at the end rate.
+    ///
+    /// # Errors
+    /// [`RatesError::Zero`] and [`RatesError::RampTooLong`]; nothing has changed then.
+    pub fn set_top_rate(&mut self, top_rate_hz: u32) -> Result<(), RatesError> {
+        let rates = Rates {
+            timer_hz: self.timer_hz,
+            start_rate_hz: 0,
+            top_rate_hz,
+            end_rate_hz: 0,
+            acceleration_hz_per_s: self.acceleration_hz_per_s,
+        };
+        rates.check()?;
+        self.look_again();
+        self.top_rate_hz = top_rate_hz;
+        Ok(())
+    }
+
+    /// Slows down to standstill from the next event on and gives the events to the stop; the iterator then ends there,
+    /// with the rest of the move [`remaining`](Trapezoid::remaining). Nothing changes and it is `None` where the end of the move
+    /// comes before a stop: hold the next move.
+    pub fn hold(&mut self) -> Option<u32> {
+        if self.is_holding {
+            return Some(self.remaining);
+        }
+        let gain = self.gain();
+        let square = self.square();
+        // Rounded up; below 2^92 + 2^94.
+        let brake = quotient(square.wrapping_add(gain).wrapping_sub(1), gain);
+        let stop = u32::try_from(brake)
+            .ok()
+            .filter(|stop| *stop <= self.remaining)?;
+        self.look_again();
+        self.beyond = self.remaining.wrapping_sub(stop);
+        self.remaining = stop;
+        self.is_holding = true;
+        Some(stop)
+    }
+
+    /// Ends a hold, whether it has come to its stop or not: the move goes on from its present rate.
+    pub fn resume(&mut self) {
+        if self.is_holding {
+            self.look_again();
+            self.remaining = self.remaining();
+            self.beyond = 0;
+            self.is_holding = false;
+        }
+    }
+
+    /// Whether a hold has come to its stop.
+    pub const fn is_held(&self) -> bool {
+        self.is_holding && self.remaining == 0
+    }
+
+    /// Makes the next event choose its part of the profile.
+    fn look_again(&mut self) {
+        if let Pace::Level { .. } = self.pace {
+            self.pace = Pace::Up(Point::new(self.square()));
+        }
+        self.run = 0;
+    }
+
+    fn gain(&self) -> u128 {
+        u128::from(self.gain).wrapping_shl(FRACTION_BITS) | u128::from(self.gain_fraction)
+    }
+
+    /// The square of the present time since standstill.
+    fn square(&self) -> u128 {
+        match self.pace {
+            Pace::Up(point) | Pace::Down(point) => point.square(),
+            Pace::Level { .. } => self.square_of(self.top_rate_hz),
+        }
+    }
+
+    fn square_of(&self, rate_hz: u32) -> u128 {
+        square_of(self.timer_hz, self.acceleration_hz_per_s, rate_hz)
+    }
+
+    /// The next event in the present part of the profile.
+    #[inline]
+    fn step(&mut self) -> u32 {
+        // `next` and `begin` see to it that both are at least 1.
+        self.run = self.run.wrapping_sub(1);
+        self.remaining = self.remaining.wrapping_sub(1);
+        match &mut self.pace {
+            Pace::Up(point) => point.rise(self.gain, self.gain_fraction),
+            Pace::Down(point) => point.fall(self.gain, self.gain_fraction),
+            Pace::Level {
+                ticks,
+                fraction,
+                owed,
+            } => {
+                let (sum, carry) = owed.overflowing_add(*fraction);
+                *owed = sum;
+                ticks.saturating_add(carry.into())
+            }
+        }
+    }
+
+    /// Chooses the part of the profile for the next event, or makes the one event in which two parts meet.
+    ///
+    /// Invariant: square <= end + remaining gain, so the end can be met.
+    #[inline(never)]
+    fn turn(&mut self) -> Option<u32> {
+        let after = self.remaining.checked_sub(1)?;
+        let gain = self.gain();
+        let square = self.square();
+        let top = self.square_of(self.top_rate_hz);
+        let end = if self.is_holding {
+            0
+        } else {
+            self.square_of(self.end_rate_hz)
+        };
+        // The highest square after this event from which the end can be met.
+        let line = end.wrapping_add(gain.wrapping_mul(after.into()));
+        let next = top.min(line);
+        if square > top {
+            let count = self.capped(quotient(square.wrapping_sub(top), gain));
+            if count != 0 {
+                return Some(self.begin(Pace::Down(Point::falling(square, gain)), count));
+            }
+            return Some(if top <= line {
+                self.sink(square, top, gain)
+            } else {
+                self.cross(square, next, square, gain)
+            });
+        }
+        // Events that need not be spent on slowing down: remaining - ceil((square - end) / gain).
+        let spare = match square.checked_sub(end) {
+            Some(above) => u64::from(self.remaining)
+                .saturating_sub(quotient(above.wrapping_add(gain).saturating_sub(1), gain)),
+            None => quotient(end.wrapping_sub(square), gain).saturating_add(self.remaining.into()),
+        };
+        let up = self.capped(quotient(top.wrapping_sub(square), gain).min(spare >> 1));
+        if up != 0 {
+            return Some(self.begin(Pace::Up(Point::rising(square, gain)), up));
+        }
+        if square == top && spare != 0 {
+            let period = self.top_period();
+            let level = Pace::Level {
+                ticks: period.wrapping_shr(32) as u32,
+                fraction: period as u32,
+                owed: 1 << 31,
+            };
+            return Some(self.begin(level, self.capped(spare)));
+        }
+        if square == line.wrapping_add(gain) {
+            return Some(self.begin(Pace::Down(Point::falling(square, gain)), self.remaining));
+        }
+        Some(self.cross(square, next, top, gain))
+    }
+
+    fn capped(&self, count: u64) -> u32 {
+        count.min(self.remaining.into()) as u32
+    }
+
+    fn begin(&mut self, pace: Pace, run: u32) -> u32 {
+        self.pace = pace;
+        self.run = run;
+        self.step()
+    }
+
+    /// The event in which the profile rises from `square`, is cut off at `cap` and falls to `next`.
+    fn cross(&mut self, square: u128, next: u128, cap: u128, gain: u128) -> u32 {
+        // Way up and way down in units of the square make the gain; all below 2^93.
+        let twice_peak = square.wrapping_add(next).wrapping_add(gain);
+        let twice_cap = cap.wrapping_shl(1);
+        let around = root(twice_peak.min(twice_cap).wrapping_shl(1));
+        let level = match twice_peak.checked_sub(twice_cap) {
+            Some(left) => self.level(left, cap, gain),
+            None => 0,
+        };
+        let ticks = around
+            .saturating_sub(root(square))
+            .saturating_sub(root(next))
+            .saturating_add(level);
+        self.arrive(next, ticks)
+    }
+
+    /// The event in which the profile falls from `square` to `top` and goes on there.
+    fn sink(&mut self, square: u128, top: u128, gain: u128) -> u32 {
+        let left = gain.wrapping_sub(square.wrapping_sub(top));
+        let ticks = root(square)
+            .saturating_sub(root(top))
+            .saturating_add(self.level(left, top, gain));
+        self.arrive(top, ticks)
+    }
+
+    fn arrive(&mut self, square: u128, ticks: u32) -> u32 {
+        self.pace = Pace::Up(Point::new(square));
+        self.remaining = self.remaining.wrapping_sub(1);
+        ticks
+    }
+
+    /// Ticks for the share `left / gain` of an event at the rate of `square`.
+    fn level(&self, left: u128, square: u128, gain: u128) -> u32 {
+        let period = if square == self.square_of(self.top_rate_hz) {
+            self.top_period()
+        } else {
+            // g / 2 T.
+            divide(gain, root(square.wrapping_shl(2))).min(u64::MAX.into()) as u64
+        };
+        // At most 2^32 times 2^64.
+        u128::from(share(left, gain))
+            .wrapping_mul(period.into())
+            .wrapping_shr(64)
+            .min(u32::MAX.into()) as u32
+    }
+
+    /// Ticks of an event at the top rate, with 32 fraction bits.
+    fn top_period(&self) -> u64 {
+        u64::from(self.timer_hz)
+            .wrapping_shl(32)
+            .checked_div(self.top_rate_hz.into())
+            .unwrap_or(0)
+    }
+}
+
+impl Iterator for Trapezoid {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        if self.run == 0 {
+            return self.turn();
+        }
+        Some(self.step())
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let len = self.remaining as usize;
+        (len, Some(len))
+    }
+}
+
+impl ExactSizeIterator for Trapezoid {}
+
+impl Point {
+    fn new(square: u128) -> Point {
+        let time = root(square);
+        let whole = square.wrapping_shr(FRACTION_BITS) as u64;
+        Point {
+            time,
+            residue: whole.wrapping_sub(u64::from(time).wrapping_mul(time.into())) as u32,
+            fraction: square as u32,
+            last: 0,
+        }
+    }
+
+    fn rising(square: u128, gain: u128) -> Point {
+        let mut point = Point::new(square);
+        point.last = root(square.wrapping_add(gain)).wrapping_sub(point.time);
+        point
+    }
+
+    /// `square` has to be at least `gain`.
+    fn falling(square: u128, gain: u128) -> Point {
+        let mut point = Point::new(square);
+        point.last = point.time.wrapping_sub(root(square.wrapping_sub(gain)));
+        point
+    }
+
+    fn square(&self) -> u128 {
+        let time = u64::from(self.time);
+        let whole = time.wrapping_mul(time).wrapping_add(self.residue.into());
+        u128::from(whole).wrapping_shl(FRACTION_BITS) | u128::from(self.fraction)
+    }
+
+    /// One event faster; gives its interval. The square after it stays below 2^60.
+    #[inline]
+    fn rise(&mut self, gain: u64, gain_fraction: u32) -> u32 {
+        let (fraction, carry) = self.fraction.overflowing_add(gain_fraction);
+        // The interval before was longer: at most 3 times this one, so time < 2^31 and the sum of both times < 2^32.
+        let time = self.time.wrapping_add(self.last);
+        let covered = u64::from(self.last).wrapping_mul(time.wrapping_add(self.time).into());
+        let rest = u64::from(self.residue)
+            .wrapping_add(gain)
+            .wrapping_add(carry.into())
+            .wrapping_sub(covered);
+        self.fraction = fraction;
+        let (time, residue) = settle(time, rest);
+        let ticks = time.wrapping_sub(self.time);
+        self.last = ticks;
+        self.time = time;
+        self.residue = residue;
+        ticks
+    }
+
+    /// One event slower; gives its interval. The square has to be at least the gain.
+    #[inline]
+    fn fall(&mut self, gain: u64, gain_fraction: u32) -> u32 {
+        let (fraction, borrow) = self.fraction.overflowing_sub(gain_fraction);
+        // The interval before was shorter, and this one is at most `time`.
+        let time = self.time.saturating_sub(self.last);
+        let covered = u64::from(self.time.wrapping_sub(time))
+            .wrapping_mul(time.wrapping_add(self.time).into());
+        let rest = u64::from(self.residue)
+            .wrapping_sub(gain)
+            .wrapping_sub(borrow.into())
+            .wrapping_add(covered);
+        self.fraction = fraction;
+        let (time, residue) = settle(time, rest);
+        let ticks = self.time.wrapping_sub(time);
+        self.last = ticks;
+        self.time = time;
+        self.residue = residue;
+        ticks
+    }
+}
+
+/// The root and its remainder of `time^2 + rest`, `rest` a two's complement number; the sum is from 0 to below 2^60.
+#[inline]
+fn settle(time: u32, rest: u64) -> (u32, u32) {
+    // A negative rest is a huge one.
+    if rest <= u64::from(time).wrapping_mul(2) {
+        return (time, rest as u32);
+    }
+    let (mut time, mut rest) = (time, rest);
+    // A Newton step squares the error: one does from about the tenth event on, three always did. The root below stands behind it.
+    for _ in 0..3 {
+        let slope = time.wrapping_mul(2);
+        let is_below = rest >> 63 != 0;
+        let error = if is_below { rest.wrapping_neg() } else { rest };
+        let high = (error >> 32) as u32;
+        let change = if high == 0 {
+            (error as u32).checked_div(slope)
+        } else {
+            let shift = 32_u32.wrapping_sub(high.leading_zeros());
+            (error.wrapping_shr(shift) as u32).checked_div(slope.wrapping_shr(shift))
+        };
+        let Some(change) = change else {
+            break;
+        };
+        // (t + c)^2 = t^2 + c (2 t + c); modulo 2^64.
+        if is_below {
+            // Never below 0.
+            let change = change.wrapping_add(1).min(time);
+            let both = u64::from(slope).wrapping_sub(change.into());
+            rest = rest.wrapping_add(both.wrapping_mul(change.into()));
+            time = time.wrapping_sub(change);
+        } else {
+            let both = u64::from(slope).wrapping_add(change.into());
+            rest = rest.wrapping_sub(both.wrapping_mul(change.into()));
+            time = time.wrapping_add(change);
+        }
+        if rest <= u64::from(time).wrapping_mul(2) {
+            return (time, rest as u32);
+        }
+    }
+    rooted(time, rest)
+}
+
+/// The same by the root itself.
+#[cold]
+#[inline(never)]
+fn rooted(time: u32, rest: u64) -> (u32, u32) {
+    let square = u64::from(time).wrapping_mul(time.into()).wrapping_add(rest);
+    let time = square.isqrt();
+    (
+        time as u32,
+        square.wrapping_sub(time.wrapping_mul(time)) as u32,
+    )
+}

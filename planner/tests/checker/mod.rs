@@ -1,0 +1,67 @@
+//! Looks at nothing but intervals: their mean rates, and how fast these change.
+
+#![allow(dead_code, reason = "every test takes what it needs")]
+
+/// What a stream of intervals has to keep to.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    pub timer_hz: f64,
+    pub top_rate_hz: f64,
+    pub acceleration_hz_per_s: f64,
+    /// Ticks that one interval may be off by rounding.
+    pub slack_ticks: f64,
+}
+
+/// The first thing wrong with `intervals`, of a move that begins at any rate.
+///
+/// The mean rates of two neighbouring intervals differ by at most the acceleration times the time between their middles,
+/// whatever the rates in between; both intervals may be off by the slack.
+pub fn fault(intervals: &[u32], bounds: &Bounds) -> Option<String> {
+    let Bounds {
+        timer_hz,
+        top_rate_hz,
+        acceleration_hz_per_s,
+        slack_ticks,
+    } = *bounds;
+    for (index, pair) in intervals.windows(2).enumerate() {
+        let [one, other] = [f64::from(pair[0]), f64::from(pair[1])];
+        let (short, long) = (one.min(other), one.max(other));
+        let change = timer_hz / (short + slack_ticks) - timer_hz / (long - slack_ticks).max(0.5);
+        let time = (one + other + 2.0 * slack_ticks) / 2.0 / timer_hz;
+        if change > acceleration_hz_per_s * time * (1.0 + 1e-6) {
+            return Some(format!(
+                "acceleration between {index} and the next: {one} {other}: {}",
+                change / time
+            ));
+        }
+    }
+    let least = timer_hz / top_rate_hz - slack_ticks;
+    intervals
+        .iter()
+        .position(|ticks| f64::from(*ticks) < least * (1.0 - 1e-6))
+        .map(|index| format!("rate at {index}: {} < {least}", intervals[index]))
+}
+
+/// The time in ticks at which the true trapezoid is at each whole step, by floating point.
+pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u32) -> Vec<f64> {
+    let n = f64::from(events);
+    let highest = ((start * start + end * end) / 2.0 + a * n).sqrt();
+    let end = end.min((start * start + 2.0 * a * n).sqrt());
+    let peak = highest.min(top).max(start.min(top)).max(end);
+    let up = (peak * peak - start * start) / (2.0 * a);
+    let down = (peak * peak - end * end) / (2.0 * a);
+    let whole = (peak - start) / a + (n - up - down) / peak + (peak - end) / a;
+    (1..=events)
+        .map(|k| {
+            let s = f64::from(k);
+            f * if s <= up {
+                // The numerically good form of (v - start) / a.
+                2.0 * s / ((start * start + 2.0 * a * s).sqrt() + start)
+            } else if s <= n - down {
+                (peak - start) / a + (s - up) / peak
+            } else {
+                whole - 2.0 * (n - s) / ((end * end + 2.0 * a * (n - s)).sqrt() + end).max(1e-300)
+            }
+        })
+        .collect()
+}
