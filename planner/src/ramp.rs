@@ -61,6 +61,9 @@ pub struct Ramp {
     /// The move as begun, for another top speed.
     programmed_top: u32,
     start: u32,
+    /// Square of the speed from which it may fall to any lower one at once: the start speed of the move whose event
+    /// was the last.
+    drop: u64,
     cruise_ticks_q16: u64,
     total_sweep: u64,
     largest_sweep: u32,
@@ -86,6 +89,7 @@ impl Ramp {
             floor: 0,
             programmed_top: 1,
             start: 0,
+            drop: 0,
             cruise_ticks_q16: 0,
             total_sweep: 1,
             largest_sweep: 1,
@@ -114,12 +118,14 @@ impl Ramp {
         self.programmed_top = stretch.top_nm_per_s.max(1);
         self.start = stretch.start_nm_per_s;
         let (length, length_bits) = unit(stretch.length(), total_sweep);
+        // Up, so that braking over the whole move takes no more than the look-ahead has reckoned with.
         self.gain = Rate::new(
             length,
             stretch.double_acceleration(),
             length_bits,
             largest_sweep,
-        );
+        )
+        .up();
         self.gain_owed = 0;
         self.remaining = stretch.gain();
         let double_hz = u64::from(self.timer_hz).wrapping_mul(2);
@@ -243,6 +249,10 @@ impl Ramp {
         self.top = top;
         self.top_squared = square(top);
         self.floor = square(self.start.min(top));
+        if self.squared <= self.drop && self.squared > self.top_squared {
+            self.set_squared(self.top_squared);
+        }
+        self.drop = square(self.start);
         let ticks = scale(self.cruise_ticks_q16, self.programmed_top, top);
         self.cruise = Timer::with_most_bits(ticks, self.total_sweep, self.largest_sweep.into(), 47);
         // 16 to 63.

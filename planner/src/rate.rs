@@ -35,6 +35,14 @@ impl Rate {
         }
     }
 
+    /// A little more: the next number. Products have 2^62 and a sweep at most.
+    pub(crate) fn up(self) -> Rate {
+        Rate {
+            mantissa: self.mantissa.wrapping_add(1),
+            ..self
+        }
+    }
+
     /// For this sweep, times 2^`fraction_bits`; at most 2^62.
     #[inline]
     pub(crate) fn times(&self, sweep: u32) -> u64 {

@@ -1,0 +1,136 @@
+//! As fast as allowed, never faster.
+
+use proptest::prelude::*;
+
+use crate::{
+    checker::{check_axes, check_path, optimum},
+    moves::{Move, any_moves, any_polyline, polyline},
+    runner::{Wish, run},
+};
+
+const HZ: u32 = 32_000_000;
+
+/// The clock against the best possible: with all moves in the queue no event is earlier or later.
+fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseError> {
+    let best = optimum(moves, percent);
+    let events = run::<256>(moves, HZ, &[(0, Wish::Override(percent))]).events;
+    prop_assert_eq!(events.len() + 1, best.len());
+    let (mut clock, mut exact, mut slack) = (0.0, 0.0, 2.0);
+    for ((event, pair), number) in events.iter().zip(best.windows(2)).zip(0..) {
+        let [before, after] = [pair[0].sqrt(), pair[1].sqrt()];
+        clock += event.ticks as f64;
+        // Both speeds are right to 1 nm/s and 1e-8 of them (squares to a few units).
+        let mean = (before + after) / 2.0;
+        let ticks = event.length_nm * f64::from(HZ) / mean;
+        // From standstill to standstill within one event there is a peak.
+        let gain = 2.0 * moves[event.of].stretch.acceleration_nm_per_s2 as f64 * event.length_nm;
+        if pair[0] < gain / 4.0 && pair[1] < gain / 4.0 {
+            let top = 2.0 * f64::from(moves[event.of].stretch.top_at(percent));
+            let mean = (gain / 2.0).sqrt().min(top).max(before + after) / 2.0;
+            exact += event.length_nm * f64::from(HZ) / mean;
+            slack += ticks.min(exact) * (4.0 / mean + 1e-6);
+        } else {
+            exact += ticks;
+            slack += ticks * (2.0 / mean + 1e-7);
+        }
+        prop_assert!(
+            f64::abs(clock - exact) <= slack,
+            "event {number}: {clock} for {exact} +- {slack}, {before} to {after}, {event:?}"
+        );
+        let error = f64::abs(f64::from(event.speed_nm_per_s) - after);
+        prop_assert!(
+            error <= 2.0 + after * 1e-6 + 8.0 / after.max(1.0).sqrt(),
+            "event {number}: {after} for {event:?}"
+        );
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// With a queue long enough every event happens when the best possible motion has it.
+    #[test]
+    fn a_long_queue_is_optimal(moves in any_moves(30), percent in 10_u8..=200) {
+        check_against_optimum(&moves, percent)?;
+    }
+
+    /// So it is on polylines with corners.
+    #[test]
+    fn polylines_are_optimal(moves in any_polyline()) {
+        check_against_optimum(&moves, 100)?;
+    }
+
+    /// However short the queue is, speed, acceleration and jump of path and axes keep their limits.
+    #[test]
+    fn a_short_queue_keeps_the_limits(moves in any_polyline()) {
+        let events = run::<3>(&moves, HZ, &[]).events;
+        check_path(&moves, &events, HZ, 1.0, true);
+        check_path(&moves, &events, HZ, 10_000.0, true);
+        check_axes(&moves, &events, HZ);
+    }
+
+    /// A shorter queue is never faster.
+    #[test]
+    fn a_longer_queue_is_no_slower(moves in any_polyline()) {
+        let time = |events: Vec<crate::runner::Event>| events.iter().map(|event| event.ticks).sum::<u64>();
+        let [two, eight, all] = [
+            time(run::<2>(&moves, HZ, &[]).events),
+            time(run::<8>(&moves, HZ, &[]).events),
+            time(run::<64>(&moves, HZ, &[]).events),
+        ];
+        prop_assert!(all <= eight + 1 && eight <= two + 1, "{all} {eight} {two}");
+    }
+
+    /// The path stops where a move must be entered at rest, and at the end.
+    #[test]
+    fn stops_are_stops(moves in any_moves(10)) {
+        let events = run::<4>(&moves, HZ, &[]).events;
+        let last = events.last().unwrap();
+        prop_assert!(last.speed_nm_per_s < 10, "{last:?}");
+        for pair in events.windows(2) {
+            if pair[0].of != pair[1].of && moves[pair[1].of].stretch.entry_limit_nm_per_s == 0 {
+                prop_assert!(pair[0].speed_nm_per_s < 10, "{pair:?}");
+            }
+        }
+    }
+
+    /// Where the start speed is the top speed, every event takes the time of constant speed: no ramp at all.
+    #[test]
+    fn without_ramps_time_is_the_programmed_one(moves in any_moves(10), hz in 10_000_u32..40_000_000) {
+        let moves: Vec<Move> = moves.into_iter().map(|mut one| {
+            one.stretch.start_nm_per_s = one.stretch.ceiling_nm_per_s;
+            one
+        }).collect();
+        let (mut clock, mut exact) = (0_u128, 0_u128);
+        let mut so_far = 0;
+        for event in run::<4>(&moves, hz, &[]).events {
+            let now = &moves[event.of];
+            clock += u128::from(event.ticks);
+            so_far += u128::from(event.sweep);
+            let part = exact + u128::from(now.cruise_ticks_q16(hz)) * so_far / u128::from(now.total());
+            prop_assert!(clock == part >> 16 || clock == (part >> 16) + 1, "{clock} {part}");
+            if so_far == u128::from(now.total()) {
+                exact += u128::from(now.cruise_ticks_q16(hz));
+                so_far = 0;
+            }
+        }
+    }
+}
+
+/// A long line of many short ones takes the time of a trapezoid: 100 mm at 2 mm/min, a slow feed, and at 20 mm/s.
+#[test]
+fn short_lines_take_the_time_of_one() {
+    for (feed, pieces, piece_nm) in [(33_333, 200, 20_000), (20_000_000, 5_000, 20_000)] {
+        let points: Vec<_> = (1..=pieces)
+            .map(|number| ([number * piece_nm, 0], feed))
+            .collect();
+        let events = run::<64>(&polyline(&points), HZ, &[]).events;
+        let seconds = events.iter().map(|event| event.ticks).sum::<u64>() as f64 / f64::from(HZ);
+        let [feed, a] = [f64::from(feed), 300e6];
+        let exact = (pieces * piece_nm) as f64 / feed + feed / a;
+        // The events where the ramps end are cut at the top speed: a part of one event's time each.
+        let slack = 2.0 * 1000.0 / feed;
+        assert!((seconds - exact).abs() < slack, "{seconds} for {exact}");
+    }
+}
