@@ -27,8 +27,9 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
 ///
 /// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64 bytes. Cost of an
-/// event, loop included, in instructions: TABLE. Where a part begins, two divisions by shift
-/// and subtract and up to four square roots are added.
+/// event on a ramp, loop included: 60 instructions on Cortex-M4F and 132 on Cortex-M0 (mean of the first 1000 at 1 MHz and
+/// 100 000 steps/s^2; 71 and 192 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 37 and 39. Where
+/// a part begins, two divisions by shift and subtract and up to four square roots are added.
 ///
 /// ```
 /// use husillo_planner::{Rates, Trapezoid};
@@ -453,35 +454,62 @@ impl Point {
 /// The root and its remainder of `time^2 + rest`, `rest` a two's complement number; the sum is from 0 to below 2^60.
 #[inline]
 fn settle(time: u32, rest: u64) -> (u32, u32) {
-    // A negative rest is a huge one.
-    if rest <= u64::from(time).wrapping_mul(2) {
+    // A negative rest is a huge one; twice a time is below 2^32.
+    let twice = time.wrapping_mul(2);
+    if rest <= u64::from(twice) {
         return (time, rest as u32);
     }
+    // One Newton step in 32 bits, which the square of its own error seldom spoils; twice a time is the slope of the square.
+    if (rest >> 32) as u32 == u32::MAX {
+        let error = (rest as u32).wrapping_neg();
+        // Rounded up. (t - c)^2 = t^2 - c (2 t - c).
+        let change = error.checked_div(twice).unwrap_or(0).wrapping_add(1);
+        // What is lacking is at most one slope more than the error: modulo 2^32 nothing else looks like a remainder.
+        let near = time.wrapping_sub(change);
+        let left = change
+            .wrapping_mul(twice.wrapping_sub(change))
+            .wrapping_sub(error);
+        if change <= SMALL && change <= time && left <= near.wrapping_mul(2) {
+            return (near, left);
+        }
+    } else if (rest >> 32) as u32 == 0 {
+        let error = rest as u32;
+        let change = error.checked_div(twice).unwrap_or(0);
+        let near = time.wrapping_add(change);
+        let left = error.wrapping_sub(change.wrapping_mul(twice.wrapping_add(change)));
+        if change <= SMALL && left <= near.wrapping_mul(2) {
+            return (near, left);
+        }
+    }
+    far(time, rest)
+}
+
+/// Changes of time up to this have squares below 2^30.
+const SMALL: u32 = 0x7fff;
+
+/// The same by Newton steps in 64 bits: the first events of a ramp need them, and very slow ones.
+#[inline(never)]
+fn far(time: u32, rest: u64) -> (u32, u32) {
     let (mut time, mut rest) = (time, rest);
-    // A Newton step squares the error: one does from about the tenth event on, three always did. The root below stands behind it.
+    // A step squares the error: three always did. The root below stands behind them.
     for _ in 0..3 {
-        let slope = time.wrapping_mul(2);
+        let twice = time.wrapping_mul(2);
         let is_below = rest >> 63 != 0;
         let error = if is_below { rest.wrapping_neg() } else { rest };
-        let high = (error >> 32) as u32;
-        let change = if high == 0 {
-            (error as u32).checked_div(slope)
-        } else {
-            let shift = 32_u32.wrapping_sub(high.leading_zeros());
-            (error.wrapping_shr(shift) as u32).checked_div(slope.wrapping_shr(shift))
-        };
-        let Some(change) = change else {
+        let shift = 32_u32.wrapping_sub(((error >> 32) as u32).leading_zeros());
+        let Some(change) =
+            (error.wrapping_shr(shift) as u32).checked_div(twice.wrapping_shr(shift))
+        else {
             break;
         };
-        // (t + c)^2 = t^2 + c (2 t + c); modulo 2^64.
+        // (t + c)^2 = t^2 + c (2 t + c); modulo 2^64. Never below 0.
         if is_below {
-            // Never below 0.
             let change = change.wrapping_add(1).min(time);
-            let both = u64::from(slope).wrapping_sub(change.into());
+            let both = u64::from(twice).wrapping_sub(change.into());
             rest = rest.wrapping_add(both.wrapping_mul(change.into()));
             time = time.wrapping_sub(change);
         } else {
-            let both = u64::from(slope).wrapping_add(change.into());
+            let both = u64::from(twice).wrapping_add(change.into());
             rest = rest.wrapping_sub(both.wrapping_mul(change.into()));
             time = time.wrapping_add(change);
         }
@@ -489,13 +517,6 @@ fn settle(time: u32, rest: u64) -> (u32, u32) {
             return (time, rest as u32);
         }
     }
-    rooted(time, rest)
-}
-
-/// The same by the root itself.
-#[cold]
-#[inline(never)]
-fn rooted(time: u32, rest: u64) -> (u32, u32) {
     let square = u64::from(time).wrapping_mul(time.into()).wrapping_add(rest);
     let time = square.isqrt();
     (
