@@ -79,6 +79,9 @@ impl<const N: usize> Junction<N> {
     /// do in the direction of the change. With half the change h and half the sum of the two directions s = |half the sum|,
     /// h^2 + s^2 = 1, so it is a d s (1 + s) / h^2, which is as exact for small angles as for large ones.
     fn deviation_speed(&self, deviation_nm: u32, change: &[u32; N], sum: &[u32; N]) -> u64 {
+        if sum.iter().all(|sum| *sum <= ROUNDING) {
+            return 0;
+        }
         // 4 h^2 and 4 s^2, 2^62 each at most but for rounding.
         let change_squared = squares(change);
         let change_size = change_squared.isqrt().min(1 << 31);

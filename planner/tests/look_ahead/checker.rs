@@ -18,7 +18,7 @@ impl Window {
     /// nm/s, and by how much a tick at either end can be wrong.
     fn speed(&self, hz: f64) -> (f64, f64) {
         let speed = self.nm * hz / self.ticks;
-        (speed, speed / self.ticks)
+        (speed, speed / (self.ticks - 1.0))
     }
 }
 
@@ -93,7 +93,7 @@ pub fn check_axes(moves: &[Move], events: &[Event], hz: u32) {
             // A tick at either end, and lengths are rounded to whole nm.
             let error = |speed: f64, side: usize| {
                 let length = [before, after][side].stretch.length_nm as f64;
-                speed.abs() * (1.0 / pair[side].ticks as f64 + 0.5 / length)
+                speed.abs() * (1.0 / (pair[side].ticks as f64 - 1.0) + 0.5 / length)
             };
             let tick = error(first, 0) + error(second, 1);
             let most = ACCELERATION[axis] as f64 * seconds * (1.0 + 1e-6) + jump + tick + 4.0;

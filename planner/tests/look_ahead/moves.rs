@@ -20,7 +20,7 @@ impl Move {
 
     /// Ticks at the programmed speed, times 2^16.
     pub fn cruise_ticks_q16(&self, hz: u32) -> u64 {
-        let ticks = u128::from(self.stretch.length_nm) * u128::from(hz) << 16;
+        let ticks = (u128::from(self.stretch.length_nm) * u128::from(hz)) << 16;
         (ticks / u128::from(self.stretch.top_nm_per_s)) as u64
     }
 
