@@ -546,6 +546,12 @@ fn make_report(
         ideal_is_whole: run.ideal_is_whole,
         area,
         largest_nm: results.max_deviation_nm,
+        speed: run.speed.clone(),
+        has_ramps: job
+            .machine
+            .axes
+            .iter()
+            .any(|axis| axis.acceleration.is_some()),
         warnings,
     }
 }

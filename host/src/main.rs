@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod app;
+mod chart;
 mod check;
 mod cli;
 mod commands;
@@ -25,6 +26,7 @@ mod report;
 mod run;
 mod setup;
 mod source;
+mod speed;
 mod steps;
 mod table;
 mod turns;

@@ -1,6 +1,8 @@
 //! The report: one HTML file with everything inside, no script, no network.
 
+use crate::chart;
 use crate::drawing::{Class, Drawing, Point};
+use crate::speed::Speed;
 use std::fmt::Write;
 
 /// Everything a report shows.
@@ -24,6 +26,10 @@ pub struct Report {
     pub area: Option<[[f64; 2]; 2]>,
     /// Largest deviation in nm.
     pub largest_nm: f64,
+    /// Speed along the path.
+    pub speed: Speed,
+    /// Whether moves start and stop with ramps.
+    pub has_ramps: bool,
     /// Coil currents of the first steps.
     pub phases: Vec<Motor>,
     /// Warnings, as `short` prints them.
@@ -94,6 +100,8 @@ path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
 .thin{stroke:var(--ideal);stroke-width:1}\
 .area{stroke:var(--limit);stroke-width:1.2}.hatch{stroke:var(--limit);stroke-width:1;stroke-opacity:.45}\
 .grid{stroke:var(--line);stroke-width:1}\
+.acceleration{stroke:var(--soft);stroke-width:1.2;stroke-linejoin:round}\
+.stop{stroke-width:5}.dwell{stroke:var(--jog);stroke-dasharray:2 2}\
 text{fill:var(--soft);font:12px system-ui,sans-serif}";
 
 /// Writes the report.
@@ -115,6 +123,7 @@ pub fn html(report: &Report) -> String {
     page.push_str("</dl>\n");
     warnings(&mut page, &report.warnings);
     path_section(&mut page, report);
+    chart::section(&mut page, &report.speed, report.has_ramps);
     deviation_section(&mut page, report);
     axis_section(&mut page, &report.axes);
     phase_section(&mut page, &report.phases);
@@ -597,6 +606,8 @@ mod tests {
             ideal_is_whole: true,
             area: Some([[0.0; 2], [1e7, 7e6]]),
             largest_nm: 70.0,
+            speed: Speed::new(1_000_000, None),
+            has_ramps: false,
             phases: vec![Motor {
                 letter: 'X',
                 driver: "pbl3717a, full".to_owned(),

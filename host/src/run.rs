@@ -5,7 +5,8 @@ use crate::drawing::{Class, Drawing, Point};
 use crate::machine_file::MachineFile;
 use crate::report::{Ideal, Motor};
 use crate::setup;
-use husillo_gcode::{Command, Direction, Nm};
+use crate::speed::{Circle, Move, Speed, Stop};
+use husillo_gcode::{Command, Direction, Feed, Nm};
 use husillo_machine::{Event, Machine, Motors, Origin, Segment, StepEvent};
 use husillo_sim::Rig;
 use husillo_stepper::Drive;
@@ -44,6 +45,8 @@ pub struct Run<'a> {
     pub ideal: Vec<Ideal>,
     /// Whether `ideal` has all of them.
     pub ideal_is_whole: bool,
+    /// Speed along the path.
+    pub speed: Speed,
     /// Currents of the first steps.
     pub phases: [Vec<(u64, [i16; 2])>; 3],
     phases_open: bool,
@@ -94,6 +97,14 @@ impl<'a> Run<'a> {
             drawing: Drawing::new(),
             ideal: Vec::new(),
             ideal_is_whole: true,
+            speed: Speed::new(
+                machine.timer_hz,
+                machine
+                    .axes
+                    .iter()
+                    .filter_map(|axis| axis.acceleration)
+                    .max(),
+            ),
             phases: [const { Vec::new() }; 3],
             phases_open: true,
             segment: None,
@@ -124,6 +135,7 @@ impl<'a> Run<'a> {
             Event::Step(step) => self.step(machine, step),
             Event::Dwell { wait_ticks } => {
                 self.ticks += u64::from(*wait_ticks);
+                self.speed.stand(self.ticks, Stop::Dwell);
                 let levels = *self.motors.rest(u64::from(*wait_ticks));
                 // The driver sees what idling changes at the end of the rest.
                 self.rig.apply(&levels, *wait_ticks);
@@ -149,6 +161,11 @@ impl<'a> Run<'a> {
         let at = self.tool_nm();
         if self.arrived || origin != self.origin {
             self.turn_to(machine, origin, at);
+        }
+        if origin == Origin::TakeUp {
+            self.speed.stand(self.ticks, Stop::TakeUp);
+        } else {
+            self.speed.step(self.ticks, &at);
         }
         match origin {
             Origin::Feed => {
@@ -224,6 +241,7 @@ impl<'a> Run<'a> {
             return;
         };
         self.path = path;
+        self.speed.turn(self.pace(segment));
         let to = crate::program::target(&segment.command).unwrap_or(segment.from);
         for (axis, target) in self.target.iter_mut().enumerate() {
             *target = machine.config().axes[axis]
@@ -232,6 +250,27 @@ impl<'a> Run<'a> {
                 .unwrap_or(0);
         }
         self.keep_ideal(segment, to);
+    }
+
+    /// Speed and curve of the move in `path`.
+    fn pace(&self, segment: &Segment<3>) -> Move {
+        let circle = match &self.path {
+            Path::Arc(arc) => Some(Circle {
+                plane: arc.plane,
+                radius: 0.5 * (arc.radii[0] + arc.radii[1]),
+            }),
+            Path::Line { .. } => None,
+        };
+        let programmed = match &segment.command {
+            Command::Linear { feed, .. } | Command::Arc { feed, .. } => Some(match *feed {
+                Feed::PerMinute(rate) => rate.0 as f64 / 60.0,
+                Feed::InverseTime { micro_per_minute } => {
+                    self.path.length() * micro_per_minute as f64 / 60e6
+                }
+            }),
+            _ => None,
+        };
+        Move { circle, programmed }
     }
 
     fn keep_ideal(&mut self, segment: &Segment<3>, to: [Nm; 3]) {
@@ -327,6 +366,7 @@ impl<'a> Run<'a> {
     ///
     /// The trace cannot be written.
     pub fn finish(&mut self) -> io::Result<()> {
+        self.speed.rest();
         self.trace.as_mut().map_or(Ok(()), |trace| trace.flush())
     }
 
