@@ -14,6 +14,7 @@ mod ring;
 mod stretch;
 
 mod rates;
+mod recurrence;
 mod trapezoid;
 mod wide;
 
@@ -22,6 +23,7 @@ pub use junction::{Junction, arc_acceleration, arc_speed};
 pub use look_ahead::{Limits, LookAhead};
 pub use ramp::Ramp;
 pub use rates::{Rates, RatesError};
+pub use recurrence::Recurrence;
 pub use stretch::Stretch;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;

@@ -42,7 +42,7 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 ///     acceleration_hz_per_s: 5000,
 /// };
 /// let intervals: Vec<u32> = Trapezoid::new(&rates, 10)?.collect();
-/// assert_eq!(intervals, [20000, 8284, 6356, 5360, 5000, 5000, 5360, 6356, 8284, 20000]);
+/// assert_eq!(intervals, [20000, 8284, 6357, 5359, 5000, 5000, 5359, 6357, 8284, 20000]);
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 ///
