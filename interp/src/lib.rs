@@ -20,11 +20,16 @@ mod direct_search_printed;
 mod quadrant;
 mod staircase;
 
+mod conic;
+mod conic_move;
+
 mod helix;
 
 mod path;
 
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
+pub use conic::Conic;
+pub use conic_move::{ConicError, ConicMove, EllipseMove};
 pub use dda_arc::{ArcDda, DdaRegisters};
 pub use dda_line::LineDda;
 pub use dda_line_exact::LineDdaExact;

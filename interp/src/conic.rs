@@ -1,0 +1,345 @@
+//! Arcs of ellipses, parabolas and hyperbolas in a plane.
+
+use core::iter::FusedIterator;
+
+use crate::conic_move::{ConicError, ConicMove, EllipseMove, Pace, Start, Toward};
+use crate::interpolator::Totals;
+use crate::{Interpolator, Step};
+
+/// What `sweep` counts a BLU of path as, where the curve is not a circle.
+const UNIT_BITS: u32 = 15;
+/// Residue and first differences may reach 2.5 2^60 each: the sum of three is then below 2^63.
+const MAX_STATE: u64 = 5 << 59;
+/// Farthest that the walk may be from its end, in BLU an axis.
+const MAX_REACH: u32 = 1 << 22;
+
+/// An arc of any curve of the second degree, F(x, y) = 0, one event at a time: the nearest of the
+/// three neighbours ahead; ends exactly at `to`.
+///
+/// The state is that of the circle: the residue F, its two first differences, and constant second
+/// differences. A quadrant ends where the first difference towards the inside changes its sign.
+///
+/// | | |
+/// | --- | --- |
+/// | curves | ellipse (also rotated), parabola, one branch of a hyperbola; not a pair of lines |
+/// | error | at most 1/2 BLU along the axis that steps less, so at most 1/2 BLU from the curve, where the curve's radius is some BLU; 1/2 + 1/(2 rho) where its radius rho is 1 BLU or more; ends are rounded points (0.7071) |
+/// | events | one a row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
+/// | speed ripple | a circle as [`Arc`](crate::Arc), 1/R; others 1/rho + 0.02 % where the radius of curvature is rho |
+/// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 112 bytes, as there are two first and three second differences of 64 bits |
+/// | source | Danielsson 1970 and Jordan, Lennon, Holm 1973 (neighbours and quadrants), Pitteway 1967 (midpoint test for conics) |
+///
+/// The midpoint test is exact on the axis that steps less: of a quadratic F the mean of two
+/// neighbours exceeds the value between them by a quarter of the half second difference, which is
+/// the bias of the test. Where the order of the three neighbours is not that of their residues
+/// (only beside the quadrant changes of a rotated curve), the smallest |F| is taken.
+///
+/// `sweep` is the projection of the step on the tangent, in units of [`Conic::unit`]; for a circle
+/// it is exactly |P x step|, as in [`Arc`](crate::Arc). It is at least half a unit.
+///
+/// ```
+/// use husillo_interp::{Conic, Direction, EllipseMove};
+///
+/// let ellipse = Conic::ellipse(&EllipseMove {
+///     from: [4, 0],
+///     to: [0, 2],
+///     centre: [0, 0],
+///     semi_axes: [4, 2],
+///     fraction_bits: 0,
+///     direction: Direction::CounterClockwise,
+///     turns: 0,
+/// })?;
+/// let deltas: Vec<[i8; 2]> = ellipse.map(|step| step.deltas()).collect();
+/// assert_eq!(deltas, [[0, 1], [-1, 0], [-1, 1], [-1, 0], [-1, 0]]);
+/// # Ok::<(), husillo_interp::ConicError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Conic {
+    walk: Walk,
+    left: u32,
+    totals: Totals,
+}
+
+impl Conic {
+    /// An arc of an ellipse whose axes are those of the plane. Walks it once to count its events.
+    ///
+    /// # Errors
+    /// See [`ConicError`].
+    pub fn ellipse(ellipse: &EllipseMove) -> Result<Conic, ConicError> {
+        Conic::prepare(&Start::of_ellipse(ellipse)?)
+    }
+
+    /// An arc of the curve with the given coefficients. Walks it once to count its events and to
+    /// see that it arrives.
+    ///
+    /// # Errors
+    /// See [`ConicError`].
+    pub fn new(conic: &ConicMove) -> Result<Conic, ConicError> {
+        Conic::prepare(&Start::of_conic(conic)?)
+    }
+
+    fn prepare(start: &Start) -> Result<Conic, ConicError> {
+        let walk = Walk { now: *start };
+        let totals = walk.clone().check()?;
+        Ok(Conic {
+            walk,
+            left: totals.events,
+            totals,
+        })
+    }
+
+    /// Events of the whole arc, at most 2^31.
+    pub const fn events(&self) -> u32 {
+        self.totals.events
+    }
+
+    /// Sweep of one BLU of path: `total_sweep / unit` is the arc's length in BLU. The radius in
+    /// 2^-f BLU for a circle, 2^15 otherwise.
+    pub const fn unit(&self) -> u32 {
+        match self.walk.now.pace {
+            Pace::Circle { radius } => radius,
+            Pace::Tangent => 1 << UNIT_BITS,
+        }
+    }
+
+    /// Quadrant changes still to come: there an axis reverses.
+    pub const fn quadrants(&self) -> u32 {
+        self.walk.now.quadrants
+    }
+}
+
+impl Iterator for Conic {
+    type Item = Step;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        let step = self.walk.next()?;
+        self.left = self.left.wrapping_sub(1);
+        Some(step)
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = usize::try_from(self.left).ok();
+        (left.unwrap_or(usize::MAX), left)
+    }
+}
+
+impl ExactSizeIterator for Conic {}
+impl FusedIterator for Conic {}
+
+impl Interpolator for Conic {
+    #[inline]
+    fn remaining(&self) -> u32 {
+        self.left
+    }
+
+    fn total_sweep(&self) -> u64 {
+        self.totals.total_sweep
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        self.totals.largest_sweep
+    }
+}
+
+/// Which axes of the quadrant step, by -1, 0 or +1.
+#[derive(Copy, Clone)]
+struct Choice {
+    u: i64,
+    v: i64,
+}
+
+/// The running state. `u` is the step towards the inside of the curve, `v` the one outwards; the
+/// curve turns from v to u, left, and F is negative inside.
+#[derive(Clone, Debug)]
+struct Walk {
+    now: Start,
+}
+
+impl Walk {
+    /// Arithmetic wraps by name only: [`Walk::check`] has seen every state of this walk below
+    /// `MAX_STATE`, so that the sum of three is below 2^63.
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        let now = &self.now;
+        if now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0) {
+            return self.run_off();
+        }
+        let after_u = now.residue.wrapping_add(now.du);
+        let after_v = now.residue.wrapping_add(now.dv);
+        let dv_beside = now.dv.wrapping_add(now.duv);
+        let after_both = after_u.wrapping_add(dv_beside);
+        let (takes_u, takes_v) = if now.quadrants != 0 && now.du >= 0 {
+            // Within a sharp tip, on its axis: see `turn`.
+            (false, true)
+        } else if dv_beside >= 0 && now.du.wrapping_add(now.duv) <= 0 {
+            // after_u <= after_both <= after_v: the sign of after_both leaves two candidates, and F
+            // midway between them tells which side of it the curve is.
+            if after_both >= 0 {
+                (true, after_both <= (now.dvv >> 2).wrapping_sub(after_u))
+            } else {
+                (after_both >= ((now.duu.wrapping_add(3)) >> 2).wrapping_sub(after_v), true)
+            }
+        } else {
+            let (size_u, size_v) = (after_u.unsigned_abs(), after_v.unsigned_abs());
+            let size_both = after_both.unsigned_abs();
+            if size_both <= size_u && size_both <= size_v {
+                (true, true)
+            } else {
+                (size_u < size_v, size_u >= size_v)
+            }
+        };
+        let step = self.take(Choice {
+            u: takes_u.into(),
+            v: takes_v.into(),
+        });
+        while self.now.quadrants != 0 && self.now.du >= 0 && !self.is_before_tip() {
+            self.turn();
+        }
+        Some(step)
+    }
+
+    /// Inside the curve, and the next point outwards is nearer: a tip sharper than a BLU whose
+    /// axis the walk is already on.
+    #[cold]
+    fn is_before_tip(&self) -> bool {
+        let now = &self.now;
+        let doubled = now.residue.wrapping_add(now.residue);
+        now.residue < 0 && now.dv > 0 && doubled.wrapping_add(now.dv) < now.dvv >> 2
+    }
+
+    /// Into the next quadrant: the step inwards becomes the one outwards.
+    #[cold]
+    fn turn(&mut self) {
+        let now = &mut self.now;
+        (now.du, now.dv) = (now.dvv.wrapping_sub(now.dv), now.du);
+        (now.duu, now.dvv) = (now.dvv, now.duu);
+        now.duv = now.duv.wrapping_neg();
+        (now.u_left, now.v_left) = (now.v_left.wrapping_neg(), now.u_left);
+        (now.toward_u, now.toward_v) = (now.toward_v.opposite(), now.toward_u);
+        now.quadrants = now.quadrants.wrapping_sub(1);
+    }
+
+    /// Level with the end in one axis: straight to it. The curve is monotonic within its quadrant, so
+    /// it stays between here and there.
+    #[cold]
+    fn run_off(&mut self) -> Option<Step> {
+        let choice = Choice {
+            u: self.now.u_left.signum().into(),
+            v: self.now.v_left.signum().into(),
+        };
+        (choice.u != 0 || choice.v != 0).then(|| self.take(choice))
+    }
+
+    #[inline]
+    fn take(&mut self, choice: Choice) -> Step {
+        let sweep = self.sweep(choice);
+        let Choice { u, v } = choice;
+        let now = &mut self.now;
+        // u and v are -1, 0 or 1. F(P - u) - F(P) is duu - du.
+        let residue_u = now.du.wrapping_sub(if u < 0 { now.duu } else { 0 });
+        let residue_v = now.dv.wrapping_sub(if v < 0 { now.dvv } else { 0 });
+        now.residue = now
+            .residue
+            .wrapping_add(u.wrapping_mul(residue_u))
+            .wrapping_add(v.wrapping_mul(residue_v))
+            .wrapping_add(u.wrapping_mul(v).wrapping_mul(now.duv));
+        now.du = now
+            .du
+            .wrapping_add(u.wrapping_mul(now.duu))
+            .wrapping_add(v.wrapping_mul(now.duv));
+        now.dv = now
+            .dv
+            .wrapping_add(v.wrapping_mul(now.dvv))
+            .wrapping_add(u.wrapping_mul(now.duv));
+        now.u_left = now.u_left.wrapping_sub(u as i32);
+        now.v_left = now.v_left.wrapping_sub(v as i32);
+        let (toward_u, toward_v) = (now.toward_u.times(u), now.toward_v.times(v));
+        Step {
+            axes: toward_u.axes | toward_v.axes,
+            negative: toward_u.negative | toward_v.negative,
+            sweep,
+        }
+    }
+
+    /// The step projected on the tangent, which is the gradient turned left: (-F_v, F_u).
+    #[inline]
+    fn sweep(&self, Choice { u, v }: Choice) -> u32 {
+        let now = &self.now;
+        let along_u = now.dv.wrapping_sub(now.dvv >> 1);
+        let along_v = (now.duu >> 1).wrapping_sub(now.du);
+        if let Pace::Circle { radius } = now.pace {
+            // Twice the coordinates, below 2^23.
+            let cross = u.wrapping_mul(along_u).wrapping_add(v.wrapping_mul(along_v)) >> 1;
+            return (cross.max(0) as u32).max(radius / 2).max(1);
+        }
+        // The larger one to 15 bits and a sign; the sum of the squares is at most 2^31.
+        let largest = along_u.unsigned_abs() | along_v.unsigned_abs();
+        let shift = largest.leading_zeros().saturating_sub(1);
+        let along_u = (along_u.wrapping_shl(shift) >> 48) as i32;
+        let along_v = (along_v.wrapping_shl(shift) >> 48) as i32;
+        let square = along_u
+            .wrapping_mul(along_u)
+            .wrapping_add(along_v.wrapping_mul(along_v));
+        let cross = (u as i32)
+            .wrapping_mul(along_u)
+            .wrapping_add((v as i32).wrapping_mul(along_v));
+        // cross <= 2^16: fits. No gradient: nothing to project on.
+        (cross.max(0) as u32)
+            .wrapping_shl(UNIT_BITS)
+            .checked_div((square as u32).isqrt())
+            .unwrap_or(0)
+            .max(1 << (UNIT_BITS - 1))
+    }
+
+    /// Walks to the end and adds up, looking at every state on the way.
+    ///
+    /// The walk ends: within a quadrant every event goes on in u or v and never back, and each of
+    /// them has at most 2^23 steps within reach: 2^24 events a quadrant, and as many quadrants as
+    /// counted. In the last one u_left + v_left (the run-off: their sizes) shrinks at every event.
+    fn check(mut self) -> Result<Totals, ConicError> {
+        let mut totals = Totals::default();
+        loop {
+            let now = &self.now;
+            let largest = now
+                .residue
+                .unsigned_abs()
+                .max(now.du.unsigned_abs())
+                .max(now.dv.unsigned_abs());
+            if largest > MAX_STATE {
+                return Err(ConicError::TooLarge);
+            }
+            let is_level = now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0);
+            if now.u_left.unsigned_abs().max(now.v_left.unsigned_abs()) > MAX_REACH
+                // The last quadrant goes on in this quadrant's u.
+                || (now.quadrants == 1 && now.u_left < -3)
+                || (is_level && now.u_left.min(now.v_left) < -3)
+                || (!is_level && totals.events > 3 && now.is_off())
+            {
+                return Err(ConicError::Astray);
+            }
+            let Some(step) = self.next() else {
+                return Ok(totals);
+            };
+            if totals.events >= 1 << 31 {
+                return Err(ConicError::TooLong);
+            }
+            totals.events = totals.events.wrapping_add(1);
+            // Sweeps are below 2^32, events at most 2^31.
+            totals.total_sweep = totals.total_sweep.wrapping_add(step.sweep.into());
+            totals.largest_sweep = totals.largest_sweep.max(step.sweep);
+        }
+    }
+}
+
+impl Toward {
+    /// This step times -1, 0 or +1.
+    #[inline]
+    fn times(self, factor: i64) -> Toward {
+        match factor {
+            0 => Toward::default(),
+            1.. => self,
+            _ => self.opposite(),
+        }
+    }
+}

@@ -1,0 +1,460 @@
+//! What arc of what curve of the second degree.
+
+use core::fmt;
+
+use crate::Direction;
+
+/// Largest semi-axis, in 2^-f BLU: |F'|, |U|, |V| <= 2 a b max(a, b) then.
+const MAX_SEMI_AXIS: u32 = 1 << 20;
+/// Largest coefficient of x^2, x y and y^2.
+const MAX_SECOND: u64 = 1 << 40;
+
+/// An arc of an ellipse with axes parallel to those of the plane.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct EllipseMove {
+    /// First point, in BLU: the rounded one beside the ellipse.
+    pub from: [i32; 2],
+    /// Last point, in BLU; the same as `from` means a full turn.
+    pub to: [i32; 2],
+    /// Centre, in 2^-`fraction_bits` BLU.
+    pub centre: [i64; 2],
+    /// Half the width and half the height, in 2^-`fraction_bits` BLU; from one BLU to 2^20 of these
+    /// units each.
+    pub semi_axes: [u32; 2],
+    /// Fraction bits of centre and semi-axes, 0 to 20.
+    pub fraction_bits: u8,
+    /// Turning sense.
+    pub direction: Direction,
+    /// Complete turns made on top of the shortest way round.
+    pub turns: u32,
+}
+
+/// An arc of the curve F(x, y) = A x^2 + B x y + C y^2 + D x + E y + G = 0, x and y in BLU.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct ConicMove {
+    /// First point, in BLU: the rounded one beside the curve.
+    pub from: [i32; 2],
+    /// Last point, in BLU; the same as `from` means a full turn.
+    pub to: [i32; 2],
+    /// A, B, C, D, E, G. A, B and C up to 2^40; F and its differences on the curve are to stay below
+    /// 2^61. Any common factor and sign.
+    pub coefficients: [i64; 6],
+    /// Which way the curve turns on its way: also parabolas and hyperbolas turn only one way.
+    pub direction: Direction,
+    /// Complete turns made on top of the shortest way round; ellipses only.
+    pub turns: u32,
+}
+
+/// Why an arc of a conic cannot be made.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum ConicError {
+    /// Not a curve (a point, lines, nothing), or an end is at its centre; a semi-axis below one BLU.
+    Degenerate,
+    /// More than 20 fraction bits.
+    FractionBits,
+    /// A semi-axis above 2^20, coefficients above 2^40, or a state that does not fit 64 bits.
+    TooLarge,
+    /// More than 2^31 events.
+    TooLong,
+    /// An end is more than about two BLU off the curve.
+    OffCurve,
+    /// The curve does not lead from one end to the other this way, or it turns so sharply within a BLU
+    /// that it cannot be followed.
+    Astray,
+}
+
+impl fmt::Display for ConicError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            ConicError::Degenerate => "the coefficients or semi-axes do not give a curve",
+            ConicError::FractionBits => "the centre has more than 20 fraction bits",
+            ConicError::TooLarge => "the curve is too large for 64-bit state",
+            ConicError::TooLong => "the arc has more than 2^31 events",
+            ConicError::OffCurve => "an end is more than two steps off the curve",
+            ConicError::Astray => "the curve does not lead to the end this way",
+        })
+    }
+}
+
+impl core::error::Error for ConicError {}
+
+/// How an event's sweep comes about.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Pace {
+    /// The gradient is as long everywhere: the cross product itself.
+    Circle { radius: u32 },
+    /// Divided by the length of the gradient.
+    Tangent,
+}
+
+/// A step of one axis, as the masks of an event.
+#[derive(Copy, Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct Toward {
+    pub(crate) axes: u8,
+    pub(crate) negative: u8,
+}
+
+impl Toward {
+    #[inline]
+    pub(crate) fn opposite(self) -> Toward {
+        Toward {
+            axes: self.axes,
+            negative: self.negative ^ self.axes,
+        }
+    }
+
+    /// The direction outwards of a quadrant: +y, -x, -y, +x.
+    fn of(quadrant: u8, is_clockwise: bool) -> Toward {
+        let (axes, is_negative) = match quadrant & 3 {
+            0 => (2, is_clockwise),
+            1 => (1, true),
+            2 => (2, !is_clockwise),
+            _ => (1, false),
+        };
+        let negative = if is_negative { axes } else { 0 };
+        Toward { axes, negative }
+    }
+}
+
+/// State of a walk before its first event; later it is the state of the walk.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Start {
+    /// F at the point.
+    pub(crate) residue: i64,
+    /// F(P + u) - F(P), negative.
+    pub(crate) du: i64,
+    /// F(P + v) - F(P).
+    pub(crate) dv: i64,
+    /// Change of `du` a step of u.
+    pub(crate) duu: i64,
+    /// Change of `dv` a step of v.
+    pub(crate) dvv: i64,
+    /// Change of `du` a step of v, and of `dv` a step of u.
+    pub(crate) duv: i64,
+    /// Steps to the end, in BLU.
+    pub(crate) u_left: i32,
+    pub(crate) v_left: i32,
+    pub(crate) toward_u: Toward,
+    pub(crate) toward_v: Toward,
+    /// Quadrant changes to come.
+    pub(crate) quadrants: u32,
+    pub(crate) pace: Pace,
+}
+
+/// F about one point: residue, gradient and second differences, in the walk's (mirrored) frame.
+#[derive(Copy, Clone)]
+struct Spot {
+    residue: i64,
+    /// Derivatives of F at the point.
+    gradient: [i64; 2],
+    /// Second derivatives: xx, yy and xy.
+    second: [i64; 3],
+}
+
+impl Spot {
+    /// F(P + d) - F(P) for the direction outwards of `quadrant`. The second differences are even: they
+    /// are 2 A and 2 C.
+    fn difference(&self, quadrant: u8) -> i64 {
+        let [x, y] = self.gradient;
+        let [xx, yy, _] = self.second;
+        match quadrant & 3 {
+            0 => (yy / 2).wrapping_add(y),
+            1 => (xx / 2).wrapping_sub(x),
+            2 => (yy / 2).wrapping_sub(y),
+            _ => (xx / 2).wrapping_add(x),
+        }
+    }
+
+    /// The quadrant: F does not fall towards its direction and falls towards the next one to the
+    /// left. Of several the steepest; none at a centre.
+    fn quadrant(&self) -> Option<u8> {
+        (0..4_u8)
+            .filter(|&quadrant| {
+                self.difference(quadrant) >= 0 && self.difference(quadrant.wrapping_add(1)) < 0
+            })
+            .max_by_key(|&quadrant| {
+                let outwards = self.difference(quadrant);
+                outwards.saturating_sub(self.difference(quadrant.wrapping_add(1)))
+            })
+    }
+
+    /// Within about two BLU of the curve: |F| against what two steps change it by.
+    fn is_near(&self) -> bool {
+        let [x, y] = self.gradient.map(i64::unsigned_abs);
+        let [xx, yy, xy] = self.second.map(i64::unsigned_abs);
+        let change = x.saturating_add(y).saturating_add(xx);
+        let change = change.saturating_add(yy).saturating_add(xy);
+        self.residue.unsigned_abs() <= change.saturating_mul(2)
+    }
+}
+
+impl Start {
+    /// The point is farther from the curve than a step; gradient alone, so second differences count.
+    pub(crate) fn is_off(&self) -> bool {
+        let [du, dv] = [self.du, self.dv].map(i64::unsigned_abs);
+        let [duu, dvv, duv] = [self.duu, self.dvv, self.duv].map(i64::unsigned_abs);
+        // Each below 2^62.
+        let step = du.wrapping_add(dv);
+        let bend = duu.wrapping_add(dvv).wrapping_add(duv);
+        self.residue.unsigned_abs() > step.wrapping_add(bend)
+    }
+
+    pub(crate) fn of_ellipse(ellipse: &EllipseMove) -> Result<Start, ConicError> {
+        let bits = ellipse.fraction_bits;
+        if bits > 20 {
+            return Err(ConicError::FractionBits);
+        }
+        let one = 1_u32.wrapping_shl(bits.into());
+        let [width, height] = ellipse.semi_axes;
+        if width.max(height) > MAX_SEMI_AXIS {
+            return Err(ConicError::TooLarge);
+        }
+        if width.min(height) < one {
+            return Err(ConicError::Degenerate);
+        }
+        let is_clockwise = ellipse.direction == Direction::Clockwise;
+        // F' = (A X^2 + C Y^2 - A width^2) / 2^f, X and Y in 2^-f BLU; A : C is height^2 : width^2 in lowest
+        // terms, at most 2^40.
+        let common = common_divisor(width, height).max(1);
+        let square = |length: u32| {
+            let length = i64::from(length.checked_div(common).unwrap_or(1));
+            length.wrapping_mul(length)
+        };
+        let (a, c) = (square(height), square(width));
+        let width_squared = i128::from(width).wrapping_mul(width.into());
+        let spot = |at: [i32; 2]| {
+            let [at_x, at_y] = at;
+            let [centre_x, centre_y] = ellipse.centre;
+            let from_centre = |at: i32, centre: i64, semi_axis: u32| {
+                // |at| <= 2^31 and f <= 20; two BLU more than the semi-axis is below 2^22.
+                i64::from(at)
+                    .wrapping_shl(bits.into())
+                    .checked_sub(centre)
+                    .filter(|distance| {
+                        let beyond = distance.unsigned_abs().saturating_sub(semi_axis.into());
+                        beyond <= u64::from(one).wrapping_mul(2)
+                    })
+                    .ok_or(ConicError::OffCurve)
+            };
+            let x = from_centre(at_x, centre_x, width)?;
+            let y = from_centre(at_y, centre_y, height)?;
+            let y = if is_clockwise { y.wrapping_neg() } else { y };
+            // Coefficients below 2^41, coordinates below 2^22: 2^86.
+            let part = |factor: i64, at: i64| {
+                i128::from(factor).wrapping_mul(i128::from(at).wrapping_mul(at.into()))
+            };
+            let residue = part(a, x)
+                .wrapping_add(part(c, y))
+                .wrapping_sub(i128::from(a).wrapping_mul(width_squared));
+            let half = i128::from(one / 2);
+            let second = |factor: i64| factor.wrapping_mul(2).checked_mul(one.into());
+            let spot = Spot {
+                residue: i64::try_from(residue.wrapping_add(half) >> bits)
+                    .map_err(|_| ConicError::OffCurve)?,
+                // Below 2 2^40 2^22 = 2^63.
+                gradient: [
+                    a.wrapping_mul(x).wrapping_mul(2),
+                    c.wrapping_mul(y).wrapping_mul(2),
+                ],
+                // Below 2 2^40 2^20.
+                second: [
+                    second(a).ok_or(ConicError::TooLarge)?,
+                    second(c).ok_or(ConicError::TooLarge)?,
+                    0,
+                ],
+            };
+            spot.is_near().then_some(spot).ok_or(ConicError::OffCurve)
+        };
+        let (from, to) = (spot(ellipse.from)?, spot(ellipse.to)?);
+        let pace = if width == height {
+            Pace::Circle { radius: width }
+        } else {
+            Pace::Tangent
+        };
+        let ends = [ellipse.from, ellipse.to];
+        start(&from, &to, ends, is_clockwise, Some(ellipse.turns), pace)
+    }
+
+    pub(crate) fn of_conic(conic: &ConicMove) -> Result<Start, ConicError> {
+        let is_clockwise = conic.direction == Direction::Clockwise;
+        let [a, b, c, d, e, g] = conic.coefficients;
+        if [a, b, c].iter().any(|second| second.unsigned_abs() > MAX_SECOND) {
+            return Err(ConicError::TooLarge);
+        }
+        // The mirror image of a clockwise arc: y and the odd powers of y change sign.
+        let mirror = |value: i64| {
+            if is_clockwise {
+                value.wrapping_neg()
+            } else {
+                value
+            }
+        };
+        let spot = |at: [i32; 2], sign: i64| -> Result<Spot, ConicError> {
+            let [x, y] = at.map(i128::from);
+            let wide = i128::from;
+            let times = |factor: i64, at: i128| wide(factor).wrapping_mul(at);
+            // Coefficients of 64 bits, |x|, |y| <= 2^31: at most 2^40 2^62 and 2^63 2^31, six of them.
+            let residue = times(a, x.wrapping_mul(x))
+                .wrapping_add(times(b, x.wrapping_mul(y)))
+                .wrapping_add(times(c, y.wrapping_mul(y)))
+                .wrapping_add(times(d, x))
+                .wrapping_add(times(e, y))
+                .wrapping_add(wide(g));
+            let along_x = times(a, x.wrapping_mul(2))
+                .wrapping_add(times(b, y))
+                .wrapping_add(wide(d));
+            let along_y = times(c, y.wrapping_mul(2))
+                .wrapping_add(times(b, x))
+                .wrapping_add(wide(e));
+            let fit = |value: i128| {
+                i64::try_from(value)
+                    .ok()
+                    .filter(|value| value.unsigned_abs() < 1 << 62)
+                    .map(|value| value.wrapping_mul(sign))
+                    .ok_or(ConicError::TooLarge)
+            };
+            Ok(Spot {
+                residue: fit(residue)?,
+                gradient: [fit(along_x)?, mirror(fit(along_y)?)],
+                second: [
+                    a.wrapping_mul(2).wrapping_mul(sign),
+                    c.wrapping_mul(2).wrapping_mul(sign),
+                    mirror(b).wrapping_mul(sign),
+                ],
+            })
+        };
+        // The sign of F that makes the curve turn left: its second derivative along the tangent.
+        let sign = turn(&spot(conic.from, 1)?);
+        if sign == 0 {
+            return Err(ConicError::Degenerate);
+        }
+        let (from, to) = (spot(conic.from, sign)?, spot(conic.to, sign)?);
+        if !from.is_near() || !to.is_near() {
+            return Err(ConicError::OffCurve);
+        }
+        // 2^82 and 2^80.
+        let is_closed = i128::from(a).wrapping_mul(c.into()).wrapping_mul(4)
+            > i128::from(b).wrapping_mul(b.into());
+        if !is_closed && conic.turns != 0 {
+            return Err(ConicError::Astray);
+        }
+        let turns = is_closed.then_some(conic.turns);
+        start(
+            &from,
+            &to,
+            [conic.from, conic.to],
+            is_clockwise,
+            turns,
+            Pace::Tangent,
+        )
+    }
+}
+
+/// Greatest common divisor; Euclid takes at most 30 divisions for 21 bits.
+fn common_divisor(mut larger: u32, mut smaller: u32) -> u32 {
+    while let Some(rest) = larger.checked_rem(smaller) {
+        (larger, smaller) = (smaller, rest);
+    }
+    larger
+}
+
+/// Sign of C F_x^2 - B F_x F_y + A F_y^2: positive where the curve turns left about F < 0. It is the
+/// same all along a conic, and 0 for lines.
+fn turn(spot: &Spot) -> i64 {
+    let [x, y] = spot.gradient;
+    let [xx, yy, xy] = spot.second;
+    // The gradient to 40 bits: 41 + 80 bits and three of them.
+    let largest = x.unsigned_abs() | y.unsigned_abs();
+    let shift = 24_u32.saturating_sub(largest.leading_zeros());
+    let [x, y] = [x, y].map(|value| i128::from(value.wrapping_shr(shift)));
+    let bend = |second: i64, square: i128| i128::from(second).wrapping_mul(square);
+    let twice_xy = xy.wrapping_mul(2);
+    let sum = bend(yy, x.wrapping_mul(x))
+        .wrapping_add(bend(xx, y.wrapping_mul(y)))
+        .wrapping_sub(bend(twice_xy, x.wrapping_mul(y)));
+    sum.signum() as i64
+}
+
+/// Whether the gradient of one point is turned left to the other's by less than half a turn.
+fn is_left_turn(from: &Spot, to: &Spot) -> bool {
+    let ([from_x, from_y], [to_x, to_y]) = (from.gradient, to.gradient);
+    // Two products of 62 bits each.
+    let product = |one: i64, other: i64| i128::from(one).wrapping_mul(other.into());
+    product(from_x, to_y) > product(from_y, to_x)
+}
+
+/// Puts both ends together; `turns` is `None` for an open curve.
+fn start(
+    from: &Spot,
+    to: &Spot,
+    ends: [[i32; 2]; 2],
+    is_clockwise: bool,
+    turns: Option<u32>,
+    pace: Pace,
+) -> Result<Start, ConicError> {
+    let first = from.quadrant().ok_or(ConicError::Degenerate)?;
+    let last = to.quadrant().ok_or(ConicError::Degenerate)?;
+    let [[from_x, from_y], [to_x, to_y]] = ends;
+    // The walk gives up beyond 2^22: what does not fit 31 bits is as bad.
+    let way = |from: i32, to: i32| {
+        to.checked_sub(from)
+            .filter(|way| way.unsigned_abs() < 1 << 30)
+            .ok_or(ConicError::TooLarge)
+    };
+    let (x_left, y_left) = (way(from_x, to_x)?, way(from_y, to_y)?);
+    let y_left = if is_clockwise {
+        y_left.wrapping_neg()
+    } else {
+        y_left
+    };
+    let left = |quadrant: u8| match quadrant & 3 {
+        0 => y_left,
+        1 => x_left.wrapping_neg(),
+        2 => y_left.wrapping_neg(),
+        _ => x_left,
+    };
+    let next = first.wrapping_add(1);
+    let (u_left, v_left) = (left(next), left(first));
+    let [xx, yy, xy] = from.second;
+    let is_upright = first & 1 == 0;
+    let (duu, dvv) = if is_upright { (xx, yy) } else { (yy, xx) };
+    // Of -x and +y, and of -y and -x, and so on.
+    let duv = if is_upright { xy.wrapping_neg() } else { xy };
+    let (du, dv) = (from.difference(next), from.difference(first));
+
+    // Ahead along the tangent: 63 bits by 31.
+    let along_u = i128::from(dv.saturating_sub(dvv / 2));
+    let along_v = i128::from((duu / 2).saturating_sub(du));
+    let ahead = along_u
+        .wrapping_mul(u_left.into())
+        .wrapping_add(along_v.wrapping_mul(v_left.into()));
+    let quadrants = match u32::from(last.wrapping_sub(first) & 3) {
+        0 if ahead <= 0 => 4,
+        quadrants => quadrants,
+    };
+    let quadrants = match turns {
+        Some(turns) => turns
+            .checked_mul(4)
+            .and_then(|more| more.checked_add(quadrants))
+            .ok_or(ConicError::TooLong)?,
+        // An open curve turns by less than half a turn, to the left.
+        None if quadrants > 2 || (quadrants == 2 && !is_left_turn(from, to)) => {
+            return Err(ConicError::Astray);
+        }
+        None => quadrants,
+    };
+    Ok(Start {
+        residue: from.residue,
+        du,
+        dv,
+        duu,
+        dvv,
+        duv,
+        u_left,
+        v_left,
+        toward_u: Toward::of(next, is_clockwise),
+        toward_v: Toward::of(first, is_clockwise),
+        quadrants,
+        pace,
+    })
+}
