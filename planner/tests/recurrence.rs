@@ -38,8 +38,8 @@ proptest! {
         prop_assert_eq!(intervals.len(), events as usize);
         let bounds = Bounds {
             timer_hz: rates.timer_hz.into(),
-            top_rate_hz: rates.top_rate_hz.into(),
-            acceleration_hz_per_s: 1.2 * f64::from(rates.acceleration_hz_per_s),
+            top_rate_hz: 1.022 * f64::from(rates.top_rate_hz),
+            acceleration_hz_per_s: 1.25 * f64::from(rates.acceleration_hz_per_s),
             slack_ticks: 2.0,
         };
         prop_assert_eq!(fault(&intervals, &bounds), None);
