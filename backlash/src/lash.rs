@@ -56,4 +56,9 @@ pub trait Lash {
     /// 0 unless the axis turns round, and for `direction` 0; the new direction is remembered, so the caller makes the
     /// steps it is told. A caller may leave out calls for further steps in one direction.
     fn take_up(&mut self, direction: i8, load: i32) -> u32;
+
+    /// Whether the axis never owes anything, so that it may turn round without a stop. Unless a model knows, it may.
+    fn is_free(&self) -> bool {
+        false
+    }
 }

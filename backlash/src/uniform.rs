@@ -96,4 +96,8 @@ impl Lash for Backlash {
         self.load = load.wrapping_add(i32::from(direction.signum()));
         self.turn(direction)
     }
+
+    fn is_free(&self) -> bool {
+        self.lash_steps == 0
+    }
 }

@@ -18,6 +18,7 @@ pub fn machine(data: &[u8]) {
         travel: Some([Nm(-10_000_000), Nm(10_000_000)]),
         max_rate_hz: 1000,
         lash_steps: 3,
+        ramp: None,
     };
     for dialect in [Dialect::RS274, Dialect::MICROMILL] {
         let config = Config {
@@ -27,6 +28,7 @@ pub fn machine(data: &[u8]) {
             arc_tolerance: None,
             rapid: None,
             top_feed: None,
+            corner_deviation: None,
         };
         run(config, data);
     }

@@ -1,8 +1,9 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
 use crate::source::Source;
-use husillo_machine::{Event, Machine, Pause, Refused};
+use husillo_machine::{Event, Machine, Pause};
 use std::io;
+use std::ops::ControlFlow;
 
 /// Runs a program to its end; `each` gets the machine and every event it gives.
 ///
@@ -17,25 +18,34 @@ pub fn feed(
     let dialect = machine.config().dialect;
     while let Some(line) = source.next_line()? {
         for (_, text) in dialect.blocks(line.bytes) {
-            loop {
-                let taken = machine.line(text);
-                // By reference: moving the event would read whole what was just written in parts, and wait for it.
-                while let Some(ref event) = machine.next_event() {
-                    each(machine, event)?;
-                    if matches!(event, Event::Pause(Pause::End { .. })) {
-                        return Ok(());
-                    }
-                }
-                match taken {
-                    Ok(()) => break,
-                    // All events are out now: the same line once more.
-                    Err(Refused::Busy) => {}
-                    Err(refused) => {
-                        return Err(io::Error::other(format!("line {}: {refused}", line.number)));
-                    }
+            // As far ahead as the queue goes, then events until a place is free.
+            while !machine.has_room() {
+                if pull(machine, &mut each)?.is_break() {
+                    return Ok(());
                 }
             }
+            machine
+                .line(text)
+                .map_err(|refused| io::Error::other(format!("line {}: {refused}", line.number)))?;
         }
     }
+    while pull(machine, &mut each)?.is_continue() {}
     Ok(())
+}
+
+/// One event; a break at the end of the program, and when there is none.
+#[inline]
+fn pull(
+    machine: &mut Machine<3>,
+    each: &mut impl FnMut(&Machine<3>, &Event<3>) -> io::Result<()>,
+) -> io::Result<ControlFlow<()>> {
+    // By reference: moving the event would read whole what was just written in parts, and wait for it.
+    let Some(ref event) = machine.next_event() else {
+        return Ok(ControlFlow::Break(()));
+    };
+    each(machine, event)?;
+    Ok(match event {
+        Event::Pause(Pause::End { .. }) => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    })
 }

@@ -28,6 +28,8 @@ pub struct MachineFile {
     pub top_feed: Option<i64>,
     /// Largest |r_start - r_end| of an arc in nm; `None`: the rule of the arc verdict alone.
     pub arc_tolerance: Option<i64>,
+    /// How far beside a corner it may be taken, in nm; `None`: the axes' junction rates alone say how fast.
+    pub corner_deviation: Option<i64>,
     /// Axes that may move at once; more are warned about.
     pub simultaneous_axes: u32,
     /// What the motors do when nothing moves.
@@ -209,6 +211,7 @@ impl MachineFile {
                 rapid: motion.rapid,
                 top_feed: motion.top_feed,
                 arc_tolerance: motion.arc_tolerance,
+                corner_deviation: motion.corner_deviation,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 idle,
             }),
@@ -233,6 +236,7 @@ struct Motion {
     rapid: Option<i64>,
     top_feed: Option<i64>,
     arc_tolerance: Option<i64>,
+    corner_deviation: Option<i64>,
     simultaneous_axes: Option<u32>,
 }
 
@@ -247,15 +251,21 @@ fn read_motion(table: &mut Table<'_, '_>) -> Motion {
             },
         )
     };
+    let length = |table: &mut Table<'_, '_>, key| {
+        table.quantity(
+            key,
+            "a length as in \"0.28 um\"",
+            |quantity| match quantity {
+                Quantity::Length(length) if length.num >= 0 => Some(length.rounded()),
+                _ => None,
+            },
+        )
+    };
     Motion {
         rapid: speed(table, "rapid"),
         top_feed: speed(table, "top_feed"),
-        arc_tolerance: table.quantity("arc_tolerance", "a length as in \"0.28 um\"", |quantity| {
-            match quantity {
-                Quantity::Length(length) if length.num >= 0 => Some(length.rounded()),
-                _ => None,
-            }
-        }),
+        arc_tolerance: length(table, "arc_tolerance"),
+        corner_deviation: length(table, "corner_deviation"),
         simultaneous_axes: table
             .integer("simultaneous_axes", 1..=3)
             .and_then(|n| u32::try_from(n).ok()),
@@ -314,23 +324,28 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
         table.missing("max_rate");
     }
     let max_rate = max_rate.unwrap_or(1);
+    let acceleration = table.quantity(
+        "acceleration",
+        "steps/s^2 as in \"2000 Hz/s\"",
+        |quantity| match quantity {
+            Quantity::Acceleration(value) => positive(value),
+            _ => None,
+        },
+    );
     Some(AxisFile {
         letter,
         step,
         travel,
         travel_span,
         lash_steps: lash.unwrap_or(0),
-        start_rate: rate(table, "start_rate").unwrap_or(max_rate),
+        // Without an acceleration there are no ramps.
+        start_rate: rate(table, "start_rate").unwrap_or(match acceleration {
+            Some(_) => 0,
+            None => max_rate,
+        }),
         max_rate,
         pull_out_rate: rate(table, "pull_out_rate"),
-        acceleration: table.quantity(
-            "acceleration",
-            "steps/s^2 as in \"2000 Hz/s\"",
-            |quantity| match quantity {
-                Quantity::Acceleration(value) => positive(value),
-                _ => None,
-            },
-        ),
+        acceleration,
         jerk: table.quantity(
             "jerk",
             "steps/s^3 as in \"5000 Hz/s^2\"",

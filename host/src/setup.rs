@@ -2,7 +2,7 @@
 
 use crate::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, Config, Motors, Scale};
+use husillo_machine::{Axis, AxisRamp, Config, Motors, Scale};
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
 
@@ -55,6 +55,11 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
             },
             max_rate_hz: axis.max_rate,
             lash_steps: axis.lash_steps,
+            ramp: axis.acceleration.map(|acceleration_hz_per_s| AxisRamp {
+                acceleration_hz_per_s,
+                start_rate_hz: axis.start_rate,
+                junction_hz: axis.junction,
+            }),
         })
     };
     Ok(Config {
@@ -64,6 +69,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         arc_tolerance: file.arc_tolerance.map(Nm),
         rapid: file.rapid.map(Nm),
         top_feed: file.top_feed.map(Nm),
+        corner_deviation: file.corner_deviation.map(Nm),
     })
 }
 

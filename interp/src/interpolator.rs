@@ -5,7 +5,7 @@ use crate::{ArcError, ArcMove, Step};
 /// A move on its way: an iterator of events that knows what remains.
 ///
 /// Nothing is owed between events: it may be dropped, or cloned and walked dry, at any of them.
-pub trait Interpolator: Iterator<Item = Step> {
+pub trait Interpolator: Iterator<Item = Step> + Clone {
     /// Events still to come.
     fn remaining(&self) -> u32;
 
@@ -17,7 +17,7 @@ pub trait Interpolator: Iterator<Item = Step> {
 }
 
 /// A set of methods that makes every kind of move; what a machine is generic over.
-pub trait Moves<const N: usize>: Interpolator + Sized {
+pub trait Moves<const N: usize>: Interpolator {
     /// A straight move by `delta` steps.
     fn line(delta: [i32; N]) -> Self;
 

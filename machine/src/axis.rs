@@ -15,13 +15,38 @@ pub struct Axis {
     pub max_rate_hz: u32,
     /// Backlash in whole motor steps; 0 for none.
     pub lash_steps: u32,
+    /// How it gets to a rate; `None`: at once, at any rate.
+    pub ramp: Option<AxisRamp>,
+}
+
+/// How an axis changes its rate.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct AxisRamp {
+    /// Change of the step rate in steps per second, per second; at least 1.
+    pub acceleration_hz_per_s: u32,
+    /// Step rate a move may start and stop at, steps per second; 0 where the axis has to ramp up from standstill.
+    pub start_rate_hz: u32,
+    /// By how much the step rate may jump at a corner, steps per second; `None`: only [`Config::corner_deviation`] says.
+    pub junction_hz: Option<u32>,
 }
 
 impl Axis {
+    /// A step rate (or a change of it) in nanometres per second, rounded down; saturates.
+    pub(crate) const fn nm_per_s(&self, rate_hz: u32) -> u64 {
+        // Both below 2^32.
+        let product = (self.scale.nm() as u64).wrapping_mul(rate_hz as u64);
+        match product.checked_div(self.scale.steps() as u64) {
+            Some(speed) => speed,
+            None => 0,
+        }
+    }
+
     /// The fastest feed this axis takes, in nanometres per minute, rounded down.
     pub const fn max_feed_nm_per_min(&self) -> u64 {
         // `nm * rate < 2^64`; the factor 60 saturates, at 300 m/min of a 1 m step.
-        let product = (self.scale.nm() as u64 * self.max_rate_hz as u64).saturating_mul(60);
+        let product = (self.scale.nm() as u64)
+            .wrapping_mul(self.max_rate_hz as u64)
+            .saturating_mul(60);
         match product.checked_div(self.scale.steps() as u64) {
             Some(feed) => feed,
             None => 0,
@@ -45,4 +70,7 @@ pub struct Config<const N: usize> {
     pub rapid: Option<Nm>,
     /// Highest path speed of feed moves in nanometres per minute; `None`: as fast as the axes go.
     pub top_feed: Option<Nm>,
+    /// How far beside a corner a circle at the path's own acceleration may pass: the faster the corner is taken. `P` of
+    /// G64 takes its place. `None`: corners are limited by the axes' junction rates alone, and are stops where none has one.
+    pub corner_deviation: Option<Nm>,
 }

@@ -26,6 +26,27 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     quotient.saturating_mul(b).saturating_add(fraction)
 }
 
+/// `a * b / c` times 2^16, rounded down; saturates, and is `u64::MAX` for `c = 0`.
+///
+/// Without a fraction where `a * b` does not fit 64 bits.
+pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
+    let Some(product) = a.checked_mul(b) else {
+        return mul_div(a, b, c).saturating_mul(1 << 16);
+    };
+    let (Some(quotient), Some(mut rest)) = (product.checked_div(c), product.checked_rem(c)) else {
+        return u64::MAX;
+    };
+    // rest < c: both lose low bits together, until 16 more fit.
+    let spare = rest.leading_zeros();
+    let shift = if spare < 16 { 16 - spare } else { 0 };
+    rest >>= shift;
+    let fraction = match (rest << 16).checked_div(c >> shift) {
+        Some(fraction) => fraction,
+        None => 0,
+    };
+    quotient.saturating_mul(1 << 16).saturating_add(fraction)
+}
+
 /// Euclidean length of a vector with up to 16 components, to the nearest nanometre or 2^-28 of it,
 /// whichever is larger.
 pub(crate) fn length(components: impl Iterator<Item = u64> + Clone) -> u64 {

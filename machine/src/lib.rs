@@ -12,11 +12,17 @@ mod refused;
 mod arc;
 mod duration;
 mod segment;
+mod tangent;
+mod tempo;
+
+mod limits;
+mod schedule;
+mod take_up;
 
 mod machine;
 mod motors;
 
-pub use axis::{Axis, Config};
+pub use axis::{Axis, AxisRamp, Config};
 pub use event::{Event, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};

@@ -3,10 +3,11 @@
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Modal, Nm, SpindleDirection};
 use husillo_interp::{Moves, Path, Step};
-use husillo_planner::Timer;
+use husillo_planner::{Ramp, Timer};
 
 use crate::{
-    Config, Event, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent, segment::lattice,
+    Config, Event, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent, schedule::Schedule,
+    take_up::TakeUp,
 };
 
 /// What the event given last belongs to.
@@ -24,22 +25,32 @@ pub enum Origin {
 
 /// A machine of `N` axes: takes lines, gives events, never blocks.
 ///
-/// `P` is the interpolator and `L` the lash model of each axis; the defaults are the toolkit's own.
+/// `P` is the interpolator and `L` the lash model of each axis; the defaults are the toolkit's own. `QUEUE` moves are planned
+/// ahead, the executing one included; each takes some 400 bytes.
 /// It stands at machine zero when new, every axis engaged on its positive flank (it was pulled off its switch).
 #[derive(Clone, Debug)]
-pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash> {
+pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {
     config: Config<N>,
     modal: Modal<N>,
+    /// What is left of the block taken last.
     commands: Option<Commands<N>>,
+    /// Its next command: it waits for its place in the queue.
+    next: Option<Command<N>>,
+    /// A command that acts when all moves before it have been made.
+    waiting: Option<Command<N>>,
+    schedule: Schedule<N, P, QUEUE>,
+    run: Option<Run<P>>,
+    ramp: Ramp,
+    is_held: bool,
+    percent: u8,
     segment: Option<Segment<N>>,
-    path: Option<(P, Timer)>,
     compensator: Compensator<N, L>,
     is_compensating: bool,
-    /// Motor steps of take-up still to make, signed, and the timer of the axis that makes them.
+    /// Motor steps of take-up still to make, signed, and the tempo of the axis that makes them.
     owed: [i32; N],
+    take_up: Option<TakeUp>,
     /// What an abort left of a take-up: motor steps that this axis has not made, signed.
     unfinished: Option<[i32; N]>,
-    take_up_timer: Option<Timer>,
     /// The step that waits for the take-up, or for the rest of a long wait.
     held: Option<([i8; N], u64)>,
     /// Outputs and pauses of the command begun last.
@@ -47,11 +58,22 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash> {
     /// Ticks of moves too short for a step: they belong to the next one.
     carried_ticks: u64,
     load: [i32; N],
-    programmed: [Nm; N],
     origin: Origin,
 }
 
-impl<const N: usize, P: Moves<N>> Machine<N, P, Backlash> {
+/// The move that is being made.
+#[derive(Clone, Debug)]
+struct Run<P> {
+    path: P,
+    /// Its steps at constant speed; without one the ramp times them.
+    timer: Option<Timer>,
+    /// Events of this part of it.
+    left: u32,
+    /// A step that was not made: the hold came before it.
+    next: Option<Step>,
+}
+
+impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QUEUE> {
     /// A machine with one lash value an axis.
     pub fn new(config: Config<N>) -> Self {
         let lash = config
@@ -61,30 +83,35 @@ impl<const N: usize, P: Moves<N>> Machine<N, P, Backlash> {
     }
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
-    /// A machine with a lash model of your own for every axis.
+impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+    /// A machine with a lash model of your own for every axis, and a queue of your own length.
     pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
         Self {
             config,
             modal: Modal::new(config.dialect),
             commands: None,
+            next: None,
+            waiting: None,
+            schedule: Schedule::new(&config),
+            run: None,
+            ramp: Ramp::new(config.timer_hz),
+            is_held: false,
+            percent: 100,
             segment: None,
-            path: None,
             compensator: Compensator::new(lash),
             is_compensating: true,
             owed: [0; N],
+            take_up: None,
             unfinished: None,
-            take_up_timer: None,
             held: None,
             signals: [const { None }; 4],
             carried_ticks: 0,
             load: [0; N],
-            programmed: [Nm(0); N],
             origin: Origin::Rest,
         }
     }
 
-    /// Switches the take-up of backlash on (as it is at first) or off.
+    /// Switches the take-up of backlash on (as it is at first) or off, for the lines that follow.
     pub fn set_compensation(&mut self, on: bool) {
         self.is_compensating = on;
     }
@@ -92,13 +119,14 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
     /// Takes one block of text.
     ///
     /// Everything is checked before anything moves: the words, the modal rules, the travel of every
-    /// axis along the whole path. One block may wait while another is being executed.
+    /// axis along the whole path. Its moves join the queue as far as there is room: the more lines are taken before
+    /// events are asked for, the further ahead speeds are planned.
     ///
     /// # Errors
-    /// [`Refused::Busy`] while the block before has not begun its last command; otherwise what is
+    /// [`Refused::Busy`] while a command of the block before has not found its place in the queue; otherwise what is
     /// wrong. In every case nothing has changed.
     pub fn line(&mut self, text: &[u8]) -> Result<(), Refused> {
-        if self.is_waiting() {
+        if !self.has_room() {
             return Err(Refused::Busy);
         }
         let block = Block::parse(text, &self.config.dialect)?;
@@ -110,33 +138,98 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
         }
         self.modal = modal;
         self.commands = Some(commands);
+        self.fill();
         Ok(())
     }
 
-    /// Whether a block still waits to begin; [`Machine::line`] would answer [`Refused::Busy`].
-    fn is_waiting(&self) -> bool {
-        self.commands
-            .as_ref()
-            .is_some_and(|commands| commands.clone().next().is_some())
+    /// Whether [`Machine::line`] takes a line now, if it is right; otherwise it answers [`Refused::Busy`].
+    pub const fn has_room(&self) -> bool {
+        self.next.is_none()
     }
 
-    /// The next event, or `None` when all that was taken has been given out.
+    /// Moves commands into the queue, up to one that has to wait for all moves before it.
+    fn fill(&mut self) {
+        loop {
+            if self.next.is_none() {
+                self.next = self.commands.as_mut().and_then(Iterator::next);
+            }
+            if self.waiting.is_some() || self.schedule.is_full() {
+                return;
+            }
+            let may_stop = self
+                .compensator
+                .lash()
+                .each_ref()
+                .map(|lash| !lash.is_free());
+            let has_lash = may_stop.map(|may_stop| may_stop && self.is_compensating);
+            if !self.schedule.is_whole() {
+                self.schedule.push_part(None, has_lash);
+                continue;
+            }
+            match self.next.take() {
+                None => {
+                    self.commands = None;
+                    return;
+                }
+                Some(Command::Path { mode }) => self.schedule.set_mode(mode),
+                Some(command) if target(&command).is_some() => {
+                    self.schedule.push(&self.config, command, has_lash);
+                }
+                other => self.waiting = other,
+            }
+        }
+    }
+
+    /// Feed hold: brakes along the path within the acceleration of the axes and stops; nothing is lost. Events end
+    /// (`None`) when it stands, until [`Machine::resume`].
+    pub fn hold(&mut self) {
+        self.is_held = true;
+        self.ramp.hold();
+    }
+
+    /// Ends a hold.
+    pub fn resume(&mut self) {
+        self.is_held = false;
+        self.ramp.resume();
+    }
+
+    /// Whether a hold is on.
+    pub const fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// Scales the programmed feeds, 10 to 200 percent (others are taken as the nearest of these), never above what the
+    /// axes can do. Rapids stay as they are.
     ///
-    /// Constant time, except where a move begins: an arc is walked once at its beginning, some 5 ns an event on a
-    /// desktop, some 100 instructions on a Cortex-M4.
+    /// Takes effect at the next event where there are ramps, otherwise with the next move.
+    pub fn set_feed_override(&mut self, percent: u8) {
+        self.percent = percent.clamp(10, 200);
+        self.schedule.moves.set_override(self.percent);
+    }
+
+    /// The next event, or `None` when all that was taken has been given out, or under a hold.
+    ///
+    /// Constant time, except where an arc joins the queue: it is walked once, some 5 ns an event on a
+    /// desktop, some 60 instructions on a Cortex-M4.
     #[inline]
     pub fn next_event(&mut self) -> Option<Event<N>> {
-        match &mut self.path {
-            Some((path, timer)) if self.held.is_none() => match path.next() {
-                Some(step) => {
-                    let wait = timer.wait(step.sweep.into());
-                    Some(self.path_step(step, wait))
+        match &mut self.run {
+            Some(Run {
+                path,
+                timer: Some(timer),
+                ..
+            }) if self.held.is_none() && self.take_up.is_none() && !self.is_held => {
+                match path.next() {
+                    Some(step) => {
+                        let wait = timer.wait(step.sweep.into());
+                        Some(self.path_step(step, wait))
+                    }
+                    None => {
+                        self.finish();
+                        self.next_unhurried()
+                    }
                 }
-                None => {
-                    self.path = None;
-                    self.next_unhurried()
-                }
-            },
+            }
             _ => self.next_unhurried(),
         }
     }
@@ -147,20 +240,19 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
         let delta = step.deltas();
         let may_owe = self.is_compensating
             && (self.unfinished.is_some() || !self.compensator.is_straight_on(&delta));
-        let take_up = if may_owe {
-            self.turn_round(&delta, wait)
-        } else {
-            None
-        };
-        match take_up {
-            Some(event) => event,
-            None => self.give(delta, wait),
+        if may_owe {
+            self.turn_round(&delta);
+            if let Some(event) = self.take_up_step() {
+                self.held = Some((delta, wait));
+                return event;
+            }
         }
+        self.give(delta, wait)
     }
 
-    /// The first step of take-up before `delta`, if an axis owes any.
+    /// Before an axis turns round it owes its take-up.
     #[cold]
-    fn turn_round(&mut self, delta: &[i8; N], wait: u64) -> Option<Event<N>> {
+    fn turn_round(&mut self, delta: &[i8; N]) {
         let lash = self.compensator.before(delta, self.load);
         let mut unfinished = self.unfinished.take().unwrap_or([0; N]);
         let axes = self
@@ -182,9 +274,7 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
             .iter()
             .any(|rest| *rest != 0)
             .then_some(unfinished);
-        let event = self.take_up_step()?;
-        self.held = Some((*delta, wait));
-        Some(event)
+        self.begin_take_up();
     }
 
     /// A step of the path that nothing stands before any more.
@@ -213,22 +303,15 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
         })
     }
 
-    /// One motor step of take-up: X before Y before Z, each at its highest rate.
+    /// One motor step of take-up: X before Y before Z, each as fast as it goes.
     fn take_up_step(&mut self) -> Option<Event<N>> {
-        let axes = self.owed.iter_mut().zip(&self.config.axes).enumerate();
-        let (number, (owed, axis)) = axes.into_iter().find(|(_, (owed, _))| **owed != 0)?;
-        let timer = self.take_up_timer.get_or_insert_with(|| {
-            Timer::new(
-                u64::from(self.config.timer_hz),
-                u64::from(axis.max_rate_hz),
-                1,
-            )
-        });
-        let wait = timer.wait(1).min(u64::from(MAX_WAIT_TICKS));
+        let wait = self.take_up.as_mut()?.wait().min(u64::from(MAX_WAIT_TICKS));
+        let axes = (0..N).zip(&mut self.owed);
+        let (number, owed) = axes.into_iter().find(|(_, owed)| **owed != 0)?;
         let direction = owed.signum();
         *owed = owed.wrapping_sub(direction);
         if *owed == 0 {
-            self.take_up_timer = None;
+            self.begin_take_up();
         }
         let mut delta = [0; N];
         if let Some(delta) = delta.get_mut(number) {
@@ -241,10 +324,22 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
         }))
     }
 
-    /// Everything but the next step of a path under way.
+    /// Readies the take-up of the next axis that owes one.
+    fn begin_take_up(&mut self) {
+        let axes = self.owed.iter().zip(&self.config.axes);
+        self.take_up = axes
+            .into_iter()
+            .find(|(owed, _)| **owed != 0)
+            .map(|(owed, axis)| TakeUp::new(axis, self.config.timer_hz, owed.unsigned_abs()));
+    }
+
+    /// Everything but the next step of a path at constant speed.
     #[cold]
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
+            if self.is_held && self.ramp.speed_nm_per_s() == 0 {
+                return None;
+            }
             if let Some(event) = self.take_up_step() {
                 return Some(event);
             }
@@ -255,16 +350,11 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
                 self.origin = Origin::Rest;
                 return Some(signal);
             }
-            if let Some((path, timer)) = &mut self.path {
-                let Some(step) = path.next() else {
-                    self.path = None;
-                    continue;
-                };
-                let wait = timer
-                    .wait(step.sweep.into())
-                    .saturating_add(self.carried_ticks);
-                self.carried_ticks = 0;
-                return Some(self.path_step(step, wait));
+            if self.run.is_some() {
+                match self.run_step()? {
+                    Some(event) => return Some(event),
+                    None => continue,
+                }
             }
             if self.carried_ticks >= u64::from(MAX_WAIT_TICKS) {
                 self.carried_ticks = self.carried_ticks.wrapping_sub(u64::from(MAX_WAIT_TICKS));
@@ -273,20 +363,104 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
                     wait_ticks: MAX_WAIT_TICKS,
                 });
             }
-            let Some(command) = self.commands.as_mut().and_then(Iterator::next) else {
+            if self.schedule.moves.front().is_some() {
+                self.begin_move()?;
+            } else if let Some(command) = self.waiting.take() {
+                self.begin(command);
+                self.fill();
+            } else {
                 self.segment = None;
                 return None;
-            };
-            self.begin(command);
+            }
         }
     }
 
-    fn begin(&mut self, command: Command<N>) {
-        let segment = Segment {
-            from: self.programmed,
-            command,
+    /// The next step of the path: `None` under a hold, `Some(None)` when the move has ended.
+    fn run_step(&mut self) -> Option<Option<Event<N>>> {
+        let Some(run) = &mut self.run else {
+            return Some(None);
         };
-        self.segment = Some(segment);
+        let step = match run.next.take() {
+            Some(step) => Some(step),
+            None if run.left == 0 => None,
+            None => run.path.next(),
+        };
+        let Some(step) = step else {
+            self.finish();
+            return Some(None);
+        };
+        let wait = match &mut run.timer {
+            Some(timer) => timer.wait(step.sweep.into()),
+            None => match self.ramp.wait(step.sweep, self.schedule.moves.limits()) {
+                Some(wait) => wait,
+                None => {
+                    run.next = Some(step);
+                    return None;
+                }
+            },
+        };
+        run.left = run.left.wrapping_sub(1);
+        let wait = wait.saturating_add(self.carried_ticks);
+        self.carried_ticks = 0;
+        Some(Some(self.path_step(step, wait)))
+    }
+
+    /// The move, or the part of an arc, has ended: its place is free.
+    fn finish(&mut self) {
+        self.schedule.moves.pop();
+        self.fill();
+        let goes_on = match self.schedule.moves.front() {
+            Some((stretch, work)) if work.path.is_none() => Some((*stretch, work)),
+            _ => None,
+        };
+        match (goes_on, &mut self.run) {
+            (Some((stretch, work)), Some(run)) => {
+                run.left = work.events;
+                self.ramp
+                    .begin(&stretch, work.sweep, work.largest_sweep, work.ticks_q16);
+            }
+            _ => self.run = None,
+        }
+    }
+
+    /// Begins the first move of the queue. `None` under a hold, when it is too short for a step.
+    fn begin_move(&mut self) -> Option<()> {
+        let (stretch, work) = self.schedule.moves.front()?;
+        let (stretch, events) = (*stretch, work.events);
+        self.segment = Some(work.segment);
+        let heading = work.heading;
+        if self.schedule.has_ramps() {
+            let sweep = work.sweep.max(1);
+            let largest_sweep = work.largest_sweep.max(1);
+            self.ramp
+                .begin(&stretch, sweep, largest_sweep, work.ticks_q16);
+            if events == 0 {
+                let wait = self.ramp.wait(1, self.schedule.moves.limits())?;
+                self.carried_ticks = self.carried_ticks.saturating_add(wait);
+            }
+        } else if events == 0 {
+            self.carried_ticks = self.carried_ticks.saturating_add(work.ticks);
+        }
+        self.run = work.path.clone().map(|path| Run {
+            path,
+            timer: (!self.schedule.has_ramps()).then(|| {
+                let ticks = scaled(work.ticks, self.percent, &work.segment.command);
+                Timer::new(ticks, work.sweep, work.largest_sweep.into())
+            }),
+            left: events,
+            next: None,
+        });
+        if self.is_compensating {
+            self.turn_round(&heading);
+        }
+        Some(())
+    }
+
+    /// A command that is no move; all moves before it have been made.
+    fn begin(&mut self, command: Command<N>) {
+        let from = self.schedule.programmed();
+        self.segment = Some(Segment { from, command });
+        self.ramp.stop();
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years: saturating is long enough.
@@ -327,22 +501,7 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
                 }
                 self.flush_wait();
             }
-            _ => {
-                if let Some(to) = target(&command) {
-                    self.begin_move(&segment, to);
-                }
-            }
-        }
-    }
-
-    fn begin_move(&mut self, segment: &Segment<N>, to: [Nm; N]) {
-        // `line` has checked that every position has its step.
-        let end = lattice(&self.config.axes, &to).unwrap_or(self.load);
-        let (path, ticks, timer) = self.config.begin::<P>(segment, self.load, end);
-        self.programmed = to;
-        match timer {
-            Some(timer) => self.path = Some((path, timer)),
-            None => self.carried_ticks = self.carried_ticks.saturating_add(ticks),
+            _ => {}
         }
     }
 
@@ -373,8 +532,11 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
     /// given back, before that axis moves again.
     pub fn abort(&mut self) {
         self.commands = None;
+        self.next = None;
+        self.waiting = None;
         self.segment = None;
-        self.path = None;
+        self.run = None;
+        self.ramp.stop();
         self.held = None;
         if self.owed.iter().any(|owed| *owed != 0) {
             let mut unfinished = self.unfinished.unwrap_or([0; N]);
@@ -384,17 +546,17 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
             self.unfinished = Some(unfinished);
         }
         self.owed = [0; N];
-        self.take_up_timer = None;
+        self.take_up = None;
         self.carried_ticks = 0;
-        for ((programmed, load), axis) in self
-            .programmed
+        let mut position = [Nm(0); N];
+        for (position, (load, axis)) in position
             .iter_mut()
-            .zip(self.load)
-            .zip(&self.config.axes)
+            .zip(self.load.iter().zip(&self.config.axes))
         {
-            *programmed = axis.scale.position(load);
+            *position = axis.scale.position(*load);
         }
-        self.modal.set_position(self.programmed);
+        self.schedule.clear(position, self.load);
+        self.modal.set_position(position);
         self.modal.stop_outputs();
         self.signals = safe();
     }
@@ -422,6 +584,14 @@ impl<const N: usize, P: Moves<N>, L: Lash> Machine<N, P, L> {
     /// The facts of this machine.
     pub fn config(&self) -> &Config<N> {
         &self.config
+    }
+}
+
+/// Ticks of a feed move at so many percent of its speed; those of a rapid as they are.
+fn scaled<const N: usize>(ticks: u64, percent: u8, command: &Command<N>) -> u64 {
+    match command {
+        Command::Rapid { .. } => ticks,
+        _ => crate::duration::mul_div(ticks, 100, percent.into()),
     }
 }
 

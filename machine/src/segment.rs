@@ -1,13 +1,11 @@
 //! One command that moves, as steps and ticks.
 
-use husillo_gcode::{Command, Feed, Nm};
+use husillo_gcode::{Command, Nm};
 use husillo_interp::Moves;
-use husillo_planner::Timer;
 
 use crate::{
     Axis, Config, MoveError,
-    arc::{Course, course, extent, from_centre, in_plane, radius},
-    duration::{length, mul_div},
+    arc::{Course, course, extent, in_plane},
 };
 
 /// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
@@ -154,15 +152,15 @@ impl<const N: usize> Config<N> {
         course(from, arc, first.scale, lattice)
     }
 
-    /// The interpolator and the timer of a move that has passed [`Config::check`].
+    /// The path of a move that has passed [`Config::check`].
     ///
     /// `start` is where the axes stand, `end` where they shall stand; the path begins at `from` exactly.
-    pub(crate) fn begin<P: Moves<N>>(
+    pub(crate) fn path<P: Moves<N>>(
         &self,
         segment: &Segment<N>,
         start: [i32; N],
         end: [i32; N],
-    ) -> (P, u64, Option<Timer>) {
+    ) -> P {
         let mut delta = [0; N];
         for ((delta, start), end) in delta.iter_mut().zip(start).zip(end) {
             *delta = end.wrapping_sub(start);
@@ -176,95 +174,6 @@ impl<const N: usize> Config<N> {
         };
         // What is too small to go round is a line: the interpolator says so. It has no other reason left after
         // `check`: the radius, the events and the plane were looked at.
-        let path = path.unwrap_or_else(|| P::line(delta));
-        let ticks = self.ticks(segment, &path);
-        let timer = (path.remaining() > 0)
-            .then(|| Timer::new(ticks, path.total_sweep(), path.largest_sweep().into()));
-        (path, ticks, timer)
-    }
-
-    /// Timer ticks of the whole move: of the way as programmed, not of the steps it rounds to, so that many
-    /// moves shorter than a step take the time of their sum.
-    fn ticks<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> u64 {
-        let hz = u64::from(self.timer_hz);
-        let (feed, to, plane) = match &segment.command {
-            Command::Rapid { to } => (None, to, None),
-            Command::Linear { to, feed } => (Some(feed), to, None),
-            Command::Arc { arc, feed } => (Some(feed), &arc.to, Some(arc.plane.axes())),
-            _ => return 0,
-        };
-        // What the circle of an arc does; one too small to go round is the line between its ends.
-        let plane = plane.and_then(|[a, b]| {
-            let axes = [self.axes.get(a)?, self.axes.get(b)?];
-            Some(([a, b], axes, path.radius()?))
-        });
-        let is_round = |number: &usize| plane.is_some_and(|(plane, ..)| plane.contains(number));
-        let ways = segment
-            .from
-            .iter()
-            .zip(to)
-            .map(|(from, to)| to.0.abs_diff(from.0));
-        let straight = ways
-            .enumerate()
-            .filter(|(number, _)| !is_round(number))
-            .map(|(_, way)| way);
-        // No axis steps faster than it can, on the average of the move.
-        let mut least = 0;
-        let ways = (0..N).zip(segment.from.iter().zip(to).zip(&self.axes));
-        for (number, ((from, to), axis)) in ways {
-            if !is_round(&number) {
-                least = axis.least_ticks(to.0.abs_diff(from.0), hz).max(least);
-            }
-        }
-        let mut around = 0;
-        if let Some((_, [first, second], radius)) = plane {
-            // The area swept, divided by the radius, is the length of the arc in steps.
-            around = mul_div(
-                path.total_sweep(),
-                u64::from(first.scale.nm()),
-                radius.saturating_mul(u64::from(first.scale.steps())),
-            );
-            // Somewhere on a quarter turn one axis makes the whole speed.
-            for axis in [first, second] {
-                least = axis.least_ticks(around, hz).max(least);
-            }
-        }
-        if let (Command::Arc { arc, .. }, None) = (&segment.command, plane) {
-            // Whole turns that are too small for the grid take their time all the same; pi is 355 / 113.
-            let [a, b] = arc.plane.axes();
-            let centre = in_plane(&arc.centre, [a, b]);
-            let [start, end] = [&segment.from, &arc.to].map(|at| in_plane(at, [a, b]));
-            let turns = u64::from(arc.turns).saturating_add(u64::from(start == end));
-            let rim = radius(from_centre(start, centre));
-            around = mul_div(rim.saturating_mul(turns), 710, 113);
-        }
-        let whole = length(straight.chain([around]));
-        let at_speed = |speed: Nm| ticks_of(&Feed::PerMinute(speed), whole, hz);
-        let (programmed, top) = match feed {
-            Some(feed) => (ticks_of(feed, whole, hz), self.top_feed),
-            None => (0, self.rapid),
-        };
-        programmed.max(top.map_or(0, at_speed)).max(least)
-    }
-}
-
-impl Axis {
-    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres.
-    fn least_ticks(&self, way_nm: u64, hz: u64) -> u64 {
-        // nm and rate are below 2^32 each.
-        let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
-        mul_div(
-            way_nm.saturating_mul(u64::from(self.scale.steps())),
-            hz,
-            nm_per_s,
-        )
-    }
-}
-
-/// Ticks of a path of this length at the programmed feed.
-fn ticks_of(feed: &Feed, length_nm: u64, hz: u64) -> u64 {
-    match feed {
-        Feed::PerMinute(nm) => mul_div(length_nm, 60 * hz, nm.0.unsigned_abs()),
-        Feed::InverseTime { micro_per_minute } => mul_div(60_000_000, hz, *micro_per_minute),
+        path.unwrap_or_else(|| P::line(delta))
     }
 }

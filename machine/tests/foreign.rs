@@ -9,6 +9,7 @@ use husillo_machine::{Event, Idle, Machine, Motors};
 use husillo_stepper::{CoilDriver, Levels};
 
 /// One axis after the other, as an old drilling machine moves; arcs are its chords.
+#[derive(Clone)]
 struct AxisByAxis {
     left: [i32; 3],
     steps: u32,

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{Screw, config, drain, limited};
+use husillo_backlash::Backlash;
 use husillo_gcode::{Nm, SpindleDirection};
+use husillo_interp::Path;
 use husillo_machine::{Event, Machine, MoveError, Origin, Output, Pause, Refused};
 
 fn events(machine: &mut Machine<3>) -> Vec<Event<3>> {
@@ -92,12 +94,13 @@ fn an_arc_that_bulges_out_of_the_travel_is_refused_though_its_ends_are_inside() 
 }
 
 #[test]
-fn a_line_waits_and_the_next_one_is_given_back() {
-    let mut machine: Machine<3> = Machine::new(config());
+fn a_full_queue_gives_the_line_back() {
+    let mut machine: Machine<3, Path<3>, Backlash, 1> = Machine::new(config());
     machine.line(b"G0 X0.0014").unwrap();
-    assert_eq!(machine.line(b"G0 X0"), Err(Refused::Busy));
-    machine.next_event().unwrap();
+    // One is in the queue, one waits for its place, the next comes back.
     machine.line(b"G0 X0").unwrap();
+    assert_eq!(machine.line(b"G0 X1"), Err(Refused::Busy));
+    machine.next_event().unwrap();
     assert_eq!(machine.line(b"G0 X1"), Err(Refused::Busy));
     let (_, steps) = drain(
         &mut machine,

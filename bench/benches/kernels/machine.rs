@@ -14,6 +14,7 @@ pub fn mill() -> Machine<3> {
         travel: None,
         max_rate_hz: 170,
         lash_steps,
+        ramp: None,
     };
     Machine::new(Config {
         axes: [axis(1457), axis(1271), axis(0)],
@@ -22,6 +23,7 @@ pub fn mill() -> Machine<3> {
         arc_tolerance: None,
         rapid: None,
         top_feed: None,
+        corner_deviation: None,
     })
 }
 

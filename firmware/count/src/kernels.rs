@@ -127,6 +127,7 @@ fn machine(report: Report<'_>) {
         travel: None,
         max_rate_hz: 170,
         lash_steps: 1457,
+        ramp: None,
     };
     let config = Config {
         axes: [axis; 3],
@@ -135,6 +136,7 @@ fn machine(report: Report<'_>) {
         arc_tolerance: None,
         rapid: None,
         top_feed: None,
+        corner_deviation: None,
     };
     for (name, text) in [
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),

@@ -1,7 +1,9 @@
 //! Machines and a screw with play, shared by the tests.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
+use husillo_backlash::Backlash;
 use husillo_gcode::{Dialect, Nm};
+use husillo_interp::Path;
 use husillo_machine::{Axis, Config, Event, Machine, Origin, Scale};
 
 pub const LASH_STEPS: [u32; 3] = [1457, 1271, 0];
@@ -12,6 +14,7 @@ pub fn axis(lash_steps: u32) -> Axis {
         travel: None,
         max_rate_hz: 170,
         lash_steps,
+        ramp: None,
     }
 }
 
@@ -24,6 +27,7 @@ pub fn config() -> Config<3> {
         arc_tolerance: None,
         rapid: None,
         top_feed: None,
+        corner_deviation: None,
     }
 }
 
@@ -61,7 +65,10 @@ impl Screw {
 }
 
 /// Pulls everything; the tool must stand where the machine believes after every step of the path.
-pub fn drain(machine: &mut Machine<3>, screw: &mut Screw) -> (u64, u64) {
+pub fn drain<const QUEUE: usize>(
+    machine: &mut Machine<3, Path<3>, Backlash, QUEUE>,
+    screw: &mut Screw,
+) -> (u64, u64) {
     let (mut ticks, mut steps) = (0, 0);
     while let Some(event) = machine.next_event() {
         match event {

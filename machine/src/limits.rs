@@ -1,0 +1,142 @@
+//! What the axes can do, in the planner's units.
+
+use husillo_gcode::PathMode;
+use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed};
+
+use crate::{Config, tempo::Tempo};
+
+/// The limits of all axes, speeds in nm/s.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Limits<const N: usize> {
+    timer_hz: u32,
+    start: [u32; N],
+    acceleration: [u64; N],
+    /// Corners as the machine file has them.
+    corner: Junction<N>,
+}
+
+impl<const N: usize> Limits<N> {
+    /// `None` when no axis has a ramp: then every move runs at its speed from the first step to the last.
+    pub(crate) fn of(config: &Config<N>) -> Option<Limits<N>> {
+        if config.axes.iter().all(|axis| axis.ramp.is_none()) {
+            return None;
+        }
+        let narrow = |speed: u64| u32::try_from(speed).unwrap_or(u32::MAX);
+        let acceleration = config.axes.map(|axis| {
+            axis.ramp
+                .map_or(u64::MAX, |ramp| axis.nm_per_s(ramp.acceleration_hz_per_s))
+        });
+        let jump = config.axes.map(|axis| match axis.ramp {
+            Some(ramp) => ramp.junction_hz.map(|rate| narrow(axis.nm_per_s(rate))),
+            None => None,
+        });
+        let has_jump = jump.iter().any(Option::is_some);
+        let deviation = config.corner_deviation.map(nm);
+        Some(Limits {
+            timer_hz: config.timer_hz,
+            start: config.axes.map(|axis| {
+                axis.ramp
+                    .map_or(u32::MAX, |ramp| narrow(axis.nm_per_s(ramp.start_rate_hz)))
+            }),
+            acceleration,
+            corner: Junction {
+                jump_nm_per_s: has_jump.then(|| jump.map(|jump| jump.unwrap_or(u32::MAX))),
+                // With no rule at all a corner is a stop.
+                deviation_nm: deviation.or(if has_jump { None } else { Some(0) }),
+                acceleration_nm_per_s2: acceleration,
+            },
+        })
+    }
+
+    /// Highest speed from one move to the next.
+    pub(crate) fn junction(
+        &self,
+        mode: PathMode,
+        before: &Direction<N>,
+        after: &Direction<N>,
+    ) -> u32 {
+        let corner = match mode {
+            PathMode::ExactStop => return 0,
+            // Straight on and along tangents; a corner is a stop.
+            PathMode::ExactPath => Junction {
+                deviation_nm: Some(0),
+                ..self.corner
+            },
+            PathMode::Blend {
+                tolerance: Some(tolerance),
+            } => Junction {
+                deviation_nm: Some(nm(tolerance)),
+                ..self.corner
+            },
+            PathMode::Blend { tolerance: None } => self.corner,
+        };
+        corner.speed(before, after)
+    }
+
+    /// The move for the look-ahead, without its junction. `along` is its direction, or that of its start.
+    pub(crate) fn stretch(&self, tempo: &Tempo, along: &Direction<N>) -> Stretch {
+        let hz = u64::from(self.timer_hz);
+        // A speed of 2^32 nm/s is the planner's largest.
+        let speed = |ticks_q16: u64| match ticks_q16 {
+            0 => u32::MAX,
+            ticks => {
+                let per_tick = crate::duration::mul_div(tempo.length_nm, hz << 16, ticks);
+                u32::try_from(per_tick).unwrap_or(u32::MAX)
+            }
+        };
+        let mut ceiling = speed(tempo.least.saturating_mul(1 << 16));
+        let (along, limits) = match &tempo.round {
+            None => (*along, self.acceleration),
+            Some(round) => {
+                // The plane turns: its slower axis counts, and half of what it can do goes into the turning.
+                let [first, second] = round.plane;
+                let share = unrolled(along, first, second);
+                let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
+                let plane = of(first).min(of(second));
+                let mut only_plane = [u32::MAX; N];
+                let mut limits = self.acceleration;
+                if let (Some(speed), Some(limit)) =
+                    (only_plane.get_mut(first), limits.get_mut(first))
+                {
+                    *speed = arc_speed(plane, round.radius_nm);
+                    *limit = arc_acceleration(plane);
+                }
+                ceiling = ceiling.min(share.speed_limit(&only_plane));
+                (share, limits)
+            }
+        };
+        Stretch {
+            length_nm: tempo.length_nm,
+            top_nm_per_s: if tempo.programmed_q16 == 0 {
+                ceiling
+            } else {
+                speed(tempo.programmed_q16)
+            },
+            ceiling_nm_per_s: ceiling,
+            obeys_override: tempo.programmed_q16 != 0,
+            acceleration_nm_per_s2: along.acceleration_limit(&limits),
+            start_nm_per_s: along.speed_limit(&self.start),
+            entry_limit_nm_per_s: 0,
+        }
+    }
+}
+
+/// A direction with what it has of a plane all in the first axis of it.
+fn unrolled<const N: usize>(along: &Direction<N>, first: usize, second: usize) -> Direction<N> {
+    let mut components = along.components();
+    let of = |axis: usize| u64::from(components.get(axis).map_or(0, |of| of.unsigned_abs()));
+    // Each is at most 2^30: the sum of the squares is below 2^61.
+    let [x, y] = [of(first), of(second)];
+    let size = x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)).isqrt();
+    if let Some(component) = components.get_mut(second) {
+        *component = 0;
+    }
+    if let Some(component) = components.get_mut(first) {
+        *component = size as i32;
+    }
+    Direction::from_units(components)
+}
+
+fn nm(length: husillo_gcode::Nm) -> u32 {
+    u32::try_from(length.0.max(0)).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,247 @@
+//! Moves on their way from the lines to the motors: planned, and waiting for their turn.
+
+use husillo_gcode::{Command, Nm, PathMode};
+use husillo_interp::{Moves, Step};
+use husillo_planner::{Direction, LookAhead, Stretch};
+
+use crate::{
+    Config, Segment, duration::mul_div, limits::Limits, machine::target, segment::lattice,
+    tangent::tangents, tempo::Tempo,
+};
+
+/// A move, or a part of an arc between two stops.
+#[derive(Clone, Debug)]
+pub(crate) struct Work<const N: usize, P> {
+    pub(crate) segment: Segment<N>,
+    /// `None`: the path of the part before goes on.
+    pub(crate) path: Option<P>,
+    /// Step direction of each axis of a straight move, all of it.
+    pub(crate) heading: [i8; N],
+    pub(crate) events: u32,
+    pub(crate) sweep: u64,
+    pub(crate) largest_sweep: u32,
+    /// Time at the programmed speed, times 2^16.
+    pub(crate) ticks_q16: u64,
+    /// Time at constant speed.
+    pub(crate) ticks: u64,
+}
+
+/// The queue of a machine, and what stands at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
+    pub(crate) moves: LookAhead<Work<N, P>, QUEUE>,
+    limits: Option<Limits<N>>,
+    mode: PathMode,
+    programmed: [Nm; N],
+    lattice: [i32; N],
+    direction: Option<Direction<N>>,
+    /// Direction of each axis' last step; 0 where it is not known.
+    heading: [i8; N],
+    arc: Option<Parts<N, P>>,
+}
+
+/// An arc that is cut where an axis with lash turns round: what is not in the queue yet.
+#[derive(Clone, Debug)]
+struct Parts<const N: usize, P> {
+    dry: P,
+    /// First step of the next part.
+    first: Option<Step>,
+    segment: Segment<N>,
+    stretch: Stretch,
+    ticks_q16: u64,
+    total_sweep: u64,
+}
+
+impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
+    pub(crate) fn new(config: &Config<N>) -> Self {
+        Schedule {
+            moves: LookAhead::new(),
+            limits: Limits::of(config),
+            mode: PathMode::Blend { tolerance: None },
+            programmed: [Nm(0); N],
+            lattice: [0; N],
+            direction: None,
+            heading: [0; N],
+            arc: None,
+        }
+    }
+
+    /// Whether speeds change along the path; otherwise every move has its own from its first step to its last.
+    pub(crate) const fn has_ramps(&self) -> bool {
+        self.limits.is_some()
+    }
+
+    pub(crate) const fn is_full(&self) -> bool {
+        self.moves.is_full()
+    }
+
+    /// How the moves that follow join.
+    pub(crate) fn set_mode(&mut self, mode: PathMode) {
+        self.mode = mode;
+    }
+
+    /// Where the last move in the queue ends.
+    pub(crate) const fn programmed(&self) -> [Nm; N] {
+        self.programmed
+    }
+
+    /// Whether all of the last move is in the queue.
+    pub(crate) const fn is_whole(&self) -> bool {
+        self.arc.is_none()
+    }
+
+    /// Drops everything; the axes stand at `lattice`.
+    pub(crate) fn clear(&mut self, programmed: [Nm; N], lattice: [i32; N]) {
+        self.moves.clear();
+        self.arc = None;
+        self.direction = None;
+        self.heading = [0; N];
+        self.programmed = programmed;
+        self.lattice = lattice;
+    }
+
+    /// Plans a move and appends it; the queue has room. `has_lash` names the axes that must not turn round while moving.
+    pub(crate) fn push(&mut self, config: &Config<N>, command: Command<N>, has_lash: [bool; N]) {
+        let Some(to) = target(&command) else { return };
+        let segment = Segment {
+            from: self.programmed,
+            command,
+        };
+        // `Config::check` has made sure that every position has its step.
+        let end = lattice(&config.axes, &to).unwrap_or(self.lattice);
+        let path: P = config.path(&segment, self.lattice, end);
+        let tempo = config.tempo(&segment, &path);
+        let ways = directions(&self.lattice, &end);
+        self.programmed = to;
+        self.lattice = end;
+        let ticks_q16 = match tempo.programmed_q16 {
+            0 => tempo.least.saturating_mul(1 << 16),
+            programmed => programmed,
+        };
+        let mut stretch = self.join(&segment, &tempo);
+        let is_round = tempo.round.is_some();
+        if is_round && self.has_ramps() && has_lash.contains(&true) {
+            self.arc = Some(Parts {
+                dry: path.clone(),
+                first: None,
+                segment,
+                stretch,
+                ticks_q16,
+                total_sweep: path.total_sweep(),
+            });
+            self.push_part(Some(path), has_lash);
+            return;
+        }
+        let mut turns = false;
+        if !is_round {
+            for ((heading, way), has_lash) in self.heading.iter_mut().zip(ways).zip(has_lash) {
+                turns |= way != 0 && way != *heading && has_lash;
+                *heading = if way == 0 { *heading } else { way };
+            }
+        }
+        if turns {
+            stretch.entry_limit_nm_per_s = 0;
+        }
+        let work = Work {
+            segment,
+            heading: if is_round { [0; N] } else { ways },
+            events: path.remaining(),
+            sweep: path.total_sweep(),
+            largest_sweep: path.largest_sweep(),
+            ticks_q16,
+            ticks: tempo.ticks(),
+            path: Some(path),
+        };
+        // The caller has seen that there is room.
+        let _ = self.moves.push(stretch, work);
+    }
+
+    /// The move with its junction to the one before, whose direction it takes the place of.
+    fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
+        let nowhere = Stretch {
+            length_nm: tempo.length_nm,
+            top_nm_per_s: u32::MAX,
+            ceiling_nm_per_s: u32::MAX,
+            obeys_override: false,
+            acceleration_nm_per_s2: u64::MAX,
+            start_nm_per_s: u32::MAX,
+            entry_limit_nm_per_s: u32::MAX,
+        };
+        let Some(limits) = &self.limits else {
+            return nowhere;
+        };
+        let Some([first, last]) = tangents(segment, tempo) else {
+            return nowhere;
+        };
+        let entry_limit_nm_per_s = match &self.direction {
+            Some(before) => limits.junction(self.mode, before, &first),
+            None => 0,
+        };
+        self.direction = Some(last);
+        Stretch {
+            entry_limit_nm_per_s,
+            ..limits.stretch(tempo, &first)
+        }
+    }
+
+    /// Appends the next part of an arc: up to where an axis with lash turns round. The queue has room.
+    pub(crate) fn push_part(&mut self, path: Option<P>, has_lash: [bool; N]) {
+        let Some(mut arc) = self.arc.take() else {
+            return;
+        };
+        let (mut events, mut sweep, mut largest_sweep) = (0_u32, 0_u64, 0_u32);
+        let mut is_stop = path.is_none();
+        loop {
+            let Some(step) = arc.first.take().or_else(|| arc.dry.next()) else {
+                break;
+            };
+            let ways: [i8; N] = step.deltas();
+            let axes = ways.iter().zip(&self.heading).zip(has_lash);
+            let turns = axes
+                .into_iter()
+                .any(|((way, heading), has_lash)| *way != 0 && way != heading && has_lash);
+            if turns && events > 0 {
+                arc.first = Some(step);
+                break;
+            }
+            is_stop |= turns;
+            for (heading, way) in self.heading.iter_mut().zip(ways) {
+                *heading = if way == 0 { *heading } else { way };
+            }
+            // At most 2^31 events of less than 2^32.
+            events = events.wrapping_add(1);
+            sweep = sweep.wrapping_add(step.sweep.into());
+            largest_sweep = largest_sweep.max(step.sweep);
+        }
+        let mut stretch = arc.stretch;
+        stretch.length_nm = mul_div(arc.stretch.length_nm, sweep, arc.total_sweep);
+        if is_stop {
+            stretch.entry_limit_nm_per_s = 0;
+        }
+        let ticks_q16 = mul_div(arc.ticks_q16, sweep, arc.total_sweep);
+        let work = Work {
+            segment: arc.segment,
+            path,
+            heading: [0; N],
+            events,
+            sweep,
+            largest_sweep,
+            ticks_q16,
+            ticks: ticks_q16 >> 16,
+        };
+        let _ = self.moves.push(stretch, work);
+        if arc.first.is_some() {
+            self.arc = Some(arc);
+        }
+    }
+}
+
+/// Sign of each axis' way.
+fn directions<const N: usize>(from: &[i32; N], to: &[i32; N]) -> [i8; N] {
+    let mut signs = [0; N];
+    for (sign, (from, to)) in signs.iter_mut().zip(from.iter().zip(to)) {
+        // Compared: the difference may not fit.
+        *sign = i8::from(to > from).wrapping_sub(i8::from(to < from));
+    }
+    signs
+}

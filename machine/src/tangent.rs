@@ -1,0 +1,55 @@
+//! Which way a move begins and ends.
+
+use husillo_gcode::{Command, Direction as Turning, Nm};
+use husillo_planner::Direction;
+
+use crate::{
+    Segment,
+    arc::{from_centre, in_plane, radius},
+    duration::mul_div,
+    tempo::Tempo,
+};
+
+/// The directions of the path at the start and at the end of a move; `None` where it goes nowhere.
+pub(crate) fn tangents<const N: usize>(
+    segment: &Segment<N>,
+    tempo: &Tempo,
+) -> Option<[Direction<N>; 2]> {
+    let to = match &segment.command {
+        Command::Rapid { to } | Command::Linear { to, .. } => to,
+        Command::Arc { arc, .. } => &arc.to,
+        _ => return None,
+    };
+    let mut straight = [0; N];
+    for (way, (from, to)) in straight.iter_mut().zip(segment.from.iter().zip(to)) {
+        *way = to.0.saturating_sub(from.0);
+    }
+    let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
+        return Direction::new(straight).map(|direction| [direction; 2]);
+    };
+    let centre = in_plane(&arc.centre, round.plane);
+    let tangent = |point: &[Nm; N]| {
+        let spoke = from_centre(in_plane(point, round.plane), centre);
+        let size = radius(spoke);
+        let [x, y] = spoke;
+        let [across, up] = match arc.direction {
+            Turning::CounterClockwise => [y.saturating_neg(), x],
+            Turning::Clockwise => [y, x.saturating_neg()],
+        };
+        let mut way = straight;
+        for (axis, component) in round.plane.into_iter().zip([across, up]) {
+            // As long as the way round, so that the other axes have their share of the direction.
+            let part = mul_div(component.unsigned_abs(), round.around_nm, size);
+            let part = i64::try_from(part).unwrap_or(i64::MAX);
+            if let Some(way) = way.get_mut(axis) {
+                *way = if component < 0 {
+                    part.wrapping_neg()
+                } else {
+                    part
+                };
+            }
+        }
+        Direction::new(way)
+    };
+    Some([tangent(&segment.from)?, tangent(&arc.to)?])
+}

@@ -1,0 +1,143 @@
+//! How long a move is and takes.
+
+use husillo_gcode::{Command, Feed, Nm};
+use husillo_interp::Moves;
+
+use crate::{
+    Axis, Config, Segment,
+    arc::{from_centre, in_plane, radius},
+    duration::{length, mul_div, mul_div_q16},
+};
+
+/// Length and time of a move: of the way as programmed, not of the steps it rounds to, so that many moves shorter than a
+/// step take the time of their sum.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Tempo {
+    /// Length of the whole path.
+    pub(crate) length_nm: u64,
+    /// The part of it that goes round in the plane of an arc, and its radius.
+    pub(crate) round: Option<Round>,
+    /// Ticks at the programmed feed, times 2^16; 0 for a rapid.
+    pub(crate) programmed_q16: u64,
+    /// Ticks that it takes at least, by the rates of the axes and the top speeds of the machine.
+    pub(crate) least: u64,
+}
+
+/// The circle of an arc.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Round {
+    pub(crate) plane: [usize; 2],
+    pub(crate) around_nm: u64,
+    pub(crate) radius_nm: u64,
+}
+
+impl Tempo {
+    const NONE: Tempo = Tempo {
+        length_nm: 0,
+        round: None,
+        programmed_q16: 0,
+        least: 0,
+    };
+
+    /// Ticks at constant speed, to the nearest.
+    pub(crate) fn ticks(&self) -> u64 {
+        (self.programmed_q16.saturating_add(1 << 15) >> 16).max(self.least)
+    }
+}
+
+impl<const N: usize> Config<N> {
+    /// The tempo of a move and the path it is made on.
+    pub(crate) fn tempo<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Tempo {
+        let hz = u64::from(self.timer_hz);
+        let (feed, to) = match &segment.command {
+            Command::Rapid { to } => (None, to),
+            Command::Linear { to, feed } => (Some(feed), to),
+            Command::Arc { arc, feed } => (Some(feed), &arc.to),
+            _ => return Tempo::NONE,
+        };
+        // What the circle of an arc does; one too small to go round is the line between its ends.
+        let round = self.round(segment, path);
+        let is_round = |number: usize| round.is_some_and(|round| round.plane.contains(&number));
+        let ways = (0..N)
+            .zip(segment.from.iter().zip(to))
+            .filter(|(number, _)| !is_round(*number))
+            .map(|(_, (from, to))| to.0.abs_diff(from.0));
+        // No axis steps faster than it can, on the average of the move.
+        let mut least = 0;
+        for (number, ((from, to), axis)) in (0..N).zip(segment.from.iter().zip(to).zip(&self.axes))
+        {
+            let way = match &round {
+                // Somewhere on a quarter turn one axis makes the whole speed.
+                Some(round) if is_round(number) => round.around_nm,
+                _ => to.0.abs_diff(from.0),
+            };
+            least = axis.least_ticks(way, hz).max(least);
+        }
+        let mut around = round.map_or(0, |round| round.around_nm);
+        if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {
+            // Whole turns that are too small for the grid take their time all the same; pi is 355 / 113.
+            let [a, b] = arc.plane.axes();
+            let centre = in_plane(&arc.centre, [a, b]);
+            let [start, end] = [&segment.from, &arc.to].map(|at| in_plane(at, [a, b]));
+            let turns = u64::from(arc.turns).saturating_add(u64::from(start == end));
+            let rim = radius(from_centre(start, centre));
+            around = mul_div(rim.saturating_mul(turns), 710, 113);
+        }
+        let length_nm = length(ways.chain([around]));
+        let (programmed_q16, top) = match feed {
+            Some(feed) => (ticks_q16(feed, length_nm, hz), self.top_feed),
+            None => (0, self.rapid),
+        };
+        let at_top = top.map_or(0, |top| {
+            mul_div(length_nm, hz.wrapping_mul(60), top.0.unsigned_abs())
+        });
+        Tempo {
+            length_nm,
+            round,
+            programmed_q16,
+            least: least.max(at_top),
+        }
+    }
+
+    fn round<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Option<Round> {
+        let Command::Arc { arc, .. } = &segment.command else {
+            return None;
+        };
+        let plane = arc.plane.axes();
+        let [first, _] = plane.map(|number| self.axes.get(number));
+        let scale = first?.scale;
+        let centre = in_plane(&arc.centre, plane);
+        Some(Round {
+            plane,
+            // The area swept, divided by the radius, is the length of the arc in steps.
+            around_nm: mul_div(
+                path.total_sweep(),
+                u64::from(scale.nm()),
+                path.radius()?.saturating_mul(u64::from(scale.steps())),
+            ),
+            radius_nm: radius(from_centre(in_plane(&segment.from, plane), centre)),
+        })
+    }
+}
+
+impl Axis {
+    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres.
+    fn least_ticks(&self, way_nm: u64, hz: u64) -> u64 {
+        // nm and rate are below 2^32 each.
+        let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
+        mul_div(
+            way_nm.saturating_mul(u64::from(self.scale.steps())),
+            hz,
+            nm_per_s,
+        )
+    }
+}
+
+/// Ticks of a path of this length at the programmed feed, times 2^16.
+fn ticks_q16(feed: &Feed, length_nm: u64, hz: u64) -> u64 {
+    match feed {
+        // 60 hz < 2^38.
+        Feed::PerMinute(Nm(nm)) => mul_div_q16(length_nm, hz.wrapping_mul(60), nm.unsigned_abs()),
+        Feed::InverseTime { micro_per_minute } => mul_div_q16(60_000_000, hz, *micro_per_minute),
+    }
+}
