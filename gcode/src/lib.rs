@@ -49,6 +49,8 @@ mod command;
 mod modal;
 mod motion;
 
+pub mod excellon;
+
 pub use arc::{Arc, Direction, Plane};
 pub use block::Block;
 pub use command::{Command, Commands, Feed, PathMode, SpindleDirection};

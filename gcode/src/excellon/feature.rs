@@ -1,0 +1,104 @@
+//! What a drill file makes: holes and slots.
+
+use super::tool::Tool;
+use crate::arc::Direction;
+use crate::nm::Nm;
+
+/// A hole or a slot.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Feature {
+    /// A drilled hole.
+    Hole(Hole),
+    /// A slot.
+    Slot(Slot),
+}
+
+/// A drilled hole.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Hole {
+    /// X and Y of its middle.
+    pub at: [Nm; 2],
+    /// The tool with its diameter.
+    pub tool: Tool,
+}
+
+/// A slot, or one piece of a longer rout: as wide as its tool, which goes from end to end.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Slot {
+    /// X and Y of one end.
+    pub from: [Nm; 2],
+    /// X and Y of the other end.
+    pub to: [Nm; 2],
+    /// The way between them.
+    pub path: Path,
+    /// The tool with its diameter.
+    pub tool: Tool,
+}
+
+/// The way of a slot.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Path {
+    /// Straight: `G85`, or `G01` of a rout.
+    Straight,
+    /// An arc with this radius (`A`), of at most half a turn. Whether the ends are that near is not checked.
+    Radius(Direction, Nm),
+    /// An arc about this centre (`I` and `J`, from the start). Whether the end is on it is not checked.
+    Centre(Direction, [Nm; 2]),
+}
+
+/// The features of one line, an iterator: none, one, or the holes of a repeat.
+#[derive(Clone, Debug)]
+pub struct Features {
+    next: Option<Feature>,
+    step: [i64; 2],
+    left: u16,
+}
+
+impl Features {
+    pub(super) const NONE: Features = Features {
+        next: None,
+        step: [0; 2],
+        left: 0,
+    };
+
+    pub(super) const fn one(feature: Feature) -> Features {
+        Features {
+            next: Some(feature),
+            step: [0; 2],
+            left: 1,
+        }
+    }
+
+    /// `count` holes, each `step` nanometres from the one before; the last one is within [`Nm::LIMIT`], so all are.
+    pub(super) const fn repeated(first: Hole, step: [i64; 2], count: u16) -> Features {
+        Features {
+            next: Some(Feature::Hole(first)),
+            step,
+            left: count,
+        }
+    }
+}
+
+impl Iterator for Features {
+    type Item = Feature;
+
+    fn next(&mut self) -> Option<Feature> {
+        self.left = self.left.checked_sub(1)?;
+        let feature = self.next?;
+        if let Some(Feature::Hole(Hole { at: [x, y], .. })) = &mut self.next {
+            let [step_x, step_y] = self.step;
+            // Below 2^50 + 2^50.
+            x.0 = x.0.wrapping_add(step_x);
+            y.0 = y.0.wrapping_add(step_y);
+        }
+        Some(feature)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = usize::from(self.left);
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Features {}
+impl core::iter::FusedIterator for Features {}

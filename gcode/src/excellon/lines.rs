@@ -1,0 +1,59 @@
+//! The lines of a text.
+
+/// The lines of `text` with their numbers from 1, without their ends: LF, CR LF or CR alone. An end at the very end
+/// begins no further line. Costs one look at each byte.
+pub const fn lines(text: &[u8]) -> Lines<'_> {
+    Lines {
+        rest: text,
+        number: 0,
+    }
+}
+
+/// Iterator of [`lines`].
+#[derive(Clone, Debug)]
+pub struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (usize, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        let end = self.rest.iter().position(is_end);
+        let (line, behind) = match end {
+            // end < len, so the sum does not wrap.
+            Some(end) => (self.rest.get(..end), self.rest.get(end.wrapping_add(1)..)),
+            None => (Some(self.rest), None),
+        };
+        let cr = end.and_then(|end| self.rest.get(end)) == Some(&b'\r');
+        self.rest = match (behind, cr) {
+            (Some([b'\n', behind @ ..]), true) => behind,
+            (Some(behind), _) => behind,
+            (None, _) => &[],
+        };
+        // There are not more lines than bytes.
+        self.number = self.number.wrapping_add(1);
+        Some((self.number, line.unwrap_or_default()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn all_line_ends() {
+        let found: Vec<_> = lines(b"a\nb\r\nc\rd\n\n\re").collect();
+        let expected: [&[u8]; 7] = [b"a", b"b", b"c", b"d", b"", b"", b"e"];
+        assert_eq!(found, (1..).zip(expected).collect::<Vec<_>>());
+        assert_eq!(lines(b"").count(), 0);
+        assert_eq!(lines(b"\n").count(), 1);
+    }
+}

@@ -1,0 +1,58 @@
+//! Excellon drill files in, holes and slots out.
+//!
+//! A drill file is read twice, line by line: [`Inference`] sees all lines and says how coordinates are to be read, with
+//! the reason of each choice; [`Reader`] then gives the holes and slots of each line in exact nanometres.
+//!
+//! ```text
+//! line &[u8] ──► Inference ──► Settings ─┐        units, zeros, digits, each with its Reason
+//! line &[u8] ────────────────────────► Reader ──► Features: Hole, Slot     (or an error with its columns)
+//! ```
+//!
+//! ```
+//! use husillo_gcode::excellon::{Feature, Inference, Overrides, Reader, lines};
+//!
+//! let text = b"M48\nINCH,LZ\nT1C0.0315\n%\nT1\nX015607Y007\nX02Y\nM30\n";
+//! let mut inference = Inference::new();
+//! for (_, line) in lines(text) {
+//!     inference.observe(line);
+//! }
+//! let mut reader = Reader::<16>::new(&inference.settle(&Overrides::default()));
+//! let mut printed = Vec::new();
+//! for (number, line) in lines(text) {
+//!     match reader.read(line) {
+//!         Ok(features) => printed.extend(features.map(|feature| match feature {
+//!             Feature::Hole(hole) => format!("{} {}", hole.at[0], hole.at[1]),
+//!             Feature::Slot(_) => "slot".to_owned(),
+//!         })),
+//!         Err(error) => printed.push(format!("{number}:{}: {error}", error.at + 1)),
+//!     }
+//! }
+//! assert_eq!(printed, ["39.64178 17.78", "7:4: `Y` without a number"]);
+//! ```
+//!
+//! The grammar is that of Excellon format 2 as layout programs write it. Not taken, and refused by name: step and repeat
+//! (M01, M02, M08, M25), hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than
+//! zero (G92, G93).
+
+mod error;
+mod feature;
+mod format;
+mod hint;
+mod inference;
+mod lines;
+mod number;
+mod operands;
+mod reader;
+mod scanner;
+mod state;
+mod statement;
+mod tool;
+
+pub use error::{Error, ErrorKind, Warning, WarningKind};
+pub use feature::{Feature, Features, Hole, Path, Slot};
+pub use format::{Digits, Format, Units, Zeros};
+pub use inference::{Doubt, Inference, Overrides, Profile, Reason, Settings, Settled};
+pub use lines::{Lines, lines};
+pub use number::Number;
+pub use reader::Reader;
+pub use tool::{Tool, Tools};

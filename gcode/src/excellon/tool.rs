@@ -1,0 +1,135 @@
+//! The tools of a drill file.
+
+use crate::nm::Nm;
+
+/// A tool.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Tool {
+    /// Its number, as in `T1`.
+    pub number: u16,
+    /// Its diameter, above zero; `None` when nothing says it.
+    pub diameter: Option<Nm>,
+    /// Whether its holes are plated; `None` when nothing says it.
+    pub plated: Option<bool>,
+}
+
+/// Who says the diameter of a tool; a later one of the list wins.
+#[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
+pub(super) enum Source {
+    /// Nobody: only chosen.
+    Chosen,
+    /// A comment.
+    Comment,
+    /// Its definition.
+    Definition,
+    /// The caller.
+    Caller,
+}
+
+/// Up to `N` tools in the order of their first mention. A look-up costs up to `N` comparisons; it is made for each `T`,
+/// not for each hole.
+#[derive(Clone, Debug)]
+pub struct Tools<const N: usize> {
+    tools: [Option<(Tool, Source)>; N],
+}
+
+impl<const N: usize> Tools<N> {
+    pub(super) const EMPTY: Tools<N> = Tools { tools: [None; N] };
+
+    /// The tool of that number.
+    pub fn get(&self, number: u16) -> Option<&Tool> {
+        self.iter().find(|tool| tool.number == number)
+    }
+
+    /// All tools.
+    pub fn iter(&self) -> impl Iterator<Item = &Tool> {
+        self.tools.iter().flatten().map(|(tool, _)| tool)
+    }
+
+    /// Whether another tool has room.
+    pub(super) fn takes(&self, number: u16) -> bool {
+        self.get(number).is_some() || self.tools.iter().any(Option::is_none)
+    }
+
+    /// The tool as [`Tools::define`] would leave it, and whether that replaces a diameter of the same source.
+    pub(super) fn preview(&self, tool: Tool, source: Source) -> (Tool, bool) {
+        let known = self
+            .tools
+            .iter()
+            .flatten()
+            .find(|(known, _)| known.number == tool.number);
+        match known {
+            Some((known, known_source)) => {
+                let wins = source >= *known_source && tool.diameter.is_some();
+                let merged = Tool {
+                    number: tool.number,
+                    diameter: if wins { tool.diameter } else { known.diameter },
+                    plated: tool.plated.or(known.plated),
+                };
+                let replaced = known.diameter != merged.diameter && source == *known_source;
+                (merged, replaced)
+            }
+            None => (tool, false),
+        }
+    }
+
+    /// Adds a tool, or changes it if `source` is as good as what is known; `false` when there is no room.
+    pub(super) fn define(&mut self, tool: Tool, source: Source) -> bool {
+        let (merged, _) = self.preview(tool, source);
+        let known = self
+            .tools
+            .iter_mut()
+            .flatten()
+            .find(|(known, _)| known.number == tool.number);
+        if let Some((known, known_source)) = known {
+            *known = merged;
+            if source > *known_source && tool.diameter.is_some() {
+                *known_source = source;
+            }
+            return true;
+        }
+        match self.tools.iter_mut().find(|room| room.is_none()) {
+            Some(room) => {
+                *room = Some((tool, source));
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tool(number: u16, nm: i64) -> Tool {
+        Tool {
+            number,
+            diameter: Some(Nm(nm)),
+            plated: None,
+        }
+    }
+
+    #[test]
+    fn the_better_source_wins_in_any_order() {
+        let mut tools = Tools::<2>::EMPTY;
+        for (nm, source, left, replaced) in [
+            (5, Source::Definition, 5, false),
+            (6, Source::Comment, 5, false),
+            (7, Source::Definition, 7, true),
+            (7, Source::Definition, 7, false),
+            (8, Source::Caller, 8, false),
+            (9, Source::Definition, 8, false),
+        ] {
+            assert_eq!(
+                tools.preview(tool(1, nm), source),
+                (tool(1, left), replaced)
+            );
+            assert!(tools.define(tool(1, nm), source));
+            assert_eq!(tools.get(1), Some(&tool(1, left)));
+        }
+        assert!(tools.define(tool(2, 1), Source::Chosen));
+        assert!(!tools.define(tool(3, 1), Source::Caller));
+        assert!(tools.takes(2) && !tools.takes(3));
+    }
+}
