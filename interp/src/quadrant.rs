@@ -33,6 +33,14 @@ impl Sides {
         })
     }
 
+    pub(crate) const fn from_bits(bits: u16) -> Sides {
+        Sides(bits)
+    }
+
+    pub(crate) const fn bits(self) -> u16 {
+        self.0
+    }
+
     pub(crate) const fn opposite(self) -> Sides {
         Sides(self.0 ^ (self.0 << 8))
     }
