@@ -312,8 +312,10 @@ impl Walk {
             let is_level = now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0);
             if now.u_left.unsigned_abs().max(now.v_left.unsigned_abs()) > MAX_REACH
                 // The last quadrant goes on in this quadrant's u.
-                || (now.quadrants == 1 && now.u_left < -3)
-                || (is_level && now.u_left.min(now.v_left) < -3)
+                || (now.is_open && now.quadrants == 1 && now.u_left < -3)
+                // Upright ellipses of a BLU or two have tips that are lines, on which the ends of a
+                // quadrant are anywhere.
+                || (is_level && (now.is_open || now.duv != 0) && now.u_left.min(now.v_left) < -3)
                 || (!is_level && totals.events > 3 && now.is_off())
             {
                 return Err(ConicError::Astray);

@@ -139,6 +139,8 @@ pub(crate) struct Start {
     /// Quadrant changes to come.
     pub(crate) quadrants: u32,
     pub(crate) pace: Pace,
+    /// Not an ellipse.
+    pub(crate) is_open: bool,
 }
 
 /// F about one point: residue, gradient and second differences, in the walk's (mirrored) frame.
@@ -456,5 +458,6 @@ fn start(
         toward_v: Toward::of(first, is_clockwise),
         quadrants,
         pace,
+        is_open: turns.is_none(),
     })
 }

@@ -152,6 +152,41 @@ proptest! {
         let error = largest_error(&ellipse, &points);
         prop_assert!(error <= 0.6, "{error}");
     }
+
+    /// The sweeps add up to the ellipse's length, and each is its step's way along the curve: constant
+    /// time a sweep is constant path speed.
+    #[test]
+    fn sweep_is_length(semi_axes in [30_u32..1000, 30_u32..1000], direction in direction()) {
+        let [a, b] = semi_axes.map(f64::from);
+        let sharpest = (a * a / b).min(b * b / a);
+        prop_assume!(sharpest > 10.0);
+        let from = [semi_axes[0] as i32, 0];
+        let conic = Conic::ellipse(&EllipseMove {
+            from,
+            to: from,
+            centre: [0, 0],
+            semi_axes,
+            fraction_bits: 0,
+            direction,
+            turns: 0,
+        }).unwrap();
+        let steps = check(&conic, from, from)?;
+        let unit = f64::from(conic.unit());
+        let length = conic.total_sweep() as f64 / unit;
+        let true_length = length_of_ellipse(a, b, 0.0, std::f64::consts::TAU);
+        prop_assert!((length / true_length - 1.0).abs() < 0.5 / sharpest, "{length} {true_length}");
+        let mut before = points(from, &steps).into_iter();
+        let worst = steps.iter().map(|step| {
+            let [x, y] = before.next().unwrap().map(f64::from);
+            let [to_x, to_y] = [x + f64::from(step.delta(0)), y + f64::from(step.delta(1))];
+            // How far the nearest point of the ellipse goes: the parameter's angle, refined at the middle.
+            let (middle_x, middle_y) = ((x + to_x) / 2.0 / a, (y + to_y) / 2.0 / b);
+            let tangent = [-middle_y * a, middle_x * b];
+            let way = ((to_x - x) * tangent[0] + (to_y - y) * tangent[1]) / tangent[0].hypot(tangent[1]);
+            (way.abs() * unit / f64::from(step.sweep) - 1.0).abs()
+        }).fold(0.0, f64::max);
+        prop_assert!(worst < 1.0 / sharpest + 0.0005, "{worst} {sharpest}");
+    }
 }
 
 /// A curve of the second degree from its principal frame: p (x')^2 + q (y')^2 + r x' + s, turned by
