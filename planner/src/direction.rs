@@ -1,5 +1,7 @@
 //! Unit vectors.
 
+use crate::quotient::quotient;
+
 /// 1 in a unit vector.
 pub(crate) const ONE: u32 = 1 << 30;
 
@@ -40,7 +42,7 @@ impl<const N: usize> Direction<N> {
         // At least 2^29, so the factor is at most 2^32 and products have 62 bits.
         let norm = sum.isqrt();
         let norm = norm.wrapping_add((sum.wrapping_sub(norm.wrapping_mul(norm)) > norm).into());
-        let factor = (1_u64 << 61).checked_div(norm).unwrap_or(0) as i64;
+        let factor = quotient(1 << 61, norm as u32) as i64;
         Some(Self(scaled.map(|component| {
             (component.wrapping_mul(factor).wrapping_add(1 << 30) >> 31) as i32
         })))
@@ -98,13 +100,16 @@ pub(crate) fn along(axes: impl Iterator<Item = (u64, u32)>, one: u32) -> u64 {
     let Some((limit, size)) = least else {
         return u64::MAX;
     };
-    // 40 bits: what `one` would carry out of 64 is left for a second digit.
-    let size = u64::from(size);
-    let whole = limit.checked_div(size).unwrap_or(0);
-    let rest = limit.wrapping_sub(whole.wrapping_mul(size));
-    let part = rest.wrapping_mul(one.into()).checked_div(size).unwrap_or(0);
-    // whole one < 2^40 2^31 only where size is small: saturates there.
-    whole.saturating_mul(one.into()).saturating_add(part)
+    match limit.checked_mul(one.into()) {
+        Some(product) => quotient(product, size),
+        None => {
+            // The upper and the lower half of the product, one after the other; saturates.
+            let whole = quotient(limit, size);
+            let rest = limit.wrapping_sub(whole.wrapping_mul(size.into()));
+            let part = quotient(rest.wrapping_mul(one.into()), size);
+            whole.saturating_mul(one.into()).saturating_add(part)
+        }
+    }
 }
 
 fn wide(limit: u64, size: u32) -> u128 {

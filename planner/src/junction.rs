@@ -3,6 +3,7 @@
 use crate::{
     Direction,
     direction::{ONE, along},
+    quotient::quotient,
 };
 
 /// Components of two directions that differ by no more than this (4e-9) are the same but for rounding.
@@ -131,12 +132,10 @@ fn ratio_root(reach: u64, numerator: u64, denominator: u64) -> u64 {
     }
     // 32 significant bits below, 64 above: a quotient of 32 or 33 bits.
     let [up, down] = [numerator.leading_zeros(), denominator.leading_zeros()];
-    let quotient = numerator
-        .wrapping_shl(up)
-        .checked_div(denominator.wrapping_shl(down) >> 32)
-        .unwrap_or(0);
-    // The ratio is quotient 2^(down - up - 32); the product has 97 bits at most.
-    let product = u128::from(reach).wrapping_mul(quotient.into());
+    let divisor = (denominator.wrapping_shl(down) >> 32) as u32;
+    let ratio = quotient(numerator.wrapping_shl(up), divisor);
+    // numerator / denominator = ratio 2^(down - up - 32); the product has 97 bits at most.
+    let product = u128::from(reach).wrapping_mul(ratio.into());
     let shift = 32_u32.wrapping_add(up).wrapping_sub(down) as i32;
     let squared = if shift >= 0 {
         // up and down are below 64: at most 95.

@@ -8,6 +8,7 @@ mod timer;
 mod direction;
 mod junction;
 mod look_ahead;
+mod quotient;
 mod ramp;
 mod rate;
 mod ring;

@@ -2,6 +2,7 @@
 
 use crate::{
     Limits, Stretch, Timer,
+    quotient::quotient,
     rate::{Rate, unit},
     stretch::square,
 };
@@ -54,6 +55,11 @@ pub struct Ramp {
     /// Events at top speed.
     cruise: Timer,
     cruise_shift: u8,
+    /// Sweep that may pass at top speed without a look at anything else, as long as the exit is not below the one
+    /// that was reckoned with; and how much of it has passed and is not yet off what remains.
+    cruise_left: u64,
+    cruise_exit: u64,
+    cruised: u64,
     top: u32,
     top_squared: u64,
     /// Square of the speed that needs no ramp.
@@ -84,6 +90,9 @@ impl Ramp {
             passage: Rate::default(),
             cruise: Timer::new(0, 1, 1),
             cruise_shift: 1,
+            cruise_left: 0,
+            cruise_exit: 0,
+            cruised: 0,
             top: 0,
             top_squared: 0,
             floor: 0,
@@ -128,6 +137,7 @@ impl Ramp {
         .up();
         self.gain_owed = 0;
         self.remaining = stretch.gain();
+        self.cruised = 0;
         let double_hz = u64::from(self.timer_hz).wrapping_mul(2);
         self.passage = Rate::new(length, double_hz, length_bits, largest_sweep);
         // Only a start speed gets a ramp above a junction's limit: from there it may fall at once.
@@ -145,10 +155,29 @@ impl Ramp {
     /// brought the path to a stop: the event did not happen, ask again after [`Ramp::resume`].
     #[inline]
     pub fn wait(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
+        let sweep_units = u64::from(sweep);
+        if sweep_units <= self.cruise_left
+            && limits.top_nm_per_s == self.top
+            && limits.exit_squared >= self.cruise_exit
+        {
+            self.cruise_left = self.cruise_left.wrapping_sub(sweep_units);
+            self.cruised = self.cruised.wrapping_add(sweep_units);
+            let time = self.cruise.product(sweep_units);
+            return Some(self.settle(time, self.cruise_shift));
+        }
+        self.wait_with_care(sweep, limits)
+    }
+
+    /// An event that may change the speed, or the first ones at a constant one.
+    fn wait_with_care(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
         if limits.top_nm_per_s != self.top {
             self.set_top(limits.top_nm_per_s);
         }
-        // The product is at most 2^62, owed less than 2^63.
+        self.cruise_left = 0;
+        if self.cruised != 0 {
+            self.settle_cruise();
+        }
+        // The product is at most 2^62 and a sweep, owed less than 2^63.
         let gain = self.gain.times(sweep).wrapping_add(self.gain_owed);
         let (gain, gain_owed) = self.gain.split(gain);
         let remaining = self.remaining.saturating_sub(gain.into());
@@ -170,6 +199,7 @@ impl Ramp {
         if before == self.top_squared && after == before {
             self.squared = after;
             self.speed = self.top;
+            self.plan_cruise(end, limits.exit_squared);
             let time = self.cruise.product(sweep.into());
             return Some(self.settle(time, self.cruise_shift));
         }
@@ -194,17 +224,46 @@ impl Ramp {
             let peak = u64::from(root(gain / 2)).min(u64::from(self.top).wrapping_mul(2));
             speeds = speeds.max(peak).max(1);
         }
-        let time = self
-            .passage
-            .times(sweep)
-            .checked_div(speeds)
-            .unwrap_or(u64::MAX >> 1);
+        let mut time = self.passage.times(sweep);
+        let divisor = u32::try_from(speeds).unwrap_or_else(|_| {
+            // 33 bits: above 2 m/s the last one does not matter.
+            time >>= 1;
+            (speeds >> 1) as u32
+        });
+        let time = quotient(time, divisor);
         Some(self.settle(time, self.passage.fraction_bits()))
+    }
+
+    /// How far it may go on like this when after this event the square of the speed must not exceed `end`.
+    ///
+    /// Some power of two of events: no division, and a few more looks on the way to the end.
+    fn plan_cruise(&mut self, end: u64, exit_squared: u64) {
+        let spare = end.saturating_sub(self.top_squared);
+        let (gain, _) = self.gain.split(self.gain.times(self.largest_sweep));
+        // spare / 2^bits(gain + 1) events of the largest sweep gain less than what is to spare.
+        let bits = 64_u32.wrapping_sub(gain.saturating_add(1).leading_zeros());
+        let events = spare.checked_shr(bits).unwrap_or(0);
+        self.cruise_left = events.saturating_mul(self.largest_sweep.into());
+        self.cruise_exit = exit_squared;
+    }
+
+    /// Takes what has passed at top speed off what remains.
+    fn settle_cruise(&mut self) {
+        // 62 and 64 bits.
+        let product = self
+            .gain
+            .times_long(self.cruised)
+            .wrapping_add(self.gain_owed.into());
+        let (gain, owed) = self.gain.split_long(product);
+        self.remaining = self.remaining.saturating_sub(gain);
+        self.gain_owed = owed;
+        self.cruised = 0;
     }
 
     /// Feed hold: the path brakes from the next event on, through as many moves as it takes.
     pub fn hold(&mut self) {
         self.is_held = true;
+        self.cruise_left = 0;
     }
 
     /// Ends a hold, also one that has not stopped the path yet.
@@ -240,12 +299,14 @@ impl Ramp {
     fn set_squared(&mut self, squared: u64) {
         self.squared = squared;
         self.speed = root(squared);
+        self.cruise_left = 0;
     }
 
     /// Another top speed: cruising takes the programmed time in proportion.
     #[cold]
     fn set_top(&mut self, top: u32) {
         let top = top.max(1);
+        self.cruise_left = 0;
         self.top = top;
         self.top_squared = square(top);
         self.floor = square(self.start.min(top));
@@ -270,12 +331,10 @@ fn scale(ticks: u64, numerator: u32, denominator: u32) -> u64 {
     if numerator == denominator {
         return ticks;
     }
-    let [numerator, denominator] = [u64::from(numerator), u64::from(denominator)];
-    let whole = ticks.checked_div(denominator).unwrap_or(0);
-    let rest = ticks.wrapping_sub(whole.wrapping_mul(denominator));
+    let numerator = u64::from(numerator);
+    let whole = quotient(ticks, denominator);
+    let rest = ticks.wrapping_sub(whole.wrapping_mul(denominator.into()));
     // rest and numerator are below 2^32.
-    let part = rest.wrapping_mul(numerator).checked_div(denominator);
-    whole
-        .saturating_mul(numerator)
-        .saturating_add(part.unwrap_or(0))
+    let part = quotient(rest.wrapping_mul(numerator), denominator);
+    whole.saturating_mul(numerator).saturating_add(part)
 }

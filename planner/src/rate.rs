@@ -57,6 +57,20 @@ impl Rate {
         (whole, product.wrapping_sub(whole.wrapping_shl(bits)))
     }
 
+    /// For any sweep, times 2^`fraction_bits`.
+    pub(crate) fn times_long(&self, sweep: u64) -> u128 {
+        u128::from(self.mantissa).wrapping_mul(sweep.into())
+    }
+
+    /// The whole part and the fraction of a long product.
+    pub(crate) fn split_long(&self, product: u128) -> (u128, u64) {
+        let bits = u32::from(self.fraction_bits);
+        let whole = product.wrapping_shr(bits);
+        // Below 2^63.
+        let fraction = product.wrapping_sub(whole.wrapping_shl(bits));
+        (whole, fraction as u64)
+    }
+
     pub(crate) const fn fraction_bits(&self) -> u8 {
         self.fraction_bits
     }
