@@ -20,6 +20,7 @@ mod direct_search_printed;
 mod quadrant;
 mod staircase;
 
+mod bezier;
 mod conic;
 mod conic_move;
 
@@ -28,6 +29,7 @@ mod helix;
 mod path;
 
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
+pub use bezier::{Bezier, BezierError};
 pub use conic::Conic;
 pub use conic_move::{ConicError, ConicMove, EllipseMove};
 pub use dda_arc::{ArcDda, DdaRegisters};
