@@ -48,12 +48,54 @@ pub enum Command {
         husillo interpolate line --to 10,4,3\n  \
         husillo interpolate arc --from 30,0 --to 30,0 --centre 0,0 --direction ccw --format json")]
     Interpolate(Interpolate),
+    /// Compare all interpolation methods on one move or on a program
+    #[command(after_help = "Examples:\n  \
+        husillo compare circle --radius 30\n  \
+        husillo compare circle --radius 1000 --only dda,direct-search -o circle.html\n  \
+        husillo compare line --to 1000,500 --format json\n  \
+        husillo compare examples/gear.nc -m micromill --weights 5,1,3,1")]
+    #[command(after_long_help = COMPARE_HELP)]
+    Compare(Compare),
 }
+
+/// What the figures of `husillo compare` mean.
+const COMPARE_HELP: &str = "\
+Methods:
+  lines  bresenham, dda, dda-printed
+  arcs   direct-search, dda, staircase and, as their literature prints them,
+         direct-search-printed, dda-printed, staircase-printed
+
+Figures (1 BLU = one motor step; JSON: a list with one object a method):
+  iterations      passes of the method's loop
+  moving          those that step an axis; the others are idle
+  max_error_blu   largest distance of the tool from the exact curve after a pass: square to a line, radially
+                  to an arc, outside of the band between the radii of a spiral
+  rms_error_blu   root mean square of that distance over all passes
+  mean_speed      length of the curve by the time of the move, 1 = the programmed feed, when passes come at one
+                  rate of one BLU of programmed feed each (equal time; the idle passes of dda-printed take none)
+  ripple_percent  the larger deviation of the speed from the mean, in per cent, over any 32 timed passes in a
+                  row, speed being the progress along the exact curve by time; a move of fewer passes has 0
+  ripple_percent_windows
+                  slowest (low) and fastest (high) against the mean over 1, 8, 32 and 128 passes
+  vector_feed     the same three when every event takes the time of its own path, timed to 1/1000 of the time of
+                  a BLU; null for methods whose passes are a BLU each
+  additions, tests
+                  of one pass at most, two axes, counted in the inner loop
+  instructions    of one event on Cortex-M0 and Cortex-M4F under QEMU, from firmware/count/golden.txt; null
+                  where that has none
+  points          decision matrix, 0 to 100: error, iterations and work are the best method's value by the
+                  method's own, in per cent (work: Cortex-M4F instructions, or additions and tests where not all
+                  methods have a count); evenness is 100 less the ripple over 32 events, slowest to fastest, with
+                  vector feed where there is one; total is the mean by --weights
+
+Of a program every G1, G2 and G3 is made on the machine's grid, rapids and what a helix does across its plane are
+not; iterations are sums, errors and ripples the worst of any move, moves counts them. Methods other than
+direct-search know whole-step centres only: theirs are rounded.";
 
 /// Which machine and which language.
 #[derive(Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, or a TOML file
+    /// Machine: micromill, free, router, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Language of the program: rs274 or micromill [default: rs274; micromill for files ending in .mm]
@@ -193,6 +235,55 @@ pub struct ArcShape {
     /// How to print the move
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
+}
+
+/// `husillo compare`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// circle, arc, line, or a program
+    #[arg(value_name = "circle|arc|line|FILE")]
+    pub job: String,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub target: Target,
+    /// Radius of a circle in steps [default: 30]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=1 << 28))]
+    pub radius: Option<i32>,
+    /// Start of an arc in steps
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub from: Option<String>,
+    /// End of an arc or of a line from zero, in steps; a line has two to six axes
+    #[arg(long, value_name = "X,Y[,Z..]", allow_hyphen_values = true)]
+    pub to: Option<String>,
+    /// Centre of an arc in steps, as decimals
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub centre: Option<String>,
+    /// Turning direction of a circle or an arc
+    #[arg(long, value_enum, default_value = "ccw")]
+    pub direction: Turning,
+    /// Methods to compare [default: all]
+    #[arg(long, value_name = "METHODS")]
+    pub only: Option<String>,
+    /// Weights of error, iterations, evenness and work in the decision matrix
+    #[arg(long, value_name = "E,I,S,W", default_value = crate::decision::DEFAULT_WEIGHTS, allow_hyphen_values = true)]
+    pub weights: String,
+    /// How to print the results [default: by the name of the output, or text]
+    #[arg(long, value_enum)]
+    pub format: Option<Page>,
+    /// File to write instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<String>,
+}
+
+/// Text for people, JSON for programs, or a page with pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Page {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+    /// For people, with pictures.
+    Html,
 }
 
 /// Text for people or JSON for programs.

@@ -7,9 +7,10 @@ use std::ops::Range;
 
 const MICROMILL: &str = include_str!("../../machines/micromill.toml");
 const FREE: &str = include_str!("../../machines/free.toml");
+const ROUTER: &str = include_str!("../../machines/router.toml");
 
 /// A machine as its file describes it.
-#[allow(dead_code)] // all of a file is checked; ramps and homing are not simulated yet
+#[allow(dead_code)] // all of a file is checked; homing is not simulated yet
 #[derive(Clone, Debug)]
 pub struct MachineFile {
     /// Path of the file, or `machines/NAME.toml` for one that is built in.
@@ -151,11 +152,12 @@ impl MachineFile {
         match name {
             "micromill" => Self::parse("machines/micromill.toml", MICROMILL),
             "free" => Self::parse("machines/free.toml", FREE),
+            "router" => Self::parse("machines/router.toml", ROUTER),
             path => match std::fs::read_to_string(path) {
                 Ok(text) => Self::parse(path, &text),
                 Err(error) => {
                     return Err(LoadError::File(format!(
-                        "no machine `{path}`: built in are micromill and free; as a file: {error}"
+                        "no machine `{path}`: built in are micromill, free and router; as a file: {error}"
                     )));
                 }
             },
@@ -224,6 +226,7 @@ impl MachineFile {
         let text = match self.path.as_str() {
             "machines/micromill.toml" => MICROMILL.to_owned(),
             "machines/free.toml" => FREE.to_owned(),
+            "machines/router.toml" => ROUTER.to_owned(),
             path => std::fs::read_to_string(path).ok()?,
         };
         let span = self.axes.get(axis)?.travel_span.clone();
@@ -319,16 +322,17 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
             _ => None,
         },
     );
-    let max_rate = rate(table, "max_rate");
+    let max_rate = rate(table, "max_rate", step);
     if max_rate.is_none() {
         table.missing("max_rate");
     }
     let max_rate = max_rate.unwrap_or(1);
     let acceleration = table.quantity(
         "acceleration",
-        "steps/s^2 as in \"2000 Hz/s\"",
+        "as in \"300 mm/s^2\" or, in steps/s^2, \"2000 Hz/s\"",
         |quantity| match quantity {
-            Quantity::Acceleration(value) => positive(value),
+            Quantity::Acceleration(value) => positive(value.rounded()),
+            Quantity::AxisAcceleration(nm_per_s2) => nm_per_s2.over(step).and_then(positive),
             _ => None,
         },
     );
@@ -339,22 +343,22 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
         travel_span,
         lash_steps: lash.unwrap_or(0),
         // Without an acceleration there are no ramps.
-        start_rate: rate(table, "start_rate").unwrap_or(match acceleration {
+        start_rate: rate(table, "start_rate", step).unwrap_or(match acceleration {
             Some(_) => 0,
             None => max_rate,
         }),
         max_rate,
-        pull_out_rate: rate(table, "pull_out_rate"),
+        pull_out_rate: rate(table, "pull_out_rate", step),
         acceleration,
         jerk: table.quantity(
             "jerk",
             "steps/s^3 as in \"5000 Hz/s^2\"",
             |quantity| match quantity {
-                Quantity::Jerk(value) => positive(value),
+                Quantity::Jerk(value) => positive(value.rounded()),
                 _ => None,
             },
         ),
-        junction: rate(table, "junction"),
+        junction: rate(table, "junction", step),
         driver: table
             .choice("driver", &DRIVERS)
             .unwrap_or(Driver::StepDirection),
@@ -378,17 +382,26 @@ const MODES: [(&str, StepMode); 4] = [
     ("quarter", StepMode::Quarter),
 ];
 
-fn rate(table: &mut Table<'_, '_>, key: &'static str) -> Option<u32> {
-    table.quantity(key, "a rate as in \"170 Hz\"", |quantity| match quantity {
-        Quantity::Rate(value) => positive(value),
-        _ => None,
-    })
+/// A rate in steps/s, or a speed of the axis.
+fn rate(table: &mut Table<'_, '_>, key: &'static str, step: Fraction) -> Option<u32> {
+    table.quantity(
+        key,
+        "a rate as in \"170 Hz\", or a speed as in \"30 mm/min\"",
+        |quantity| match quantity {
+            Quantity::Rate(value) => positive(value.rounded()),
+            Quantity::Speed(nm_per_min) => nm_per_min
+                .over(Fraction {
+                    num: step.num.checked_mul(60)?,
+                    den: step.den,
+                })
+                .and_then(positive),
+            _ => None,
+        },
+    )
 }
 
-fn positive(value: Fraction) -> Option<u32> {
-    u32::try_from(value.rounded())
-        .ok()
-        .filter(|value| *value > 0)
+fn positive(value: i64) -> Option<u32> {
+    u32::try_from(value).ok().filter(|value| *value > 0)
 }
 
 fn read_home(table: &mut Table<'_, '_>, step: Fraction) -> Home {

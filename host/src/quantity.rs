@@ -11,6 +11,8 @@ pub enum Quantity {
     Rate(Fraction),
     /// An acceleration in steps/s^2.
     Acceleration(Fraction),
+    /// An acceleration of an axis in nanometres/s^2.
+    AxisAcceleration(Fraction),
     /// A jerk in steps/s^3.
     Jerk(Fraction),
     /// A path speed in nanometres a minute.
@@ -89,6 +91,7 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "Hz" => Quantity::Rate(scaled(1, 1)?),
         "kHz" => Quantity::Rate(scaled(1_000, 1)?),
         "Hz/s" => Quantity::Acceleration(scaled(1, 1)?),
+        "mm/s^2" => Quantity::AxisAcceleration(scaled(1_000_000, 1)?),
         "Hz/s^2" => Quantity::Jerk(scaled(1, 1)?),
         "mm/min" => Quantity::Speed(scaled(1_000_000, 1)?),
         "mm/s" => Quantity::Speed(scaled(60_000_000, 1)?),
