@@ -4,6 +4,7 @@ use crate::{
     Direction,
     direction::{ONE, along},
     quotient::quotient,
+    stretch::square,
 };
 
 /// Components of two directions that differ by no more than this (4e-9) are the same but for rounding.
@@ -41,7 +42,7 @@ impl<const N: usize> Junction<N> {
     /// Highest speed from the direction at the end of one move to that at the start of the next; `u32::MAX` when
     /// there is no limit.
     ///
-    /// Up to three square roots and four divisions of 64 bits.
+    /// Up to three square roots of 64 bits, three divisions of 64 by 32.
     pub fn speed(&self, before: &Direction<N>, after: &Direction<N>) -> u32 {
         let [before, after] = [before.components(), after.components()];
         let mut change = [0_u32; N];
@@ -67,11 +68,19 @@ impl<const N: usize> Junction<N> {
             }
             None => u64::MAX,
         };
-        let deviation = match self.deviation_nm {
-            Some(deviation) => self.deviation_speed(deviation, &change, &sum),
-            None => u64::MAX,
-        };
-        u32::try_from(jump.min(deviation)).unwrap_or(u32::MAX)
+        let jump = u32::try_from(jump).unwrap_or(u32::MAX);
+        match self.deviation_nm {
+            Some(deviation) => {
+                let squared = self.deviation_squared(deviation, &change, &sum);
+                if squared < square(jump) {
+                    // Below 2^64: the root is below 2^32.
+                    squared.isqrt() as u32
+                } else {
+                    jump
+                }
+            }
+            None => jump,
+        }
     }
 
     /// Junction deviation, S. K. Jeon (Grbl, planner.c, "junction deviation", 2011):
@@ -79,21 +88,26 @@ impl<const N: usize> Junction<N> {
     /// v^2 = a d s / (1 - s), s the sine of half the angle between the moves (1 when straight on), a what the axes can
     /// do in the direction of the change. With half the change h and half the sum of the two directions s = |half the sum|,
     /// h^2 + s^2 = 1, so it is a d s (1 + s) / h^2, which is as exact for small angles as for large ones.
-    fn deviation_speed(&self, deviation_nm: u32, change: &[u32; N], sum: &[u32; N]) -> u64 {
+    fn deviation_squared(&self, deviation_nm: u32, change: &[u32; N], sum: &[u32; N]) -> u64 {
         if sum.iter().all(|sum| *sum <= ROUNDING) {
             return 0;
         }
         // 4 h^2 and 4 s^2, 2^62 each at most but for rounding.
         let change_squared = squares(change);
         let change_size = change_squared.isqrt().min(1 << 31);
-        // Twice the sine in 2^-30; s (1 + s) in 2^-60 times 4, 2^63 at most.
-        let sine = squares(sum).isqrt().min(1 << 31);
+        // The sine in 2^-31; s (1 + s) in 2^-62, 2^63 at most. For small angles s = sqrt(1 - h^2) is 1 - h^2 / 2; what
+        // that leaves out, h^4 / 8, is below 2^-27 for h^2 < 2^-12.
+        let sine = if change_squared < 1 << 50 {
+            (1_u64 << 31).wrapping_sub(change_squared >> 32)
+        } else {
+            squares(sum).isqrt().min(1 << 31)
+        };
         let numerator = sine.wrapping_mul(sine.wrapping_add(2 * u64::from(ONE)));
         // The axes' acceleration along the unit vector of the change, 40 bits and 1 for the projection.
         let limits = self.acceleration_nm_per_s2.iter().copied();
         let acceleration = along(limits.zip(change.iter().copied()), change_size as u32);
         let reach = acceleration.saturating_mul(deviation_nm.into());
-        ratio_root(reach, numerator, change_squared)
+        scaled(reach, numerator, change_squared)
     }
 }
 
@@ -122,8 +136,8 @@ fn squares<const N: usize>(vector: &[u32; N]) -> u64 {
     })
 }
 
-/// sqrt(`reach` `numerator` / `denominator`), right to 2^-30 of it; saturates at 2^32.
-fn ratio_root(reach: u64, numerator: u64, denominator: u64) -> u64 {
+/// `reach` `numerator` / `denominator`, right to 2^-30 of it; saturates.
+fn scaled(reach: u64, numerator: u64, denominator: u64) -> u64 {
     if denominator == 0 {
         return u64::MAX;
     }
@@ -137,16 +151,12 @@ fn ratio_root(reach: u64, numerator: u64, denominator: u64) -> u64 {
     // numerator / denominator = ratio 2^(down - up - 32); the product has 97 bits at most.
     let product = u128::from(reach).wrapping_mul(ratio.into());
     let shift = 32_u32.wrapping_add(up).wrapping_sub(down) as i32;
-    let squared = if shift >= 0 {
+    let product = if shift >= 0 {
         // up and down are below 64: at most 95.
-        u64::try_from(product.wrapping_shr(shift.unsigned_abs())).unwrap_or(u64::MAX)
+        product.wrapping_shr(shift.unsigned_abs())
     } else {
         // At most 31 to the left.
-        u64::try_from(product.wrapping_shl(shift.unsigned_abs())).unwrap_or(u64::MAX)
+        product.wrapping_shl(shift.unsigned_abs())
     };
-    if squared == u64::MAX {
-        u64::MAX
-    } else {
-        squared.isqrt()
-    }
+    u64::try_from(product).unwrap_or(u64::MAX)
 }
