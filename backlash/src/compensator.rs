@@ -2,9 +2,10 @@
 
 use crate::Lash;
 
-/// Watches step events for axes that turn round and says what each owes first.
+/// Watches step events for axes that turn round and says what each owes first. Eight axes at most: further ones owe
+/// nothing.
 ///
-/// While no axis turns round, an event costs one comparison an axis and no call into the lash model.
+/// While no axis turns round, an event costs a few operations on masks and no call into the lash model.
 ///
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
@@ -14,18 +15,24 @@ use crate::Lash;
 /// assert_eq!(stage.before(&[1, 1], [0, 0]), [0, 0]);
 /// // Both turn round: 3 steps of X alone, then 2 of Y alone, then the event.
 /// assert_eq!(stage.before(&[-1, -1], [1, 1]), [3, 2]);
+/// assert!(stage.is_straight_on(0b01, 0b01)); // X on in the negative direction
 /// ```
 #[derive(Copy, Clone, Debug)]
 pub struct Compensator<const N: usize, L: Lash> {
     lash: [L; N],
-    /// Direction of each axis' last event; 0 until its first.
-    last: [i8; N],
+    /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is the first axis.
+    positive: u8,
+    negative: u8,
 }
 
 impl<const N: usize, L: Lash> Compensator<N, L> {
     /// One lash model per axis; each knows its flank.
     pub const fn new(lash: [L; N]) -> Self {
-        Compensator { lash, last: [0; N] }
+        Compensator {
+            lash,
+            positive: 0,
+            negative: 0,
+        }
     }
 
     /// Motor steps each axis owes before the event `delta` (entries -1, 0, +1), with the load at `load`.
@@ -34,22 +41,34 @@ impl<const N: usize, L: Lash> Compensator<N, L> {
     /// The load does not move in them. Remembers the new directions: ask once an event.
     #[inline]
     pub fn before(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
-        if self.is_straight_on(delta) {
-            [0; N]
-        } else {
-            self.turn(delta, load)
+        let mut owed = [0; N];
+        let mut bit = 1_u8;
+        let axes = self.lash.iter_mut().zip(delta.iter().zip(load));
+        for (owed, (lash, (&now, load))) in owed.iter_mut().zip(axes) {
+            let (this, other) = match now {
+                0 => (&mut 0, &mut 0),
+                1.. => (&mut self.positive, &mut self.negative),
+                ..0 => (&mut self.negative, &mut self.positive),
+            };
+            if now != 0 && *this & bit == 0 {
+                // Beyond the eighth axis there is no bit.
+                *owed = if bit == 0 { 0 } else { lash.take_up(now, load) };
+                *this |= bit;
+                *other &= !bit;
+            }
+            bit = bit.wrapping_shl(1) & !1;
         }
+        owed
     }
 
-    /// Whether no axis of `delta` moves another way than it did last; then nothing is owed.
+    /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go backwards, turns none round;
+    /// then nothing is owed.
     #[inline]
     #[must_use]
-    pub fn is_straight_on(&self, delta: &[i8; N]) -> bool {
-        let mut turns = false;
-        for (&now, &last) in delta.iter().zip(&self.last) {
-            turns |= (now != 0) & (now != last);
-        }
-        !turns
+    pub const fn is_straight_on(&self, axes: u8, negative: u8) -> bool {
+        let forwards = axes & !negative;
+        let backwards = axes & negative;
+        (forwards & !self.positive) | (backwards & !self.negative) == 0
     }
 
     /// The lash models, the first axis first.
@@ -59,24 +78,9 @@ impl<const N: usize, L: Lash> Compensator<N, L> {
 
     /// The lash models, to be changed: after homing, or for another map.
     pub fn lash_mut(&mut self) -> &mut [L; N] {
-        self.last = [0; N]; // the models know the directions; ask them again
+        // The models know the directions; ask them again.
+        self.positive = 0;
+        self.negative = 0;
         &mut self.lash
-    }
-
-    #[cold]
-    fn turn(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
-        let mut owed = [0; N];
-        let axes = self
-            .lash
-            .iter_mut()
-            .zip(&mut self.last)
-            .zip(delta.iter().zip(load));
-        for (owed, ((lash, last), (&now, load))) in owed.iter_mut().zip(axes) {
-            if now != 0 && now != *last {
-                *owed = lash.take_up(now, load);
-                *last = now;
-            }
-        }
-        owed
     }
 }

@@ -238,8 +238,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     #[inline]
     fn path_step(&mut self, step: Step, wait: u64) -> Event<N> {
         let delta = step.deltas();
-        let may_owe = self.is_compensating
-            && (self.unfinished.is_some() || !self.compensator.is_straight_on(&delta));
+        let is_straight_on = self.compensator.is_straight_on(step.axes, step.negative);
+        let may_owe = self.is_compensating && (self.unfinished.is_some() || !is_straight_on);
         if may_owe {
             self.turn_round(&delta);
             if let Some(event) = self.take_up_step() {
