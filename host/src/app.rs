@@ -2,14 +2,17 @@
 
 use crate::check::{self, Facts, duration};
 use crate::cli::{
-    Check, Cli, Command, Commands, Interpolate, Output, Run as RunArgs, Shape, Steps, Target,
+    Check, Cli, Command, Commands, Compare, Interpolate, Output, Page, Run as RunArgs, Shape,
+    Steps, Target,
 };
+use crate::compare::{self, Bench};
+use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
 use crate::machine_file::{LoadError, MachineFile, Travel};
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
 use crate::source::Source;
-use crate::{commands, feeder, interpolate, setup, steps};
+use crate::{commands, compare_page, compare_text, feeder, grid, interpolate, setup, steps};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Machine};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -59,6 +62,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Commands(args) => print_commands(args),
         Command::Steps(args) => write_steps(args),
         Command::Interpolate(args) => walk(args),
+        Command::Compare(args) => compare_methods(args),
     }
 }
 
@@ -68,6 +72,93 @@ fn walk(args: &Interpolate) -> Result<u8, Failure> {
         Shape::Arc(shape) => interpolate::arc(shape)?.print(shape.format)?,
     }
     Ok(OK)
+}
+
+fn compare_methods(args: &Compare) -> Result<u8, Failure> {
+    let weights = Weights::parse(&args.weights)?;
+    let mut bench = Bench::new(args.only.as_deref())?;
+    let comparison = match compare::one_move(args)? {
+        Some((one, title)) => {
+            bench.add(&one);
+            bench.finish(title, Some(one), weights)
+        }
+        None => {
+            let mut job = Job::new(&args.job, &args.target, "free")?;
+            job.keep_input()?;
+            let Some(bench) = compare_program(&job, bench)? else {
+                return Ok(ERRORS);
+            };
+            bench.finish(
+                format!("{} on {}", job.name(), job.machine.title),
+                None,
+                weights,
+            )
+        }
+    };
+    if comparison.rows.is_empty() {
+        let why = comparison.notes.first().map(String::as_str);
+        let why = why.unwrap_or("there is nothing these methods are for");
+        return Err(Failure::Usage(format!("{}: {why}", args.job)));
+    }
+    let format = args.format.unwrap_or(match &args.output {
+        Some(path) if path.ends_with(".html") => Page::Html,
+        Some(path) if path.ends_with(".json") => Page::Json,
+        _ => Page::Text,
+    });
+    let mut out: Box<dyn Write> = match &args.output {
+        Some(path) => Box::new(BufWriter::new(create(path)?)),
+        None => Box::new(io::stdout().lock()),
+    };
+    match format {
+        Page::Text => compare_text::print(&comparison, &mut out)?,
+        Page::Json => {
+            let json = serde_json::to_string_pretty(&comparison.rows).map_err(io::Error::other)?;
+            writeln!(out, "{json}")?;
+            for note in &comparison.notes {
+                eprintln!("note: {note}");
+            }
+        }
+        Page::Html => out.write_all(compare_page::html(&comparison).as_bytes())?,
+    }
+    out.flush()?;
+    if let Some(path) = &args.output {
+        eprintln!("{path}: {} methods", comparison.rows.len());
+    }
+    Ok(OK)
+}
+
+/// Makes every feed move of a program; `None` when it has errors.
+fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
+    let mut findings = to_stderr(Format::Text);
+    let mut source = job.open()?;
+    crate::program::walk(
+        &mut source,
+        job.name(),
+        job.dialect,
+        &mut findings,
+        |_, command, from, _| {
+            let made = match command {
+                husillo_gcode::Command::Linear { to, .. } => grid::line(&job.config, from, *to),
+                husillo_gcode::Command::Arc { arc, .. } => grid::arc(&job.config, from, arc),
+                _ => Ok(None),
+            };
+            match made {
+                Ok(Some(one)) => bench.add(&one),
+                Ok(None) => {}
+                Err(why) => bench.note(why.to_owned()),
+            }
+            Ok(())
+        },
+    )?;
+    if findings.errors > 0 {
+        eprintln!(
+            "{}: {}",
+            job.name(),
+            verdict(findings.errors, findings.warnings)
+        );
+        return Ok(None);
+    }
+    Ok(Some(bench))
 }
 
 /// A program and the machine it is for.

@@ -112,9 +112,6 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
         return Err("--centre-bits is at most 16".to_owned());
     }
     let bits = shape.centre_bits;
-    let pair = |text: &str, name: &str| {
-        <[i32; 2]>::try_from(integers(text, name)?).map_err(|_| format!("{name} takes X,Y"))
-    };
     let (from, to) = (pair(&shape.from, "--from")?, pair(&shape.to, "--to")?);
     let centre: Vec<i64> = shape
         .centre
@@ -238,7 +235,21 @@ fn known_method(method: &str, known: &str, shapes: &str) -> Result<(), String> {
     }
 }
 
-fn integers(text: &str, name: &str) -> Result<Vec<i32>, String> {
+/// Two whole numbers.
+///
+/// # Errors
+///
+/// What is wrong with them.
+pub fn pair(text: &str, name: &str) -> Result<[i32; 2], String> {
+    <[i32; 2]>::try_from(integers(text, name)?).map_err(|_| format!("{name} takes X,Y"))
+}
+
+/// Whole numbers between commas.
+///
+/// # Errors
+///
+/// The number that is none.
+pub fn integers(text: &str, name: &str) -> Result<Vec<i32>, String> {
     text.split(',')
         .map(|number| {
             number
@@ -250,7 +261,11 @@ fn integers(text: &str, name: &str) -> Result<Vec<i32>, String> {
 }
 
 /// A decimal in units of 2^-bits.
-fn scaled(text: &str, bits: u8) -> Result<i64, String> {
+///
+/// # Errors
+///
+/// What is wrong with it.
+pub fn scaled(text: &str, bits: u8) -> Result<i64, String> {
     let wrong = || format!("--centre: `{text}` is no decimal number");
     let text = text.trim();
     let (negative, body) = match text.strip_prefix('-') {

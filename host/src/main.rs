@@ -4,7 +4,8 @@
 //! file ─► source ─► program ─► check ─► diagnostics        (errors: nothing moves)
 //!            │         └─────► commands
 //!            └─► feeder ─► steps
-//!                   └────► run ─► deviation, drawing ─► report
+//!                   └────► run ─► deviation, drawing, speed ─► report, chart
+//! one move, or grid ─► compare ─► method, curve, measure, decision ─► compare_text, compare_page
 //! ```
 #![forbid(unsafe_code)]
 
@@ -13,13 +14,22 @@ mod chart;
 mod check;
 mod cli;
 mod commands;
+mod compare;
+mod compare_page;
+mod compare_picture;
+mod compare_text;
+mod curve;
+mod decision;
 mod deviation;
 mod diagnostics;
 mod drawing;
 mod explain;
 mod feeder;
+mod grid;
 mod interpolate;
 mod machine_file;
+mod measure;
+mod method;
 mod program;
 mod quantity;
 mod report;

@@ -75,7 +75,8 @@ pub struct Motor {
     pub steps: Vec<(u64, [i16; 2])>,
 }
 
-const STYLE: &str = "\
+/// Colours and shapes of every page, light and dark.
+pub const STYLE: &str = "\
 :root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;--panel:#f6f8fa;\
 --jog:#6b7280;--rapid:#9a6700;--feed:#0b5cad;--take-up:#000;--limit:#9b0000;--ideal:#57606a}\
 @media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;--line:#2b343e;--panel:#161d25;\
@@ -569,7 +570,8 @@ fn significant(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn escape(text: &str) -> String {
+/// Text as it may stand in a page.
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

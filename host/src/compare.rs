@@ -1,0 +1,321 @@
+//! `husillo compare`: all methods on one move, or on every feed move of a program.
+
+use crate::cli::{Compare, Turning};
+use crate::curve::Curve;
+use crate::decision::{self, Points, Weights};
+use crate::interpolate::{integers, pair, scaled};
+use crate::measure::{Speed, Tally};
+use crate::method::{self, AXES, Method, Shape};
+use husillo_interp::{ArcMove, Direction, Rim};
+use serde::Serialize;
+
+/// What one method did.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub method: &'static str,
+    /// `line` or `arc`.
+    pub shape: &'static str,
+    /// Moves made.
+    pub moves: u64,
+    /// Passes of its loop.
+    pub iterations: u64,
+    /// Passes with a step.
+    pub moving: u64,
+    /// Largest distance from the exact curve after a pass, steps.
+    pub max_error_blu: f64,
+    /// Root mean square of the distance, steps.
+    pub rms_error_blu: f64,
+    /// With equal time for every pass.
+    #[serde(flatten)]
+    pub equal_time: Speed,
+    /// With the time of its own path for every event.
+    pub vector_feed: Option<Speed>,
+    /// Additions and subtractions of an event at most.
+    pub additions: u32,
+    /// Sign tests of an event at most.
+    pub tests: u32,
+    /// Instructions of an event.
+    pub instructions: Instructions,
+    /// What it gets in the decision matrix.
+    pub points: Points,
+    /// Where the largest error is.
+    #[serde(skip)]
+    pub worst_at: [f64; 2],
+}
+
+/// Instructions of an event, from the counts the firmware's check keeps.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Instructions {
+    /// On a Cortex-M0.
+    pub cortex_m0: Option<f64>,
+    /// On a Cortex-M4F.
+    pub cortex_m4f: Option<f64>,
+}
+
+/// One move and its exact curve.
+#[derive(Clone, Debug)]
+pub struct Move {
+    /// On the grid.
+    pub shape: Shape,
+    /// With its centre rounded to a whole step, for the methods that know no others.
+    pub rounded: Option<Shape>,
+    /// Exactly.
+    pub curve: Curve,
+}
+
+/// Everything to print.
+#[derive(Debug)]
+pub struct Comparison {
+    /// What was compared, one line.
+    pub title: String,
+    /// Rows of lines, then of arcs.
+    pub rows: Vec<Row>,
+    /// The move, when it was only one.
+    pub one: Option<Move>,
+    /// Weights of the matrix.
+    pub weights: Weights,
+    /// What could not be done, one line each.
+    pub notes: Vec<String>,
+}
+
+/// The sums of all methods over moves.
+#[derive(Debug)]
+pub struct Bench {
+    only: Option<Vec<String>>,
+    tallies: Vec<(&'static Method, bool, Tally)>,
+    notes: Vec<(String, u64)>,
+}
+
+impl Bench {
+    /// All methods, or `only` some.
+    ///
+    /// # Errors
+    ///
+    /// An unknown name.
+    pub fn new(only: Option<&str>) -> Result<Self, String> {
+        let only: Option<Vec<String>> = only.map(|names| {
+            names
+                .split(',')
+                .map(|name| name.trim().to_owned())
+                .collect()
+        });
+        for name in only.iter().flatten() {
+            if method::by_name(&method::LINES, name, "lines").is_err() {
+                method::by_name(&method::ARCS, name, "arcs")?;
+            }
+        }
+        Ok(Self {
+            only,
+            tallies: Vec::new(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// Makes a move with every method.
+    pub fn add(&mut self, one: &Move) {
+        let is_arc = matches!(one.shape, Shape::Arc(_));
+        for method in method::of(&one.shape) {
+            let is_wanted = |only: &Vec<String>| only.iter().any(|name| name == method.name);
+            if !self.only.as_ref().is_none_or(is_wanted) {
+                continue;
+            }
+            let known = self
+                .tallies
+                .iter()
+                .position(|(of, arc, _)| of.name == method.name && *arc == is_arc);
+            let index = known.unwrap_or_else(|| {
+                self.tallies.push((method, is_arc, Tally::default()));
+                self.tallies.len() - 1
+            });
+            let shape = match &one.rounded {
+                Some(rounded) if !method.takes_fractions() => rounded,
+                _ => &one.shape,
+            };
+            if let Err(reason) = self.tallies[index].2.walk(method, shape, &one.curve) {
+                self.note(format!("{}: {reason}", method.name));
+            }
+        }
+    }
+
+    /// Something that could not be done; the same things are counted.
+    pub fn note(&mut self, note: String) {
+        match self.notes.iter_mut().find(|(known, _)| *known == note) {
+            Some((_, count)) => *count += 1,
+            None => self.notes.push((note, 1)),
+        }
+    }
+
+    /// The rows, lines first, with their points.
+    pub fn finish(self, title: String, one: Option<Move>, weights: Weights) -> Comparison {
+        let mut rows: Vec<Row> = Vec::new();
+        for shape in ["line", "arc"] {
+            let mut group: Vec<Row> = self
+                .tallies
+                .iter()
+                .filter(|(_, is_arc, tally)| *is_arc == (shape == "arc") && tally.moves > 0)
+                .map(|(method, _, tally)| row(method, shape, tally))
+                .collect();
+            decision::rate(&mut group, weights);
+            rows.append(&mut group);
+        }
+        Comparison {
+            title,
+            rows,
+            one,
+            weights,
+            notes: self
+                .notes
+                .into_iter()
+                .map(|(note, count)| match count {
+                    1 => note,
+                    _ => format!("{note} ({count} times)"),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
+    let [cortex_m0, cortex_m4f] = method.instructions();
+    Row {
+        method: method.name,
+        shape,
+        moves: tally.moves,
+        iterations: tally.iterations,
+        moving: tally.moving,
+        max_error_blu: tally.max_error_blu,
+        rms_error_blu: tally.rms_error_blu(),
+        equal_time: tally.equal_time(),
+        vector_feed: tally.vector_feed(),
+        additions: method.operations[0],
+        tests: method.operations[1],
+        instructions: Instructions {
+            cortex_m0,
+            cortex_m4f,
+        },
+        points: Points::default(),
+        worst_at: tally.worst_at,
+    }
+}
+
+/// The move that `circle`, `arc` or `line` means, and what to call it; `None` for the name of a file.
+///
+/// # Errors
+///
+/// What is wrong with the options.
+pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
+    let needs = |option: &Option<String>, name: &str| {
+        option
+            .clone()
+            .ok_or_else(|| format!("{} needs {name}", args.job))
+    };
+    let refuse = |given: bool, name: &str| match given {
+        true => Err(format!("{} takes no {name}", args.job)),
+        false => Ok(()),
+    };
+    match args.job.as_str() {
+        "line" => {
+            refuse(args.radius.is_some(), "--radius")?;
+            refuse(
+                args.from.is_some() || args.centre.is_some(),
+                "--from or --centre",
+            )?;
+            let to = integers(&needs(&args.to, "--to X,Y")?, "--to")?;
+            if !(2..=AXES).contains(&to.len()) {
+                return Err(format!(
+                    "--to has {} axes; two to six are possible",
+                    to.len()
+                ));
+            }
+            let mut delta = [0; AXES];
+            delta[..to.len()].copy_from_slice(&to);
+            if delta == [0; AXES] {
+                return Err("--to is where the line begins".to_owned());
+            }
+            let curve = Curve::line([0.0; AXES], delta.map(f64::from));
+            let title = format!("Line to {}", list(&to));
+            let shape = Shape::Line(delta);
+            Ok(Some((
+                Move {
+                    shape,
+                    rounded: None,
+                    curve,
+                },
+                title,
+            )))
+        }
+        "circle" => {
+            refuse(args.from.is_some() || args.to.is_some(), "--from or --to")?;
+            refuse(args.centre.is_some(), "--centre")?;
+            let radius = args.radius.unwrap_or(30);
+            let arc = arc_move([radius, 0], [radius, 0], [0; 2], 0, args.direction);
+            let title = format!("Circle of radius {radius}");
+            Ok(Some((job_of(arc), title)))
+        }
+        "arc" => {
+            refuse(args.radius.is_some(), "--radius")?;
+            let from = pair(&needs(&args.from, "--from X,Y")?, "--from")?;
+            let to = pair(&needs(&args.to, "--to X,Y")?, "--to")?;
+            let centre: Vec<i64> = needs(&args.centre, "--centre X,Y")?
+                .split(',')
+                .map(|text| scaled(text, 16))
+                .collect::<Result<_, _>>()?;
+            let centre: [i64; 2] = centre
+                .try_into()
+                .map_err(|_| "--centre takes X,Y".to_owned())?;
+            // Whole centres as such: the printed methods know no others.
+            let is_whole = centre.iter().all(|at| at & 0xffff == 0);
+            let (centre, bits) = if is_whole {
+                (centre.map(|at| at >> 16), 0)
+            } else {
+                (centre, 16)
+            };
+            let arc = arc_move(from, to, centre, bits, args.direction);
+            let title = format!("Arc from {} to {}", list(&from), list(&to));
+            Ok(Some((job_of(arc), title)))
+        }
+        _ => {
+            let given = args.radius.is_some() || args.to.is_some() || args.from.is_some();
+            refuse(
+                given || args.centre.is_some(),
+                "--radius, --from, --to or --centre: it is a program",
+            )?;
+            Ok(None)
+        }
+    }
+}
+
+fn list(numbers: &[i32]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(i32::to_string).collect();
+    numbers.join(",")
+}
+
+fn arc_move(
+    from: [i32; 2],
+    to: [i32; 2],
+    centre: [i64; 2],
+    fraction_bits: u8,
+    direction: Turning,
+) -> ArcMove {
+    ArcMove {
+        from,
+        to,
+        centre,
+        fraction_bits,
+        direction: match direction {
+            Turning::Cw => Direction::Clockwise,
+            Turning::Ccw => Direction::CounterClockwise,
+        },
+        turns: 0,
+        rim: Rim::Spiral,
+    }
+}
+
+fn job_of(arc: ArcMove) -> Move {
+    Move {
+        rounded: None,
+        curve: Curve::of(&arc, None),
+        shape: Shape::Arc(arc),
+    }
+}

@@ -1,0 +1,205 @@
+//! The page of `husillo compare`: tables, the matrix with weights to change, the picture.
+
+use crate::compare::{Comparison, Row};
+use crate::compare_picture;
+use crate::compare_text::instructions;
+use crate::decision::{CRITERIA, ORIGINAL};
+use crate::measure::{Speed, WINDOWS};
+use crate::report::{STYLE, escape};
+use std::fmt::Write;
+
+/// Colours tell the families apart, width and dashes the printed ones from the others.
+const METHODS: &str = "\
+:root{--staircase:#9a6700;--dda:#8a2fa3;--direct-search:#0b5cad}\
+@media(prefers-color-scheme:dark){:root{--staircase:#f0c419;--dda:#d795ee;--direct-search:#5aa9ff}}\
+.m-staircase,.m-staircase-printed{stroke:var(--staircase)}.m-dda,.m-dda-printed{stroke:var(--dda)}\
+.m-direct-search,.m-direct-search-printed,.m-bresenham{stroke:var(--direct-search)}\
+.m-staircase,.m-dda,.m-direct-search,.m-bresenham{stroke-width:4.5;stroke-opacity:.55;stroke-linejoin:round}\
+.m-staircase-printed,.m-dda-printed,.m-direct-search-printed{stroke-width:1.6}\
+.m-staircase-printed{stroke-dasharray:7 3}.m-dda-printed{stroke-dasharray:2 3}.m-direct-search-printed{stroke-dasharray:9 3 2 3}\
+.ideal{stroke-width:9;stroke-opacity:.22}\
+.zooms{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}\
+.zooms figure{margin:0}.zooms figure:first-child{grid-column:1/-1;max-width:52rem}\
+figcaption{color:var(--soft);font-size:.9rem}\
+.show label{display:inline-block;margin-right:1.2rem;white-space:nowrap}.show svg{display:inline;width:2.5rem;height:.5rem;border:0}\
+input[type=number]{width:4.5rem;font:inherit;color:inherit;background:var(--panel);border:1px solid var(--line);text-align:right}\
+.best{font-weight:700}table{margin:.6rem 0 1.2rem}";
+
+/// Totals of every matrix as its weights are.
+const SCRIPT: &str = "\
+for(const table of document.querySelectorAll('table.matrix')){\
+const inputs=[...table.querySelectorAll('input')],rows=[...table.querySelectorAll('tr[data-points]')];\
+const sum=()=>{const w=inputs.map(i=>Math.max(0,+i.value||0)),all=w.reduce((a,b)=>a+b,0);\
+const totals=rows.map(r=>all?r.dataset.points.split(' ').reduce((a,p,i)=>a+p*w[i],0)/all:0),best=Math.max(...totals);\
+rows.forEach((r,i)=>{const c=r.lastElementChild;c.textContent=totals[i].toFixed(1);c.className=totals[i]===best?'best':''})};\
+inputs.forEach(i=>i.addEventListener('input',sum));sum()}";
+
+/// Writes the page.
+pub fn html(of: &Comparison) -> String {
+    let mut page = String::new();
+    let title = escape(&of.title);
+    // Writing to a String cannot fail.
+    let _ = write!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title}: methods compared</title>\n<style>{STYLE}{METHODS}"
+    );
+    for row in &of.rows {
+        let _ = write!(
+            page,
+            "body:has(#show-{0}:not(:checked)) figure .m-{0}{{display:none}}",
+            row.method
+        );
+    }
+    let _ = writeln!(
+        page,
+        "</style>\n</head>\n<body>\n<header><h1>{title}</h1><p>Interpolation methods compared; 1 BLU is one motor step</p></header>\n<main>"
+    );
+    for shape in ["line", "arc"] {
+        let rows: Vec<&Row> = of.rows.iter().filter(|row| row.shape == shape).collect();
+        if !rows.is_empty() {
+            figures(&mut page, &rows);
+            speeds(&mut page, &rows);
+            matrix(&mut page, of, &rows);
+        }
+    }
+    if let Some(one) = of.one.as_ref().filter(|one| compare_picture::is_flat(one)) {
+        compare_picture::section(&mut page, one, &of.rows);
+    }
+    if !of.notes.is_empty() {
+        page.push_str("<section><h2>Notes</h2><ul>\n");
+        for note in &of.notes {
+            let _ = writeln!(page, "<li>{}</li>", escape(note));
+        }
+        page.push_str("</ul></section>\n");
+    }
+    let _ = writeln!(page, "</main>\n<script>{SCRIPT}</script>\n</body>\n</html>");
+    page
+}
+
+fn head(page: &mut String, columns: &[&str]) {
+    page.push_str("<thead><tr>");
+    for column in columns {
+        let _ = write!(page, "<th scope=\"col\">{column}</th>");
+    }
+    page.push_str("</tr></thead>\n");
+}
+
+fn figures(page: &mut String, rows: &[&Row]) {
+    let moves = rows.first().map_or(0, |row| row.moves);
+    let shape = rows.first().map_or("", |row| row.shape);
+    let _ = writeln!(
+        page,
+        "<section><h2>Iterations, error, work{}</h2><div class=\"scroll\"><table>",
+        if moves > 1 {
+            format!(": {moves} {shape}s")
+        } else {
+            String::new()
+        }
+    );
+    head(
+        page,
+        &[
+            "method",
+            "iterations",
+            "moving",
+            "largest error, BLU",
+            "RMS error, BLU",
+            "additions",
+            "tests",
+            "instructions M0, M4F",
+        ],
+    );
+    page.push_str("<tbody>\n");
+    for row in rows {
+        let _ = writeln!(
+            page,
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            row.method,
+            row.iterations,
+            row.moving,
+            row.max_error_blu,
+            row.rms_error_blu,
+            row.additions,
+            row.tests,
+            instructions(row)
+        );
+    }
+    page.push_str("</tbody></table></div></section>\n");
+}
+
+fn speeds(page: &mut String, rows: &[&Row]) {
+    page.push_str(
+        "<section><h2>Speed</h2><p>Mean speed by the programmed feed, and the slowest and fastest of all windows of so many events \
+         against the mean, in per cent. Equal time: every pass takes the time of a BLU (idle passes of dda-printed take none). \
+         Vector feed: every event takes the time of its own path.</p><div class=\"scroll\"><table>\n",
+    );
+    let windows = WINDOWS.map(|events| match events {
+        1 => "1 event".to_owned(),
+        _ => format!("{events} events"),
+    });
+    let mut columns = vec!["method", "timing", "mean speed"];
+    columns.extend(windows.iter().map(String::as_str));
+    head(page, &columns);
+    page.push_str("<tbody>\n");
+    let mut line = |row: &Row, timing: &str, speed: &Speed| {
+        let _ = write!(
+            page,
+            "<tr><th scope=\"row\">{}</th><td>{timing}</td><td>{:.3}</td>",
+            row.method, speed.mean_speed
+        );
+        for ripple in &speed.ripple_percent_windows {
+            let _ = write!(page, "<td>{:+.1} {:+.1}</td>", ripple.low, ripple.high);
+        }
+        page.push_str("</tr>\n");
+    };
+    for row in rows {
+        line(row, "equal time", &row.equal_time);
+    }
+    for row in rows {
+        if let Some(speed) = &row.vector_feed {
+            line(row, "vector feed", speed);
+        }
+    }
+    page.push_str("</tbody></table></div></section>\n");
+}
+
+fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
+    page.push_str(
+        "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the best method's value by the \
+         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with vector feed where there is one. \
+         Change the weights.</p><div class=\"scroll\"><table class=\"matrix\">\n",
+    );
+    let mut columns = vec!["method"];
+    columns.extend(CRITERIA);
+    columns.push("total");
+    head(page, &columns);
+    page.push_str("<tbody>\n<tr><th scope=\"row\">weight</th>");
+    for (name, weight) in CRITERIA.iter().zip(of.weights.0) {
+        let _ = write!(
+            page,
+            "<td><input type=\"number\" min=\"0\" step=\"any\" value=\"{weight}\" aria-label=\"weight of {name}\"></td>"
+        );
+    }
+    page.push_str("<td></td></tr>\n");
+    for row in rows {
+        let values = row.points.values();
+        let list: Vec<String> = values.iter().map(|points| format!("{points:.4}")).collect();
+        let _ = write!(
+            page,
+            "<tr data-points=\"{}\"><th scope=\"row\">{}</th>",
+            list.join(" "),
+            row.method
+        );
+        for points in values {
+            let _ = write!(page, "<td>{points:.1}</td>");
+        }
+        let _ = writeln!(page, "<td>{:.1}</td></tr>", row.points.total);
+    }
+    page.push_str("</tbody></table></div>");
+    if rows.iter().any(|row| row.shape == "arc") {
+        let _ = write!(page, "<p>{ORIGINAL}</p>");
+    }
+    page.push_str("</section>\n");
+}

@@ -1,0 +1,120 @@
+//! Programmed moves on the grid of a machine, for methods that are to make them.
+
+use crate::compare::Move;
+use crate::curve::Curve;
+use crate::method::{AXES, Shape};
+use husillo_gcode::{Arc, Direction, Nm};
+use husillo_interp::{ArcMove, Rim, fraction_bits_for};
+use husillo_machine::{Config, Scale};
+use std::f64::consts::PI;
+
+/// Why a move is left out.
+const TOO_LARGE: &str = "moves beyond 2^31 steps are left out";
+const UNEQUAL: &str = "arcs in axes of unequal steps are left out";
+const TINY: &str = "arcs smaller than the grid are left out";
+
+/// A straight move; `None` when the grid has nothing to do.
+///
+/// # Errors
+///
+/// Why it is left out.
+pub fn line(config: &Config<3>, from: [Nm; 3], to: [Nm; 3]) -> Result<Option<Move>, &'static str> {
+    let (mut delta, mut exact) = ([0; AXES], [[0.0; AXES]; 2]);
+    for axis in 0..3 {
+        let scale = config.axes[axis].scale;
+        let start = scale.nearest(from[axis]).ok_or(TOO_LARGE)?;
+        let end = scale.nearest(to[axis]).ok_or(TOO_LARGE)?;
+        delta[axis] = end.checked_sub(start).ok_or(TOO_LARGE)?;
+        for (point, nm) in exact.iter_mut().zip([from, to]) {
+            point[axis] = steps(scale, nm[axis]) - f64::from(start);
+        }
+    }
+    let [from, to] = exact;
+    Ok((delta != [0; AXES]).then(|| Move {
+        shape: Shape::Line(delta),
+        rounded: None,
+        curve: Curve::line(from, to),
+    }))
+}
+
+/// An arc in its plane; of a helix the arc alone.
+///
+/// # Errors
+///
+/// Why it is left out.
+pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Move>, &'static str> {
+    let plane = arc.plane.axes();
+    let scale = config.axes[plane[0]].scale;
+    if scale != config.axes[plane[1]].scale {
+        return Err(UNEQUAL);
+    }
+    let flat = |p: [Nm; 3]| plane.map(|axis| p[axis]);
+    let lattice = |p: [Nm; 2]| match p.map(|at| scale.nearest(at)) {
+        [Some(x), Some(y)] => Ok([x, y]),
+        _ => Err(TOO_LARGE),
+    };
+    let [from, to, centre] = [flat(from), flat(arc.to), flat(arc.centre)];
+    let exact = [from, to, centre].map(|p| p.map(|at| steps(scale, at)));
+    let radius = arc.radius.map_or_else(
+        || (exact[0][0] - exact[2][0]).hypot(exact[0][1] - exact[2][1]),
+        |radius| steps(scale, radius).abs(),
+    );
+    if radius < 2.0 {
+        return Err(TINY);
+    }
+    let is_circle = steps(scale, arc.mismatch) <= 0.5;
+    let direction = match arc.direction {
+        Direction::Clockwise => husillo_interp::Direction::Clockwise,
+        Direction::CounterClockwise => husillo_interp::Direction::CounterClockwise,
+    };
+    let curve = Curve::arc(exact, direction, arc.turns, is_circle.then_some(radius));
+    let one = ArcMove {
+        from: lattice(from)?,
+        to: lattice(to)?,
+        centre: lattice(centre)?.map(i64::from),
+        fraction_bits: 0,
+        direction,
+        turns: arc.turns,
+        rim: Rim::Spiral,
+    };
+    let bits = fraction_bits_for(radius as u64);
+    // |centre| 2^16 < 2^48: exact in `f64`.
+    let fine = exact[2].map(|at| (at * f64::from(1_u32 << bits)).round() as i64);
+    let residue = |p: [i32; 2]| {
+        let [x, y] = [0, 1].map(|axis| (i128::from(p[axis]) << bits) - i128::from(fine[axis]));
+        // Both squares are below 2^62: the radius is rounded to 2^-20 of a step at the worst.
+        let scaled = radius * f64::from(1_u32 << bits);
+        let over = (x * x + y * y) as f64 - scaled * scaled;
+        (over / f64::from(1_u32 << bits)).round() as i64
+    };
+    let general = ArcMove {
+        centre: fine,
+        fraction_bits: bits,
+        rim: if is_circle {
+            Rim::Nominal {
+                start: residue(one.from),
+                end: residue(one.to),
+            }
+        } else {
+            Rim::Spiral
+        },
+        ..one
+    };
+    // Ends that the grid brings together or past each other: a whole turn more or less is another move.
+    let turned = |curve: &Curve| curve.length();
+    for grid in [&one, &general] {
+        if (turned(&Curve::of(grid, Some(radius))) - turned(&curve)).abs() > PI * radius {
+            return Err(TINY);
+        }
+    }
+    Ok(Some(Move {
+        shape: Shape::Arc(general),
+        rounded: Some(Shape::Arc(one)),
+        curve,
+    }))
+}
+
+/// A length in steps.
+fn steps(scale: Scale, at: Nm) -> f64 {
+    at.0 as f64 * f64::from(scale.steps()) / f64::from(scale.nm())
+}

@@ -1,0 +1,247 @@
+//! The interpolation methods by name.
+
+use husillo_interp::{
+    Arc, ArcDda, ArcError, ArcMove, DirectSearchPrinted, Interpolator, Line, LineDda, Staircase,
+    Step,
+};
+
+/// Axes of a line at most; those it has not got are zero.
+pub const AXES: usize = 6;
+
+/// A straight move in steps, or an arc in the first two axes.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// A line from zero.
+    Line([i32; AXES]),
+    /// An arc.
+    Arc(ArcMove),
+}
+
+/// What is known about a method without running it.
+#[derive(Debug)]
+pub struct Method {
+    /// Its name in commands, JSON and machine files.
+    pub name: &'static str,
+    /// Whether a pass without a step takes its time; those of the printed DDA do not.
+    pub times_idle: bool,
+    /// Additions and subtractions, then sign tests, of one event at most (two axes), counted in its inner loop.
+    pub operations: [u32; 2],
+    /// Names of its kernel in the golden instruction counts; the first one there counts.
+    kernels: &'static [&'static str],
+}
+
+/// Methods for lines.
+pub const LINES: [Method; 3] = [
+    Method {
+        name: "dda-printed",
+        times_idle: false,
+        operations: [4, 2],
+        kernels: &["dda_line_printed"],
+    },
+    Method {
+        name: "dda",
+        times_idle: true,
+        operations: [4, 2],
+        kernels: &["dda_line", "line_dda"],
+    },
+    Method {
+        name: "bresenham",
+        times_idle: true,
+        operations: [4, 2],
+        kernels: &["line_2_axes", "line_3_axes"],
+    },
+];
+
+/// Methods for arcs.
+pub const ARCS: [Method; 6] = [
+    Method {
+        name: "staircase-printed",
+        times_idle: true,
+        operations: [4, 2],
+        kernels: &["staircase_printed"],
+    },
+    Method {
+        name: "dda-printed",
+        times_idle: false,
+        operations: [6, 4],
+        kernels: &["dda_arc_printed"],
+    },
+    Method {
+        name: "direct-search-printed",
+        times_idle: true,
+        operations: [9, 6],
+        kernels: &["direct_search_printed"],
+    },
+    Method {
+        name: "staircase",
+        times_idle: true,
+        operations: [4, 2],
+        kernels: &["staircase"],
+    },
+    Method {
+        name: "dda",
+        times_idle: true,
+        operations: [6, 4],
+        kernels: &["dda_arc", "arc_dda"],
+    },
+    Method {
+        name: "direct-search",
+        times_idle: true,
+        operations: [6, 3],
+        kernels: &["direct_search", "arc_32_bits"],
+    },
+];
+
+/// Instructions of an event, counted under QEMU for the firmware's own check.
+const GOLDEN: &str = include_str!("../../firmware/count/golden.txt");
+
+/// Every method of a shape.
+pub const fn of(shape: &Shape) -> &'static [Method] {
+    match shape {
+        Shape::Line(_) => &LINES,
+        Shape::Arc(_) => &ARCS,
+    }
+}
+
+/// The method of a name.
+///
+/// # Errors
+///
+/// A sentence with the names there are.
+pub fn by_name(
+    methods: &'static [Method],
+    name: &str,
+    shapes: &str,
+) -> Result<&'static Method, String> {
+    methods
+        .iter()
+        .find(|method| method.name == name)
+        .ok_or_else(|| {
+            let names: Vec<_> = methods
+                .iter()
+                .map(|method| format!("`{}`", method.name))
+                .collect();
+            format!(
+                "unknown method `{name}`; for {shapes} there are {}",
+                names.join(", ")
+            )
+        })
+}
+
+impl Method {
+    /// The events of a move, and the unit of their sweep: units a BLU of path, `None` where every event is one BLU.
+    ///
+    /// # Errors
+    ///
+    /// Why the method cannot make the move.
+    pub fn events(
+        &self,
+        shape: &Shape,
+    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), String> {
+        match shape {
+            Shape::Line(delta) => self.line(*delta),
+            Shape::Arc(arc) => self.arc(arc).map_err(|error| match error {
+                ArcError::FractionBits => "its centre must be a whole step".to_owned(),
+                error => error.to_string(),
+            }),
+        }
+    }
+
+    fn line(
+        &self,
+        delta: [i32; AXES],
+    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), String> {
+        let long = || "the line is 2^31 steps long or longer".to_owned();
+        Ok(match self.name {
+            "dda-printed" => (Box::new(LineDda::printed(delta).ok_or_else(long)?), None),
+            "dda" => (Box::new(LineDda::new(delta).ok_or_else(long)?), None),
+            _ => {
+                let line = Line::new(delta);
+                let square: f64 = delta.iter().map(|d| f64::from(*d).powi(2)).sum();
+                let units = line.total_sweep() as f64 / square.sqrt();
+                (Box::new(line), Some(units))
+            }
+        })
+    }
+
+    fn arc(
+        &self,
+        arc: &ArcMove,
+    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), ArcError> {
+        Ok(match self.name {
+            "staircase-printed" => {
+                let events = Staircase::printed(arc)?;
+                let units = f64::from(events.radius());
+                (Box::new(events), Some(units))
+            }
+            "staircase" => {
+                let events = Staircase::new(arc)?;
+                let units = f64::from(events.radius());
+                (Box::new(events), Some(units))
+            }
+            "dda-printed" => (Box::new(ArcDda::printed(arc)?), None),
+            "dda" => (Box::new(ArcDda::new(arc)?), None),
+            "direct-search-printed" => {
+                let events = DirectSearchPrinted::new(arc)?;
+                let units = f64::from(events.radius());
+                (Box::new(events), Some(units))
+            }
+            _ => {
+                let events = Arc::new(arc)?;
+                let units = events.radius() as f64;
+                (Box::new(events), Some(units))
+            }
+        })
+    }
+
+    /// Whether it takes centres between the steps.
+    pub fn takes_fractions(&self) -> bool {
+        self.name == "direct-search"
+    }
+
+    /// Instructions of one event on Cortex-M0 and on Cortex-M4F; `None` where none are on record.
+    pub fn instructions(&self) -> [Option<f64>; 2] {
+        ["thumbv6m-none-eabi", "thumbv7em-none-eabihf"].map(|target| {
+            self.kernels
+                .iter()
+                .find_map(|kernel| instructions(GOLDEN, target, kernel))
+        })
+    }
+}
+
+fn instructions(golden: &str, target: &str, kernel: &str) -> Option<f64> {
+    golden.lines().find_map(|line| {
+        let mut words = line.split_whitespace();
+        (words.next() == Some(target) && words.next() == Some(kernel))
+            .then(|| words.next()?.parse().ok())?
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_counts_are_read() {
+        let golden = "rustc 1\nthumbv6m-none-eabi arc 12.50\nthumbv7em-none-eabihf arc 9.00\n";
+        assert_eq!(
+            instructions(golden, "thumbv6m-none-eabi", "arc"),
+            Some(12.5)
+        );
+        assert_eq!(instructions(golden, "thumbv6m-none-eabi", "line"), None);
+        assert!(
+            LINES
+                .iter()
+                .any(|method| method.instructions()[1].is_some())
+        );
+    }
+
+    #[test]
+    fn unknown_names_are_told_the_known_ones() {
+        assert!(
+            by_name(&LINES, "ratio", "lines")
+                .unwrap_err()
+                .contains("`bresenham`")
+        );
+    }
+}
