@@ -2,7 +2,7 @@
 
 use core::iter::FusedIterator;
 
-use crate::quadrant::rounded_root;
+use crate::lattice::rounded_root;
 use crate::{Interpolator, Step};
 
 /// A straight line through one to eight axes, one BLU of path an event: each axis steps when its

@@ -3,7 +3,8 @@
 use core::iter::FusedIterator;
 
 use crate::counted::Counted;
-use crate::quadrant::{Quadrant, Start};
+use crate::lattice::Start;
+use crate::quadrant::Quadrant;
 use crate::{ArcError, ArcMove, Interpolator, Step};
 
 /// A circular arc about a whole-step centre by single-axis steps, outward or inward.
