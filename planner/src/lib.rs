@@ -14,8 +14,10 @@ mod rate;
 mod ring;
 mod stretch;
 
+mod phases;
 mod rates;
 mod recurrence;
+mod s_curve;
 mod trapezoid;
 mod wide;
 
@@ -25,6 +27,7 @@ pub use look_ahead::{Limits, LookAhead};
 pub use ramp::Ramp;
 pub use rates::{Rates, RatesError};
 pub use recurrence::Recurrence;
+pub use s_curve::SCurve;
 pub use stretch::Stretch;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;

@@ -65,3 +65,29 @@ pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u
         })
         .collect()
 }
+
+/// The first place where the mean acceleration changes faster than the jerk, both ends of each interval off by the slack.
+///
+/// The second divided difference of the rates' means: third divided difference of the times' inverse, at most the jerk / 6.
+pub fn jerk_fault(intervals: &[u32], bounds: &Bounds, jerk_hz_per_s2: f64) -> Option<String> {
+    // Position k at time t[k]: its third divided difference is the mean of a third derivative / 6.
+    let f = bounds.timer_hz;
+    for (index, part) in intervals.windows(3).enumerate() {
+        let [a, b, c] = [part[0], part[1], part[2]].map(|ticks| f64::from(ticks) / f);
+        let third = ((1.0 / c - 1.0 / b) / (b + c) - (1.0 / b - 1.0 / a) / (a + b)) / (a + b + c);
+        // What moving any of the four times by the slack changes.
+        let slack = bounds.slack_ticks / f;
+        let least = a.min(b).min(c) - slack;
+        if least <= 0.0 {
+            continue;
+        }
+        let rounding = 8.0 * slack / least.powi(4) / 4.0;
+        if third.abs() * 6.0 > jerk_hz_per_s2 * (1.0 + 1e-4) + 6.0 * rounding {
+            return Some(format!(
+                "jerk at {index}: {part:?}: {} of {jerk_hz_per_s2}",
+                third * 6.0
+            ));
+        }
+    }
+    None
+}
