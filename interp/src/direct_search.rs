@@ -25,8 +25,8 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 /// | --- | --- |
 /// | error | less than 1/2 BLU, strictly; first point and run-off to the last: their rounding (0.7071) |
 /// | events | 4 round(sqrt 2 R) for a full circle, the fewest that this error allows or 4 more |
-/// | speed ripple, equal times | 1 to 1.414 of the rate along the curve, mean 1.111 (-10 / +27 %) |
-/// | speed ripple, times by sweep | about 1/R and a tick: [`TimedDirectSearch`] |
+/// | speed ripple, equal times | 1 to 1.414 BLU an event along the curve, mean 1.111 (-10 / +27 %) |
+/// | speed ripple, times by sweep | about 1/R and a tick: [`TimedDirectSearch`](crate::TimedDirectSearch) |
 /// | state | 64 bytes, words of 32 bits; radius up to 2^28 BLU |
 /// | cost | 40 instructions an event on Cortex-M0, 33 on Cortex-M4F |
 /// | source | direct search: Koren 1979, micromill A.6; two tests: our derivation; best points: McIlroy, ACM TOG 2 (1983) 259 |

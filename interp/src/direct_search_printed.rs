@@ -16,7 +16,7 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 /// | --- | --- |
 /// | error, integer R^2 | less than 1/2 BLU, strictly; first point and run-off to the last: their rounding |
 /// | events | 4 round(sqrt 2 R) for a full circle |
-/// | speed ripple, equal times | 1 to 1.414 of the rate along the curve, mean 1.111 (-10 / +27 %) |
+/// | speed ripple, equal times | 1 to 1.414 BLU an event along the curve, mean 1.111 (-10 / +27 %) |
 /// | state | 56 bytes, words of 32 bits; radius up to 2^28 BLU |
 /// | cost | 69 instructions an event on Cortex-M0, 57 on Cortex-M4F |
 /// | source | Koren 1979; micromill, annex A.6 |

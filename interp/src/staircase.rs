@@ -9,17 +9,24 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 
 /// A circular arc about a whole-step centre by single-axis steps, outward or inward.
 ///
-/// Two rules, both incremental: two additions and one sign test an event, no multiplication.
+/// Two rules, both incremental: three additions and one sign test an event, no multiplication.
 /// [`Staircase::new`] takes the step that ends nearer to the circle, by the sign of
-/// 2 D + dX + dY (D = |P|^2 - R^2, dX and dY its changes by either step);
-/// [`Staircase::printed`] looks at D alone. The path with single-axis steps cannot be better than
+/// 2 D + dU + dV (D = |P|^2 - R^2, dU and dV its changes by either step);
+/// [`Staircase::printed`] looks at D alone. No path of single-axis steps is better than
 /// the former: it must visit every diagonal of the lattice, and those points are sqrt 2 apart.
+///
+/// Why it is within sqrt 2 / 2: the two points to choose from are sqrt 2 apart, so when one is a outside the circle and the other b
+/// inside, a + b <= sqrt 2. The outer one is taken where its D plus the inner one's, an even number, is 0 or less:
+/// a (2 R + a) <= b (2 R - b), hence a < b; otherwise that sum is 2 or more, b (2 R - b) + 2 <= a (2 R + a), and then too
+/// b < sqrt 2 / 2. With both on one side the nearer is taken, and is nearer than the point before.
+/// The printed rule steps outward from D <= 0 and v < R, to D <= 2 R - 1 at most, or inward from D >= 1 and u <= R, to
+/// D >= 2 - 2 R: less than 1 BLU.
 ///
 /// | | |
 /// | --- | --- |
 /// | error, integer R | `new`: less than 0.7071 BLU; `printed`: less than 1 BLU; first point and run-off to the last: their rounding |
 /// | events | the steps of both axes: 8 R for a full circle |
-/// | speed ripple, equal times | 0.71 to 1 of the rate along the curve, mean 0.785 (-10 / +27 %), from one event to the next all between 0 and 1 |
+/// | speed ripple, equal times | 0.71 to 1 BLU an event along the curve, mean 0.785 (-10 / +27 %); single events anything from 0 to 1 |
 /// | state | 64 bytes, words of 32 bits; radius up to 2^28 BLU |
 /// | cost | 49 instructions an event on Cortex-M0, 38 on Cortex-M4F |
 /// | source | Koren, reference-pulse circular interpolators, J. Eng. Ind. 103 (1981) 131; `printed`: micromill, annex A.5 |

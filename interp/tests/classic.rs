@@ -485,6 +485,44 @@ proptest! {
     }
 }
 
+/// All arcs about the origin with radii up to 5 and ends up to two BLU beside them, one turn more or not: every method
+/// ends exactly, and direct search makes the general arc's events with the same sweeps.
+#[test]
+fn tiny_arcs_end() {
+    let near = |radius: i64| -> Vec<[i32; 2]> {
+        let points = (-7..=7).flat_map(|x| (-7..=7).map(move |y| [x, y]));
+        let is_near = |at: &[i32; 2]| (square(*at) - radius.pow(2)).abs() <= 4 * radius + 4;
+        points.filter(is_near).filter(|at| *at != [0, 0]).collect()
+    };
+    for radius in 1..=5 {
+        for from in near(radius) {
+            for to in near(radius) {
+                for (direction, turns) in
+                    [(Direction::Clockwise, 0), (Direction::CounterClockwise, 1)]
+                {
+                    let arc = ArcMove {
+                        turns,
+                        ..rounded(radius, from, to, direction)
+                    };
+                    for method in METHODS {
+                        let steps = method.steps(&arc).unwrap();
+                        assert_eq!(points(from, &steps).pop(), Some(to), "{method:?} {arc:?}");
+                        assert!(steps.len() as i64 <= 9 * (2 * radius + 8));
+                    }
+                    let search = DirectSearch::new(&arc).unwrap();
+                    let timed = TimedDirectSearch::with_factor(search.clone(), 1 << 32);
+                    assert!(timed.clone().map(|event| event.step).eq(search.clone()));
+                    let waits = timed.map(|event| u64::from(event.wait_ticks)).sum::<u64>();
+                    assert_eq!(waits, search.total_sweep());
+                    if let Ok(general) = Arc::new(&arc) {
+                        assert!(general.eq(search), "{arc:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Every line up to 120 steps in both axes by the printed methods: floor(L) + 1 passes, the end met, less than 1 BLU
 /// from the line.
 #[test]
