@@ -58,6 +58,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
             ramp: axis.acceleration.map(|acceleration_hz_per_s| AxisRamp {
                 acceleration_hz_per_s,
                 start_rate_hz: axis.start_rate,
+                jerk_hz_per_s2: axis.jerk,
                 junction_hz: axis.junction,
             }),
         })

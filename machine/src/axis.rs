@@ -26,6 +26,9 @@ pub struct AxisRamp {
     pub acceleration_hz_per_s: u32,
     /// Step rate a move may start and stop at, steps per second; 0 where the axis has to ramp up from standstill.
     pub start_rate_hz: u32,
+    /// Change of the acceleration of a take-up in steps per second, per second, per second; `None`: at once. Along the path
+    /// the acceleration changes at once.
+    pub jerk_hz_per_s2: Option<u32>,
     /// By how much the step rate may jump at a corner, steps per second; `None`: only [`Config::corner_deviation`] says.
     pub junction_hz: Option<u32>,
 }

@@ -38,7 +38,7 @@ pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     };
     // rest < c: both lose low bits together, until 16 more fit.
     let spare = rest.leading_zeros();
-    let shift = if spare < 16 { 16 - spare } else { 0 };
+    let shift = 16_u32.saturating_sub(spare);
     rest >>= shift;
     let fraction = match (rest << 16).checked_div(c >> shift) {
         Some(fraction) => fraction,

@@ -191,10 +191,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         };
         let (mut events, mut sweep, mut largest_sweep) = (0_u32, 0_u64, 0_u32);
         let mut is_stop = path.is_none();
-        loop {
-            let Some(step) = arc.first.take().or_else(|| arc.dry.next()) else {
-                break;
-            };
+        while let Some(step) = arc.first.take().or_else(|| arc.dry.next()) {
             let ways: [i8; N] = step.deltas();
             let axes = ways.iter().zip(&self.heading).zip(has_lash);
             let turns = axes

@@ -1,6 +1,6 @@
 //! The tempo of a take-up: an axis alone, as fast as it can.
 
-use husillo_planner::{Rates, Timer, Trapezoid};
+use husillo_planner::{Rates, SCurve, Timer, Trapezoid};
 
 use crate::Axis;
 
@@ -11,12 +11,14 @@ pub(crate) enum TakeUp {
     Steady(Timer),
     /// Up to its highest rate and down again.
     Ramp(Trapezoid),
+    /// The same with a limited jerk.
+    Smooth(SCurve),
 }
 
 impl TakeUp {
     /// For so many steps.
     pub(crate) fn new(axis: &Axis, timer_hz: u32, steps: u32) -> TakeUp {
-        let ramp = axis.ramp.and_then(|ramp| {
+        let profile = axis.ramp.and_then(|ramp| {
             let rates = Rates {
                 timer_hz,
                 start_rate_hz: ramp.start_rate_hz,
@@ -25,16 +27,18 @@ impl TakeUp {
                 acceleration_hz_per_s: ramp.acceleration_hz_per_s,
             };
             // Refused are ramps of a quarter of an hour: such an axis starts as it did without.
-            Trapezoid::new(&rates, steps).ok()
+            match ramp.jerk_hz_per_s2 {
+                Some(jerk) => SCurve::new(&rates, jerk, steps).ok().map(TakeUp::Smooth),
+                None => Trapezoid::new(&rates, steps).ok().map(TakeUp::Ramp),
+            }
         });
-        match ramp {
-            Some(ramp) => TakeUp::Ramp(ramp),
-            None => TakeUp::Steady(Timer::new(
+        profile.unwrap_or_else(|| {
+            TakeUp::Steady(Timer::new(
                 u64::from(timer_hz),
                 u64::from(axis.max_rate_hz),
                 1,
-            )),
-        }
+            ))
+        })
     }
 
     /// Ticks before the next step.
@@ -42,6 +46,7 @@ impl TakeUp {
         match self {
             TakeUp::Steady(timer) => timer.wait(1),
             TakeUp::Ramp(ramp) => ramp.next().unwrap_or(0).into(),
+            TakeUp::Smooth(curve) => curve.next().unwrap_or(0).into(),
         }
     }
 }

@@ -24,6 +24,7 @@ fn axis(lash_steps: u32) -> Axis {
         ramp: Some(AxisRamp {
             acceleration_hz_per_s: ACCELERATION as u32,
             start_rate_hz: 0,
+            jerk_hz_per_s2: None,
             junction_hz: None,
         }),
     }
@@ -253,6 +254,28 @@ fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
         }
     }
     trace.check_acceleration(15_000.0);
+}
+
+#[test]
+fn a_take_up_is_as_smooth_as_its_axis() {
+    let intervals = |jerk_hz_per_s2| {
+        let mut config = config([2000, 0, 0]);
+        config.axes[0].ramp.as_mut().unwrap().jerk_hz_per_s2 = jerk_hz_per_s2;
+        let mut machine = Mill::new(config);
+        machine.line(b"G0 X-0.1").unwrap();
+        let mut intervals = Vec::new();
+        while let Some(Event::Step(step)) = machine.next_event() {
+            if machine.origin() == Origin::TakeUp {
+                intervals.push(step.wait_ticks);
+            }
+        }
+        intervals
+    };
+    let [sharp, smooth] = [intervals(None), intervals(Some(500_000))];
+    assert_eq!([sharp.len(), smooth.len()], [2000; 2]);
+    // From rest: t = sqrt(2 / a), and t = (6 / j)^(1/3).
+    assert!(sharp[0].abs_diff(4472) <= 2, "{}", sharp[0]);
+    assert!(smooth[0].abs_diff(22_894) <= 2, "{}", smooth[0]);
 }
 
 #[test]
