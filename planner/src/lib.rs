@@ -14,6 +14,9 @@ mod rate;
 mod ring;
 mod stretch;
 
+mod axis_timers;
+mod bursts;
+mod follower;
 mod phases;
 mod rates;
 mod recurrence;
@@ -21,7 +24,10 @@ mod s_curve;
 mod trapezoid;
 mod wide;
 
+pub use axis_timers::AxisTimers;
+pub use bursts::{Burst, Bursts, Replay};
 pub use direction::Direction;
+pub use follower::{Due, Follower};
 pub use junction::{Junction, arc_acceleration, arc_speed};
 pub use look_ahead::{Limits, LookAhead};
 pub use ramp::Ramp;
