@@ -218,9 +218,9 @@ impl Ramp {
         self.squared = after;
         self.speed = speed_after;
         let mut speeds = u64::from(speed_before).wrapping_add(speed_after.into());
-        if before < gain / 4 && after < gain / 4 {
+        if before.saturating_add(after) < gain / 2 {
             // From next to nothing to next to nothing in one event: up and down within it, at the mean half of
-            // the peak sqrt(a ds).
+            // the peak sqrt(a ds), which is the root of half the gain.
             let peak = u64::from(root(gain / 2)).min(u64::from(self.top).wrapping_mul(2));
             speeds = speeds.max(peak).max(1);
         }

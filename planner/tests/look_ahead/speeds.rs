@@ -24,7 +24,7 @@ fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseErro
         let ticks = event.length_nm * f64::from(HZ) / mean;
         // From standstill to standstill within one event there is a peak.
         let gain = 2.0 * moves[event.of].stretch.acceleration_nm_per_s2 as f64 * event.length_nm;
-        if pair[0] < gain / 4.0 && pair[1] < gain / 4.0 {
+        if pair[0] + pair[1] < gain / 2.0 {
             let top = 2.0 * f64::from(moves[event.of].stretch.top_at(percent));
             let mean = (gain / 2.0).sqrt().min(top).max(before + after) / 2.0;
             exact += event.length_nm * f64::from(HZ) / mean;
