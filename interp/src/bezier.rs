@@ -57,6 +57,7 @@ impl core::error::Error for BezierError {}
 /// | events | at most 6 times the largest distance of consecutive control points in an axis; about 1 to 1.07 a BLU of length |
 /// | speed ripple | samples are even within 1 % except in cusps; an event's sweep is its projection on the sample's chord: constant path speed; least sweep 1/16 BLU |
 /// | state | 64 bits, 32 bytes an axis (the polynomial) and about 80: control points to 2^22 BLU apart |
+/// | cost | instructions an event on Cortex-M4F / M0: 1730 / 5720 for two axes, 1980 / 6570 for three (on the S of the tests): four divisions and three roots of 64 bits a sample, which those have no instruction for; no division of 128 bits |
 /// | source | Taylor step of parametric interpolators (Shpitalni, Koren, Lo 1994) with a chord corrector; rounding of each axis |
 ///
 /// Sum of the sweeps: a step counts as its projection on the tangent, the lattice is within sqrt(N)/2 of
@@ -88,10 +89,7 @@ impl<const N: usize> Bezier<N> {
     ///
     /// # Errors
     /// See [`BezierError`].
-    pub fn cubic(
-        control: [[i64; N]; 4],
-        fraction_bits: u8,
-    ) -> Result<Bezier<N>, BezierError> {
+    pub fn cubic(control: [[i64; N]; 4], fraction_bits: u8) -> Result<Bezier<N>, BezierError> {
         let [first, second, third, last] = control;
         let first = Origin::new(first, fraction_bits)?;
         let [b, c, d] = [
@@ -133,10 +131,7 @@ impl<const N: usize> Bezier<N> {
     ///
     /// # Errors
     /// See [`BezierError`].
-    pub fn quadratic(
-        control: [[i64; N]; 3],
-        fraction_bits: u8,
-    ) -> Result<Bezier<N>, BezierError> {
+    pub fn quadratic(control: [[i64; N]; 3], fraction_bits: u8) -> Result<Bezier<N>, BezierError> {
         let [first, second, last] = control;
         let first = Origin::new(first, fraction_bits)?;
         let [b, c] = [first.way_to(second)?, first.way_to(last)?];
@@ -149,9 +144,9 @@ impl<const N: usize> Bezier<N> {
         let steepest = zip3(b, c, c, |b, c, _| {
             b.unsigned_abs().max(c.wrapping_sub(b).unsigned_abs())
         });
-        let bend = polynomial
-            .iter()
-            .fold(0_u64, |sum, axis| sum.saturating_add(axis.second.unsigned_abs()));
+        let bend = polynomial.iter().fold(0_u64, |sum, axis| {
+            sum.saturating_add(axis.second.unsigned_abs())
+        });
         let steepest = steepest.into_iter().max().unwrap_or(0);
         Bezier::prepare(
             &first,
@@ -174,7 +169,9 @@ impl<const N: usize> Bezier<N> {
             axis.start = start;
         }
         // 1/2 BLU at the fastest: 2^51 / 2^45.6 = 42 at least. Nothing moves: all at once.
-        let least = (ONE << (PLACE_BITS - 1)).checked_div(steepest).unwrap_or(ONE);
+        let least = (ONE << (PLACE_BITS - 1))
+            .checked_div(steepest)
+            .unwrap_or(ONE);
         // sqrt(2 v / bend), in 2^-20 and then 2^-32.
         let most = ((STRIDE * 2) << 40)
             .checked_div(bend)
@@ -262,7 +259,9 @@ struct Origin<const N: usize> {
 impl<const N: usize> Origin<N> {
     fn new(control: [i64; N], fraction_bits: u8) -> Result<Origin<N>, BezierError> {
         let bits = u32::from(fraction_bits);
-        let shift = PLACE_BITS.checked_sub(bits).ok_or(BezierError::FractionBits)?;
+        let shift = PLACE_BITS
+            .checked_sub(bits)
+            .ok_or(BezierError::FractionBits)?;
         if N > 8 {
             return Err(BezierError::Axes);
         }
@@ -274,7 +273,10 @@ impl<const N: usize> Origin<N> {
         let half = 1_i64.wrapping_shl(PLACE_BITS - 1);
         let fraction = control.map(|at| {
             let below = at.wrapping_shr(bits).wrapping_shl(bits);
-            let place = at.wrapping_sub(below).wrapping_shl(shift).wrapping_add(half);
+            let place = at
+                .wrapping_sub(below)
+                .wrapping_shl(shift)
+                .wrapping_add(half);
             // The lattice point it rounds to becomes 0.
             place & ((1 << PLACE_BITS) - 1)
         });
@@ -445,19 +447,16 @@ impl<const N: usize> Walk<N> {
     /// Whether no axis would make two steps; always so for the least step of u.
     #[inline]
     fn is_one_step(&self, places: &[i64; N]) -> bool {
-        places
-            .iter()
-            .zip(&self.place)
-            .all(|(to, from)| {
-                let steps = (to >> PLACE_BITS).wrapping_sub(from >> PLACE_BITS);
-                steps.unsigned_abs() <= 1
-            })
+        places.iter().zip(&self.place).all(|(to, from)| {
+            let steps = (to >> PLACE_BITS).wrapping_sub(from >> PLACE_BITS);
+            steps.unsigned_abs() <= 1
+        })
     }
 
     /// The next sample: where, and the chord to it.
     #[inline]
     fn sample(&mut self) -> ([i64; N], u64) {
-        let mut ahead = self.stride().clamp(self.least, self.most);
+        let mut ahead = self.stride().min(self.most).max(self.least);
         let mut places = self.ahead(ahead);
         let mut chord = self.chord(&places);
         let is_last = self.u.wrapping_add(ahead) >= ONE && chord <= STRIDE;

@@ -251,7 +251,7 @@ impl Start {
             let half = i128::from(one / 2);
             let second = |factor: i64| factor.wrapping_mul(2).checked_mul(one.into());
             let spot = Spot {
-                residue: i64::try_from(residue.wrapping_add(half) >> bits)
+                residue: i64::try_from(residue.wrapping_add(half).wrapping_shr(bits.into()))
                     .map_err(|_| ConicError::OffCurve)?,
                 // Below 2 2^40 2^22 = 2^63.
                 gradient: [
@@ -280,7 +280,10 @@ impl Start {
     pub(crate) fn of_conic(conic: &ConicMove) -> Result<Start, ConicError> {
         let is_clockwise = conic.direction == Direction::Clockwise;
         let [a, b, c, d, e, g] = conic.coefficients;
-        if [a, b, c].iter().any(|second| second.unsigned_abs() > MAX_SECOND) {
+        if [a, b, c]
+            .iter()
+            .any(|second| second.unsigned_abs() > MAX_SECOND)
+        {
             return Err(ConicError::TooLarge);
         }
         // The mirror image of a clockwise arc: y and the odd powers of y change sign.

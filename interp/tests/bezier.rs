@@ -18,10 +18,7 @@ fn at<const N: usize>(control: &[[f64; N]; 4], u: f64) -> [f64; N] {
 
 /// Points close together along the curve (at most 1/50 BLU), with their distance along it.
 fn trace<const N: usize>(control: &[[f64; N]; 4]) -> Vec<([f64; N], f64)> {
-    let longest: f64 = control
-        .windows(2)
-        .map(|leg| length(&leg[0], &leg[1]))
-        .sum();
+    let longest: f64 = control.windows(2).map(|leg| length(&leg[0], &leg[1])).sum();
     let pieces = (longest * 150.0) as u32 + 1000;
     let mut way = 0.0;
     let mut before = control[0];
@@ -64,7 +61,11 @@ fn check<const N: usize>(
     prop_assert_eq!(sum, curve.total_sweep());
     let largest = steps.iter().map(|step| step.sweep).max().unwrap_or(0);
     prop_assert_eq!(largest, curve.largest_sweep());
-    prop_assert!(steps.iter().all(|step| step.axes != 0 && step.sweep >= curve.unit() / 16));
+    prop_assert!(
+        steps
+            .iter()
+            .all(|step| step.axes != 0 && step.sweep >= curve.unit() / 16)
+    );
     prop_assert!(steps.iter().all(|step| step.negative & !step.axes == 0));
 
     // It ends on the lattice point nearest to its end.
@@ -90,8 +91,13 @@ fn check<const N: usize>(
     let mut turned = 0.0;
     for (place, step) in places.iter().skip(1).zip(&steps) {
         // The first place on the curve that rounds to the point.
-        let Some(further) = trace[found..].iter().position(|(at, _)| farthest(at, place) <= 0.512) else {
-            return Err(TestCaseError::fail(format!("{place:?} is beside the curve")));
+        let Some(further) = trace[found..]
+            .iter()
+            .position(|(at, _)| farthest(at, place) <= 0.512)
+        else {
+            return Err(TestCaseError::fail(format!(
+                "{place:?} is beside the curve"
+            )));
         };
         found += further;
         swept += f64::from(step.sweep) / f64::from(curve.unit());
@@ -192,7 +198,11 @@ fn speed_is_constant_on_an_s() {
             .iter()
             .position(|(at, _)| farthest(at, &place) <= 0.51)
             .unwrap();
-        assert!((swept - trace[found].1).abs() < 2.0, "{swept} {:?}", trace[found]);
+        assert!(
+            (swept - trace[found].1).abs() < 2.0,
+            "{swept} {:?}",
+            trace[found]
+        );
     }
     let (_, length) = trace[trace.len() - 1];
     assert!((swept / length - 1.0).abs() < 0.002, "{swept} {length}");
@@ -204,8 +214,14 @@ fn points_and_giants() {
     assert_eq!(Bezier::cubic([[5, -7]; 4], 3).unwrap().count(), 0);
     let refused = |control, bits| Bezier::<2>::cubic(control, bits).err();
     let far = [1 << 22, 0];
-    assert_eq!(refused([[0; 2], far, [0; 2], [0; 2]], 0), Some(BezierError::TooLarge));
-    assert_eq!(refused([[i64::MAX, 0], [0; 2], [0; 2], [0; 2]], 0), Some(BezierError::TooLarge));
+    assert_eq!(
+        refused([[0; 2], far, [0; 2], [0; 2]], 0),
+        Some(BezierError::TooLarge)
+    );
+    assert_eq!(
+        refused([[i64::MAX, 0], [0; 2], [0; 2], [0; 2]], 0),
+        Some(BezierError::TooLarge)
+    );
     assert_eq!(refused([[0; 2]; 4], 21), Some(BezierError::FractionBits));
     assert_eq!(Bezier::cubic([[0; 9]; 4], 0).err(), Some(BezierError::Axes));
 }

@@ -80,7 +80,11 @@ fn check(conic: &Conic, from: [i32; 2], to: [i32; 2]) -> Result<Vec<Step>, TestC
     let is_move = |step: &Step| step.axes & 3 != 0 && step.negative & !step.axes == 0;
     prop_assert!(steps.iter().all(is_move));
     let least = conic.unit() / 2;
-    prop_assert!(steps.iter().all(|step| step.sweep > 0 && step.sweep >= least));
+    prop_assert!(
+        steps
+            .iter()
+            .all(|step| step.sweep > 0 && step.sweep >= least)
+    );
     prop_assert_eq!(points(from, &steps).last().copied(), Some(to));
     Ok(steps)
 }
