@@ -3,8 +3,8 @@
 use core::hint::black_box;
 
 use husillo_interp::{
-    Arc, ArcDda, DirectSearch, DirectSearchPrinted, Helix, Interpolator, Line, LineDda,
-    LineDdaExact, Moves, Path, Staircase, Step, TimedDirectSearch, fraction_bits_for,
+    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Helix, Interpolator, Line,
+    LineDda, LineDdaExact, Moves, Path, Staircase, Step, TimedDirectSearch, fraction_bits_for,
 };
 
 /// Keeps every function in the program.
@@ -105,5 +105,33 @@ pub fn keep() {
         TimedDirectSearch::search as *const (),
         <TimedDirectSearch as Iterator>::next as *const (),
         <TimedDirectSearch as Iterator>::size_hint as *const (),
+        Conic::ellipse as *const (),
+        Conic::new as *const (),
+        Conic::events as *const (),
+        Conic::unit as *const (),
+        Conic::quadrants as *const (),
+        Conic::remaining as *const (),
+        Conic::total_sweep as *const (),
+        Conic::largest_sweep as *const (),
+        <Conic as Iterator>::next as *const (),
+        <Conic as Iterator>::size_hint as *const (),
+        Bezier::<2>::cubic as *const (),
+        Bezier::<2>::quadratic as *const (),
+        Bezier::<2>::events as *const (),
+        Bezier::<2>::unit as *const (),
+        Bezier::<2>::remaining as *const (),
+        Bezier::<2>::total_sweep as *const (),
+        Bezier::<2>::largest_sweep as *const (),
+        <Bezier<2> as Iterator>::next as *const (),
+        <Bezier<2> as Iterator>::size_hint as *const (),
+        Bezier::<3>::cubic as *const (),
+        Bezier::<3>::quadratic as *const (),
+        Bezier::<3>::events as *const (),
+        Bezier::<3>::unit as *const (),
+        Bezier::<3>::remaining as *const (),
+        Bezier::<3>::total_sweep as *const (),
+        Bezier::<3>::largest_sweep as *const (),
+        <Bezier<3> as Iterator>::next as *const (),
+        <Bezier<3> as Iterator>::size_hint as *const (),
     ]);
 }
