@@ -22,10 +22,10 @@ const MAX_REACH: u32 = 1 << 22;
 /// | | |
 /// | --- | --- |
 /// | curves | ellipse (also rotated), parabola, one branch of a hyperbola; not a pair of lines |
-/// | error | at most 1/2 BLU along the axis that steps less, so at most 1/2 BLU from the curve, where the curve's radius is some BLU; 1/2 + 1/(2 rho) where its radius rho is 1 BLU or more; ends are rounded points (0.7071) |
+/// | error | an upright ellipse 1/2 BLU + 1/(10 b) for the lesser semi-axis b; others 1/2 + 1/(4 rho) for the least radius of curvature rho of 2 BLU or more (sharper ones are walked or refused as [`ConicError::Astray`]); first point and run-off to the last one are rounding (0.7071) |
 /// | events | one a row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
 /// | speed ripple | a circle as [`Arc`](crate::Arc), 1/R; others 1/rho + 0.05 % where the radius of curvature is rho |
-/// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 112 bytes, as there are two first and three second differences of 64 bits |
+/// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, as F has two first and three second differences of 64 bits each |
 /// | cost | instructions an event on Cortex-M4F / M0: circle 210 / 271, others 292 / 915; the difference is the length of the gradient (a root and a division of 32 bits) |
 /// | source | Danielsson 1970 and Jordan, Lennon, Holm 1973 (neighbours and quadrants), Pitteway 1967 (midpoint test for conics) |
 ///
@@ -50,7 +50,7 @@ const MAX_REACH: u32 = 1 << 22;
 ///     turns: 0,
 /// })?;
 /// let deltas: Vec<[i8; 2]> = ellipse.map(|step| step.deltas()).collect();
-/// assert_eq!(deltas, [[0, 1], [-1, 0], [-1, 1], [-1, 0], [-1, 0]]);
+/// assert_eq!(deltas, [[-1, 1], [-1, 1], [-1, 0], [-1, 0]]);
 /// # Ok::<(), husillo_interp::ConicError>(())
 /// ```
 #[derive(Clone, Debug)]

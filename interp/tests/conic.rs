@@ -154,7 +154,9 @@ proptest! {
         let steps = check(&conic, ellipse.from, ellipse.to)?;
         let points = points(ellipse.from, &steps);
         let error = largest_error(&ellipse, &points);
-        prop_assert!(error <= 0.6, "{error}");
+        let [a, b] = ellipse.semi_axes.map(|semi| f64::from(semi) / f64::from(1_u32 << ellipse.fraction_bits));
+        let bound = 0.5 + 0.1 / a.min(b);
+        prop_assert!(error <= bound, "{error} {bound}");
     }
 
     /// The sweeps add up to the ellipse's length, and each is its step's way along the curve: constant
@@ -268,7 +270,7 @@ proptest! {
             let (x, y) = (f64::from(x) - centre[0], f64::from(y) - centre[1]);
             distance_from_ellipse([x * cos + y * sin, y * cos - x * sin], a, b)
         }).fold(0.0, f64::max);
-        prop_assert!(error <= 0.6, "{error}");
+        prop_assert!(error <= 0.5 + 0.25 * a / (b * b), "{error}");
     }
 
     /// Parabolas (m y - n x)^2 = q (m x + n y): an axis in any whole-number direction, so that
@@ -297,7 +299,7 @@ proptest! {
         let points = points(from, &steps);
         let inner = points.get(2..points.len().saturating_sub(2)).unwrap_or(&[]);
         let error = inner.iter().map(|&at| distance_from_conic(coefficients, at)).fold(0.0, f64::max);
-        prop_assert!(error <= 0.6, "{error}");
+        prop_assert!(error <= 0.5 + 0.25 / p, "{error}");
         prop_assert_eq!(Conic::new(&arc(backwards)).err(), Some(ConicError::Astray));
     }
 
@@ -326,7 +328,7 @@ proptest! {
         let points = points(from, &steps);
         let inner = points.get(2..points.len().saturating_sub(2)).unwrap_or(&[]);
         let error = inner.iter().map(|&at| distance_from_conic(coefficients, at)).fold(0.0, f64::max);
-        prop_assert!(error <= 0.6, "{error}");
+        prop_assert!(error <= 0.5 + 0.25 / sharpness, "{error}");
         prop_assert!(Conic::new(&arc(backwards)).is_err());
     }
 
