@@ -143,7 +143,7 @@ fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure
                 _ => Ok(None),
             };
             match made {
-                Ok(Some(one)) => bench.add(&one),
+                Ok(Some(one)) => bench.add_common(&one),
                 Ok(None) => {}
                 Err(why) => bench.note(why.to_owned()),
             }

@@ -46,6 +46,7 @@ pub enum Command {
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
         husillo interpolate line --to 10,4,3\n  \
+        husillo interpolate line --to 10,4 --method dda-printed\n  \
         husillo interpolate arc --from 30,0 --to 30,0 --centre 0,0 --direction ccw --format json")]
     Interpolate(Interpolate),
     /// Compare all interpolation methods on one move or on a program
@@ -90,7 +91,8 @@ Figures (1 BLU = one motor step; JSON: a list with one object a method):
 
 Of a program every G1, G2 and G3 is made on the machine's grid, rapids and what a helix does across its plane are
 not; iterations are sums, errors and ripples the worst of any move, moves counts them. Methods other than
-direct-search know whole-step centres only: theirs are rounded.";
+direct-search know whole-step centres only: theirs are rounded, and arcs that one of them cannot make at all are
+left out and counted.";
 
 /// Which machine and which language.
 #[derive(Debug, Args)]
@@ -197,7 +199,7 @@ pub struct LineShape {
     /// Target in steps, two to six axes
     #[arg(long, value_name = "X,Y[,Z..]", allow_hyphen_values = true)]
     pub to: String,
-    /// Method: bresenham
+    /// Method: bresenham, dda or dda-printed
     #[arg(long, default_value = "bresenham")]
     pub method: String,
     /// How to print the move
@@ -229,7 +231,7 @@ pub struct ArcShape {
     /// Complete extra turns
     #[arg(long, default_value_t = 0)]
     pub turns: u32,
-    /// Method: direct-search
+    /// Method: direct-search, dda or staircase; the same with -printed
     #[arg(long, default_value = "direct-search")]
     pub method: String,
     /// How to print the move

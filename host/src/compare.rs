@@ -64,6 +64,16 @@ pub struct Move {
     pub curve: Curve,
 }
 
+impl Move {
+    /// The move as a method can take it.
+    fn shape_for(&self, method: &Method) -> &Shape {
+        match &self.rounded {
+            Some(rounded) if !method.takes_fractions() => rounded,
+            _ => &self.shape,
+        }
+    }
+}
+
 /// Everything to print.
 #[derive(Debug)]
 pub struct Comparison {
@@ -112,12 +122,29 @@ impl Bench {
         })
     }
 
-    /// Makes a move with every method.
+    /// Makes a move of a program with every method, if all of them can: sums over different moves compare nothing.
+    pub fn add_common(&mut self, one: &Move) {
+        let unable = method::of(&one.shape)
+            .iter()
+            .filter(|method| self.is_wanted(method))
+            .find_map(|method| Some((method, method.events(one.shape_for(method)).err()?)));
+        match unable {
+            Some((method, why)) => self.note(format!("left out, {} cannot: {why}", method.name)),
+            None => self.add(one),
+        }
+    }
+
+    fn is_wanted(&self, method: &Method) -> bool {
+        self.only
+            .as_ref()
+            .is_none_or(|only| only.iter().any(|name| name == method.name))
+    }
+
+    /// Makes a move with every method that can.
     pub fn add(&mut self, one: &Move) {
         let is_arc = matches!(one.shape, Shape::Arc(_));
         for method in method::of(&one.shape) {
-            let is_wanted = |only: &Vec<String>| only.iter().any(|name| name == method.name);
-            if !self.only.as_ref().is_none_or(is_wanted) {
+            if !self.is_wanted(method) {
                 continue;
             }
             let known = self
@@ -128,11 +155,11 @@ impl Bench {
                 self.tallies.push((method, is_arc, Tally::default()));
                 self.tallies.len() - 1
             });
-            let shape = match &one.rounded {
-                Some(rounded) if !method.takes_fractions() => rounded,
-                _ => &one.shape,
-            };
-            if let Err(reason) = self.tallies[index].2.walk(method, shape, &one.curve) {
+            if let Err(reason) =
+                self.tallies[index]
+                    .2
+                    .walk(method, one.shape_for(method), &one.curve)
+            {
                 self.note(format!("{}: {reason}", method.name));
             }
         }

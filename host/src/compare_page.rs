@@ -17,8 +17,8 @@ const METHODS: &str = "\
 .m-staircase,.m-dda,.m-direct-search,.m-bresenham{stroke-width:4.5;stroke-opacity:.55;stroke-linejoin:round}\
 .m-staircase-printed,.m-dda-printed,.m-direct-search-printed{stroke-width:1.6}\
 .m-staircase-printed{stroke-dasharray:7 3}.m-dda-printed{stroke-dasharray:2 3}.m-direct-search-printed{stroke-dasharray:9 3 2 3}\
-.ideal{stroke-width:9;stroke-opacity:.22}\
-.zooms{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}\
+.exact{stroke:var(--ink);stroke-width:1}\
+.zooms{display:grid;grid-template-columns:repeat(auto-fit,minmax(26rem,1fr));gap:1rem}\
 .zooms figure{margin:0}.zooms figure:first-child{grid-column:1/-1;max-width:52rem}\
 figcaption{color:var(--soft);font-size:.9rem}\
 .show label{display:inline-block;margin-right:1.2rem;white-space:nowrap}.show svg{display:inline;width:2.5rem;height:.5rem;border:0}\

@@ -59,17 +59,21 @@ impl Frame {
         let _ = writeln!(page, "<path class=\"grid\" d=\"{path}\"/>");
     }
 
-    /// The part of the curve that is near.
-    fn curve(&self, page: &mut String, curve: &Curve) {
+    /// The part of the curve that is near; all of it where `is_whole`.
+    fn curve(&self, page: &mut String, curve: &Curve, is_whole: bool) {
         let middle = curve.part([self.low[0] + 0.5 * self.side, self.low[1] + 0.5 * self.side]);
-        let reach = (1.5 * self.side / curve.length().max(1.0)).min(1.0);
+        let reach = if is_whole {
+            1.0
+        } else {
+            1.5 * self.side / curve.length().max(1.0)
+        };
         let (first, last) = ((middle - reach).max(0.0), (middle + reach).min(1.0));
         let mut path = String::new();
         for k in 0..=360_u32 {
             let [x, y] = self.at(curve.at(first + (last - first) * f64::from(k) / 360.0));
             let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
         }
-        let _ = writeln!(page, "<path class=\"ideal\" d=\"{path}\"/>");
+        let _ = writeln!(page, "<path class=\"exact\" d=\"{path}\"/>");
     }
 }
 
@@ -77,8 +81,8 @@ impl Frame {
 pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     page.push_str(
         "<section><h2>The methods over the exact curve</h2>\n\
-         <p>The wide band is the exact curve, every grid line a step. Methods as printed are thin and dashed, the others wide; \
-         where they run on each other all of them are there.</p>\n<p class=\"show\">",
+         <p>The thin line is the exact curve, every grid line a step. Methods as printed are narrow and dashed, the others wide. \
+         Frames in the whole move are the places shown larger.</p>\n<p class=\"show\">",
     );
     for row in rows {
         let _ = write!(
@@ -101,13 +105,23 @@ pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
         if frame.side < 100.0 {
             frame.grid(page);
         }
-        frame.curve(page, &one.curve);
         for (row, paths) in rows.iter().zip(&paths) {
             if !paths[index].is_empty() {
                 let _ = writeln!(
                     page,
                     "<path class=\"m-{}\" d=\"{}\"/>",
                     row.method, paths[index]
+                );
+            }
+        }
+        frame.curve(page, &one.curve, index == 0);
+        if index == 0 {
+            for (_, zoom) in &frames[1..] {
+                let [x, y] = frame.at([zoom.low[0], zoom.low[1] + zoom.side]);
+                let side = (zoom.side * frame.pixels / frame.side).max(8.0);
+                let _ = writeln!(
+                    page,
+                    "<rect class=\"area\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" height=\"{side:.1}\"/>"
                 );
             }
         }
@@ -123,7 +137,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
         .collect();
     let low = [0, 1].map(|axis| points.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min));
     let high = [0, 1].map(|axis| points.iter().map(|p| p[axis]).fold(f64::MIN, f64::max));
-    let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]) + 2.0;
+    let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]) * 1.04 + 3.0;
     let middle = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
     let mut frames = vec![(
         "the whole move".to_owned(),

@@ -68,15 +68,17 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
         Direction::CounterClockwise => husillo_interp::Direction::CounterClockwise,
     };
     let curve = Curve::arc(exact, direction, arc.turns, is_circle.then_some(radius));
-    let one = ArcMove {
+    let mut one = ArcMove {
         from: lattice(from)?,
         to: lattice(to)?,
-        centre: lattice(centre)?.map(i64::from),
+        centre: [0; 2],
         fraction_bits: 0,
         direction,
         turns: arc.turns,
         rim: Rim::Spiral,
     };
+    one.centre = whole_centre(&one, exact[2], radius);
+    one.rim = between(&one);
     let bits = fraction_bits_for(radius as u64);
     // |centre| 2^16 < 2^48: exact in `f64`.
     let fine = exact[2].map(|at| (at * f64::from(1_u32 << bits)).round() as i64);
@@ -112,6 +114,41 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
         rounded: Some(Shape::Arc(one)),
         curve,
     }))
+}
+
+/// The whole-step centre that bends the arc least: near the exact one, and at much the same distance from both ends.
+fn whole_centre(arc: &ArcMove, exact: [f64; 2], radius: f64) -> [i64; 2] {
+    let near = exact.map(|at| at.round() as i64);
+    let wrong = |centre: [i64; 2]| {
+        let distance = |p: [f64; 2]| (p[0] - centre[0] as f64).hypot(p[1] - centre[1] as f64);
+        let [start, end] = [arc.from, arc.to].map(|p| distance(p.map(f64::from)));
+        // A circle between both ends is less than a step off either, up to here.
+        let apart = ((end - start).abs() - 1.0).max(0.0);
+        distance(exact) + (0.5 * (start + end) - radius).abs() + 2.0 * apart
+    };
+    let mut best = near;
+    for (dx, dy) in (-3..=3).flat_map(|dx| (-3..=3).map(move |dy| (dx, dy))) {
+        let other = [near[0] + dx, near[1] + dy];
+        if wrong(other) < wrong(best) {
+            best = other;
+        }
+    }
+    best
+}
+
+/// The circle between both ends of an arc about a whole step.
+fn between(arc: &ArcMove) -> Rim {
+    let square = |p: [i32; 2]| {
+        let [x, y] = [0, 1].map(|axis| i64::from(p[axis]) - arc.centre[axis]);
+        x * x + y * y
+    };
+    let (start, end) = (square(arc.from), square(arc.to));
+    let radius = 0.5 * ((start as f64).sqrt() + (end as f64).sqrt());
+    let middle = (radius * radius).round() as i64;
+    Rim::Nominal {
+        start: start - middle,
+        end: end - middle,
+    }
 }
 
 /// A length in steps.

@@ -1,7 +1,9 @@
 //! `husillo interpolate`: one move on the bare integer grid, with its error.
 
 use crate::cli::{ArcShape, LineShape, Output, Turning};
-use husillo_interp::{Arc, ArcMove, Direction, Line, Rim};
+use crate::curve::Curve;
+use crate::method::{self, AXES, Shape};
+use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -58,47 +60,28 @@ impl Walk {
 ///
 /// What is wrong with the arguments.
 pub fn line(shape: &LineShape) -> Result<Walk, String> {
-    known_method(&shape.method, "bresenham", "lines")?;
+    let method = method::by_name(&method::LINES, &shape.method, "lines")?;
     let to = integers(&shape.to, "--to")?;
-    match to.as_slice() {
-        &[x, y] => Ok(walk_line([x, y])),
-        &[x, y, z] => Ok(walk_line([x, y, z])),
-        &[x, y, z, a] => Ok(walk_line([x, y, z, a])),
-        &[x, y, z, a, b] => Ok(walk_line([x, y, z, a, b])),
-        &[x, y, z, a, b, c] => Ok(walk_line([x, y, z, a, b, c])),
-        other => Err(format!(
+    if !(2..=AXES).contains(&to.len()) {
+        return Err(format!(
             "--to has {} axes; two to six are possible",
-            other.len()
-        )),
+            to.len()
+        ));
     }
-}
-
-fn walk_line<const N: usize>(to: [i32; N]) -> Walk {
-    let along = to.map(f64::from);
-    let square: f64 = along.iter().map(|d| d * d).sum();
-    let mut at = [0_i64; N];
+    let mut delta = [0; AXES];
+    delta[..to.len()].copy_from_slice(&to);
+    let curve = Curve::line([0.0; AXES], delta.map(f64::from));
+    let mut at = [0; AXES];
     let mut record = Record::default();
-    for step in Line::new(to) {
-        let delta = step.deltas::<N>();
+    let (events, _) = method.events(&Shape::Line(delta))?;
+    for step in events {
+        let delta = step.deltas::<AXES>();
         for (at, delta) in at.iter_mut().zip(delta) {
             *at += i64::from(delta);
         }
-        // The distance from the line: what is left of the point without its part along the line.
-        let part = at
-            .iter()
-            .zip(along)
-            .map(|(p, d)| *p as f64 * d)
-            .sum::<f64>()
-            / square;
-        let error = at
-            .iter()
-            .zip(along)
-            .map(|(p, d)| (*p as f64 - part * d).powi(2))
-            .sum::<f64>()
-            .sqrt();
-        record.add(&delta, error);
+        record.add(&delta[..to.len()], curve.distance(&at.map(|at| at as f64)));
     }
-    record.finish(at.to_vec())
+    Ok(record.finish(at[..to.len()].to_vec()))
 }
 
 /// Walks an arc.
@@ -107,7 +90,7 @@ fn walk_line<const N: usize>(to: [i32; N]) -> Walk {
 ///
 /// What is wrong with the arguments.
 pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
-    known_method(&shape.method, "direct-search", "arcs")?;
+    let method = method::by_name(&method::ARCS, &shape.method, "arcs")?;
     if shape.centre_bits > 16 {
         return Err("--centre-bits is at most 16".to_owned());
     }
@@ -143,7 +126,7 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
         Turning::Ccw => Direction::CounterClockwise,
     };
     let turns = shape.turns;
-    let arc = Arc::new(&ArcMove {
+    let (events, _) = method.events(&Shape::Arc(ArcMove {
         from,
         to,
         centre,
@@ -151,8 +134,7 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
         direction,
         turns,
         rim,
-    })
-    .map_err(|error| error.to_string())?;
+    }))?;
     let one = f64::from(1_u32 << bits);
     let radius = |p: [i32; 2]| {
         let [x, y] = from_centre(p);
@@ -164,7 +146,7 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
     };
     let mut at = from;
     let mut record = Record::default();
-    for step in arc {
+    for step in events {
         let delta = step.deltas::<2>();
         for (at, delta) in at.iter_mut().zip(delta) {
             *at = at.wrapping_add(i32::from(delta));
@@ -222,17 +204,6 @@ fn signs(delta: &[i8]) -> String {
         .iter()
         .map(|d| ['-', '0', '+'][(d + 1) as usize])
         .collect()
-}
-
-/// Methods of later releases are refused like any other unknown name.
-fn known_method(method: &str, known: &str, shapes: &str) -> Result<(), String> {
-    if method == known {
-        Ok(())
-    } else {
-        Err(format!(
-            "unknown method `{method}`; for {shapes} there is `{known}`, others will follow"
-        ))
-    }
 }
 
 /// Two whole numbers.
@@ -300,29 +271,32 @@ mod tests {
     }
 
     #[test]
-    fn methods_to_come_are_named() {
-        assert!(
-            known_method("dda", "bresenham", "lines")
-                .unwrap_err()
-                .contains("`bresenham`")
-        );
-    }
-
-    #[test]
     fn a_circle_of_thirty_steps() {
-        let shape = ArcShape {
-            from: "30,0".to_owned(),
-            to: "30,0".to_owned(),
-            centre: "0,0".to_owned(),
-            direction: Turning::Ccw,
-            centre_bits: 16,
-            radius_squared: None,
-            turns: 0,
-            method: "direct-search".to_owned(),
-            format: Output::Json,
-        };
-        let walk = arc(&shape).unwrap();
-        assert_eq!((walk.iterations, walk.end), (168, vec![30, 0]));
-        assert!(walk.max_error_blu < 0.5);
+        for (method, iterations, moving, largest) in [
+            ("direct-search", 168, 168, 0.453),
+            ("direct-search-printed", 168, 168, 0.453),
+            ("dda-printed", 188, 180, 0.887),
+            ("staircase-printed", 240, 240, 0.983),
+        ] {
+            let shape = ArcShape {
+                from: "30,0".to_owned(),
+                to: "30,0".to_owned(),
+                centre: "0,0".to_owned(),
+                direction: Turning::Ccw,
+                centre_bits: 16,
+                radius_squared: None,
+                turns: 0,
+                method: method.to_owned(),
+                format: Output::Json,
+            };
+            let walk = arc(&shape).unwrap();
+            assert_eq!(
+                (walk.iterations, walk.moving),
+                (iterations, moving),
+                "{method}"
+            );
+            assert_eq!(walk.end, [30, 0]);
+            assert!((walk.max_error_blu - largest).abs() < 5e-4, "{method}");
+        }
     }
 }

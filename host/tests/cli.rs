@@ -361,7 +361,7 @@ fn wrong_usage_ends_with_two() {
         &["check", "-m", "nowhere", "tests/data/percent.nc"],
         &["check", "--dialect", "latin", "tests/data/percent.nc"],
         &["interpolate", "line", "--to", "5"],
-        &["interpolate", "line", "--to", "5,2", "--method", "dda"],
+        &["interpolate", "line", "--to", "5,2", "--method", "ratio"],
         &[
             "interpolate",
             "arc",
