@@ -95,6 +95,9 @@ pub const ARCS: [Method; 6] = [
 /// Instructions of an event, counted under QEMU for the firmware's own check.
 const GOLDEN: &str = include_str!("../../firmware/count/golden.txt");
 
+/// The events of a move, and the units of their sweep a BLU of path; `None` where every event is one BLU.
+pub type Walk = (Box<dyn Iterator<Item = Step>>, Option<f64>);
+
 /// Every method of a shape.
 pub const fn of(shape: &Shape) -> &'static [Method] {
     match shape {
@@ -129,15 +132,12 @@ pub fn by_name(
 }
 
 impl Method {
-    /// The events of a move, and the unit of their sweep: units a BLU of path, `None` where every event is one BLU.
+    /// Makes a move.
     ///
     /// # Errors
     ///
     /// Why the method cannot make the move.
-    pub fn events(
-        &self,
-        shape: &Shape,
-    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), String> {
+    pub fn events(&self, shape: &Shape) -> Result<Walk, String> {
         match shape {
             Shape::Line(delta) => self.line(*delta),
             Shape::Arc(arc) => self.arc(arc).map_err(|error| match error {
@@ -147,10 +147,7 @@ impl Method {
         }
     }
 
-    fn line(
-        &self,
-        delta: [i32; AXES],
-    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), String> {
+    fn line(&self, delta: [i32; AXES]) -> Result<Walk, String> {
         let long = || "the line is 2^31 steps long or longer".to_owned();
         Ok(match self.name {
             "dda-printed" => (Box::new(LineDda::printed(delta).ok_or_else(long)?), None),
@@ -164,10 +161,7 @@ impl Method {
         })
     }
 
-    fn arc(
-        &self,
-        arc: &ArcMove,
-    ) -> Result<(Box<dyn Iterator<Item = Step>>, Option<f64>), ArcError> {
+    fn arc(&self, arc: &ArcMove) -> Result<Walk, ArcError> {
         Ok(match self.name {
             "staircase-printed" => {
                 let events = Staircase::printed(arc)?;

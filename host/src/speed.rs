@@ -122,7 +122,6 @@ struct Window {
     events: u32,
     length: f64,
     is_feed: bool,
-    programmed: Band,
 }
 
 /// The measurement under way.
@@ -135,6 +134,8 @@ pub struct Speed {
     now: u64,
     at: [f64; 3],
     on: Move,
+    /// Since when the programmed feed is not yet in the columns.
+    since: u64,
     /// The window being filled; `None` while the tool stands.
     window: Option<Window>,
     chord: [f64; 3],
@@ -161,6 +162,7 @@ impl Speed {
             now: 0,
             at: [0.0; 3],
             on: Move::default(),
+            since: 0,
             window: None,
             chord: [0.0; 3],
             chord_events: 0,
@@ -198,6 +200,7 @@ impl Speed {
             self.end_chord();
             self.ended_events = 0;
         }
+        self.record_programmed();
         self.on = to;
         if let Some(window) = &mut self.window {
             let is_feed = to.programmed.is_some();
@@ -209,9 +212,6 @@ impl Speed {
                 }
             }
         }
-        if let Some(window) = &mut self.window {
-            window.programmed = window.programmed.with(programmed(to));
-        }
     }
 
     /// The tool stands until `now`.
@@ -221,12 +221,13 @@ impl Speed {
             Stop::TakeUp => column.take_up = true,
             Stop::Dwell => column.dwell = true,
         });
-        self.now = now;
+        (self.now, self.since) = (now, now);
     }
 
     /// Ends the stretch: the tool stands from here on, for whatever time.
     pub fn rest(&mut self) {
         self.end_chord();
+        self.record_programmed();
         let last = match (self.full.take(), self.window.take()) {
             (Some(full), Some(rest))
                 if rest.events < LEAST_EVENTS && rest.is_feed == full.is_feed =>
@@ -235,7 +236,6 @@ impl Speed {
                     end: self.now,
                     events: full.events + rest.events,
                     length: full.length + rest.length,
-                    programmed: full.programmed.with(rest.programmed),
                     ..full
                 })
             }
@@ -284,7 +284,6 @@ impl Speed {
             events: 0,
             length: 0.0,
             is_feed: self.on.programmed.is_some(),
-            programmed: programmed(self.on),
         });
         (self.chord, self.chord_events) = (self.at, 0);
     }
@@ -322,12 +321,20 @@ impl Speed {
                 &mut column.rapid
             };
             *band = band.with(Band::of(speed));
-            column.programmed = column.programmed.with(window.programmed);
         });
         let middle = 0.5 * (window.begin as f64 + window.end as f64);
         let (since, from) = self.before.unwrap_or((window.begin as f64, 0.0));
         self.accelerate(since, from, middle, speed);
         self.before = Some((middle, speed));
+    }
+
+    fn record_programmed(&mut self) {
+        if let Some(programmed) = self.on.programmed {
+            self.cover(self.since, self.now, |column| {
+                column.programmed = column.programmed.with(Band::of(programmed));
+            });
+        }
+        self.since = self.now;
     }
 
     fn accelerate(&mut self, since: f64, from: f64, until: f64, to: f64) {
@@ -339,11 +346,14 @@ impl Speed {
 
     /// Changes every column the time from `begin` to `end` touches.
     fn cover(&mut self, begin: u64, end: u64, change: impl Fn(&mut Column)) {
+        if end <= begin {
+            return;
+        }
         while end > self.column_ticks * COLUMNS as u64 {
             self.fold();
         }
         let first = (begin / self.column_ticks) as usize;
-        let last = (end.saturating_sub(1) / self.column_ticks) as usize;
+        let last = ((end - 1) / self.column_ticks) as usize;
         for column in self.columns.iter_mut().take(last + 1).skip(first) {
             change(column);
         }
@@ -358,10 +368,6 @@ impl Speed {
         self.columns[COLUMNS / 2..].fill(Column::EMPTY);
         self.column_ticks *= 2;
     }
-}
-
-fn programmed(on: Move) -> Band {
-    on.programmed.map_or(Band::EMPTY, Band::of)
 }
 
 /// Length of the path between two points on it.
