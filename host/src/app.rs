@@ -2,12 +2,14 @@
 
 use crate::check::{self, Facts, duration};
 use crate::cli::{
-    Check, Cli, Command, Commands, Compare, Interpolate, Output, Page, Run as RunArgs, Shape,
-    Steps, Target,
+    Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Holes, Interpolate, Output,
+    Page, Run as RunArgs, Shape, Steps, Target,
 };
 use crate::compare::{self, Bench};
 use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
+use crate::drill_code::Work;
+use crate::holes;
 use crate::machine_file::{LoadError, MachineFile, Travel};
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
@@ -61,6 +63,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Check(args) => check_files(args),
         Command::Commands(args) => print_commands(args),
         Command::Steps(args) => write_steps(args),
+        Command::Holes(args) => list_holes(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
     }
@@ -218,11 +221,7 @@ impl Job {
 
     /// How the file is called in messages.
     fn name(&self) -> &str {
-        if self.file == "-" {
-            "<input>"
-        } else {
-            &self.file
-        }
+        displayed(&self.file)
     }
 
     fn check<W: Write>(&self, findings: &mut Findings<W>) -> Result<Facts, Failure> {
@@ -244,6 +243,57 @@ impl Job {
     }
 }
 
+/// How a file is called in messages.
+fn displayed(file: &str) -> &str {
+    if file == "-" { "<input>" } else { file }
+}
+
+/// A whole file, or standard input.
+fn whole(file: &str) -> Result<Vec<u8>, Failure> {
+    let mut text = Vec::new();
+    let read = match file {
+        "-" => io::stdin().read_to_end(&mut text),
+        _ => File::open(file).and_then(|mut file| file.read_to_end(&mut text)),
+    };
+    read.map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+    Ok(text)
+}
+
+fn list_holes(args: &Holes) -> Result<u8, Failure> {
+    let options = holes::Options::new(args)?;
+    let work = match args.make {
+        DrillOutput::Gcode => Some(Work::new(args)?),
+        DrillOutput::List => None,
+    };
+    let name = displayed(&args.file);
+    let text = whole(&args.file)?;
+    let mut findings = to_stderr(Format::Text);
+    let mut board = holes::read(&text, name, &options, &mut findings)?;
+    let (errors, warnings) = (findings.errors, findings.warnings);
+    if errors > 0 && work.is_some() {
+        eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
+        return Ok(ERRORS);
+    }
+    if args.order == DrillOrder::Shortest {
+        board.sort_shortest();
+    }
+    let mut out: Box<dyn Write> = match &args.output {
+        Some(path) if path != "-" => Box::new(BufWriter::with_capacity(1 << 18, create(path)?)),
+        _ => Box::new(BufWriter::with_capacity(1 << 18, io::stdout().lock())),
+    };
+    match (work, args.format) {
+        (Some(work), _) => work.write(&board, name, &mut out)??,
+        (None, Output::Text) => board.print(name, &mut out)?,
+        (None, Output::Json) => board.print_json(errors, warnings, &mut out)?,
+    }
+    out.flush()?;
+    if errors > 0 {
+        eprintln!("{name}: {}", verdict(errors, warnings));
+        return Ok(ERRORS);
+    }
+    Ok(OK)
+}
+
 fn to_stderr(format: Format) -> Findings<io::Stderr> {
     Findings::new(io::stderr(), format, colour(io::stderr().is_terminal()), 50)
 }
@@ -257,10 +307,15 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
     let stdout = io::stdout();
     let coloured = colour(stdout.is_terminal());
     for file in &args.files {
-        let job = Job::new(file, &args.target, "free")?;
         let out = BufWriter::new(stdout.lock());
         let mut findings = Findings::new(out, args.format, coloured, args.limit);
-        job.check(&mut findings)?;
+        let name = displayed(file);
+        if holes::is_drill_file(args.target.dialect.as_deref(), file) {
+            let text = whole(file)?;
+            holes::read(&text, name, &holes::Options::default(), &mut findings)?;
+        } else {
+            Job::new(file, &args.target, "free")?.check(&mut findings)?;
+        }
         let hidden = findings.hidden();
         let (errors, warnings) = (findings.errors, findings.warnings);
         let out = findings.writer();
@@ -268,7 +323,7 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
             if hidden > 0 {
                 writeln!(out, "{hidden} more findings: see --limit\n")?;
             }
-            writeln!(out, "{}: {}", job.name(), verdict(errors, warnings))?;
+            writeln!(out, "{name}: {}", verdict(errors, warnings))?;
         }
         out.flush()?;
         if errors > 0 || (args.deny_warnings && warnings > 0) {

@@ -43,6 +43,12 @@ pub enum Command {
     #[command(after_help = "Example:\n  \
         husillo steps examples/circles.nc -o circles.csv")]
     Steps(Steps),
+    /// List the holes of a drill file (Excellon), or make G-code of them
+    #[command(after_help = "Examples:\n  \
+        husillo holes board.drl\n  \
+        husillo holes board.drl --order shortest --format json\n  \
+        husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc")]
+    Holes(Holes),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
         husillo interpolate line --to 10,4,3\n  \
@@ -174,6 +180,134 @@ pub struct Steps {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
+}
+
+/// `husillo holes`.
+#[derive(Debug, Args)]
+pub struct Holes {
+    /// Drill file; - is standard input
+    pub file: String,
+    /// How to print the holes
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+    /// What to make of the file
+    #[arg(long = "as", value_enum, value_name = "KIND", default_value = "list")]
+    pub make: DrillOutput,
+    /// File to write [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<String>,
+    /// Unit, whatever the file says
+    #[arg(long, value_enum)]
+    pub units: Option<DrillUnits>,
+    /// Zeros that are kept, whatever the file says
+    #[arg(long, value_enum)]
+    pub zeros: Option<DrillZeros>,
+    /// Digits before and behind the point that is not written, whatever the file says, as in 2.4
+    #[arg(long, value_name = "I.F")]
+    pub format_digits: Option<String>,
+    /// Kind of file, for what it does not say
+    #[arg(long, value_enum, default_value = "excellon")]
+    pub profile: DrillProfile,
+    /// Diameter of a tool, whatever the file says; may be repeated
+    #[arg(long, value_name = "N=MM")]
+    pub tool: Vec<String>,
+    /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour and 2-opt)
+    #[arg(long, value_enum, default_value = "file")]
+    pub order: DrillOrder,
+    /// Depth of the holes below the surface, which is Z0
+    #[arg(long, value_name = "MM")]
+    pub depth: Option<String>,
+    /// Height above the surface between holes
+    #[arg(long, value_name = "MM", default_value = "2")]
+    pub clearance: String,
+    /// Height above the surface for tool changes
+    #[arg(long, value_name = "MM", default_value = "10")]
+    pub safe: String,
+    /// Feed into the board, a minute
+    #[arg(long, value_name = "MM", default_value = "60")]
+    pub feed: String,
+    /// Feed along slots, a minute [default: that of --feed]
+    #[arg(long, value_name = "MM")]
+    pub rout_feed: Option<String>,
+    /// Spindle speed
+    #[arg(long, value_name = "RPM")]
+    pub speed: Option<u32>,
+    /// How a hole is drilled
+    #[arg(long, value_enum, default_value = "g81")]
+    pub cycle: Cycle,
+    /// Depth of one peck of --cycle g83
+    #[arg(long, value_name = "MM", default_value = "0.5")]
+    pub peck: String,
+    /// How a slot is made
+    #[arg(long, value_enum, default_value = "rout")]
+    pub slots: SlotHandling,
+}
+
+/// What to make of a drill file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrillOutput {
+    /// A list of tools and holes.
+    List,
+    /// A G-code program.
+    Gcode,
+}
+
+/// Unit of a drill file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrillUnits {
+    /// Inches.
+    Inch,
+    /// Millimetres.
+    Mm,
+}
+
+/// Zeros that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrillZeros {
+    /// LZ: trailing zeros are left out.
+    Leading,
+    /// TZ: leading zeros are left out.
+    Trailing,
+}
+
+/// Kind of drill file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrillProfile {
+    /// Inches 2.4 or millimetres 3.3.
+    Excellon,
+    /// Inches 2.3, tools without diameters.
+    Tango,
+}
+
+/// Order of holes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrillOrder {
+    /// As in the file.
+    File,
+    /// Tool by tool, on a short path.
+    Shortest,
+}
+
+/// How a hole is drilled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cycle {
+    /// One feed down.
+    G81,
+    /// In pecks.
+    G83,
+    /// One feed down, with G0 and G1 only.
+    Moves,
+}
+
+/// How a slot is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SlotHandling {
+    /// The tool goes along it.
+    Rout,
+    /// Both ends and overlapping holes between.
+    Drill,
+    /// Not at all: an error.
+    Refuse,
 }
 
 /// `husillo interpolate`.

@@ -20,7 +20,9 @@ pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
             .iter()
             .any(|end| lower.ends_with(end)) =>
         {
-            return Err(format!("{file}: drill files are not taken yet"));
+            return Err(format!(
+                "{file}: a drill file; `husillo holes` makes a program of it"
+            ));
         }
         None => "rs274",
     };

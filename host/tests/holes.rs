@@ -1,0 +1,401 @@
+//! `husillo holes` and `husillo check` on drill files, as a user calls them.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn list(args: &[&str]) -> Value {
+    let output = husillo()
+        .arg("holes")
+        .args(args)
+        .args(["--format", "json"])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn program(args: &[&str]) -> String {
+    let output = husillo().arg("holes").args(args).output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+#[test]
+fn the_board_of_the_examples() {
+    let board = list(&["../examples/board.drl"]);
+    let holes = board["holes"].as_array().unwrap();
+    assert_eq!(holes.len(), 22);
+    assert_eq!(holes[0], json!([10, 10, 0.8]));
+    assert_eq!(holes[7], json!([27.78, 10, 0.8]));
+    assert_eq!(holes[21], json!([36.5, 26.5, 3.2]));
+    assert_eq!(board["slots"], json!([[17, 3, 23, 3, 1.5]]));
+    assert_eq!(board["tools"][1]["plated"], true);
+    assert_eq!(board["tools"][3]["plated"], false);
+    assert_eq!(board["units"], "mm");
+    husillo()
+        .args(["holes", "../examples/board.drl"])
+        .assert()
+        .success()
+        .stdout(contains("22 holes, 1 slot"))
+        .stdout(contains(
+            "units    mm                         said in line 5",
+        ))
+        .stdout(contains("T2               1  yes           4        0"))
+        .stdout(contains("X 3.5 to 36.5 mm, Y 3 to 26.5 mm"));
+    husillo()
+        .args(["check", "../examples/board.drl", "--deny-warnings"])
+        .assert()
+        .success()
+        .stdout("../examples/board.drl: no errors, no warnings\n");
+}
+
+#[test]
+fn what_nobody_says_is_found_out_and_said() {
+    // PADS: no units, no zeros, no header.
+    let bare = list(&["tests/data/drill/bare.drl"]);
+    assert_eq!(
+        bare["holes"],
+        json!([[27.813, 32.258, 0.381], [59.69, 50.8, 0.381]])
+    );
+    assert_eq!(bare["zeros"], "leading");
+    husillo()
+        .args(["check", "tests/data/drill/bare.drl", "--deny-warnings"])
+        .assert()
+        .code(1)
+        .stdout(contains("warning[W0928]"))
+        .stdout(contains("warning[W0929]"))
+        .stdout(contains("--zeros leading or --zeros trailing"));
+    let overridden = list(&[
+        "tests/data/drill/bare.drl",
+        "--units",
+        "mm",
+        "--zeros",
+        "trailing",
+        "--format-digits",
+        "3.2",
+        "--tool",
+        "1=0.5",
+    ]);
+    assert_eq!(
+        overridden["holes"],
+        json!([[10.95, 1.27, 0.5], [2.35, 0.02, 0.5]])
+    );
+    assert_eq!(overridden["warnings"], 0);
+    husillo()
+        .args(["check", "tests/data/drill/long.drl"])
+        .assert()
+        .success()
+        .stdout(contains("warning[W0930]: line 5 of"));
+    husillo()
+        .args(["check", "-", "--dialect", "excellon"])
+        .write_stdin("METRIC\nT1C1\n%\nT1X1.5Y2\n")
+        .assert()
+        .success()
+        .stdout(contains("warning[W0931]"));
+    let given = list(&["tests/data/drill/long.drl", "--format-digits", "4:4"]);
+    assert_eq!(given["holes"], json!([[1.2345, 1, 0.8]]));
+}
+
+#[test]
+fn tango_has_its_own_defaults_and_tools_from_the_command_line() {
+    let board = list(&[
+        "tests/data/drill/tango.drl",
+        "--profile",
+        "tango",
+        "--tool",
+        "1=0.8",
+        "--tool",
+        "T2=0.04in",
+    ]);
+    assert_eq!(
+        board["holes"],
+        json!([
+            [31.75, 50.8, 0.8],
+            [34.29, 50.8, 0.8],
+            [34.29, -12.7, 1.016]
+        ])
+    );
+    husillo()
+        .args([
+            "holes",
+            "tests/data/drill/tango.drl",
+            "--profile",
+            "tango",
+            "--format",
+            "json",
+        ])
+        .assert()
+        .success()
+        .stdout(contains("[31.75, 50.8, null]"))
+        .stderr(contains("nothing says the diameter of tool T1"))
+        .stderr(contains("--tool 1=0.8"));
+}
+
+#[test]
+fn all_errors_at_their_columns() {
+    husillo()
+        .args(["check", "tests/data/drill/faults.drl", "--format", "short"])
+        .assert()
+        .code(1)
+        .stdout(
+            "tests/data/drill/faults.drl:5:1: error[E0903]: hole before any tool\n\
+             tests/data/drill/faults.drl:7:2: error[E0102]: malformed number\n\
+             tests/data/drill/faults.drl:8:1: error[E0202]: `G83` is not taken\n\
+             tests/data/drill/faults.drl:10:1: error[E0904]: step and repeat is not taken\n\
+             tests/data/drill/faults.drl:11:1: warning[W0924]: tool T1 gets another diameter\n\
+             tests/data/drill/faults.drl:13:1: warning[W0927]: text behind the end of the program, ignored\n",
+        );
+    husillo()
+        .args(["check", "tests/data/drill/gerber.drl"])
+        .assert()
+        .code(1)
+        .stdout(contains("error[E0902]: a Gerber file, not a drill file"))
+        .stdout(contains("1 error, no warnings"));
+    husillo()
+        .args([
+            "holes",
+            "tests/data/drill/faults.drl",
+            "--as",
+            "gcode",
+            "--depth",
+            "1.8",
+        ])
+        .assert()
+        .code(1)
+        .stdout("")
+        .stderr(contains("nothing written"));
+    husillo()
+        .args(["run", "../examples/board.drl"])
+        .assert()
+        .code(2)
+        .stderr(contains("husillo holes"));
+}
+
+#[test]
+fn options_that_make_no_sense_are_refused() {
+    for (args, message) in [
+        (&["--as", "gcode"][..], "needs --depth"),
+        (&["--as", "gcode", "--depth", "-1"], "above zero"),
+        (&["--as", "gcode", "--depth", "1", "--safe", "1"], "below"),
+        (&["--format-digits", "24"], "as in 2.4"),
+        (&["--format-digits", "12.4"], "as in 2.4"),
+        (&["--tool", "1"], "as in 1=0.8"),
+        (&["--tool", "1=-0.8"], "as in 1=0.8"),
+        (
+            &["--as", "gcode", "--depth", "1", "--slots", "refuse"],
+            "1 slots",
+        ),
+    ] {
+        let mut command = husillo();
+        command.args(["holes", "../examples/board.drl"]);
+        // A value may begin with a minus only after an equals sign.
+        let joined: Vec<String> = args
+            .chunks(2)
+            .map(|pair| format!("{}={}", pair[0], pair[1]))
+            .collect();
+        command
+            .args(joined)
+            .assert()
+            .code(2)
+            .stderr(contains(message));
+    }
+    husillo()
+        .args(["holes", "tests/data/drill/no-such.drl"])
+        .assert()
+        .code(2)
+        .stderr(contains("no-such.drl"));
+}
+
+/// The points of a list of holes, in their order.
+fn points(board: &Value) -> Vec<[f64; 3]> {
+    let holes = board["holes"].as_array().unwrap();
+    holes
+        .iter()
+        .map(|hole| [0, 1, 2].map(|index: usize| hole[index].as_f64().unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_shortest_order_keeps_every_hole_and_is_shorter() {
+    let in_file = points(&list(&["../examples/board.drl"]));
+    let short = points(&list(&["../examples/board.drl", "--order", "shortest"]));
+    let travel = |points: &[[f64; 3]]| -> f64 {
+        let steps = points.windows(2);
+        steps
+            .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]))
+            .sum()
+    };
+    assert!(travel(&short) < travel(&in_file));
+    let sorted = |mut points: Vec<[f64; 3]>| {
+        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points
+    };
+    // One tool after the other.
+    let mut tools: Vec<_> = short.iter().map(|hole| hole[2]).collect();
+    tools.dedup();
+    assert_eq!(tools, [0.8, 1.0, 3.2]);
+    assert_eq!(sorted(short), sorted(in_file));
+}
+
+#[test]
+fn a_program_of_plain_moves_drills_every_hole() {
+    let args = [
+        "../examples/board.drl",
+        "--as",
+        "gcode",
+        "--depth",
+        "1.8",
+        "--cycle",
+        "moves",
+        "--order",
+        "shortest",
+    ];
+    let text = program(&args);
+    let file = scratch("board.nc");
+    std::fs::write(&file, &text).unwrap();
+    husillo().arg("check").arg(&file).assert().success();
+    let output = husillo()
+        .arg("commands")
+        .arg(&file)
+        .args(["--format", "json"])
+        .output()
+        .unwrap();
+    let mut drilled = Vec::new();
+    for line in String::from_utf8(output.stdout).unwrap().lines() {
+        let command: Value = serde_json::from_str(line).unwrap();
+        let at = &command["to_nm"];
+        if command["kind"] == "linear" && at[2] == -1_800_000 {
+            drilled.push([at[0].as_f64().unwrap() / 1e6, at[1].as_f64().unwrap() / 1e6]);
+        }
+    }
+    let holes = points(&list(&["../examples/board.drl", "--order", "shortest"]));
+    let expected: Vec<_> = holes.iter().map(|hole| [hole[0], hole[1]]).collect();
+    assert_eq!(drilled[..22], expected);
+    // The slot: down at one end, along to the other.
+    assert_eq!(drilled[22..], [[17.0, 3.0], [23.0, 3.0]]);
+}
+
+#[test]
+fn drill_cycles_and_slots() {
+    let text = program(&["../examples/board.drl", "--as=gcode", "--depth=1.8"]);
+    assert!(text.contains("T1 M6\n"), "{text}");
+    assert!(text.contains("G99 G81 X10 Y10 Z-1.8 R2 F60\nX12.54 Y10\n"));
+    assert!(text.contains("G0 X17 Y3\nG0 Z2\nG1 Z-1.8 F60\nG1 X23 Y3 F60\nG0 Z2\n"));
+    assert!(text.ends_with("G0 Z10\nM5\nM30\n"));
+    let pecked = program(&[
+        "../examples/board.drl",
+        "--as=gcode",
+        "--depth=0.07in",
+        "--cycle=g83",
+        "--slots=drill",
+        "--speed=9000",
+    ]);
+    assert!(pecked.contains("M3 S9000\n"), "{pecked}");
+    assert!(pecked.contains("G99 G83 Q0.5 X10 Y10 Z-1.778 R2 F60\n"));
+    // 6 mm by holes of 1.5 mm, at most 1.05 mm apart: ends first, then five between.
+    assert!(
+        pecked.contains(
+            "X17 Y3 Z-1.778 R2 F60\nX23 Y3\nX18 Y3\nX19 Y3\nX20 Y3\nX21 Y3\nX22 Y3\nG80\n"
+        )
+    );
+}
+
+#[test]
+fn routs_are_slots_and_never_holes() {
+    let board = list(&["tests/data/drill/rout.drl"]);
+    assert_eq!(board["holes"], json!([[5, 5, 2.4]]));
+    assert_eq!(
+        board["slots"],
+        json!([
+            [0, 0, 10, 0, 1],
+            {"from": [10, 0], "to": [10, 10], "diameter": 1, "direction": "ccw", "centre": [10, 5]},
+            [10, 10, 0, 10, 1]
+        ])
+    );
+    let file = "tests/data/drill/rout.drl";
+    let text = program(&[file, "--as=gcode", "--depth=1", "--cycle=moves"]);
+    // The tool stays down along the whole rout.
+    assert!(
+        text.contains("G1 Z-1 F60\nG1 X10 Y0 F60\nG3 X10 Y10 I0 J5 F60\nG1 X0 Y10 F60\nG0 Z2\n"),
+        "{text}"
+    );
+    husillo()
+        .args(["holes", file, "--as=gcode", "--depth=1", "--slots=drill"])
+        .assert()
+        .code(2)
+        .stderr(contains("a curved slot cannot be drilled"));
+}
+
+#[test]
+fn standard_input_and_output_to_a_file() {
+    let file = scratch("from-stdin.json");
+    let _ = std::fs::remove_file(&file);
+    husillo()
+        .args(["holes", "-", "--format", "json", "-o"])
+        .arg(&file)
+        .write_stdin("METRIC\nT1C1\n%\nT1X1.5Y2.\n")
+        .assert()
+        .success()
+        .stdout(predicate::str::is_empty());
+    let board: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    assert_eq!(board["holes"], json!([[1.5, 2, 1]]));
+    husillo()
+        .args(["check", "-", "--dialect", "excellon"])
+        .write_stdin("")
+        .assert()
+        .success()
+        .stdout(contains("no hole in <input>"));
+}
+
+/// The files that independent readers agree on, where they are at hand: see `gcode/tests/excellon_corpus.rs`.
+#[test]
+fn every_hole_of_real_files_within_four_micrometres() {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/excellon");
+    let folder = std::env::var_os("HUSILLO_EXCELLON").map_or(beside, PathBuf::from);
+    let Ok(expected) = std::fs::read_dir(folder.join("expected")) else {
+        println!("no drill files in {}: skipped", folder.display());
+        return;
+    };
+    for entry in expected {
+        let path = entry.unwrap().path();
+        let file = folder.join(path.file_stem().unwrap());
+        let wanted: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let board = list(&[file.to_str().unwrap()]);
+        let (found, wanted_holes) = (points(&board), points(&wanted));
+        assert_eq!(found.len(), wanted_holes.len(), "{}", file.display());
+        for (hole, wanted) in found.iter().zip(&wanted_holes) {
+            for index in 0..3 {
+                assert!(
+                    (hole[index] - wanted[index]).abs() <= 0.004,
+                    "{}",
+                    file.display()
+                );
+            }
+        }
+        let slots = board["slots"].as_array().unwrap().len() as u64;
+        assert_eq!(Some(slots), wanted["slots"].as_u64(), "{}", file.display());
+    }
+}
