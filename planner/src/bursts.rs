@@ -214,7 +214,9 @@ impl<I: Iterator<Item = u32>> Iterator for Bursts<I> {
         let mut best = (0_i64, 0_i64, i64::MAX);
         for candidate in candidates.iter().take(live) {
             let (add, late) = candidate.nearest(count, time);
-            if (late.abs(), add.abs()) < (best.2.saturating_abs(), best.1.abs()) {
+            if (late.unsigned_abs(), add.unsigned_abs())
+                < (best.2.unsigned_abs(), best.1.unsigned_abs())
+            {
                 best = (candidate.interval, add, late);
             }
         }

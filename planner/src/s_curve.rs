@@ -168,7 +168,7 @@ impl SCurve {
         // So much longer than asked for, by less than a tick, that the path ends with the last event.
         // Rounded up: a last event beyond the end is made there; one before it would be early by the cube root of the rounding.
         let step = divide(path.wrapping_add(events.into()).saturating_sub(1), events);
-        let step = step.clamp(least_step, 1 << 61) as i64;
+        let step = step.max(least_step).min(1 << 61) as i64;
         let half_more = step.wrapping_add(step >> 1);
         let mut profile = SCurve {
             to_go: 0,
@@ -420,7 +420,7 @@ impl SCurve {
                     target
                 }
             } else {
-                target.clamp(i64::from(low).wrapping_add(1), last.into())
+                target.max(i64::from(low).wrapping_add(1)).min(last.into())
             };
             // Forward or back by less than 2^30.
             let change = self.short_enough(target.wrapping_sub(at.into()));

@@ -3,8 +3,7 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Follower, Rates, RatesError, Recurrence, Replay, SCurve, Timer,
-    Trapezoid,
+    AxisTimers, Burst, Bursts, Follower, Recurrence, Replay, SCurve, Timer, Trapezoid,
 };
 
 /// Keeps every function in the program.
@@ -30,10 +29,10 @@ fn profiles() {
         Trapezoid::resume as *const (),
         Trapezoid::is_held as *const (),
         <Trapezoid as Iterator>::next as *const (),
-        <Trapezoid as ExactSizeIterator>::len as *const (),
+        <Trapezoid as Iterator>::size_hint as *const (),
         Recurrence::new as *const (),
         <Recurrence as Iterator>::next as *const (),
-        <Recurrence as ExactSizeIterator>::len as *const (),
+        <Recurrence as Iterator>::size_hint as *const (),
         SCurve::new as *const (),
         SCurve::remaining as *const (),
         SCurve::set_top_rate as *const (),
@@ -41,9 +40,7 @@ fn profiles() {
         SCurve::resume as *const (),
         SCurve::is_held as *const (),
         <SCurve as Iterator>::next as *const (),
-        <SCurve as ExactSizeIterator>::len as *const (),
-        <Rates as Clone>::clone as *const (),
-        <RatesError as Clone>::clone as *const (),
+        <SCurve as Iterator>::size_hint as *const (),
     ]);
 }
 
@@ -51,7 +48,7 @@ fn streams() {
     black_box([
         Burst::replay as *const (),
         <Replay as Iterator>::next as *const (),
-        <Replay as ExactSizeIterator>::len as *const (),
+        <Replay as Iterator>::size_hint as *const (),
         Bursts::<Replay>::new as *const (),
         <Bursts<Replay> as Iterator>::next as *const (),
         AxisTimers::<3>::new as *const (),
