@@ -34,10 +34,12 @@ mod axis;
 mod loss;
 mod model;
 mod rig;
+mod spindle;
 
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
+pub use spindle::Spindle;
 
 /// The README's example, as a doctest.
 #[cfg(doctest)]
