@@ -28,9 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             match planned {
                 Ok((next, commands)) => {
                     modal = next;
-                    commands_made += commands.len();
-                    if !timed {
-                        for command in commands {
+                    for command in commands {
+                        commands_made += 1;
+                        if !timed {
                             writeln!(output, "{lines}: {command}")?;
                         }
                     }

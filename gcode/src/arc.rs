@@ -25,6 +25,15 @@ impl Plane {
         }
     }
 
+    /// The axis across it.
+    pub(crate) const fn across(self) -> usize {
+        match self {
+            Plane::Xy => 2,
+            Plane::Zx => 1,
+            Plane::Yz => 0,
+        }
+    }
+
     /// The letters of its centre words, in the order of [`Plane::axes`].
     pub(crate) const fn centre_letters(self) -> [u8; 2] {
         match self {

@@ -2,13 +2,13 @@
 
 use crate::code::{Code, Group};
 use crate::decimal::Decimal;
-use crate::dialect::{Dialect, Flavour};
+use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
 use crate::word::words;
 
 /// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
-const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTN";
-const SLOTS: usize = 15;
+const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
+const SLOTS: usize = 24;
 
 /// Slot of each letter A to Z, or [`NO_SLOT`].
 const SLOT_OF: [u8; 26] = {
@@ -22,8 +22,14 @@ const SLOT_OF: [u8; 26] = {
 };
 const NO_SLOT: u8 = 0xff;
 
+/// Slot of U; V and W follow.
+const INCREMENTS: u8 = 21;
+
 /// How many letters are axes: X Y Z A B C.
 pub(crate) const AXES: usize = 6;
+
+/// The letters that must have a code that uses them.
+const CLAIMED: &[u8] = b"IJKRPDEHLQ";
 
 /// The letter of an axis; `?` beyond the sixth.
 pub(crate) fn axis_letter(axis: usize) -> u8 {
@@ -42,12 +48,12 @@ struct Span {
 
 /// A checked line: every letter at most once, at most one code of each modal group, only known codes and letters.
 ///
-/// Its size is fixed (about 0.8 kB) whatever the line's length. What depends on earlier lines is checked by
+/// Its size is fixed (about 1.2 kB) whatever the line's length. What depends on earlier lines is checked by
 /// [`Modal::plan`](crate::Modal::plan).
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Bit n: slot n is given.
-    present: u16,
+    present: u32,
     deleted: bool,
     values: [Decimal; SLOTS],
     codes: [Option<Code>; Group::COUNT],
@@ -69,8 +75,8 @@ impl Block {
     ///
     /// # Errors
     /// The first fault of the line, from the left: its words (E01xx), unknown letters and codes (E0201, E0202),
-    /// repeated letters (E0203), two codes of a modal group (E0204), negative F, S, T, P or N (E0502), a dwell without
-    /// time (E0504). A deleted block (`/`) is empty and has no errors.
+    /// codes of other dialects (E0212), repeated letters (E0203), two codes of a modal group (E0204), negative F, S, T,
+    /// H, P or N (E0502), a dwell without time (E0504). A deleted block (`/`) is empty and has no errors.
     pub fn parse(text: &[u8], dialect: &Dialect) -> Result<Block, Error> {
         let mut block = Block::EMPTY;
         check_length(text, dialect)?;
@@ -89,7 +95,7 @@ impl Block {
             };
             let pushed = match word.letter {
                 b'G' | b'M' => block.push_code(word.letter, word.value, span, dialect),
-                letter => block.push_word(letter, word.value, span),
+                letter => block.push_word(letter, word.value, span, dialect),
             };
             pushed.map_err(|kind| Error {
                 kind,
@@ -98,10 +104,31 @@ impl Block {
             })?;
         }
         block.deleted = words.is_deleted();
+        block.check_negative_p()?;
+        block.check_program_number()?;
         if block.code(Group::NonModal) == Some(Code::Dwell) && block.word(b'P').is_none() {
             return Err(block.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
         }
         Ok(block)
+    }
+
+    /// `P` may be negative only where it is a coordinate: in G5.
+    fn check_negative_p(&self) -> Result<(), Error> {
+        let negative = self.word(b'P').is_some_and(Decimal::is_negative);
+        if negative && !matches!(self.code(Group::Motion), None | Some(Code::Cubic)) {
+            return Err(self.error_at(ErrorKind::Negative(b'P'), b'P'));
+        }
+        Ok(())
+    }
+
+    /// `O1234` is the number of a program and stands alone, or with `N`.
+    fn check_program_number(&self) -> Result<(), Error> {
+        let alone = bit(b'O') | bit(b'N');
+        let others = self.present & !alone != 0 || self.codes.iter().any(Option::is_some);
+        if self.present & bit(b'O') != 0 && others {
+            return Err(self.error_at(ErrorKind::NumberNotAlone, b'O'));
+        }
+        Ok(())
     }
 
     fn push_code(
@@ -116,37 +143,43 @@ impl Block {
             .and_then(|tenths| u16::try_from(tenths).ok());
         let unknown = ErrorKind::UnknownCode(letter, tenths);
         let tenths = tenths.ok_or(unknown)?;
-        let code = if letter == b'G' {
-            Code::g(tenths)
-        } else {
-            Code::m(tenths)
-        };
-        let code = code.ok_or(unknown)?;
-        if dialect.flavour == Flavour::Micromill && !code.in_micromill() {
-            return Err(unknown);
+        let code = Code::read(letter, tenths, dialect.flavour).ok_or(unknown)?;
+        if !code.is_in(dialect.flavour) {
+            return Err(ErrorKind::NotOfDialect(letter, tenths));
         }
         let group = code.group() as usize;
         if let (Some(slot), Some(place)) =
             (self.codes.get_mut(group), self.code_spans.get_mut(group))
         {
-            if slot.is_some() {
-                return Err(ErrorKind::TwoCodesOfOneGroup);
+            // G80 beside another motion code is the preamble of many a program: the other one counts.
+            let cancel = |code| code == Code::CancelMotion && dialect.joins_cancel();
+            match *slot {
+                Some(_) if cancel(code) => {}
+                Some(before) if !cancel(before) => return Err(ErrorKind::TwoCodesOfOneGroup),
+                _ => (*slot, *place) = (Some(code), span),
             }
-            (*slot, *place) = (Some(code), span);
         }
         Ok(())
     }
 
-    fn push_word(&mut self, letter: u8, value: Decimal, span: Span) -> Result<(), ErrorKind> {
-        let slot = slot_of(letter).ok_or(ErrorKind::UnknownWord(letter))?;
-        let bit = 1u16.wrapping_shl(u32::from(slot));
+    fn push_word(
+        &mut self,
+        letter: u8,
+        value: Decimal,
+        span: Span,
+        dialect: &Dialect,
+    ) -> Result<(), ErrorKind> {
+        let slot = slot_of(letter)
+            .filter(|_| dialect.has_word(letter))
+            .ok_or(ErrorKind::UnknownWord(letter))?;
+        let bit = 1u32.wrapping_shl(u32::from(slot));
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));
         }
-        if value.is_negative() && matches!(letter, b'F' | b'S' | b'T' | b'P' | b'N') {
+        if value.is_negative() && matches!(letter, b'F' | b'S' | b'T' | b'H' | b'N' | b'O') {
             return Err(ErrorKind::Negative(letter));
         }
-        if letter == b'T'
+        if matches!(letter, b'T' | b'H' | b'O')
             && value
                 .whole()
                 .and_then(|number| u32::try_from(number).ok())
@@ -176,8 +209,7 @@ impl Block {
 
     /// Whether the block asks for nothing: no code and no word but `N`.
     pub fn is_empty(&self) -> bool {
-        let line_number = slot_of(b'N').map_or(0, |slot| 1u16.wrapping_shl(u32::from(slot)));
-        self.present & !line_number == 0 && self.codes.iter().all(Option::is_none)
+        self.present & !bit(b'N') == 0 && self.codes.iter().all(Option::is_none)
     }
 
     /// The number behind `N`, if it is a whole number of 32 bits. It means nothing to the program.
@@ -188,7 +220,7 @@ impl Block {
     }
 
     fn slot(&self, slot: u8) -> Option<Decimal> {
-        if self.present & 1u16.wrapping_shl(u32::from(slot)) == 0 {
+        if self.present & 1u32.wrapping_shl(u32::from(slot)) == 0 {
             return None;
         }
         self.values.get(usize::from(slot)).copied()
@@ -204,8 +236,64 @@ impl Block {
     }
 
     /// Bit n: the word of axis n is given.
-    pub(crate) const fn axes(&self) -> u16 {
-        self.present & 0b11_1111
+    pub(crate) fn axes(&self) -> u16 {
+        // The slots of U, V and W are those of X, Y and Z in the same order.
+        let increments = (self.present >> INCREMENTS) & 0b111;
+        ((self.present & 0b11_1111) | increments) as u16
+    }
+
+    /// The increment (U, V, W) of axis 0..3.
+    pub(crate) fn increment(&self, axis: usize) -> Option<Decimal> {
+        if axis < 3 {
+            self.slot(INCREMENTS.wrapping_add(axis as u8))
+        } else {
+            None
+        }
+    }
+
+    /// The letter by which an axis is given here: U, V or W, or its own.
+    pub(crate) fn letter_of(&self, axis: usize) -> u8 {
+        let increments = *b"UVW";
+        match increments.get(axis) {
+            Some(&letter) if self.increment(axis).is_some() => letter,
+            _ => axis_letter(axis),
+        }
+    }
+
+    /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
+    /// of what is in effect without a code of its own in the block.
+    pub(crate) fn check_users(&self, more: &[u8]) -> Result<(), Error> {
+        let mask = |letters: &[u8]| letters.iter().fold(0, |mask, &letter| mask | bit(letter));
+        let given = self.present & mask(CLAIMED);
+        if given == 0 {
+            return Ok(());
+        }
+        let (mut once, mut twice) = (mask(more), 0);
+        for code in self.codes.iter().flatten() {
+            let claim = mask(code.letters());
+            twice |= once & claim;
+            once |= claim;
+        }
+        let find = |wrong: u32| {
+            CLAIMED
+                .iter()
+                .find(|&&letter| wrong & bit(letter) != 0)
+                .copied()
+        };
+        if let Some(letter) = find(given & !once) {
+            return Err(self.error_at(ErrorKind::UnusedWord(letter), letter));
+        }
+        match find(given & twice) {
+            Some(letter) => Err(self.error_at(ErrorKind::TwoUsersOfWords, letter)),
+            None => Ok(()),
+        }
+    }
+
+    /// The number of a program: `O` alone in its block (dialect `iso`).
+    pub fn program_number(&self) -> Option<u32> {
+        self.word(b'O')
+            .and_then(Decimal::whole)
+            .and_then(|number| u32::try_from(number).ok())
     }
 
     pub(crate) fn code(&self, group: Group) -> Option<Code> {
@@ -287,6 +375,11 @@ fn slot_of(letter: u8) -> Option<u8> {
         .filter(|&slot| slot != NO_SLOT)
 }
 
+/// The bit of an upper-case letter in [`Block::present`]; 0 for one without a slot.
+fn bit(letter: u8) -> u32 {
+    slot_of(letter).map_or(0, |slot| 1u32.wrapping_shl(u32::from(slot)))
+}
+
 fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     let Some(limit) = dialect.buffer() else {
         return Ok(());
@@ -338,7 +431,8 @@ mod tests {
     #[test]
     fn faults_have_their_place() {
         assert_eq!(fault("N050 G01 X2.0 U0.4 F12"), (201, 14, 18));
-        assert_eq!(fault("G1 X1 G43"), (202, 6, 9));
+        assert_eq!(fault("G1 X1 G299"), (202, 6, 10));
+        assert_eq!(fault("G1 X1 G77"), (212, 6, 9));
         assert_eq!(fault("G10.12 X1"), (202, 0, 6));
         assert_eq!(fault("M-3"), (202, 0, 3));
         assert_eq!(fault("G1 X1 x2"), (203, 6, 8));

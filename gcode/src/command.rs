@@ -1,8 +1,8 @@
 //! Commands: what a block means, in the machine frame, with nothing left to look up.
 
-use crate::arc::{Arc, Direction};
+use crate::arc::{Arc, Direction, Plane};
 use crate::block::axis_letter;
-use crate::decimal::Decimal;
+use crate::code::Side;
 use crate::nm::Nm;
 use core::fmt;
 
@@ -16,6 +16,8 @@ pub enum Feed {
         /// Moves a minute times 10^6.
         micro_per_minute: u64,
     },
+    /// G95: nanometres of path a revolution of the spindle, above zero.
+    PerRevolution(Nm),
 }
 
 /// What the spindle does.
@@ -28,6 +30,26 @@ pub enum SpindleDirection {
     Clockwise,
     /// M4.
     CounterClockwise,
+}
+
+impl SpindleDirection {
+    /// `off`, `cw` or `ccw`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            SpindleDirection::Off => "off",
+            SpindleDirection::Clockwise => "cw",
+            SpindleDirection::CounterClockwise => "ccw",
+        }
+    }
+
+    /// The other sense; off stays off.
+    pub(crate) const fn reversed(self) -> Self {
+        match self {
+            SpindleDirection::Off => SpindleDirection::Off,
+            SpindleDirection::Clockwise => SpindleDirection::CounterClockwise,
+            SpindleDirection::CounterClockwise => SpindleDirection::Clockwise,
+        }
+    }
 }
 
 /// How moves may be joined.
@@ -43,6 +65,56 @@ pub enum PathMode {
         /// Largest distance from the path.
         tolerance: Option<Nm>,
     },
+}
+
+/// A cubic curve in the XY plane: G5, or G5.1 raised to the third degree.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Spline<const N: usize> {
+    /// The end, machine frame.
+    pub to: [Nm; N],
+    /// Start, two control points and end, X and Y, machine frame. Exact for G5; those of a quadratic curve are rounded
+    /// to the nanometre, so the curve is off by less than one.
+    pub points: [[Nm; 2]; 4],
+}
+
+/// What M66 waits on.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Input {
+    /// `P`: a digital input.
+    Digital(u8),
+    /// `E`: an analogue input.
+    Analog(u8),
+}
+
+/// How M66 waits: its `L`.
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+pub enum WaitFor {
+    /// L0: only read it.
+    #[default]
+    Nothing,
+    /// L1.
+    Rise,
+    /// L2.
+    Fall,
+    /// L3.
+    High,
+    /// L4.
+    Low,
+}
+
+/// What M48 to M53 switch.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Switch {
+    /// M48 and M49: overrides of feed and spindle.
+    Overrides,
+    /// M50: the override of the feed.
+    FeedOverride,
+    /// M51: the override of the spindle.
+    SpindleOverride,
+    /// M52: feed from an input.
+    AdaptiveFeed,
+    /// M53: the feed hold input.
+    FeedHold,
 }
 
 /// One command. Positions are machine frame; each prints as one line, lengths in millimetres.
@@ -68,6 +140,31 @@ pub enum Command<const N: usize> {
         /// Its speed.
         feed: Feed,
     },
+    /// A curved feed move (G5, G5.1).
+    Spline {
+        /// Its geometry.
+        spline: Spline<N>,
+        /// Its speed.
+        feed: Feed,
+    },
+    /// A straight move synchronised with the spindle (G33, and within G76 and the threading cycles of lathes).
+    Thread {
+        /// The end.
+        to: [Nm; N],
+        /// Distance along the move a revolution of the spindle.
+        lead: Nm,
+    },
+    /// A straight move that stops where the probe changes (G38.2 to G38.5).
+    Probe {
+        /// The end if the probe does not change; the modal state stands there until it is told otherwise.
+        to: [Nm; N],
+        /// Its speed.
+        feed: Feed,
+        /// G38.4, G38.5: until contact is lost.
+        away: bool,
+        /// G38.2, G38.4: an error if it does not happen.
+        must: bool,
+    },
     /// A pause.
     Dwell {
         /// Microseconds.
@@ -79,6 +176,22 @@ pub enum Command<const N: usize> {
         direction: SpindleDirection,
         /// Thousandths of a revolution a minute; 0 when off.
         milli_rpm: u64,
+    },
+    /// A spindle at constant surface speed (G96).
+    Surface {
+        /// Its sense; off when the spindle is.
+        direction: SpindleDirection,
+        /// Surface speed a minute.
+        speed: Nm,
+        /// Thousandths of a revolution a minute it must not exceed (`D`).
+        most_milli_rpm: Option<u64>,
+    },
+    /// M19: the spindle stops at an angle, and stands there.
+    Orient {
+        /// Millionths of a degree, below 360 degrees.
+        micro_degrees: u64,
+        /// The way it turns: 0 the shorter, 1 clockwise, 2 counter-clockwise (`P`).
+        way: u8,
     },
     /// Coolant: both states after the command.
     Coolant {
@@ -92,6 +205,63 @@ pub enum Command<const N: usize> {
         /// Its number; 0 when none was selected.
         number: u32,
     },
+    /// M61: this tool is in the spindle already.
+    ToolIs {
+        /// Its number.
+        number: u32,
+    },
+    /// G43, G43.1, G49: the tool length in effect, part of all positions from here on.
+    ToolLength {
+        /// Number in the table; 0 for G43.1 and G49.
+        number: u32,
+        /// What is added to the work frame. Zero also for a tool that the table has not.
+        offset: [Nm; N],
+    },
+    /// G40, G41, G42: radius compensation from the next move on. The moves of the stream are those of the contour.
+    Compensation {
+        /// The side; `None` for G40.
+        side: Option<Side>,
+        /// The tool's radius, not negative.
+        radius: Nm,
+        /// The plane in which it is compensated.
+        plane: Plane,
+    },
+    /// M48 to M53.
+    Switch {
+        /// What is switched.
+        what: Switch,
+        /// Allowed, or not.
+        on: bool,
+    },
+    /// M62 to M65: a digital output.
+    Output {
+        /// Its number.
+        number: u8,
+        /// Its level.
+        on: bool,
+        /// M62, M63: when the next move begins, not before.
+        with_motion: bool,
+    },
+    /// M67, M68: an analogue output.
+    Analog {
+        /// Its number.
+        number: u8,
+        /// Millionths of its unit.
+        micro: i64,
+        /// M67: when the next move begins, not before.
+        with_motion: bool,
+    },
+    /// M66: read an input, or wait for it.
+    Wait {
+        /// Which.
+        input: Input,
+        /// For what.
+        until: WaitFor,
+        /// Microseconds at most; 0 does not wait.
+        timeout_micros: u64,
+    },
+    /// M60: change the pallet and wait for the operator.
+    Pallet,
     /// M0, or M1 when optional: wait for the operator.
     Stop {
         /// M1.
@@ -107,6 +277,21 @@ pub enum Command<const N: usize> {
         /// The mode from here on.
         mode: PathMode,
     },
+}
+
+impl<const N: usize> Command<N> {
+    /// Where the command ends, if it moves.
+    pub const fn end(&self) -> Option<[Nm; N]> {
+        match self {
+            Command::Rapid { to }
+            | Command::Linear { to, .. }
+            | Command::Thread { to, .. }
+            | Command::Probe { to, .. } => Some(*to),
+            Command::Arc { arc, .. } => Some(arc.to),
+            Command::Spline { spline, .. } => Some(spline.to),
+            _ => None,
+        }
+    }
 }
 
 /// The end of a move as ` X1 Y2 Z3`.
@@ -126,6 +311,7 @@ impl fmt::Display for Feed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Feed::PerMinute(rate) => write!(f, "F{rate}"),
+            Feed::PerRevolution(rate) => write!(f, "F{rate}/rev"),
             Feed::InverseTime { micro_per_minute } => {
                 write!(f, "F{}/min", Millionths(micro_per_minute))
             }
@@ -164,6 +350,102 @@ impl<const N: usize> fmt::Display for Command<N> {
                 }
                 write!(f, " {feed}")
             }
+            Command::Spline { spline, feed } => {
+                write!(f, "spline{} through", Point(&spline.to))?;
+                for [x, y] in spline.points.iter().skip(1).take(2) {
+                    write!(f, " X{x} Y{y}")?;
+                }
+                write!(f, " {feed}")
+            }
+            Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to)),
+            Command::Probe {
+                to,
+                feed,
+                away,
+                must,
+            } => {
+                let way = if *away { " away" } else { "" };
+                let must = if *must { "" } else { " optional" };
+                write!(f, "probe{way}{must}{} {feed}", Point(to))
+            }
+            Command::Surface {
+                direction,
+                speed,
+                most_milli_rpm,
+            } => {
+                write!(f, "surface {} {speed} mm/min", direction.name())?;
+                match most_milli_rpm {
+                    Some(most) => {
+                        write!(f, " at most {} rpm", Millionths(most.saturating_mul(1000)))
+                    }
+                    None => Ok(()),
+                }
+            }
+            Command::Orient { micro_degrees, way } => {
+                write!(f, "orient {} way {way}", Millionths(*micro_degrees))
+            }
+            Command::ToolIs { number } => write!(f, "tool is {number}"),
+            Command::ToolLength { number, offset } => {
+                write!(f, "tool length {number}{}", Point(offset))
+            }
+            Command::Compensation { side: None, .. } => f.write_str("compensation off"),
+            Command::Compensation {
+                side: Some(side),
+                radius,
+                plane,
+            } => {
+                let side = if *side == Side::Left { "left" } else { "right" };
+                write!(f, "compensation {side} {} radius {radius}", plane.name())
+            }
+            Command::Switch { what, on } => {
+                let name = match what {
+                    Switch::Overrides => "overrides",
+                    Switch::FeedOverride => "feed override",
+                    Switch::SpindleOverride => "spindle override",
+                    Switch::AdaptiveFeed => "adaptive feed",
+                    Switch::FeedHold => "feed hold",
+                };
+                write!(f, "{name} {}", if *on { "on" } else { "off" })
+            }
+            Command::Output {
+                number,
+                on,
+                with_motion,
+            } => {
+                let when = if *with_motion { " with motion" } else { "" };
+                write!(
+                    f,
+                    "output {number} {}{when}",
+                    if *on { "on" } else { "off" }
+                )
+            }
+            Command::Analog {
+                number,
+                micro,
+                with_motion,
+            } => {
+                let when = if *with_motion { " with motion" } else { "" };
+                write!(f, "analog {number} {}{when}", Nm(*micro))
+            }
+            Command::Wait {
+                input,
+                until,
+                timeout_micros,
+            } => {
+                match input {
+                    Input::Digital(number) => write!(f, "wait digital {number}")?,
+                    Input::Analog(number) => write!(f, "wait analog {number}")?,
+                }
+                let until = match until {
+                    WaitFor::Nothing => return Ok(()),
+                    WaitFor::Rise => "rise",
+                    WaitFor::Fall => "fall",
+                    WaitFor::High => "high",
+                    WaitFor::Low => "low",
+                };
+                write!(f, " {until} {} s", Millionths(*timeout_micros))
+            }
+            Command::Pallet => f.write_str("stop pallet"),
             Command::Dwell { micros } => write!(f, "dwell {} s", Millionths(*micros)),
             Command::Spindle {
                 direction: SpindleDirection::Off,
@@ -173,14 +455,10 @@ impl<const N: usize> fmt::Display for Command<N> {
                 direction,
                 milli_rpm,
             } => {
-                let name = if *direction == SpindleDirection::Clockwise {
-                    "cw"
-                } else {
-                    "ccw"
-                };
                 write!(
                     f,
-                    "spindle {name} {} rpm",
+                    "spindle {} {} rpm",
+                    direction.name(),
                     Millionths(milli_rpm.saturating_mul(1000))
                 )
             }
@@ -213,159 +491,5 @@ impl<const N: usize> fmt::Display for Command<N> {
                 },
             } => write!(f, "path blend {by}"),
         }
-    }
-}
-
-/// The commands of one block, in their order of execution: at most eight. Small, owned, and pulled one by one.
-#[derive(Clone, Debug)]
-pub struct Commands<const N: usize> {
-    /// Bit n: the command of place n is still to come.
-    pending: u8,
-    tool: u32,
-    spindle: (SpindleDirection, u64),
-    coolant: (bool, bool),
-    dwell_micros: u64,
-    path: PathMode,
-    /// The point a G28 goes through.
-    via: [Nm; N],
-    motion: Command<N>,
-    last: Command<N>,
-}
-
-const TOOL: u8 = 1 << 0;
-const SPINDLE: u8 = 1 << 1;
-const COOLANT: u8 = 1 << 2;
-const DWELL: u8 = 1 << 3;
-const PATH: u8 = 1 << 4;
-const VIA: u8 = 1 << 5;
-const MOTION: u8 = 1 << 6;
-const LAST: u8 = 1 << 7;
-
-impl<const N: usize> Commands<N> {
-    pub(crate) const fn new() -> Self {
-        Commands {
-            pending: 0,
-            tool: 0,
-            spindle: (SpindleDirection::Off, 0),
-            coolant: (false, false),
-            dwell_micros: 0,
-            path: PathMode::ExactPath,
-            via: [Nm(0); N],
-            motion: Command::Dwell { micros: 0 },
-            last: Command::Dwell { micros: 0 },
-        }
-    }
-
-    pub(crate) fn tool(&mut self, number: u32) {
-        (self.tool, self.pending) = (number, self.pending | TOOL);
-    }
-
-    pub(crate) fn spindle(&mut self, direction: SpindleDirection, milli_rpm: u64) {
-        (self.spindle, self.pending) = ((direction, milli_rpm), self.pending | SPINDLE);
-    }
-
-    pub(crate) fn coolant(&mut self, mist: bool, flood: bool) {
-        (self.coolant, self.pending) = ((mist, flood), self.pending | COOLANT);
-    }
-
-    pub(crate) fn dwell(&mut self, micros: u64) {
-        (self.dwell_micros, self.pending) = (micros, self.pending | DWELL);
-    }
-
-    pub(crate) fn path(&mut self, mode: PathMode) {
-        (self.path, self.pending) = (mode, self.pending | PATH);
-    }
-
-    pub(crate) fn via(&mut self, at: [Nm; N]) {
-        (self.via, self.pending) = (at, self.pending | VIA);
-    }
-
-    pub(crate) fn motion(&mut self, motion: Command<N>) {
-        (self.motion, self.pending) = (motion, self.pending | MOTION);
-    }
-
-    pub(crate) fn finish(&mut self, last: Command<N>) {
-        (self.last, self.pending) = (last, self.pending | LAST);
-    }
-}
-
-impl<const N: usize> Iterator for Commands<N> {
-    type Item = Command<N>;
-
-    fn next(&mut self) -> Option<Command<N>> {
-        let lowest = self.pending & self.pending.wrapping_neg();
-        self.pending &= !lowest;
-        Some(match lowest {
-            TOOL => Command::Tool { number: self.tool },
-            SPINDLE => Command::Spindle {
-                direction: self.spindle.0,
-                milli_rpm: self.spindle.1,
-            },
-            COOLANT => Command::Coolant {
-                mist: self.coolant.0,
-                flood: self.coolant.1,
-            },
-            DWELL => Command::Dwell {
-                micros: self.dwell_micros,
-            },
-            PATH => Command::Path { mode: self.path },
-            VIA => Command::Rapid { to: self.via },
-            MOTION => self.motion,
-            LAST => self.last,
-            _ => return None,
-        })
-    }
-
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        let count = self.pending.count_ones() as usize;
-        (count, Some(count))
-    }
-}
-
-impl<const N: usize> ExactSizeIterator for Commands<N> {}
-impl<const N: usize> core::iter::FusedIterator for Commands<N> {}
-
-/// `value * 10^exponent` as an unsigned number.
-pub(crate) fn unsigned(value: Decimal, exponent: u8) -> Option<u64> {
-    value
-        .scaled(1, exponent)
-        .and_then(|scaled| u64::try_from(scaled).ok())
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use std::string::ToString;
-    use std::vec::Vec;
-
-    #[test]
-    fn commands_come_in_order_of_execution() {
-        let mut commands = Commands::<2>::new();
-        commands.finish(Command::End { rewind: true });
-        commands.motion(Command::Rapid {
-            to: [Nm(1_500_000), Nm(-1)],
-        });
-        commands.dwell(1_500_000);
-        commands.spindle(SpindleDirection::CounterClockwise, 1_000_500);
-        commands.coolant(true, true);
-        commands.path(PathMode::Blend {
-            tolerance: Some(Nm(50_000)),
-        });
-        commands.tool(3);
-        assert_eq!(commands.len(), 7);
-        let lines: Vec<_> = commands.map(|command| command.to_string()).collect();
-        assert_eq!(
-            lines,
-            [
-                "tool 3",
-                "spindle ccw 1000.5 rpm",
-                "coolant mist flood",
-                "dwell 1.5 s",
-                "path blend 0.05",
-                "rapid X1.5 Y-0.000001",
-                "end rewind"
-            ]
-        );
     }
 }

@@ -10,7 +10,11 @@ pub struct Dialect {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Flavour {
     Rs274,
+    Grbl,
     Micromill,
+    Lathe,
+    LatheA,
+    Iso,
 }
 
 impl Dialect {
@@ -30,20 +34,60 @@ impl Dialect {
         block_delete: true,
     };
 
-    /// The dialect of this name: `rs274` or `micromill`.
+    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at the end of a program.
+    pub const GRBL: Dialect = Dialect {
+        flavour: Flavour::Grbl,
+        block_delete: true,
+    };
+
+    /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a diameter and G18 the
+    /// plane at the start, `G90`/`G91` and `G94`/`G95` mean what they mean on a mill, and the single turning, threading
+    /// and facing cycles are `G77`, `G78`, `G79`.
+    pub const LATHE: Dialect = Dialect {
+        flavour: Flavour::Lathe,
+        block_delete: true,
+    };
+
+    /// A turning machine with the numbers of code system A: `G90`, `G92` and `G94` are the turning, threading and facing
+    /// cycles, not distance mode, shift and feed mode; `G98`/`G99` are feed a minute and a revolution, `G50` shifts the
+    /// frame, `G32` cuts a thread, and increments are `U` and `W`. X is always a diameter.
+    pub const LATHE_A: Dialect = Dialect {
+        flavour: Flavour::LatheA,
+        block_delete: true,
+    };
+
+    /// Programs of ISO 6983 controls: RS-274's list, and `O1234` alone as the number of a program.
+    pub const ISO: Dialect = Dialect {
+        flavour: Flavour::Iso,
+        block_delete: true,
+    };
+
+    /// All of them.
+    pub const ALL: [Dialect; 6] = [
+        Dialect::RS274,
+        Dialect::GRBL,
+        Dialect::MICROMILL,
+        Dialect::LATHE,
+        Dialect::LATHE_A,
+        Dialect::ISO,
+    ];
+
+    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a` or `iso`.
     pub fn by_name(name: &str) -> Option<Dialect> {
-        match name {
-            "rs274" => Some(Dialect::RS274),
-            "micromill" => Some(Dialect::MICROMILL),
-            _ => None,
-        }
+        Dialect::ALL
+            .into_iter()
+            .find(|dialect| dialect.name() == name)
     }
 
     /// Its name, as [`Dialect::by_name`] takes it.
     pub const fn name(&self) -> &'static str {
         match self.flavour {
             Flavour::Rs274 => "rs274",
+            Flavour::Grbl => "grbl",
             Flavour::Micromill => "micromill",
+            Flavour::Lathe => "lathe",
+            Flavour::LatheA => "lathe-a",
+            Flavour::Iso => "iso",
         }
     }
 
@@ -63,9 +107,36 @@ impl Dialect {
     /// The longest block, blanks not counted, its `;` counted; `None` without limit.
     pub const fn buffer(&self) -> Option<u8> {
         match self.flavour {
-            Flavour::Rs274 => None,
             Flavour::Micromill => Some(64),
+            _ => None,
         }
+    }
+
+    /// Whether a letter other than G and M can start a word here.
+    pub(crate) const fn has_word(&self, letter: u8) -> bool {
+        match self.flavour {
+            Flavour::Micromill => !matches!(
+                letter,
+                b'D' | b'E' | b'H' | b'L' | b'Q' | b'O' | b'U' | b'V' | b'W'
+            ),
+            Flavour::Grbl => !matches!(
+                letter,
+                b'D' | b'E' | b'H' | b'Q' | b'O' | b'U' | b'V' | b'W'
+            ),
+            Flavour::Rs274 | Flavour::Lathe => !matches!(letter, b'O' | b'U' | b'V' | b'W'),
+            Flavour::LatheA => !matches!(letter, b'V'),
+            Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),
+        }
+    }
+
+    /// Whether G80 may stand beside another motion code.
+    pub(crate) const fn joins_cancel(&self) -> bool {
+        !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)
+    }
+
+    /// Whether X is a diameter at the start.
+    pub(crate) const fn is_lathe(&self) -> bool {
+        matches!(self.flavour, Flavour::Lathe | Flavour::LatheA)
     }
 
     /// The blocks of one physical line, each with its offset in it.
@@ -145,7 +216,7 @@ mod tests {
 
     #[test]
     fn has_names() {
-        for dialect in [Dialect::RS274, Dialect::MICROMILL] {
+        for dialect in Dialect::ALL {
             assert_eq!(Dialect::by_name(dialect.name()), Some(dialect));
         }
         assert_eq!(Dialect::by_name("excellon"), None);

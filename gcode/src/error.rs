@@ -42,6 +42,14 @@ pub enum ErrorKind {
     UnknownWord(u8),
     /// A code outside the list: its letter, and its number in tenths (`None` when it has more places or is out of range).
     UnknownCode(u8, Option<u16>),
+    /// A code of the list that this dialect lacks: its letter and its number in tenths.
+    NotOfDialect(u8, u16),
+    /// A code without a word it needs.
+    MissingWord(u8),
+    /// A program number `O` with other words.
+    NumberNotAlone,
+    /// A comma where a decimal point belongs.
+    DecimalComma,
     /// A letter given twice.
     RepeatedWord(u8),
     /// A second code of the same modal group.
@@ -82,6 +90,38 @@ pub enum ErrorKind {
     Negative(u8),
     /// `G4` without `P`.
     NoDwellTime,
+    /// A value outside of what its code takes.
+    OutOfRange(u8),
+    /// More tools than the table holds.
+    ToolTableFull,
+    /// A tool that is not in the table.
+    UnknownTool,
+    /// A thread, a tapping cycle, a feed a revolution or a surface speed without a turning spindle.
+    SpindleStopped,
+    /// A code that cannot be used under G93, or at all in this feed mode.
+    WrongFeedMode,
+    /// A canned cycle whose retract plane is not above the bottom.
+    RetractBelowBottom,
+    /// A cycle with more passes or pecks than are ever made: 2^16.
+    TooManyPasses,
+    /// A turning cycle along a contour of several blocks.
+    ContourOfBlocks,
+    /// A rotary axis in a canned cycle.
+    RotaryInCycle(u8),
+    /// A spline outside of G17, or with words of other axes.
+    SplinePlane,
+    /// A probe move without length.
+    NoProbeMove,
+    /// A code that is refused while cutter compensation is on.
+    UnderCompensation,
+    /// An arc or a rapid as the first or the last move of cutter compensation.
+    CompensationEntry,
+    /// A first move of cutter compensation that is not longer than the tool's radius.
+    EntryTooShort(Nm),
+    /// A corner of the contour that the tool cannot reach without cutting into it.
+    Gouge,
+    /// An inside arc of the contour smaller than the tool.
+    ArcSmallerThanTool(Nm),
 }
 
 impl ErrorKind {
@@ -95,6 +135,7 @@ impl ErrorKind {
             ErrorKind::UnclosedComment => 105,
             ErrorKind::NestedComment => 106,
             ErrorKind::NotWhole(_) => 107,
+            ErrorKind::DecimalComma => 108,
             ErrorKind::UnknownWord(_) => 201,
             ErrorKind::UnknownCode(..) => 202,
             ErrorKind::RepeatedWord(_) => 203,
@@ -106,6 +147,12 @@ impl ErrorKind {
             ErrorKind::MachineFrame => 209,
             ErrorKind::ZNotAlone => 210,
             ErrorKind::NotZero(_) => 211,
+            ErrorKind::NotOfDialect(..) => 212,
+            ErrorKind::MissingWord(_) => 213,
+            ErrorKind::NumberNotAlone => 214,
+            ErrorKind::RotaryInCycle(_) => 215,
+            ErrorKind::ContourOfBlocks => 216,
+            ErrorKind::UnderCompensation => 217,
             ErrorKind::NoCentre | ErrorKind::HalfCentre => 301,
             ErrorKind::EndOffArc(_) => 302,
             ErrorKind::RadiusAndCentre => 303,
@@ -115,6 +162,17 @@ impl ErrorKind {
             ErrorKind::NoFeed | ErrorKind::NoInverseTime => 501,
             ErrorKind::Negative(_) => 502,
             ErrorKind::NoDwellTime => 504,
+            ErrorKind::OutOfRange(_) | ErrorKind::TooManyPasses => 505,
+            ErrorKind::ToolTableFull | ErrorKind::UnknownTool => 506,
+            ErrorKind::SpindleStopped => 507,
+            ErrorKind::WrongFeedMode => 508,
+            ErrorKind::RetractBelowBottom => 310,
+            ErrorKind::SplinePlane => 311,
+            ErrorKind::NoProbeMove => 312,
+            ErrorKind::CompensationEntry => 320,
+            ErrorKind::EntryTooShort(_) => 321,
+            ErrorKind::Gouge => 322,
+            ErrorKind::ArcSmallerThanTool(_) => 323,
         }
     }
 }
@@ -155,6 +213,34 @@ impl fmt::Display for ErrorKind {
                     0 => write!(f, "`"),
                     tenth => write!(f, ".{tenth}`"),
                 };
+            }
+            ErrorKind::NotOfDialect(letter, tenths) => {
+                write!(f, "known code `{}{}", char::from(letter), tenths / 10)?;
+                return match tenths % 10 {
+                    0 => write!(f, "`, not of this dialect"),
+                    tenth => write!(f, ".{tenth}`, not of this dialect"),
+                };
+            }
+            ErrorKind::MissingWord(letter) => {
+                return write!(f, "code without its `{}`", char::from(letter));
+            }
+            ErrorKind::OutOfRange(letter) => {
+                return write!(f, "value of `{}` out of range", char::from(letter));
+            }
+            ErrorKind::RotaryInCycle(letter) => {
+                return write!(f, "rotary axis `{}` in a canned cycle", char::from(letter));
+            }
+            ErrorKind::EntryTooShort(least) => {
+                return write!(
+                    f,
+                    "first move of the compensation is not longer than the tool radius of {least} mm"
+                );
+            }
+            ErrorKind::ArcSmallerThanTool(radius) => {
+                return write!(
+                    f,
+                    "inside arc is smaller than the tool radius of {radius} mm"
+                );
             }
             ErrorKind::RepeatedWord(letter) => {
                 return write!(f, "word `{}` repeated", char::from(letter));
@@ -198,6 +284,24 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NoFeed => "feed move before any feed rate",
             ErrorKind::NoInverseTime => "feed move without its own F under G93",
             ErrorKind::NoDwellTime => "dwell without `P`",
+            ErrorKind::NumberNotAlone => "program number with other words",
+            ErrorKind::DecimalComma => "comma in a number",
+            ErrorKind::ToolTableFull => "tool table is full",
+            ErrorKind::UnknownTool => "tool is not in the table",
+            ErrorKind::SpindleStopped => "needs a turning spindle",
+            ErrorKind::WrongFeedMode => "not in this feed mode",
+            ErrorKind::RetractBelowBottom => "retract plane is below the bottom",
+            ErrorKind::TooManyPasses => "too many passes",
+            ErrorKind::ContourOfBlocks => {
+                "cycle along a contour of several blocks is not supported"
+            }
+            ErrorKind::SplinePlane => "spline outside of the XY plane",
+            ErrorKind::NoProbeMove => "probe move without length",
+            ErrorKind::UnderCompensation => "not while cutter compensation is on",
+            ErrorKind::CompensationEntry => {
+                "cutter compensation starts and ends with a straight move in its plane"
+            }
+            ErrorKind::Gouge => "tool cannot reach this corner without gouging",
         };
         f.write_str(fixed)
     }

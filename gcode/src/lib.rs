@@ -46,19 +46,33 @@ mod block;
 
 mod arc;
 mod command;
+mod cycle;
+mod thread;
+mod tools;
+
+mod commands;
 mod modal;
+
+mod canned;
+mod frames;
 mod motion;
+mod settings;
+mod special;
 
 pub mod excellon;
 
 pub use arc::{Arc, Direction, Plane};
 pub use block::Block;
-pub use command::{Command, Commands, Feed, PathMode, SpindleDirection};
+pub use code::Side;
+pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
+pub use commands::Commands;
+pub use cycle::Kind as Cycle;
 pub use decimal::Decimal;
 pub use dialect::{Blocks, Dialect};
 pub use error::{Error, ErrorKind};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::Nm;
+pub use tools::Tool;
 pub use word::{Word, Words, words};
 
 /// The example of the README, compiled.

@@ -2,15 +2,19 @@
 
 use crate::arc::Plane;
 use crate::block::{Block, axis_letter};
-use crate::code::{Code, Group};
-use crate::command::{Command, Commands, PathMode, SpindleDirection, unsigned};
+use crate::code::{Code, Group, Side};
+use crate::command::{PathMode, SpindleDirection};
+use crate::commands::{Commands, Plain};
+use crate::cycle::Kind;
 use crate::decimal::Decimal;
 use crate::dialect::{Dialect, Flavour};
 use crate::error::{Error, ErrorKind};
 use crate::nm::Nm;
+use crate::tools::{Tool, Tools};
 
 /// The motion mode: what axis words alone do.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[non_exhaustive]
 pub enum Motion {
     /// G0.
     Rapid,
@@ -20,6 +24,21 @@ pub enum Motion {
     Clockwise,
     /// G3.
     CounterClockwise,
+    /// G5.
+    Cubic,
+    /// G5.1.
+    Quadratic,
+    /// G33.
+    Thread,
+    /// G38.2 to G38.5.
+    Probe {
+        /// G38.4, G38.5.
+        away: bool,
+        /// G38.2, G38.4.
+        must: bool,
+    },
+    /// A canned cycle.
+    Cycle(Kind),
 }
 
 /// The unit of lengths.
@@ -36,10 +55,22 @@ pub enum Units {
 impl Units {
     /// This many units in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
     pub(crate) const fn length(self, value: Decimal) -> Option<Nm> {
-        let scaled = match self {
-            Units::Millimetres => value.scaled(1, 6),
-            Units::Inches => value.scaled(254, 5),
-            Units::Micrometres => value.scaled(1, 3),
+        self.within(value, 1)
+    }
+
+    /// Half of it, rounded once: a diameter as a radius.
+    pub(crate) const fn half(self, value: Decimal) -> Option<Nm> {
+        self.within(value, 2)
+    }
+
+    const fn within(self, value: Decimal, parts: u8) -> Option<Nm> {
+        let scaled = match (self, parts) {
+            (Units::Millimetres, 2) => value.scaled(5, 5),
+            (Units::Inches, 2) => value.scaled(127, 5),
+            (Units::Micrometres, 2) => value.scaled(5, 2),
+            (Units::Millimetres, _) => value.scaled(1, 6),
+            (Units::Inches, _) => value.scaled(254, 5),
+            (Units::Micrometres, _) => value.scaled(1, 3),
         };
         match scaled {
             Some(nm) => Nm(nm).within_limit(),
@@ -64,15 +95,37 @@ pub enum FeedMode {
     PerMinute,
     /// G93: moves a minute; every feed move has its own `F`.
     InverseTime,
+    /// G95: length a revolution of the spindle.
+    PerRevolution,
 }
 
-/// How many work frames there are: G54 to G59.
-const SYSTEMS: usize = 6;
+/// How many work frames there are: G54 to G59.3.
+const SYSTEMS: usize = 9;
 
-/// The state that one block leaves to the next: modes, frames and the programmed position. Cheap to clone.
+/// What a canned cycle keeps for the next block of its series, lengths as they were programmed.
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+pub(crate) struct Sticky {
+    pub(crate) retract: Option<Nm>,
+    pub(crate) bottom: Option<Nm>,
+    pub(crate) peck: Option<Nm>,
+    pub(crate) dwell_micros: u64,
+    pub(crate) back_bore: Option<[Nm; 3]>,
+    /// Height before the series, machine frame: where G98 goes back to.
+    pub(crate) initial: Option<Nm>,
+    /// The far corner of a turning cycle, X and Z, machine frame.
+    pub(crate) corner: Option<[Nm; 2]>,
+    /// The taper of a turning cycle, and the lead of a thread.
+    pub(crate) taper: Nm,
+    pub(crate) lead: Nm,
+}
+
+/// The state that one block leaves to the next: modes, frames, eight tools and the programmed position. Cheap to clone.
 ///
-/// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, no motion mode (axis words before
-/// the first G0 to G3 are an error), no feed, spindle and coolant off. Micromill: micrometres, absolute centres.
+/// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49, G98, G97, G8, no motion
+/// mode (axis words before the first motion code are an error), no feed, spindle and coolant off. Micromill: micrometres,
+/// absolute centres. Grbl: G0. Lathes: G18 and G7.
+///
+/// A, B and C are turned in degrees whatever the unit: a millionth of a degree is one [`Nm`].
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Modal<const N: usize> {
     pub(crate) dialect: Dialect,
@@ -80,12 +133,27 @@ pub struct Modal<const N: usize> {
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
     /// The shift of all work frames by G92.
     pub(crate) shift: [Nm; N],
-    /// The position G28 goes to.
-    pub(crate) home: [Nm; N],
-    /// Nanometres a minute, or millionths of a move a minute; 0 when there is none.
+    /// The shift G92.3 brings back.
+    pub(crate) kept_shift: [Nm; N],
+    /// The positions G28 and G30 go to.
+    pub(crate) homes: [[Nm; N]; 2],
+    pub(crate) tools: Tools<N>,
+    /// The tool length in effect.
+    pub(crate) length: [Nm; N],
+    /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
     pub(crate) feed: u64,
     pub(crate) milli_rpm: u64,
+    /// G96: surface speed a minute and the most thousandths of a revolution; `None` under G97.
+    pub(crate) surface: Option<(Nm, Option<u64>)>,
     pub(crate) tool: u32,
+    /// The tool in the spindle: by M6 or M61.
+    pub(crate) loaded: u32,
+    pub(crate) sticky: Sticky,
+    /// G5: from the end of the curve back to its second control point, turned round.
+    pub(crate) tail: Option<[Nm; 2]>,
+    pub(crate) compensation: Option<Side>,
+    pub(crate) diameter: bool,
+    pub(crate) to_retract: bool,
     pub(crate) system: u8,
     pub(crate) motion: Option<Motion>,
     pub(crate) plane: Plane,
@@ -108,13 +176,31 @@ impl<const N: usize> Modal<N> {
             position: [Nm(0); N],
             offsets: [[Nm(0); N]; SYSTEMS],
             shift: [Nm(0); N],
-            home: [Nm(0); N],
+            kept_shift: [Nm(0); N],
+            homes: [[Nm(0); N]; 2],
+            tools: Tools::new(),
+            length: [Nm(0); N],
             feed: 0,
             milli_rpm: 0,
+            surface: None,
             tool: 0,
+            loaded: 0,
+            sticky: Sticky::default(),
+            tail: None,
+            compensation: None,
+            diameter: dialect.is_lathe(),
+            to_retract: false,
             system: 0,
-            motion: None,
-            plane: Plane::Xy,
+            motion: if dialect.flavour == Flavour::Grbl {
+                Some(Motion::Rapid)
+            } else {
+                None
+            },
+            plane: if dialect.is_lathe() {
+                Plane::Zx
+            } else {
+                Plane::Xy
+            },
             units: if micromill {
                 Units::Micrometres
             } else {
@@ -137,12 +223,14 @@ impl<const N: usize> Modal<N> {
     /// What a block means: the state after it and its commands, in the order of execution of RS-274. All or nothing:
     /// `self` stays as it was, and with an error there is nothing else.
     ///
-    /// Order: feed mode, F, S, T, M6, spindle, coolant, G4, plane, units, work frame, path mode, distance modes,
-    /// G28 or G92, motion, stop. So an `F` beside `G20` still counts in the unit before it.
+    /// Order: feed mode, F, spindle mode, S, T, M62 to M68, M6, spindle, coolant, M48 to M53, G4, plane, units, cutter
+    /// compensation, tool length, work frame, path mode, distance modes, G98, then one of G10, G28, G30, G92 and the
+    /// motion, stop. So an `F` beside `G20` still counts in the unit before it.
     ///
     /// # Errors
     /// What depends on the state: axis words without motion (E0206) or missing (E0207), unused words (E0208), axes
-    /// this machine has not (E0201), arcs (E03xx), feed (E0501), coordinates beyond [`Nm::LIMIT`] (E0103).
+    /// this machine has not (E0201), arcs, cycles and splines (E03xx), feed and ranges (E05xx), words that a code misses
+    /// (E0213), what compensation forbids (E0217), coordinates beyond [`Nm::LIMIT`] (E0103).
     pub fn plan(&self, block: &Block) -> Result<(Modal<N>, Commands<N>), Error> {
         let mut next = self.clone();
         let mut commands = Commands::new();
@@ -160,13 +248,23 @@ impl<const N: usize> Modal<N> {
         self.position = at;
     }
 
-    /// The active work zero in the machine frame: the offset of G54 to G59 and the shift of G92.
+    /// The active work zero in the machine frame: the offset of G54 to G59.3 and the shift of G92,
+    /// without the tool length.
     pub fn work_offset(&self) -> [Nm; N] {
         let mut sum = self.system_offset();
         for (sum, shift) in sum.iter_mut().zip(self.shift) {
             sum.0 = sum.0.saturating_add(shift.0);
         }
         sum
+    }
+
+    /// The work zero of the programmed point: with the tool length.
+    pub(crate) fn zero(&self) -> [Nm; N] {
+        let mut zero = self.work_offset();
+        for (zero, length) in zero.iter_mut().zip(self.length) {
+            zero.0 = zero.0.saturating_add(length.0);
+        }
+        zero
     }
 
     /// The zero of the active work frame, without G92.
@@ -177,7 +275,7 @@ impl<const N: usize> Modal<N> {
             .unwrap_or([Nm(0); N])
     }
 
-    /// Sets the zero of a work frame, 0 (G54) to 5 (G59); `false` and nothing done for another number.
+    /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another number.
     pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
         self.offsets
             .get_mut(usize::from(system))
@@ -187,15 +285,55 @@ impl<const N: usize> Modal<N> {
 
     /// Sets the position G28 goes to, machine frame; machine zero at the start.
     pub fn set_home(&mut self, home: [Nm; N]) {
-        self.home = home;
+        self.homes = [home, self.homes[1]];
     }
 
     /// The position G28 goes to, machine frame.
     pub fn home(&self) -> [Nm; N] {
-        self.home
+        self.homes[0]
     }
 
-    /// The active work frame: 0 (G54) to 5 (G59).
+    /// Sets the position G30 goes to, machine frame; machine zero at the start.
+    pub fn set_second_home(&mut self, home: [Nm; N]) {
+        self.homes = [self.homes[0], home];
+    }
+
+    /// The position G30 goes to, machine frame.
+    pub fn second_home(&self) -> [Nm; N] {
+        self.homes[1]
+    }
+
+    /// Writes a tool into the table, as G10 L1 does; `false` and nothing done for tool 0 and when eight others are there.
+    pub fn set_tool(&mut self, number: u32, tool: Tool<N>) -> bool {
+        self.tools.set(number, tool)
+    }
+
+    /// A tool of the table.
+    pub fn tool_data(&self, number: u32) -> Option<Tool<N>> {
+        self.tools.get(number)
+    }
+
+    /// The tool length in effect (G43, G43.1), part of the position.
+    pub fn tool_length(&self) -> [Nm; N] {
+        self.length
+    }
+
+    /// The tool in the spindle: the one of the last M6 or M61.
+    pub fn loaded_tool(&self) -> u32 {
+        self.loaded
+    }
+
+    /// The side of cutter compensation; `None` under G40.
+    pub fn compensation(&self) -> Option<Side> {
+        self.compensation
+    }
+
+    /// Whether X is a diameter (G7).
+    pub fn is_diameter(&self) -> bool {
+        self.diameter
+    }
+
+    /// The active work frame: 0 (G54) to 8 (G59.3).
     pub fn work_system(&self) -> u8 {
         self.system
     }
@@ -235,7 +373,7 @@ impl<const N: usize> Modal<N> {
         self.feed_mode
     }
 
-    /// The feed of G94 in nm/min; `None` when none was given, and under G93.
+    /// The feed of G94 in nm/min; `None` when none was given, and under G93 and G95.
     pub fn feed(&self) -> Option<Nm> {
         let rate = i64::try_from(self.feed)
             .ok()
@@ -275,7 +413,10 @@ impl<const N: usize> Modal<N> {
         self.set_feed(block)?;
         self.set_outputs(block, commands)?;
         self.set_dwell(block, commands)?;
-        self.set_modes(block);
+        self.set_modes(block)?;
+        self.set_compensation(block, commands)?;
+        self.set_tool_length(block, commands)?;
+        self.set_frames(block)?;
         self.set_path(block, commands)?;
         self.moves(block, commands)?;
         self.stop(block, commands);
@@ -297,169 +438,64 @@ impl<const N: usize> Modal<N> {
         Err(block.error_at(ErrorKind::UnknownWord(letter), letter))
     }
 
-    fn set_feed(&mut self, block: &Block) -> Result<(), Error> {
-        let mode = match block.code(Group::FeedMode) {
-            Some(Code::InverseTime) => FeedMode::InverseTime,
-            Some(Code::PerMinute) => FeedMode::PerMinute,
-            _ => self.feed_mode,
-        };
-        if mode != self.feed_mode || mode == FeedMode::InverseTime {
-            // Another meaning of F, or a new F in every block: the old one is forgotten.
-            self.feed = 0;
-        }
-        self.feed_mode = mode;
-        if let Some(value) = block.word(b'F') {
-            let feed = match (mode, self.units) {
-                (FeedMode::InverseTime, _) => unsigned(value, 6),
-                // F08 is 0.8 mm/min on the micro mill's link.
-                (_, Units::Micrometres) => unsigned(value, 5),
-                (_, units) => units.length(value).and_then(|nm| u64::try_from(nm.0).ok()),
-            };
-            self.feed = feed
-                .filter(|&feed| feed <= i64::MAX.unsigned_abs())
-                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, b'F'))?;
-        }
-        Ok(())
-    }
-
-    fn set_outputs(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        if let Some(value) = block.word(b'S') {
-            self.milli_rpm = unsigned(value, 3)
-                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, b'S'))?;
-        }
-        if let Some(number) = block.word(b'T').and_then(Decimal::whole) {
-            // Block has checked that it fits.
-            self.tool = u32::try_from(number).unwrap_or(u32::MAX);
-        }
-        if block.code(Group::Tool).is_some() {
-            commands.tool(self.tool);
-        }
-        let code = block.code(Group::Spindle);
-        match code {
-            Some(Code::SpindleClockwise) => self.spindle = SpindleDirection::Clockwise,
-            Some(Code::SpindleCounterClockwise) => {
-                self.spindle = SpindleDirection::CounterClockwise
-            }
-            Some(Code::SpindleOff) => self.spindle = SpindleDirection::Off,
-            _ => {}
-        }
-        let runs = self.spindle != SpindleDirection::Off;
-        if code.is_some() || (runs && block.word(b'S').is_some()) {
-            commands.spindle(self.spindle, if runs { self.milli_rpm } else { 0 });
-        }
-        if let Some(code) = block.code(Group::Coolant) {
-            (self.mist, self.flood) = match code {
-                Code::Mist => (true, self.flood),
-                Code::Flood => (self.mist, true),
-                _ => (false, false),
-            };
-            commands.coolant(self.mist, self.flood);
-        }
-        Ok(())
-    }
-
-    fn set_dwell(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        if let (Some(Code::Dwell), Some(value)) = (block.code(Group::NonModal), block.word(b'P')) {
-            if self.dialect.flavour == Flavour::Micromill && value.whole().is_none() {
-                return Err(block.error_at(ErrorKind::NotWhole(b'P'), b'P'));
-            }
-            commands.dwell(
-                unsigned(value, 6)
-                    .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, b'P'))?,
-            );
-        }
-        Ok(())
-    }
-
-    fn set_modes(&mut self, block: &Block) {
-        match block.code(Group::Plane) {
-            Some(Code::PlaneXy) => self.plane = Plane::Xy,
-            Some(Code::PlaneZx) => self.plane = Plane::Zx,
-            Some(Code::PlaneYz) => self.plane = Plane::Yz,
-            _ => {}
-        }
-        match block.code(Group::Units) {
-            Some(Code::Inches) => self.units = Units::Inches,
-            Some(Code::Millimetres) => self.units = Units::Millimetres,
-            _ => {}
-        }
-        if let Some(Code::System(system)) = block.code(Group::System) {
-            self.system = system;
-            if self.dialect.flavour == Flavour::Micromill {
-                let here = self.position;
-                self.set_work_zero(system, here);
-            }
-        }
-        match block.code(Group::Distance) {
-            Some(Code::Absolute) => self.distance = Distance::Absolute,
-            Some(Code::Incremental) => self.distance = Distance::Incremental,
-            _ => {}
-        }
-        match block.code(Group::CentreDistance) {
-            Some(Code::AbsoluteCentres) => self.centres = Distance::Absolute,
-            Some(Code::IncrementalCentres) => self.centres = Distance::Incremental,
-            _ => {}
-        }
-    }
-
-    fn set_path(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        self.path = match block.code(Group::Path) {
-            None => return Ok(()),
-            Some(Code::ExactPath) => PathMode::ExactPath,
-            Some(Code::ExactStop) => PathMode::ExactStop,
-            Some(_) => {
-                let tolerance = match block.word(b'P') {
-                    None => None,
-                    Some(value) => Some(self.length(block, b'P', value)?),
-                };
-                PathMode::Blend { tolerance }
-            }
-        };
-        commands.path(self.path);
-        Ok(())
-    }
-
     fn stop(&mut self, block: &Block, commands: &mut Commands<N>) {
         let Some(code) = block.code(Group::Stop) else {
             return;
         };
         match code {
             Code::Stop | Code::OptionalStop => {
-                commands.finish(Command::Stop {
-                    optional: code == Code::OptionalStop,
-                });
+                commands.finish(Plain::Stop(code == Code::OptionalStop));
             }
+            Code::PalletStop => commands.finish(Plain::Pallet),
             _ => {
                 self.end();
-                commands.finish(Command::End {
-                    rewind: code == Code::EndAndRewind,
-                });
+                commands.finish(Plain::End(code == Code::EndAndRewind));
             }
         }
     }
 
-    /// What M2 and M30 reset: G54, G92.1, G17, G90, G94, G1, M5, M9. Work zeros, units and the feed stay.
+    /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1, G40, M5, M9. Work
+    /// zeros, tool length, units and the feed stay.
     fn end(&mut self) {
         self.system = 0;
-        self.shift = [Nm(0); N];
-        self.plane = Plane::Xy;
+        if self.dialect.flavour != Flavour::Grbl {
+            self.shift = [Nm(0); N];
+        }
+        self.plane = if self.dialect.is_lathe() {
+            Plane::Zx
+        } else {
+            Plane::Xy
+        };
         self.distance = Distance::Absolute;
-        if self.feed_mode == FeedMode::InverseTime {
+        if self.feed_mode != FeedMode::PerMinute {
             self.feed = 0;
         }
         self.feed_mode = FeedMode::PerMinute;
-        self.motion = if self.dialect.flavour == Flavour::Rs274 {
-            Some(Motion::Linear)
-        } else {
+        self.motion = if self.dialect.flavour == Flavour::Micromill {
             None
+        } else {
+            Some(Motion::Linear)
         };
+        self.compensation = None;
         self.stop_outputs();
     }
 
     /// A word as a length, or the error at that word.
     pub(crate) fn length(&self, block: &Block, letter: u8, value: Decimal) -> Result<Nm, Error> {
-        self.units
-            .length(value)
-            .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))
+        let length = match letter {
+            // Degrees, in millionths.
+            b'A' | b'B' | b'C' => Units::Millimetres.length(value),
+            b'X' | b'U' if self.diameter => self.units.half(value),
+            _ => self.units.length(value),
+        };
+        length.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))
+    }
+
+    /// A word as a length, if the block has it.
+    pub(crate) fn length_of(&self, block: &Block, letter: u8) -> Result<Option<Nm>, Error> {
+        match block.word(letter) {
+            Some(value) => self.length(block, letter, value).map(Some),
+            None => Ok(None),
+        }
     }
 }

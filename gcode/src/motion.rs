@@ -1,65 +1,145 @@
-//! What moves: G0 to G3, G28, G53, G92, and who may use which word.
+//! What moves: who gets the axis words, G0 to G3 and G53.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::{AXES, Block, axis_letter};
+use crate::block::Block;
 use crate::code::{Code, Group};
-use crate::command::{Command, Commands, Feed};
+use crate::command::{Command, Feed};
+use crate::commands::Commands;
+use crate::cycle::Kind;
 use crate::dialect::Flavour;
 use crate::error::{Error, ErrorKind};
-use crate::modal::{Distance, FeedMode, Modal, Motion};
+use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
 use crate::nm::Nm;
 
 /// The frame and sense of target words.
 #[derive(Copy, Clone)]
-enum Frame {
+pub(crate) enum Frame {
     Work,
     WorkIncremental,
     Machine,
 }
 
 impl<const N: usize> Modal<N> {
-    /// The last stage before stops: words without a user are refused here, then one of G28, G92 or the motion happens.
+    /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
+    /// happens.
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         let non_modal = block.code(Group::NonModal);
-        let covets = matches!(non_modal, Some(Code::Home | Code::Shift));
+        let direct_length = block.code(Group::ToolLength) == Some(Code::DirectToolLength);
+        let covets = direct_length || non_modal.is_some_and(Code::covets_axes);
         let code = block.code(Group::Motion);
         if covets && code.is_some_and(|code| code != Code::CancelMotion) {
-            return Err(block.error_at_code(ErrorKind::TwoUsersOfWords, Group::NonModal));
+            let group = if direct_length {
+                Group::ToolLength
+            } else {
+                Group::NonModal
+            };
+            return Err(block.error_at_code(ErrorKind::TwoUsersOfWords, group));
         }
         let mode = match code {
-            Some(Code::Rapid) => Some(Motion::Rapid),
-            Some(Code::Linear) => Some(Motion::Linear),
-            Some(Code::Clockwise) => Some(Motion::Clockwise),
-            Some(Code::CounterClockwise) => Some(Motion::CounterClockwise),
-            Some(_) => None,
+            Some(code) => mode(code),
             None => self.motion,
         };
+        if code == Some(Code::ContourCycle) {
+            return Err(block.error_at_code(ErrorKind::ContourOfBlocks, Group::Motion));
+        }
+        if let (Some(Motion::Cycle(before)), false) = (self.motion, self.motion == mode) {
+            // The level of G98 lasts for a series of whatever cycles.
+            let initial = match mode {
+                Some(Motion::Cycle(_)) if before != Kind::Thread => self.sticky.initial,
+                _ => None,
+            };
+            self.sticky = Sticky {
+                initial,
+                ..Sticky::default()
+            };
+        }
         // Motion is not modal on the micro mill's link.
-        self.motion = if self.dialect.flavour == Flavour::Rs274 {
-            mode
-        } else {
+        self.motion = if self.dialect.flavour == Flavour::Micromill {
             None
+        } else {
+            mode
         };
         let mine = !covets && (block.axes() != 0 || code.is_some());
-        let arc = mine && matches!(mode, Some(Motion::Clockwise | Motion::CounterClockwise));
-        check_words(block, arc.then_some(self.plane))?;
+        let users: &[u8] = match mode {
+            Some(mode) if mine && code.is_none() => letters(mode, self.plane),
+            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => arc_letters(self.plane),
+            _ => b"",
+        };
+        block.check_users(users)?;
+        if mode != Some(Motion::Cubic) {
+            self.tail = None;
+        }
+        self.check_compensation(block, if mine { mode } else { None })?;
         match non_modal {
-            Some(Code::StoreHome) => self.home = self.position,
-            Some(Code::CancelShift) => self.shift = [Nm(0); N],
+            Some(Code::StoreHome(0)) => self.set_home(self.position),
+            Some(Code::StoreHome(_)) => self.set_second_home(self.position),
+            Some(Code::CancelShift) => (self.shift, self.kept_shift) = ([Nm(0); N], [Nm(0); N]),
+            Some(Code::SuspendShift) => self.shift = [Nm(0); N],
+            Some(Code::RestoreShift) => self.shift = self.kept_shift,
+            Some(Code::SetData) => return self.set_data(block),
             Some(Code::Shift) => return self.set_shift(block),
-            Some(Code::Home) => return self.go_home(block, commands),
+            Some(Code::Home(which)) => return self.go_home(block, which, commands),
             _ => {}
+        }
+        if covets {
+            return Ok(());
         }
         let direction = match mode {
             Some(Motion::Clockwise) => Direction::Clockwise,
             Some(Motion::CounterClockwise) => Direction::CounterClockwise,
-            _ => return self.straight(block, mode, commands),
+            None | Some(Motion::Rapid | Motion::Linear) => {
+                return self.straight(block, mode, commands);
+            }
+            Some(mode) => {
+                self.no_machine_frame(block)?;
+                return if mine {
+                    self.special(block, mode, commands)
+                } else {
+                    Ok(())
+                };
+            }
         };
-        if !mine {
-            return self.no_machine_frame(block);
-        }
         self.no_machine_frame(block)?;
+        if !mine {
+            return Ok(());
+        }
         self.arc(block, direction, commands)
+    }
+
+    /// What cannot be done while the contour is compensated.
+    fn check_compensation(&self, block: &Block, mode: Option<Motion>) -> Result<(), Error> {
+        if self.compensation.is_none() {
+            return Ok(());
+        }
+        if let Some(code) = block.code(Group::NonModal) {
+            if code != Code::Dwell {
+                return Err(block.error_at_code(ErrorKind::UnderCompensation, Group::NonModal));
+            }
+        }
+        match mode {
+            None
+            | Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
+                Ok(())
+            }
+            Some(_) => Err(block.error_at_motion(ErrorKind::UnderCompensation)),
+        }
+    }
+
+    /// The modes that are not lines or arcs.
+    fn special(
+        &mut self,
+        block: &Block,
+        mode: Motion,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        match mode {
+            Motion::Cubic => self.cubic(block, commands),
+            Motion::Quadratic => self.quadratic(block, commands),
+            Motion::Thread => self.thread(block, commands),
+            Motion::Probe { away, must } => self.probe(block, away, must, commands),
+            Motion::Cycle(kind) => self.canned(block, kind, commands),
+            _ => Ok(()),
+        }
     }
 
     fn no_machine_frame(&self, block: &Block) -> Result<(), Error> {
@@ -71,7 +151,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    fn frame(&self) -> Frame {
+    pub(crate) fn frame(&self) -> Frame {
         match self.distance {
             Distance::Absolute => Frame::Work,
             Distance::Incremental => Frame::WorkIncremental,
@@ -79,23 +159,30 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The position with the axis words of the block applied.
-    fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Error> {
+    pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Error> {
         let zero = match frame {
-            Frame::Work => self.work_offset(),
+            Frame::Work => self.zero(),
             Frame::WorkIncremental => self.position,
             Frame::Machine => [Nm(0); N],
         };
         let mut target = self.position;
-        for (axis, (target, zero)) in (0..N).zip(target.iter_mut().zip(zero)) {
-            if let Some(value) = block.axis(axis) {
-                let letter = axis_letter(axis);
-                let length = self.length(block, letter, value)?;
-                let sum = zero
-                    .0
-                    .checked_add(length.0)
-                    .and_then(|sum| Nm(sum).within_limit());
-                *target = sum.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
-            }
+        let places = target.iter_mut().zip(zero.iter().zip(self.position));
+        for (axis, (target, (zero, here))) in (0..N).zip(places) {
+            let (value, zero) = match (block.axis(axis), block.increment(axis)) {
+                (Some(value), None) => (value, zero.0),
+                (None, Some(value)) => (value, here.0),
+                (None, None) => continue,
+                (Some(_), Some(_)) => {
+                    let letter = block.letter_of(axis);
+                    return Err(block.error_at(ErrorKind::TwoUsersOfWords, letter));
+                }
+            };
+            let letter = block.letter_of(axis);
+            let length = self.length(block, letter, value)?;
+            let sum = zero
+                .checked_add(length.0)
+                .and_then(|sum| Nm(sum).within_limit());
+            *target = sum.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
         }
         Ok(target)
     }
@@ -139,15 +226,19 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The feed in effect for a feed move of this block.
-    fn feed_of(&self, block: &Block) -> Result<Feed, Error> {
+    pub(crate) fn feed_of(&self, block: &Block) -> Result<Feed, Error> {
         let rate = i64::try_from(self.feed).ok().filter(|&rate| rate > 0);
         let missing = match self.feed_mode {
-            FeedMode::PerMinute => ErrorKind::NoFeed,
+            FeedMode::PerMinute | FeedMode::PerRevolution => ErrorKind::NoFeed,
             FeedMode::InverseTime => ErrorKind::NoInverseTime,
         };
         let rate = rate.ok_or_else(|| block.error_at_motion(missing))?;
         Ok(match self.feed_mode {
             FeedMode::PerMinute => Feed::PerMinute(Nm(rate)),
+            FeedMode::PerRevolution => {
+                self.check_turning(block)?;
+                Feed::PerRevolution(Nm(rate))
+            }
             FeedMode::InverseTime => Feed::InverseTime {
                 micro_per_minute: self.feed,
             },
@@ -155,62 +246,12 @@ impl<const N: usize> Modal<N> {
     }
 
     /// On the micro mill Z moves alone.
-    fn check_z_alone(&self, block: &Block) -> Result<(), Error> {
+    pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Error> {
         const Z: u16 = 0b100;
         let axes = block.axes();
         if self.dialect.flavour == Flavour::Micromill && axes & Z != 0 && axes != Z {
             return Err(block.error_at(ErrorKind::ZNotAlone, b'Z'));
         }
-        Ok(())
-    }
-
-    /// G92: the present position gets the coordinates of the axis words.
-    fn set_shift(&mut self, block: &Block) -> Result<(), Error> {
-        if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
-        }
-        let mut shift = self.shift;
-        let frames = self.position.into_iter().zip(self.system_offset());
-        for (axis, (shift, (at, zero))) in (0..N).zip(shift.iter_mut().zip(frames)) {
-            if let Some(value) = block.axis(axis) {
-                let letter = axis_letter(axis);
-                let length = self.length(block, letter, value)?;
-                let difference =
-                    at.0.checked_sub(zero.0)
-                        .and_then(|work| work.checked_sub(length.0));
-                *shift =
-                    Nm(difference
-                        .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?);
-            }
-        }
-        self.shift = shift;
-        Ok(())
-    }
-
-    /// G28: through the given point to the stored position, only the axes named; all axes straight where none is.
-    fn go_home(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        let mut to = self.position;
-        for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(self.home)) {
-            if block.axes() == 0 || block.axis(axis).is_some() {
-                *to = home;
-            }
-        }
-        if self.dialect.flavour == Flavour::Micromill {
-            if block.axes() == 0 {
-                return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
-            }
-            self.check_z_alone(block)?;
-            for axis in 0..AXES {
-                if block.axis(axis).is_some_and(|value| !value.is_zero()) {
-                    let letter = axis_letter(axis);
-                    return Err(block.error_at(ErrorKind::NotZero(letter), letter));
-                }
-            }
-        } else if block.axes() != 0 {
-            commands.via(self.target(block, self.frame())?);
-        }
-        self.position = to;
-        commands.motion(Command::Rapid { to });
         Ok(())
     }
 
@@ -223,7 +264,10 @@ impl<const N: usize> Modal<N> {
     ) -> Result<(), Error> {
         let axes = self.plane.axes();
         let letters = self.plane.centre_letters();
-        let plane_words = axes.iter().any(|&axis| block.axis(axis).is_some());
+        let given = block.axes();
+        let plane_words = axes
+            .iter()
+            .any(|&axis| given & 1u16.wrapping_shl(axis as u32) != 0);
         let centre_words = letters.map(|letter| block.word(letter).is_some());
         let any_centre = centre_words.contains(&true);
         let radius_word = block.word(b'R');
@@ -317,7 +361,7 @@ impl<const N: usize> Modal<N> {
         if absolute && given.contains(&false) {
             return Err(block.error_at_motion(ErrorKind::HalfCentre));
         }
-        let offset = self.work_offset();
+        let offset = self.zero();
         let zero = if absolute {
             self.plane
                 .axes()
@@ -353,28 +397,38 @@ impl<const N: usize> Modal<N> {
     }
 }
 
-/// Refuses the words that nothing in the block uses, and a `P` with two users; `plane` is that of an arc.
-fn check_words(block: &Block, plane: Option<Plane>) -> Result<(), Error> {
-    let unused: &[u8] = match plane {
-        None => b"IJKR",
-        Some(Plane::Xy) => b"K",
-        Some(Plane::Zx) => b"J",
-        Some(Plane::Yz) => b"I",
-    };
-    if let Some(&letter) = unused.iter().find(|&&letter| block.word(letter).is_some()) {
-        return Err(block.error_at(ErrorKind::UnusedWord(letter), letter));
+/// The mode of a motion code; `None` for G80.
+const fn mode(code: Code) -> Option<Motion> {
+    match code {
+        Code::Rapid => Some(Motion::Rapid),
+        Code::Linear => Some(Motion::Linear),
+        Code::Clockwise => Some(Motion::Clockwise),
+        Code::CounterClockwise => Some(Motion::CounterClockwise),
+        Code::Cubic => Some(Motion::Cubic),
+        Code::Quadratic => Some(Motion::Quadratic),
+        Code::Thread => Some(Motion::Thread),
+        Code::Probe { away, must } => Some(Motion::Probe { away, must }),
+        Code::Cycle(kind) => Some(Motion::Cycle(kind)),
+        _ => None,
     }
-    if block.word(b'P').is_some() {
-        let dwell = block.code(Group::NonModal) == Some(Code::Dwell);
-        let blend = block.code(Group::Path) == Some(Code::Blend);
-        match u8::from(plane.is_some())
-            .wrapping_add(u8::from(dwell))
-            .wrapping_add(u8::from(blend))
-        {
-            0 => return Err(block.error_at(ErrorKind::UnusedWord(b'P'), b'P')),
-            1 => {}
-            _ => return Err(block.error_at(ErrorKind::TwoUsersOfWords, b'P')),
-        }
+}
+
+/// Letters beside the axes that a mode uses when its code is not in the block.
+const fn letters(mode: Motion, plane: Plane) -> &'static [u8] {
+    match mode {
+        Motion::Rapid | Motion::Linear | Motion::Probe { .. } => b"",
+        Motion::Clockwise | Motion::CounterClockwise => arc_letters(plane),
+        Motion::Cubic => Code::Cubic.letters(),
+        Motion::Quadratic => Code::Quadratic.letters(),
+        Motion::Thread => Code::Thread.letters(),
+        Motion::Cycle(kind) => kind.letters(),
     }
-    Ok(())
+}
+
+const fn arc_letters(plane: Plane) -> &'static [u8] {
+    match plane {
+        Plane::Xy => b"IJRP",
+        Plane::Zx => b"IKRP",
+        Plane::Yz => b"JKRP",
+    }
 }

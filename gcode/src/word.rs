@@ -133,6 +133,7 @@ impl Words<'_> {
                     Ok(())
                 }
                 b'.' | b'+' | b'-' => Err(ErrorKind::MalformedNumber),
+                b',' if !point => Err(ErrorKind::DecimalComma),
                 b'#' | b'[' if !digits => Err(ErrorKind::Expression),
                 _ if is_blank(byte) => {
                     self.advance();

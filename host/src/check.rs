@@ -93,12 +93,13 @@ impl Checker<'_> {
         from: [Nm; 3],
         findings: &mut Findings<W>,
     ) -> io::Result<()> {
-        let Some(to) = program::target(command) else {
+        let end = program::target(command);
+        if let Err(error) = self.config.check(&from, command) {
+            findings.add(&self.limit(&error, &meaning.at, command, end.unwrap_or(from)))?;
+        }
+        let Some(to) = end else {
             return Ok(());
         };
-        if let Err(error) = self.config.check(&from, command) {
-            findings.add(&self.limit(&error, &meaning.at, command, to))?;
-        }
         let moves = [0, 1, 2].map(|axis: usize| from[axis] != to[axis]);
         for (axis, moved) in moves.into_iter().enumerate() {
             if moved
@@ -194,6 +195,13 @@ impl Checker<'_> {
                         self.machine.name,
                         length(tolerance.0 as f64)
                     ))
+            }
+            MoveError::Unsupported(means) => {
+                let name = means.name();
+                let message = format!("{} has no means for {name}", self.machine.name);
+                Finding::error("E0404", message, at.whole())
+                    .label("understood, but not made here")
+                    .note("`husillo commands` shows what it means")
             }
             _ => {
                 let code = if matches!(command, Command::Arc { .. }) {

@@ -4,7 +4,7 @@ use crate::deviation::Path;
 use crate::diagnostics::Findings;
 use crate::program;
 use crate::source::Source;
-use husillo_gcode::{Command, Dialect, Direction, Feed, Nm, Plane, SpindleDirection};
+use husillo_gcode::{Command, Dialect, Direction, Feed, Nm, Plane, Side, SpindleDirection};
 use std::io::{self, Write};
 
 /// Prints the commands of a program.
@@ -111,6 +111,67 @@ fn object(out: &mut Vec<u8>, line: usize, command: &Command<3>, from: [Nm; 3]) -
             start(out, "end");
             flag(out, "rewind", *rewind);
         }
+        Command::Spline { spline, feed } => {
+            start(out, "spline");
+            point(out, "to_nm", &spline.to);
+            key(out, "points_nm");
+            for (place, [x, y]) in spline.points.iter().enumerate() {
+                out.extend_from_slice(if place == 0 { b"[[" } else { b",[" });
+                integer(out, x.0);
+                out.push(b',');
+                integer(out, y.0);
+                out.push(b']');
+            }
+            out.push(b']');
+            path_feed(out, feed, command, from);
+        }
+        Command::Thread { to, lead } => {
+            start(out, "thread");
+            point(out, "to_nm", to);
+            number(out, "lead_nm", lead.0);
+        }
+        Command::Probe {
+            to,
+            feed,
+            away,
+            must,
+        } => {
+            start(out, "probe");
+            point(out, "to_nm", to);
+            flag(out, "away", *away);
+            flag(out, "must", *must);
+            path_feed(out, feed, command, from);
+        }
+        Command::ToolIs { number: tool } => {
+            start(out, "tool_is");
+            number(out, "number", i64::from(*tool));
+        }
+        Command::ToolLength { number: tool, offset } => {
+            start(out, "tool_length");
+            number(out, "number", i64::from(*tool));
+            point(out, "offset_nm", offset);
+        }
+        Command::Compensation { side, radius, plane } => {
+            start(out, "compensation");
+            let side = match side {
+                None => "off",
+                Some(Side::Left) => "left",
+                Some(Side::Right) => "right",
+            };
+            text(out, "side", side);
+            text(out, "plane", plane.name());
+            number(out, "radius_nm", radius.0);
+        }
+        Command::Surface { .. }
+        | Command::Orient { .. }
+        | Command::Switch { .. }
+        | Command::Output { .. }
+        | Command::Analog { .. }
+        | Command::Wait { .. }
+        | Command::Pallet => {
+            start(out, "other");
+            text(out, "text", &command.to_string());
+        }
         _ => return false,
     }
     out.extend_from_slice(b"}\n");
@@ -161,6 +222,7 @@ fn path_feed(out: &mut Vec<u8>, feed: &Feed, command: &Command<3>, from: [Nm; 3]
             let length = Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length());
             (length * micro_per_minute as f64 / 1e6).round() as i64
         }
+        Feed::PerRevolution(rate) => return number(out, "feed_nm_per_rev", rate.0),
     };
     number(out, "feed_nm_per_min", nm_per_min);
 }

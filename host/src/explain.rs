@@ -138,6 +138,53 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .note("under G93 an F is the inverse of the minutes of one move and is not kept for the next")
             .help("add F, or G94 for feed rates that stay"),
         ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
+        ErrorKind::NotOfDialect(..) => finding
+            .label("this dialect has no such code")
+            .note("grbl: `error:20`; LinuxCNC: \"Unknown g code used\"")
+            .help("choose another dialect with `--dialect`, or leave the code out"),
+        ErrorKind::MissingWord(letter) => finding
+            .label(format!("needs `{}`", char::from(letter)))
+            .note("grbl: `error:28`"),
+        ErrorKind::NumberNotAlone => finding
+            .label("stands alone at the start of a program")
+            .help("put the other words on a line of their own"),
+        ErrorKind::DecimalComma => finding
+            .label("decimals stand behind a point")
+            .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"")
+            .help("write a point")
+            .fix(at.block + span.start..at.block + span.start + 1, "."),
+        ErrorKind::OutOfRange(_) => finding.label("not a value this code takes"),
+        ErrorKind::TooManyPasses => finding.label("more than 65536 pecks or passes"),
+        ErrorKind::ToolTableFull => finding.label("the table holds eight tools"),
+        ErrorKind::UnknownTool => finding
+            .label("nothing is known of this tool's radius")
+            .note("LinuxCNC: \"Requested tool not found in the tool table\"")
+            .help("write its radius first: G10 L1 P<tool> R<radius>"),
+        ErrorKind::SpindleStopped => finding
+            .label("the spindle stands, or turns the other way")
+            .note("LinuxCNC: \"Spindle not turning\"")
+            .help("start it with M3 or M4 before"),
+        ErrorKind::WrongFeedMode => finding.label("needs G94"),
+        ErrorKind::RetractBelowBottom => finding
+            .label("`R` lies below the bottom of the hole")
+            .note("LinuxCNC: \"R value less than Z value in canned cycle\""),
+        ErrorKind::RotaryInCycle(_) => finding.label("move this axis on a line of its own"),
+        ErrorKind::ContourOfBlocks => finding
+            .label("the contour stands on other lines")
+            .help("let the post-processor write the passes"),
+        ErrorKind::SplinePlane => finding.label("needs G17, and only X and Y"),
+        ErrorKind::NoProbeMove => finding.label("ends where it starts"),
+        ErrorKind::UnderCompensation => finding.help("end the compensation with G40 before"),
+        ErrorKind::CompensationEntry => finding.label("neither an arc nor a move along the third axis can be it"),
+        ErrorKind::EntryTooShort(_) => finding
+            .label("the tool has no room to come to the contour")
+            .note("LinuxCNC: \"Length of cutter compensation entry move is not greater than the tool radius\""),
+        ErrorKind::Gouge => finding
+            .label("too narrow for the tool")
+            .note("LinuxCNC: \"Straight feed in concave corner cannot be reached by the tool without gouging\""),
+        ErrorKind::ArcSmallerThanTool(_) => finding
+            .label("the tool does not fit into this arc")
+            .note("LinuxCNC: \"Arc radius too small to reach end point\" with compensation"),
         ErrorKind::NoDwellTime => finding.label("how long is not said").note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
         _ => finding,
     }

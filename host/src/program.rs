@@ -78,9 +78,5 @@ pub fn walk<W: Write>(
 
 /// Where a command ends, if it moves.
 pub fn target(command: &Command<3>) -> Option<[Nm; 3]> {
-    match command {
-        Command::Rapid { to } | Command::Linear { to, .. } => Some(*to),
-        Command::Arc { arc, .. } => Some(arc.to),
-        _ => None,
-    }
+    command.end()
 }

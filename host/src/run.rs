@@ -267,6 +267,8 @@ impl<'a> Run<'a> {
                 Feed::InverseTime { micro_per_minute } => {
                     self.path.length() * micro_per_minute as f64 / 60e6
                 }
+                // Refused by the machine: it has no spindle to follow.
+                Feed::PerRevolution(_) => 0.0,
             }),
             _ => None,
         };

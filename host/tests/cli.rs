@@ -121,7 +121,7 @@ fn all_errors_at_their_columns() {
          tests/data/errors.nc:4:4: error[E0201]: unknown word `U`\n\
          tests/data/errors.nc:5:1: error[E0301]: arc without a centre or a radius\n\
          tests/data/errors.nc:6:7: error[E0203]: word `X` repeated\n\
-         tests/data/errors.nc:7:1: error[E0202]: unknown G code `G77`\n",
+         tests/data/errors.nc:7:1: error[E0212]: known code `G77`, not of this dialect\n",
         );
 }
 

@@ -26,6 +26,6 @@ pub use axis::{Axis, AxisRamp, Config};
 pub use event::{Event, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};
-pub use refused::{MoveError, Refused};
+pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;
 pub use segment::Segment;

@@ -44,6 +44,40 @@ pub enum MoveError {
     },
     /// An arc with a radius of 2^28 steps or more.
     ArcTooLarge,
+    /// A command for which this machine has no means.
+    Unsupported(Means),
+}
+
+/// What a command would need.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Means {
+    /// G5, G5.1: an interpolator of splines.
+    Splines,
+    /// G33, G76, G95, G96: moves that follow the spindle.
+    SpindleFeedback,
+    /// M19: a spindle that can be held at an angle.
+    SpindleAngle,
+    /// G38: a probe.
+    Probe,
+    /// G41, G42: a stage of radius compensation before the machine.
+    RadiusCompensation,
+    /// M60, M62 to M68: inputs, outputs, pallets.
+    InputsAndOutputs,
+}
+
+impl Means {
+    /// What it is, in words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Splines => "splines",
+            Self::SpindleFeedback => "moves synchronised with the spindle",
+            Self::SpindleAngle => "a spindle held at an angle",
+            Self::Probe => "a probe",
+            Self::RadiusCompensation => "cutter compensation",
+            Self::InputsAndOutputs => "inputs and outputs",
+        }
+    }
 }
 
 impl fmt::Display for Refused {
@@ -64,6 +98,7 @@ impl fmt::Display for MoveError {
             Self::UnequalSteps => f.write_str("arc in a plane of unequal steps"),
             Self::ArcTolerance { .. } => f.write_str("the end point is not on the arc"),
             Self::ArcTooLarge => f.write_str("arc radius too large"),
+            Self::Unsupported(means) => write!(f, "this machine has no means for {}", means.name()),
         }
     }
 }

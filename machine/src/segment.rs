@@ -1,10 +1,10 @@
 //! One command that moves, as steps and ticks.
 
-use husillo_gcode::{Command, Nm};
+use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::Moves;
 
 use crate::{
-    Axis, Config, MoveError,
+    Axis, Config, Means, MoveError,
     arc::{Course, course, extent, in_plane},
 };
 
@@ -39,12 +39,40 @@ pub(crate) fn lattice<const N: usize>(
     Ok(steps)
 }
 
+/// What a command needs that no machine here has.
+const fn missing<const N: usize>(command: &Command<N>) -> Option<Means> {
+    Some(match command {
+        Command::Linear {
+            feed: Feed::PerRevolution(_),
+            ..
+        }
+        | Command::Arc {
+            feed: Feed::PerRevolution(_),
+            ..
+        }
+        | Command::Thread { .. }
+        | Command::Surface { .. } => Means::SpindleFeedback,
+        Command::Spline { .. } => Means::Splines,
+        Command::Orient { .. } => Means::SpindleAngle,
+        Command::Probe { .. } => Means::Probe,
+        Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,
+        Command::Output { .. }
+        | Command::Analog { .. }
+        | Command::Wait { .. }
+        | Command::Pallet => Means::InputsAndOutputs,
+        _ => return None,
+    })
+}
+
 impl<const N: usize> Config<N> {
     /// Everything that can be wrong with a command on this machine.
     ///
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
+        if let Some(means) = missing(command) {
+            return Err(MoveError::Unsupported(means));
+        }
         match command {
             Command::Rapid { to } | Command::Linear { to, .. } => {
                 self.check_point(to)?;

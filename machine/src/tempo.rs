@@ -139,5 +139,7 @@ fn ticks_q16(feed: &Feed, length_nm: u64, hz: u64) -> u64 {
         // 60 hz < 2^38.
         Feed::PerMinute(Nm(nm)) => mul_div_q16(length_nm, hz.wrapping_mul(60), nm.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => mul_div_q16(60_000_000, hz, *micro_per_minute),
+        // `Config::check` has refused it: nothing here knows how fast the spindle turns.
+        Feed::PerRevolution(Nm(nm)) => mul_div_q16(length_nm, hz, nm.unsigned_abs()),
     }
 }

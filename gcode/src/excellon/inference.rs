@@ -61,6 +61,8 @@ pub struct Settled<T> {
 pub enum Doubt {
     /// A number without a point has more digits than the format: its line and its digits.
     LongNumber(u32, u8),
+    /// Some coordinates have a point, and the one of this line has none: perhaps it means whole units.
+    MixedPoints(u32),
 }
 
 /// How the coordinates of a file are to be read.
@@ -109,6 +111,9 @@ pub struct Inference {
     shortest: Option<u8>,
     longest: Option<Found<u8>>,
     point_missing: bool,
+    point_seen: bool,
+    /// First number without a point that is not zero.
+    pointless: Option<u32>,
     ended: bool,
 }
 
@@ -191,7 +196,11 @@ impl Inference {
             digits,
             incremental: self.incremental,
             point_missing: self.point_missing,
-            doubt: long.map(|found| Doubt::LongNumber(found.line, found.value)),
+            doubt: match (long, self.pointless) {
+                (Some(found), _) => Some(Doubt::LongNumber(found.line, found.value)),
+                (None, Some(line)) if self.point_seen => Some(Doubt::MixedPoints(line)),
+                _ => None,
+            },
         }
     }
 
@@ -253,6 +262,7 @@ impl Inference {
 
     fn coordinate(&mut self, number: &Number) {
         if number.has_point() {
+            self.point_seen = true;
             return;
         }
         self.point_missing = true;
@@ -260,6 +270,7 @@ impl Inference {
         if number.is_zero() {
             return;
         }
+        self.pointless = self.pointless.or(Some(self.line));
         let written = number.written();
         if number.has_leading_zero() {
             self.leading_zero = self.leading_zero.or(Some(self.line));
@@ -366,5 +377,7 @@ mod tests {
             ..Overrides::default()
         };
         assert_eq!(settings("METRIC\nX12345678", &given).doubt, None);
+        let mixed = settings("METRIC\nX0Y1.5\nX2", &Overrides::default());
+        assert_eq!(mixed.doubt, Some(Doubt::MixedPoints(3)));
     }
 }

@@ -1,0 +1,254 @@
+//! Frames and tools: G10, G28 and G30, G43 and G49, G92, and the sides of G41 and G42.
+
+use crate::block::{AXES, Block, axis_letter};
+use crate::code::{Code, Group, Side};
+use crate::command::Command;
+use crate::commands::Commands;
+use crate::dialect::Flavour;
+use crate::error::{Error, ErrorKind};
+use crate::modal::Modal;
+use crate::nm::Nm;
+use crate::settings::{missing, whole};
+use crate::tools::Tool;
+
+impl<const N: usize> Modal<N> {
+    pub(crate) fn set_compensation(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        let (side, direct) = match block.code(Group::Compensation) {
+            None => return Ok(()),
+            Some(Code::Compensate { side, direct }) => (side, direct),
+            Some(_) => {
+                if self.compensation.take().is_some() {
+                    commands.compensation(None, Nm(0), self.plane);
+                }
+                return Ok(());
+            }
+        };
+        if self.compensation.is_some() {
+            return Err(block.error_at_code(ErrorKind::UnderCompensation, Group::Compensation));
+        }
+        let radius = if direct {
+            let value = block
+                .word(b'D')
+                .ok_or_else(|| missing(block, b'D', Group::Compensation))?;
+            self.units
+                .half(value)
+                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, b'D'))?
+        } else {
+            match whole::<u32>(block, b'D')? {
+                Some(0) => Nm(0),
+                Some(number) => {
+                    let tool = self.tools.get(number);
+                    tool.ok_or_else(|| block.error_at(ErrorKind::UnknownTool, b'D'))?
+                        .radius
+                }
+                None => {
+                    let tool = self.tools.get(self.loaded);
+                    let unknown =
+                        || block.error_at_code(ErrorKind::UnknownTool, Group::Compensation);
+                    tool.ok_or_else(unknown)?.radius
+                }
+            }
+        };
+        // A negative radius is a tool on the other side.
+        let side = match (side, radius < Nm(0)) {
+            (Side::Left, true) => Side::Right,
+            (Side::Right, true) => Side::Left,
+            (side, false) => side,
+        };
+        self.compensation = Some(side);
+        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.plane);
+        Ok(())
+    }
+
+    pub(crate) fn set_tool_length(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        let mut number = 0;
+        match block.code(Group::ToolLength) {
+            None => return Ok(()),
+            Some(Code::ToolLength) => {
+                number = whole(block, b'H')?.unwrap_or(self.loaded);
+                // A tool that is not in the table has no length of its own: its length is in the work zero.
+                self.length = self.tools.get(number).unwrap_or_default().offset;
+            }
+            Some(Code::DirectToolLength) => {
+                if block.axes() == 0 {
+                    return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::ToolLength));
+                }
+                let mut length = self.length;
+                for (axis, length) in (0..N).zip(length.iter_mut()) {
+                    if let Some(value) = self.length_of(block, axis_letter(axis))? {
+                        *length = value;
+                    }
+                }
+                self.length = length;
+            }
+            Some(_) => self.length = [Nm(0); N],
+        }
+        commands.length(number, self.length);
+        Ok(())
+    }
+
+    /// G10 and its `L`.
+    pub(crate) fn set_data(&mut self, block: &Block) -> Result<(), Error> {
+        let kind: u8 = whole(block, b'L')?.ok_or_else(|| missing(block, b'L', Group::NonModal))?;
+        let number: u32 =
+            whole(block, b'P')?.ok_or_else(|| missing(block, b'P', Group::NonModal))?;
+        match kind {
+            1 | 10 | 11 if self.dialect.flavour != Flavour::Grbl => {
+                self.write_tool(block, kind, number)
+            }
+            2 | 20 => {
+                if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
+                    return Err(block.error_at(ErrorKind::OutOfRange(b'R'), b'R'));
+                }
+                let system = match number.checked_sub(1) {
+                    None => Some(self.system),
+                    Some(system) => u8::try_from(system).ok(),
+                };
+                let most = if self.dialect.flavour == Flavour::Grbl {
+                    6
+                } else {
+                    9
+                };
+                let system = system
+                    .filter(|&system| system < most)
+                    .ok_or_else(|| block.error_at(ErrorKind::OutOfRange(b'P'), b'P'))?;
+                let mut zero = self
+                    .offsets
+                    .get(usize::from(system))
+                    .copied()
+                    .unwrap_or([Nm(0); N]);
+                let here = self.less(self.less(self.position, self.shift), self.length);
+                self.write_axes(block, &mut zero, (kind == 20).then_some(here))?;
+                self.set_work_zero(system, zero);
+                Ok(())
+            }
+            _ => Err(block.error_at(ErrorKind::OutOfRange(b'L'), b'L')),
+        }
+    }
+
+    /// G10 L1, L10, L11: the length and the radius of a tool.
+    fn write_tool(&mut self, block: &Block, kind: u8, number: u32) -> Result<(), Error> {
+        if number == 0 {
+            return Err(block.error_at(ErrorKind::OutOfRange(b'P'), b'P'));
+        }
+        let mut tool = self.tools.get(number).unwrap_or_default();
+        let frame = match kind {
+            1 => None,
+            10 => Some(self.less(self.position, self.work_offset())),
+            // Relative to the fixture of G59.3, whatever shifts the others.
+            _ => Some(self.less(
+                self.position,
+                self.offsets.last().copied().unwrap_or([Nm(0); N]),
+            )),
+        };
+        self.write_axes(block, &mut tool.offset, frame)?;
+        if let Some(radius) = self.length_of(block, b'R')? {
+            tool.radius = radius;
+        }
+        if self.tools.set(number, tool) {
+            Ok(())
+        } else {
+            Err(block.error_at(ErrorKind::ToolTableFull, b'P'))
+        }
+    }
+
+    /// The difference of two positions, both within a few times [`Nm::LIMIT`].
+    fn less(&self, at: [Nm; N], zero: [Nm; N]) -> [Nm; N] {
+        let mut difference = at;
+        for (difference, zero) in difference.iter_mut().zip(zero) {
+            difference.0 = difference.0.saturating_sub(zero.0);
+        }
+        difference
+    }
+
+    /// The axis words of a block: as they are, or as what `here` shall read.
+    fn write_axes(
+        &self,
+        block: &Block,
+        to: &mut [Nm; N],
+        here: Option<[Nm; N]>,
+    ) -> Result<(), Error> {
+        for (axis, entry) in (0..N).zip(to.iter_mut()) {
+            let letter = block.letter_of(axis);
+            if let Some(value) = self.length_of(block, letter)? {
+                let wanted = match here.and_then(|here| here.get(axis).copied()) {
+                    Some(here) => here.0.saturating_sub(value.0),
+                    None => value.0,
+                };
+                *entry = Nm(wanted)
+                    .within_limit()
+                    .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// G92: the present position gets the coordinates of the axis words.
+    pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Error> {
+        if block.axes() == 0 {
+            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
+        }
+        let here = self.less(self.less(self.position, self.system_offset()), self.length);
+        let mut shift = self.shift;
+        self.write_axes(block, &mut shift, Some(here))?;
+        (self.shift, self.kept_shift) = (shift, shift);
+        Ok(())
+    }
+
+    /// G28 and G30: through the given point to the stored position, only the axes named; all axes straight where none
+    /// is.
+    pub(crate) fn go_home(
+        &mut self,
+        block: &Block,
+        which: u8,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        let home = if which == 0 {
+            self.homes[0]
+        } else {
+            self.homes[1]
+        };
+        let given = block.axes();
+        let mut to = self.position;
+        for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(home)) {
+            if given == 0 || given & 1u16.wrapping_shl(axis as u32) != 0 {
+                *to = home;
+            }
+        }
+        if self.dialect.flavour == Flavour::Micromill {
+            if given == 0 {
+                return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
+            }
+            self.check_z_alone(block)?;
+            for axis in 0..AXES {
+                if block.axis(axis).is_some_and(|value| !value.is_zero()) {
+                    let letter = axis_letter(axis);
+                    return Err(block.error_at(ErrorKind::NotZero(letter), letter));
+                }
+            }
+        } else if given != 0 {
+            commands.via(self.target(block, self.frame())?);
+        }
+        self.position = to;
+        commands.motion(Command::Rapid { to });
+        Ok(())
+    }
+}
+
+impl<const N: usize> Tool<N> {
+    /// A tool without length.
+    pub const fn of_radius(radius: Nm) -> Self {
+        Tool {
+            offset: [Nm(0); N],
+            radius,
+        }
+    }
+}

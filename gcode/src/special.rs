@@ -1,0 +1,202 @@
+//! Splines, synchronised moves and probing: G5, G5.1, G33, G38.
+
+use crate::arc::Plane;
+use crate::block::Block;
+use crate::code::Group;
+use crate::command::{Command, SpindleDirection, Spline};
+use crate::commands::Commands;
+use crate::dialect::Flavour;
+use crate::error::{Error, ErrorKind};
+use crate::modal::{FeedMode, Modal};
+use crate::nm::Nm;
+
+impl<const N: usize> Modal<N> {
+    /// Refuses a move that needs a turning spindle when it stands.
+    pub(crate) fn check_turning(&self, block: &Block) -> Result<(), Error> {
+        if self.spindle == SpindleDirection::Off {
+            return Err(block.error_at_motion(ErrorKind::SpindleStopped));
+        }
+        Ok(())
+    }
+
+    /// X and Y of a point.
+    fn plane_point(point: &[Nm; N]) -> [Nm; 2] {
+        [0, 1].map(|axis| point.get(axis).copied().unwrap_or_default())
+    }
+
+    /// A pair of words added to a point; `None` when the block has neither.
+    fn offset(
+        &self,
+        block: &Block,
+        letters: [u8; 2],
+        from: [Nm; 2],
+    ) -> Result<Option<[Nm; 2]>, Error> {
+        if letters.iter().all(|&letter| block.word(letter).is_none()) {
+            return Ok(None);
+        }
+        let mut point = from;
+        for (entry, letter) in point.iter_mut().zip(letters) {
+            if let Some(length) = self.length_of(block, letter)? {
+                *entry = entry
+                    .0
+                    .checked_add(length.0)
+                    .and_then(|sum| Nm(sum).within_limit())
+                    .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+            }
+        }
+        Ok(Some(point))
+    }
+
+    /// Start and end of a spline, which is in XY only.
+    fn spline_ends(&self, block: &Block) -> Result<([Nm; 2], [Nm; N]), Error> {
+        if block.axes() == 0 {
+            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+        }
+        if self.plane != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
+            return Err(block.error_at_motion(ErrorKind::SplinePlane));
+        }
+        let to = self.target(block, self.frame())?;
+        Ok((Self::plane_point(&self.position), to))
+    }
+
+    /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a smooth join.
+    pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+        let (from, to) = self.spline_ends(block)?;
+        let end = Self::plane_point(&to);
+        let first = match (self.offset(block, [b'I', b'J'], from)?, self.tail) {
+            (Some(first), _) => first,
+            (None, Some(tail)) => {
+                let mut first = from;
+                for (first, tail) in first.iter_mut().zip(tail) {
+                    // Each within 2^50.
+                    first.0 = first.0.saturating_add(tail.0);
+                }
+                first
+            }
+            (None, None) => return Err(block.error_at_motion(ErrorKind::MissingWord(b'I'))),
+        };
+        for letter in [b'P', b'Q'] {
+            if block.word(letter).is_none() {
+                return Err(block.error_at_motion(ErrorKind::MissingWord(letter)));
+            }
+        }
+        let second = self.offset(block, [b'P', b'Q'], end)?.unwrap_or(end);
+        let mut tail = end;
+        for (tail, second) in tail.iter_mut().zip(second) {
+            tail.0 = tail.0.saturating_sub(second.0);
+        }
+        self.tail = Some(tail);
+        self.spline(block, to, [from, first, second, end], commands)
+    }
+
+    /// G5.1: I J from the start to the only control point.
+    pub(crate) fn quadratic(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        let (from, to) = self.spline_ends(block)?;
+        let end = Self::plane_point(&to);
+        let control = self
+            .offset(block, [b'I', b'J'], from)?
+            .filter(|&control| control != from)
+            .ok_or_else(|| block.error_at_motion(ErrorKind::MissingWord(b'I')))?;
+        let points = [from, toward(from, control), toward(end, control), end];
+        self.spline(block, to, points, commands)
+    }
+
+    fn spline(
+        &mut self,
+        block: &Block,
+        to: [Nm; N],
+        points: [[Nm; 2]; 4],
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        let feed = self.feed_of(block)?;
+        self.position = to;
+        commands.motion(Command::Spline {
+            spline: Spline { to, points },
+            feed,
+        });
+        Ok(())
+    }
+
+    /// G33: `K` is the lead; in code system A of lathes (G32) `F` is.
+    pub(crate) fn thread(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        if block.axes() == 0 {
+            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+        }
+        let lead = self.lead(block)?;
+        self.check_turning(block)?;
+        let to = self.target(block, self.frame())?;
+        self.position = to;
+        commands.motion(Command::Thread { to, lead });
+        Ok(())
+    }
+
+    /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a series.
+    pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Error> {
+        let letter = if self.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none() {
+            b'F'
+        } else {
+            b'K'
+        };
+        let lead = match self.length_of(block, letter)? {
+            Some(lead) => lead,
+            None => self.sticky.lead,
+        };
+        if lead == Nm(0) && block.word(letter).is_none() {
+            return Err(block.error_at_motion(ErrorKind::MissingWord(letter)));
+        }
+        if lead <= Nm(0) {
+            return Err(block.error_at(ErrorKind::OutOfRange(letter), letter));
+        }
+        self.sticky.lead = lead;
+        Ok(lead)
+    }
+
+    /// G38.2 to G38.5.
+    pub(crate) fn probe(
+        &mut self,
+        block: &Block,
+        away: bool,
+        must: bool,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        if block.axes() == 0 {
+            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+        }
+        let to = self.target(block, self.frame())?;
+        if to == self.position {
+            return Err(block.error_at_axes(ErrorKind::NoProbeMove));
+        }
+        if self.feed_mode != FeedMode::PerMinute && self.dialect.flavour != Flavour::Grbl {
+            return Err(block.error_at_motion(ErrorKind::WrongFeedMode));
+        }
+        let feed = self.feed_of(block)?;
+        self.position = to;
+        commands.motion(Command::Probe {
+            to,
+            feed,
+            away,
+            must,
+        });
+        Ok(())
+    }
+}
+
+/// Two thirds of the way from an end to the control point, to the nearest nanometre, halves (there are none) up.
+fn toward(end: [Nm; 2], control: [Nm; 2]) -> [Nm; 2] {
+    let mut point = end;
+    for (point, control) in point.iter_mut().zip(control) {
+        // Below 2^52, twice that and one fit.
+        let twice = control.0.saturating_sub(point.0).wrapping_mul(2);
+        let third = twice.wrapping_add(1).wrapping_div_euclid(3);
+        point.0 = point.0.saturating_add(third);
+    }
+    point
+}
