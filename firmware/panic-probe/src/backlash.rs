@@ -14,6 +14,7 @@ pub fn keep() {
         Backlash::flank as *const (),
         Backlash::lash_steps as *const (),
         <Backlash as Lash>::take_up as *const (),
+        <Backlash as Lash>::is_free as *const (),
         Compensator::<3, Backlash>::new as *const (),
         Compensator::<3, Backlash>::before as *const (),
         Compensator::<3, Backlash>::is_straight_on as *const (),
