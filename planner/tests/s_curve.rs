@@ -91,6 +91,7 @@ proptest! {
         prop_assert_eq!(intervals.len(), events as usize);
         let bounds = Bounds { top_rate_hz: fastest.into(), ..bounds(&rates) };
         prop_assert_eq!(fault(&intervals, &bounds), None);
+        prop_assert_eq!(jerk_fault(&intervals, &bounds, jerk.into()), None);
     }
 
     /// Nothing panics and nothing runs away, whatever the numbers.
