@@ -27,8 +27,8 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
 ///
 /// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64 bytes. Cost of an
-/// event on a ramp, loop included: 60 instructions on Cortex-M4F and 132 on Cortex-M0 (mean of the first 1000 at 1 MHz and
-/// 100 000 steps/s^2; 71 and 192 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 37 and 39. Where
+/// event on a ramp, loop included: 60 instructions on Cortex-M4F and 133 on Cortex-M0 (mean of the first 1000 at 1 MHz and
+/// 100 000 steps/s^2; 70 and 194 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 37 and 39. Where
 /// a part begins, two divisions by shift and subtract and up to four square roots are added.
 ///
 /// ```
@@ -462,14 +462,14 @@ fn settle(time: u32, rest: u64) -> (u32, u32) {
     // One Newton step in 32 bits, which the square of its own error seldom spoils; twice a time is the slope of the square.
     if (rest >> 32) as u32 == u32::MAX {
         let error = (rest as u32).wrapping_neg();
-        // Rounded up. (t - c)^2 = t^2 - c (2 t - c).
+        // Rounded up; at most t, as t^2 is at least the error. (t - c)^2 = t^2 - c (2 t - c).
         let change = error.checked_div(twice).unwrap_or(0).wrapping_add(1);
         // What is lacking is at most one slope more than the error: modulo 2^32 nothing else looks like a remainder.
         let near = time.wrapping_sub(change);
         let left = change
             .wrapping_mul(twice.wrapping_sub(change))
             .wrapping_sub(error);
-        if change <= SMALL && change <= time && left <= near.wrapping_mul(2) {
+        if change <= SMALL && left <= near.wrapping_mul(2) {
             return (near, left);
         }
     } else if (rest >> 32) as u32 == 0 {
