@@ -1,0 +1,444 @@
+//! Excellon: what each kind of line means, and properties, each in words.
+
+use husillo_gcode::excellon::{
+    Digits, Error, ErrorKind, Feature, Format, Inference, Overrides, Path, Reader, Settings, Units,
+    Warning, WarningKind, Zeros, lines,
+};
+use husillo_gcode::{Direction, Nm};
+use proptest::prelude::*;
+
+/// Features, and errors with their lines.
+type Outcome = (Vec<Feature>, Vec<(usize, Error)>, Vec<(usize, Warning)>);
+
+fn settings(text: &[u8], overrides: &Overrides) -> Settings {
+    let mut inference = Inference::new();
+    for (_, line) in lines(text) {
+        inference.observe(line);
+    }
+    inference.settle(overrides)
+}
+
+/// Reads a file; asserts that an error or a warning lies inside its line.
+fn read_with(text: &[u8], overrides: &Overrides) -> Outcome {
+    let mut reader = Reader::<8>::new(&settings(text, overrides));
+    let (mut features, mut errors, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, line) in lines(text) {
+        match reader.read(line) {
+            Ok(made) => {
+                let count = made.len();
+                let before = features.len();
+                features.extend(made);
+                assert_eq!(features.len(), before + count);
+            }
+            Err(error) => {
+                assert!(
+                    error.at <= error.end && error.end <= line.len(),
+                    "{error:?}"
+                );
+                assert!(error.kind.code() > 100 && !error.to_string().is_empty());
+                errors.push((number, error));
+            }
+        }
+        if let Some(warning) = reader.warning() {
+            assert!(warning.at <= warning.end && warning.end <= line.len());
+            assert!(warning.kind.code() > 900 && !warning.to_string().is_empty());
+            warnings.push((number, warning));
+        }
+    }
+    (features, errors, warnings)
+}
+
+fn read(text: &str) -> Outcome {
+    read_with(text.as_bytes(), &Overrides::default())
+}
+
+/// The holes of a file without errors: x, y and diameter in um.
+fn holes(text: &str) -> Vec<[i64; 3]> {
+    let (features, errors, _) = read(text);
+    assert_eq!(errors, [], "{text}");
+    let of_hole = |feature: &Feature| match feature {
+        Feature::Hole(hole) => {
+            let diameter = hole.tool.diameter.map_or(0, |nm| nm.0);
+            Some([hole.at[0].0, hole.at[1].0, diameter].map(|nm| nm / 1000))
+        }
+        Feature::Slot(_) => None,
+    };
+    features.iter().filter_map(of_hole).collect()
+}
+
+fn kinds(text: &str) -> Vec<(usize, ErrorKind)> {
+    let (_, errors, _) = read(text);
+    errors
+        .iter()
+        .map(|(line, error)| (*line, error.kind))
+        .collect()
+}
+
+#[test]
+fn headers_and_tools() {
+    let wanted = [[1000, 2000, 800]];
+    for text in [
+        "M48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX1000Y2000\nM30",
+        "M48\nM71,TZ\nT01F00S00C.8\nM95\nT1\nX1000Y2000",
+        "METRIC\nT1C0.8F200S100\nX1000Y2000",
+        "G90\nM71\nM48\nT0C0.8\n%\nG90\nM71\nM48\n%\nT0\nX+1000Y+2000\nM30",
+        "%\nM48\nMETRIC,000.000\nT100C0.80\n%\nT100\n x 10 00 y2.0\nM30",
+        "M48\nFMAT,2\nICI,OFF\nR,T\nVER,1\nMETRIC\nT1C0.8\n%\nG93X0Y0\nG05\nT1\nX1000Y2000M30",
+        "M48\nMETRIC,LZ\nT1C0.8\n%\nT1\nX001Y002M30\n",
+        ";T01 Holesize 1. = 0.8 Tolerance = +0.0/-0.0 PLATED MM Quantity = 1\n%\nT01\nX1.0Y2.0\nM30",
+        "; FORMAT={-:-/ absolute / metric / decimal}\nT1C0.8\n%\nT1\nX1.0Y2.0\nT0\nM30",
+    ] {
+        assert_eq!(holes(text), wanted, "{text}");
+    }
+}
+
+#[test]
+fn modal_incremental_and_repeated() {
+    let head = "METRIC\nT1C1\nM95\nT1\n";
+    for (body, points) in [
+        ("X1.Y1.\nX2.\nY3.", vec![[1, 1], [2, 1], [2, 3]]),
+        ("ICI,ON\nX1.Y1.\nX2.\nY-3.", vec![[1, 1], [3, 1], [3, -2]]),
+        ("G91\nX1.Y1.\nG90\nX1.\n", vec![[1, 1], [1, 1]]),
+        (
+            "X1.Y1.\nR3X1.Y-1.\nX1.",
+            vec![[1, 1], [2, 0], [3, -1], [4, -2], [1, -2]],
+        ),
+        ("X1.Y1.\nR2\n", vec![[1, 1], [1, 1], [1, 1]]),
+    ] {
+        let found: Vec<_> = holes(&format!("{head}{body}"))
+            .iter()
+            .map(|hole| [hole[0] / 1000, hole[1] / 1000])
+            .collect();
+        assert_eq!(found, points, "{body}");
+    }
+}
+
+#[test]
+fn units_may_change_and_the_usual_digits_with_them() {
+    let text = "M48\nINCH,TZ\nT1C0.1\n%\nT1\nX10000Y0\nM71\nX25400\nM72\nX1.0";
+    assert_eq!(
+        holes(text),
+        [[25_400, 0, 2_540], [25_400, 0, 2_540], [25_400, 0, 2_540]]
+    );
+    let overrides = Overrides {
+        units: Some(Units::Inches),
+        zeros: Some(Zeros::Leading),
+        digits: Digits::new(1, 3),
+        ..Overrides::default()
+    };
+    let (features, errors, _) = read_with(b"METRIC,TZ,000.000\nT1C0.1\nX1Y02", &overrides);
+    assert_eq!(errors, []);
+    let Feature::Hole(hole) = features[0] else {
+        panic!("a slot")
+    };
+    assert_eq!(hole.at, [Nm(25_400_000), Nm(5_080_000)]);
+}
+
+#[test]
+fn slots_and_routs() {
+    let (features, errors, _) = read(
+        "METRIC\nT1C1\nX1.Y1.G85X4.\nX9.\nG00X0.Y0.\nM15\nG01X5.\nY5.\nG02X0.A5.\nM16\nG05\nX7.",
+    );
+    assert_eq!(errors, []);
+    let described: Vec<_> = features
+        .iter()
+        .map(|feature| match feature {
+            Feature::Hole(hole) => format!("hole {} {}", hole.at[0], hole.at[1]),
+            Feature::Slot(slot) => {
+                let path = match slot.path {
+                    Path::Straight => "to".to_owned(),
+                    Path::Radius(Direction::Clockwise, radius) => format!("cw {radius} to"),
+                    other => format!("{other:?}"),
+                };
+                let ([x, y], [to_x, to_y]) = (slot.from, slot.to);
+                format!("{x} {y} {path} {to_x} {to_y}")
+            }
+        })
+        .collect();
+    assert_eq!(
+        described,
+        [
+            "1 1 to 4 1",
+            "hole 9 1",
+            "0 0 to 5 0",
+            "5 0 to 5 5",
+            "5 5 cw 5 to 0 5",
+            "hole 7 5"
+        ]
+    );
+    let (features, _, warnings) = read("METRIC\nT1C1\nG00X0.Y0.\nG01X5.\n");
+    assert_eq!(features, []);
+    assert_eq!(warnings[0].1.kind, WarningKind::ToolUp);
+}
+
+#[test]
+fn plating() {
+    let text = "M48\nMETRIC\n;TYPE=PLATED\nT1C1\n;TYPE=NON_PLATED\nT2C1\n%\nT1\nX1.\nT2\nX1.\n";
+    let (features, ..) = read(text);
+    let plated: Vec<_> = features
+        .iter()
+        .map(|feature| match feature {
+            Feature::Hole(hole) => hole.tool.plated,
+            Feature::Slot(slot) => slot.tool.plated,
+        })
+        .collect();
+    assert_eq!(plated, [Some(true), Some(false)]);
+}
+
+#[test]
+fn what_is_refused() {
+    use ErrorKind::{
+        Gerber, HalfSlot, MissingNumber, NoDiameter, NoTool, NotALetter, NotText, NotWhole,
+        NothingToRepeat, NumberTooLarge, Origin, RepeatOfSlot, RepeatedWord, StepAndRepeat,
+        TooManyTools, UnknownCode, UnknownName, UnknownWord,
+    };
+    for (line, kind) in [
+        ("%FSLAX24Y24*%", Gerber),
+        ("X1Y1D03*", Gerber),
+        ("X1*", Gerber),
+        ("\u{1}\u{2}", NotText(1)),
+        ("X", MissingNumber(b'X')),
+        ("X1X2", RepeatedWord(b'X')),
+        ("T1T2", RepeatedWord(b'T')),
+        ("X1G85", HalfSlot),
+        ("G85X1", HalfSlot),
+        ("X1G85X2R2", RepeatOfSlot),
+        ("R0M02X1Y1", StepAndRepeat),
+        ("M25", StepAndRepeat),
+        ("R3X1", NothingToRepeat),
+        ("R99999X1", NumberTooLarge),
+        ("G82X1Y1", UnknownCode(b'G', 82)),
+        ("M52", UnknownCode(b'M', 52)),
+        ("G93X1Y0", Origin),
+        ("T9C-1", NoDiameter),
+        ("T9C0", NoDiameter),
+        ("T1.5", NotWhole(b'T')),
+        ("T70000", NumberTooLarge),
+        ("X9999999999999", NumberTooLarge),
+        ("X1A1", UnknownWord(b'A')),
+        ("C1", UnknownWord(b'C')),
+        ("Q1", UnknownWord(b'Q')),
+        ("WHAT,1", UnknownName),
+        ("!", NotALetter(b'!')),
+    ] {
+        let text = format!("METRIC\nT1C1\n{line}\nX5.Y5.");
+        let (features, ..) = read(&text);
+        assert_eq!(kinds(&text), [(3, kind)], "{line}");
+        // The line after it is read as if the wrong one were not there.
+        assert_eq!(features.len(), 1, "{line}");
+    }
+    assert_eq!(kinds("METRIC\nX1"), [(2, NoTool)]);
+    assert_eq!(kinds("METRIC\nT1C1\nT0\nX1"), [(4, NoTool)]);
+    let many: String = (1..=9).map(|tool| format!("T{tool}C1\n")).collect();
+    assert_eq!(kinds(&many), [(9, TooManyTools)]);
+}
+
+#[test]
+fn what_is_warned_about() {
+    use WarningKind::{AfterEnd, HeaderNotEnded, Ignored, NoDiameter, Redefined, UnknownName};
+    for (text, line, kind) in [
+        ("M48\nFANCY,1\n%", 2, UnknownName),
+        ("M48\nINCH,QZ\n%", 2, UnknownName),
+        ("M48\nINCH\nT1C1\nT1\nX1", 5, HeaderNotEnded),
+        ("INCH\nT1C1\nT1C2", 3, Redefined(1)),
+        ("INCH\nT7", 2, NoDiameter(7)),
+        ("G04 anything at all!", 1, Ignored),
+        ("M30\n%\n;c\nX1\nX1", 4, AfterEnd),
+    ] {
+        let (_, errors, warnings) = read(text);
+        assert_eq!(errors, [], "{text}");
+        let found: Vec<_> = warnings
+            .iter()
+            .map(|(line, warning)| (*line, warning.kind))
+            .collect();
+        assert_eq!(found, [(line, kind)], "{text}");
+    }
+}
+
+#[test]
+fn memory_is_as_stated() {
+    let tools = size_of::<Reader<100>>() - size_of::<Reader<0>>();
+    assert!(tools <= 100 * 40, "{tools}");
+    assert!(size_of::<Reader<0>>() <= 256);
+}
+
+/// A length in units of the last place of a format, written in it.
+fn written(value: i64, format: &Format, point: bool) -> String {
+    let (whole, places) = (format.digits.whole(), format.digits.places());
+    let sign = if value < 0 { "-" } else { "" };
+    let width = usize::from(whole + places);
+    let digits = format!("{:0width$}", value.abs());
+    if point {
+        let (head, tail) = digits.split_at(digits.len() - usize::from(places));
+        return format!("{sign}{head}.{tail}");
+    }
+    let kept = match format.zeros {
+        Zeros::Leading => digits.trim_end_matches('0'),
+        Zeros::Trailing => digits.trim_start_matches('0'),
+    };
+    format!("{sign}{}", if kept.is_empty() { "0" } else { kept })
+}
+
+fn formats() -> impl Strategy<Value = Format> {
+    let units = prop::sample::select(vec![Units::Inches, Units::Millimetres]);
+    let zeros = prop::sample::select(vec![Zeros::Leading, Zeros::Trailing]);
+    let digits =
+        (1_u8..=4, 0_u8..=6).prop_map(|(whole, places)| Digits::new(whole, places).unwrap());
+    (units, zeros, digits).prop_map(|(units, zeros, digits)| Format {
+        units,
+        zeros,
+        digits,
+    })
+}
+
+fn overrides(format: &Format) -> Overrides {
+    Overrides {
+        units: Some(format.units),
+        zeros: Some(format.zeros),
+        digits: Some(format.digits),
+        ..Overrides::default()
+    }
+}
+
+/// Text that looks like a drill file, right or wrong.
+fn drill_lines() -> impl Strategy<Value = Vec<String>> {
+    let fixed = prop::sample::select(vec![
+        "M48",
+        "%",
+        "M95",
+        "INCH,TZ",
+        "METRIC,LZ",
+        "METRIC,000.000",
+        "M71",
+        "M72",
+        "ICI,ON",
+        "ICI,OFF",
+        "G90",
+        "G91",
+        "G05",
+        "G00",
+        "G01",
+        "M15",
+        "M16",
+        "T1",
+        "T2C.5",
+        "T1C0.8",
+        "T0",
+        ";FILE_FORMAT=2:4",
+        ";TYPE=PLATED",
+        "FMAT,2",
+        "R3X01",
+        "X01Y02G85X03Y01",
+        "G03X1A2",
+        "G02X1I1J0",
+        ";Holesize 1. = 13.0 PLATED MILS",
+    ]);
+    let words = prop::collection::vec(
+        (
+            prop::sample::select(b"XYXYXYRTGMACIJ".to_vec()),
+            "[+-]?[0-9]{0,7}(\\.[0-9]{0,4})?",
+        ),
+        1..4,
+    )
+    .prop_map(|words| {
+        let words = words.iter();
+        words
+            .map(|(letter, number)| format!("{}{number}", char::from(*letter)))
+            .collect()
+    });
+    prop::collection::vec(prop_oneof![fixed.prop_map(str::to_owned), words], 0..24)
+}
+
+proptest! {
+    /// What is printed in a format is read back exactly, with and without a point, whatever the zeros.
+    #[test]
+    fn print_and_parse(
+        format in formats(),
+        points in prop::collection::vec((-9_999_999_i64..9_999_999, -9_999_999_i64..9_999_999), 1..8),
+        point: bool,
+    ) {
+        let most = 10_i64.pow(u32::from(format.digits.all()));
+        let mut text = String::from("T1C1.0\n");
+        for (x, y) in &points {
+            let (x, y) = (written(x % most, &format, point), written(y % most, &format, point));
+            text += &format!("X{x}Y{y}\n");
+        }
+        let (features, errors, _) = read_with(text.as_bytes(), &overrides(&format));
+        prop_assert_eq!(errors, vec![]);
+        let nm_per_unit = match format.units {
+            Units::Inches => 25_400_000_i128,
+            Units::Millimetres => 1_000_000,
+        };
+        let scale = 10_i128.pow(u32::from(format.digits.places()));
+        // To the nearest nanometre, halves away from zero.
+        let nm = |value: i64| {
+            let product = i128::from(value % most) * nm_per_unit;
+            let rounded = (2 * product.abs() + scale) / (2 * scale);
+            Nm((rounded * product.signum()) as i64)
+        };
+        let found: Vec<_> = features
+            .iter()
+            .map(|feature| match feature {
+                Feature::Hole(hole) => hole.at,
+                Feature::Slot(slot) => slot.to,
+            })
+            .collect();
+        let wanted: Vec<_> = points.iter().map(|(x, y)| [nm(*x), nm(*y)]).collect();
+        prop_assert_eq!(found, wanted);
+    }
+
+    /// The kind of line end, blanks inside lines and the case of letters change nothing.
+    #[test]
+    fn the_way_of_writing_does_not_matter(lines in drill_lines(), blanks: Vec<u8>) {
+        let plain = lines.join("\n");
+        let (features, errors, _) = read(&plain);
+        for end in ["\r\n", "\r"] {
+            let (again, same_errors, _) = read(&lines.join(end));
+            prop_assert_eq!(&again, &features);
+            prop_assert_eq!(&same_errors, &errors);
+        }
+        let mut blanks = blanks.iter().cycle();
+        let mut spaced = String::new();
+        for character in plain.to_lowercase().chars() {
+            if blanks.next().is_some_and(|blank| blank % 3 == 0) {
+                spaced.push(if character == 'x' { '\t' } else { ' ' });
+            }
+            spaced.push(character);
+        }
+        let (again, same_errors, _) = read(&spaced);
+        prop_assert_eq!(again, features);
+        let kinds = |errors: &[(usize, Error)]| -> Vec<_> {
+            errors.iter().map(|(line, error)| (*line, error.kind)).collect()
+        };
+        prop_assert_eq!(kinds(&same_errors), kinds(&errors));
+    }
+
+    /// A line with an error changes nothing: without it the file means the same.
+    #[test]
+    fn wrong_lines_leave_the_reader_as_it_was(lines in drill_lines()) {
+        let text = lines.join("\n");
+        let overrides = overrides(&settings(text.as_bytes(), &Overrides::default()).format());
+        let (features, errors, _) = read_with(text.as_bytes(), &overrides);
+        let right: Vec<_> = (1..)
+            .zip(&lines)
+            .filter(|(number, _)| errors.iter().all(|(line, _)| line != number))
+            .map(|(_, line)| line.as_str())
+            .collect();
+        let (again, no_errors, _) = read_with(right.join("\n").as_bytes(), &overrides);
+        prop_assert_eq!(again, features);
+        prop_assert_eq!(no_errors, vec![]);
+    }
+
+    /// Any bytes: no panic, places inside the line, coordinates within the limit.
+    #[test]
+    fn any_bytes(text: Vec<u8>) {
+        let (features, ..) = read_with(&text, &Overrides::default());
+        for feature in features {
+            let at = match feature {
+                Feature::Hole(hole) => hole.at,
+                Feature::Slot(slot) => slot.to,
+            };
+            prop_assert!(at.iter().all(|nm| nm.0.abs() <= Nm::LIMIT.0));
+        }
+    }
+}
