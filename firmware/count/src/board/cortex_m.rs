@@ -1,4 +1,4 @@
-//! The simulated board: SysTick as a clock of executed instructions.
+//! The simulated Cortex-M boards: SysTick as a clock of executed instructions.
 //!
 //! Under `-icount shift=6` an instruction takes 64 ns of virtual time. SysTick counts down 24 bits at 25 MHz (mps2-an386:
 //! 40 ns a tick) or 16 MHz (microbit: 62.5 ns a tick), so more than one tick an instruction: every count is told apart,
@@ -28,11 +28,11 @@ pub fn start() {
     peripherals.SYST.enable_counter();
 }
 
-/// Instructions that `work(repeats)` executes, the frame around it included.
+/// Instructions that `work` executes, the frame around it included.
 #[inline(never)]
-pub fn instructions(repeats: u32, work: &mut dyn FnMut(u32)) -> u64 {
+pub fn instructions(work: &mut dyn FnMut()) -> u64 {
     let before = SYST::get_current();
-    work(repeats);
+    work();
     let after = SYST::get_current();
     let ticks = u64::from(before.wrapping_sub(after) & 0x00ff_ffff);
     // Whole ticks at both ends: right to an instruction.

@@ -1,0 +1,44 @@
+//! Helices, ellipses, conics and Bezier curves.
+
+use husillo_interp::{Bezier, Conic, ConicMove, Direction, EllipseMove, Helix};
+
+use crate::arcs::CIRCLE;
+use crate::{Count, walk};
+
+#[inline(never)]
+pub fn all(count: Count<'_>) {
+    if let Ok(helix) = Helix::<3>::new(&CIRCLE, [0, 1], [0, 0, 500]) {
+        walk(count, "helix_3_axes", &helix);
+    }
+    let ellipse = EllipseMove {
+        from: [1000, 0],
+        to: [1000, 0],
+        centre: [0, 0],
+        semi_axes: [1000, 600],
+        fraction_bits: 0,
+        direction: Direction::CounterClockwise,
+        turns: 0,
+    };
+    if let Ok(ellipse) = Conic::ellipse(&ellipse) {
+        walk(count, "ellipse", &ellipse);
+    }
+    // y = x^2 / 1000.
+    let parabola = ConicMove {
+        from: [-1000, 1000],
+        to: [1000, 1000],
+        coefficients: [1, 0, 0, 0, -1000, 0],
+        direction: Direction::CounterClockwise,
+        turns: 0,
+    };
+    if let Ok(parabola) = Conic::new(&parabola) {
+        walk(count, "parabola", &parabola);
+    }
+    let control = [[0, 0], [100, 300], [300, -100], [400, 200]];
+    if let Ok(curve) = Bezier::cubic(control, 0) {
+        walk(count, "bezier_2_axes", &curve);
+    }
+    let [first, second, third, last] = control.map(|[x, y]| [x, y, x - y]);
+    if let Ok(curve) = Bezier::cubic([first, second, third, last], 0) {
+        walk(count, "bezier_3_axes", &curve);
+    }
+}

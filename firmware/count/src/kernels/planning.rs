@@ -1,0 +1,112 @@
+//! Speed along the path: the timers, and the queue of moves.
+
+use core::hint::black_box;
+
+use husillo_planner::{Direction, Junction, Limits, LookAhead, Ramp, Stretch, Timer};
+
+use crate::Count;
+
+const EVENTS: u32 = 2000;
+const MOVES: u32 = 500;
+
+/// 2000 events of 1 um.
+const LINE: Stretch = Stretch {
+    length_nm: 2_000_000,
+    top_nm_per_s: 100_000_000,
+    ceiling_nm_per_s: 100_000_000,
+    obeys_override: true,
+    acceleration_nm_per_s2: 100_000_000,
+    start_nm_per_s: 0,
+    entry_limit_nm_per_s: 0,
+};
+
+#[inline(never)]
+pub fn all(count: Count<'_>) {
+    let timer = Timer::new(123_456_789, 1 << 34, 1 << 25);
+    count("timer_wait", EVENTS, &mut || {
+        let mut timer = black_box(timer.clone());
+        for _ in 0..EVENTS {
+            black_box(timer.wait(black_box(12_345_678)));
+        }
+    });
+    // 1 mm up and 1 mm down.
+    ramp(count, "ramp_speeding_or_braking", &LINE, 0);
+    let cruise = Stretch {
+        start_nm_per_s: 100_000_000,
+        ..LINE
+    };
+    ramp(count, "ramp_cruising", &cruise, u64::MAX);
+    queue(count);
+    junction(count);
+}
+
+#[inline(never)]
+fn ramp(count: Count<'_>, name: &str, line: &Stretch, exit_squared: u64) {
+    let mut ramp = Ramp::new(1_000_000);
+    ramp.begin(line, EVENTS.into(), 1, 20_000 << 16);
+    let limits = Limits {
+        top_nm_per_s: line.top_nm_per_s,
+        exit_squared,
+    };
+    count(name, EVENTS, &mut || {
+        let mut ramp = black_box(ramp.clone());
+        for _ in 0..EVENTS {
+            black_box(ramp.wait(black_box(1), black_box(limits)));
+        }
+    });
+}
+
+/// Moves of 20 um, 32 of them in the queue: 0.64 mm, less than it takes to brake.
+#[inline(never)]
+fn queue(count: Count<'_>) {
+    let chord = Stretch {
+        length_nm: 20_000,
+        entry_limit_nm_per_s: 50_000_000,
+        ..LINE
+    };
+    let mut queue = LookAhead::<u32, 32>::new();
+    while !queue.is_full() {
+        let _ = queue.push(chord, 0);
+    }
+    count("look_ahead_move", MOVES, &mut || {
+        for number in 0..MOVES {
+            black_box(queue.limits());
+            black_box(queue.pop());
+            // Now and then a corner.
+            let entry_limit_nm_per_s = if number % 32 == 0 {
+                1_000_000
+            } else {
+                50_000_000
+            };
+            let stretch = Stretch {
+                entry_limit_nm_per_s,
+                ..chord
+            };
+            black_box(queue.push(black_box(stretch), 0)).ok();
+        }
+    });
+}
+
+/// What a line costs before it is in the queue: its direction and limits, and the corner to it.
+fn junction(count: Count<'_>) {
+    let junction = Junction {
+        jump_nm_per_s: Some([10_000_000; 3]),
+        deviation_nm: Some(10_000),
+        acceleration_nm_per_s2: [500_000_000; 3],
+    };
+    let ways = [[20_000, 100, 1], [19_900, 2_000, 2]];
+    count("direction_and_junction", MOVES, &mut || {
+        let mut last = None;
+        for way in ways.iter().cycle().take(MOVES as usize) {
+            let Some(direction) = Direction::new(*black_box(way)) else {
+                return;
+            };
+            black_box(direction.speed_limit(&[100_000_000; 3]));
+            black_box(direction.acceleration_limit(&junction.acceleration_nm_per_s2));
+            if let Some(last) = &last {
+                black_box(junction.speed(last, &direction));
+            }
+            last = Some(direction);
+        }
+    });
+}

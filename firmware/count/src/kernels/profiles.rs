@@ -1,0 +1,58 @@
+//! Speed profiles of 2000 events.
+
+use husillo_planner::{Rates, Recurrence, SCurve, Trapezoid};
+
+use crate::{Count, time};
+
+const EVENTS: u32 = 2000;
+
+/// From standstill to standstill, never at the top rate.
+const RAMP: Rates = Rates {
+    timer_hz: 1_000_000,
+    start_rate_hz: 0,
+    top_rate_hz: 20_000,
+    end_rate_hz: 0,
+    acceleration_hz_per_s: 100_000,
+};
+
+#[inline(never)]
+pub fn all(count: Count<'_>) {
+    // At the top rate all the way.
+    let level = Rates {
+        start_rate_hz: 20_000,
+        end_rate_hz: 20_000,
+        ..RAMP
+    };
+    // A fast timer and a slow machine: intervals of thousands of ticks that change by thousands.
+    let coarse = Rates {
+        timer_hz: 32_000_000,
+        acceleration_hz_per_s: 4_000,
+        ..RAMP
+    };
+    for (name, rates) in [
+        ("trapezoid_ramp", &RAMP),
+        ("trapezoid_ramp_32_mhz", &coarse),
+        ("trapezoid_level", &level),
+    ] {
+        if let Ok(profile) = Trapezoid::new(rates, EVENTS) {
+            time(count, name, &profile);
+        }
+    }
+    for (name, rates) in [
+        ("recurrence_ramp", &RAMP),
+        ("recurrence_ramp_32_mhz", &coarse),
+        ("recurrence_level", &level),
+    ] {
+        if let Ok(profile) = Recurrence::new(rates, EVENTS) {
+            time(count, name, &profile);
+        }
+    }
+    for (name, rates, jerk) in [
+        ("s_curve", &RAMP, 1_000_000),
+        ("s_curve_32_mhz", &coarse, 40_000),
+    ] {
+        if let Ok(profile) = SCurve::new(rates, jerk, EVENTS) {
+            time(count, name, &profile);
+        }
+    }
+}
