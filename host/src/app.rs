@@ -100,7 +100,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     };
     if comparison.rows.is_empty() {
         let why = comparison.notes.first().map(String::as_str);
-        let why = why.unwrap_or("there is nothing these methods are for");
+        let why = why.unwrap_or("no line and no arc at a feed");
         return Err(Failure::Usage(format!("{}: {why}", args.job)));
     }
     let format = args.format.unwrap_or(match &args.output {

@@ -87,18 +87,25 @@ Figures (1 BLU = one motor step; JSON: a list with one object a method):
   vector_feed     the same three when every event takes the time of its own path, timed to 1/1000 of the time of
                   a BLU; null for methods whose passes are a BLU each
   additions, tests
-                  of one pass at most, two axes, counted in the inner loop
+                  of one pass at most, two axes, by the method itself: what the borders of quadrants and the end
+                  of the move need comes on top
   instructions    of one event on Cortex-M0 and Cortex-M4F under QEMU, from firmware/count/golden.txt; null
                   where that has none
   points          decision matrix, 0 to 100: error, iterations and work are the best method's value by the
                   method's own, in per cent (work: Cortex-M4F instructions, or additions and tests where not all
                   methods have a count); evenness is 100 less the ripple over 32 events, slowest to fastest, with
-                  vector feed where there is one; total is the mean by --weights
+                  vector feed where there is one, as printed with equal time; total is the mean by --weights
 
 Of a program every G1, G2 and G3 is made on the machine's grid, rapids and what a helix does across its plane are
 not; iterations are sums, errors and ripples the worst of any move, moves counts them. Methods other than
 direct-search know whole-step centres only: theirs are rounded, and arcs that one of them cannot make at all are
-left out and counted.";
+left out and counted.
+
+Examples:
+  husillo compare circle --radius 30
+  husillo compare circle --radius 1000 --only dda,direct-search -o circle.html
+  husillo compare line --to 1000,500 --format json
+  husillo compare examples/gear.nc -m micromill --weights 5,1,3,1";
 
 /// Which machine and which language.
 #[derive(Debug, Args)]

@@ -31,9 +31,9 @@ pub struct Row {
     pub equal_time: Speed,
     /// With the time of its own path for every event.
     pub vector_feed: Option<Speed>,
-    /// Additions and subtractions of an event at most.
+    /// Additions and subtractions of an event by the method itself, at most.
     pub additions: u32,
-    /// Sign tests of an event at most.
+    /// Sign tests of an event by the method itself, at most.
     pub tests: u32,
     /// Instructions of an event.
     pub instructions: Instructions,

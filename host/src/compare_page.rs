@@ -168,8 +168,8 @@ fn speeds(page: &mut String, rows: &[&Row]) {
 fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
     page.push_str(
         "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the best method's value by the \
-         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with vector feed where there is one. \
-         Change the weights.</p><div class=\"scroll\"><table class=\"matrix\">\n",
+         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with vector feed where there is one, \
+         as printed with equal time. Change the weights.</p><div class=\"scroll\"><table class=\"matrix\">\n",
     );
     let mut columns = vec!["method"];
     columns.extend(CRITERIA);

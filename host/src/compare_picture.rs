@@ -143,7 +143,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
         "the whole move".to_owned(),
         Frame::around(middle, half, 1000.0),
     )];
-    if half <= 1.5 * HALF {
+    if half <= 2.0 * HALF {
         return frames;
     }
     let mut add = |title: String, at: [f64; 2]| {

@@ -92,7 +92,11 @@ pub fn rate(rows: &mut [Row], weights: Weights) {
     let iterations = column(rows.iter().map(|row| row.iterations as f64).collect());
     let work = column(work(rows));
     for (index, row) in rows.iter_mut().enumerate() {
-        let even = row.vector_feed.as_ref().unwrap_or(&row.equal_time);
+        // As printed means as it ran: every pass with the same time.
+        let even = match &row.vector_feed {
+            Some(speed) if !row.method.ends_with("-printed") => speed,
+            _ => &row.equal_time,
+        };
         let ripple = even
             .ripple_percent_windows
             .iter()

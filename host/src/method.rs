@@ -24,7 +24,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether a pass without a step takes its time; those of the printed DDA do not.
     pub times_idle: bool,
-    /// Additions and subtractions, then sign tests, of one event at most (two axes), counted in its inner loop.
+    /// Additions and subtractions, then sign tests, of one event at most, two axes, by the method itself: what the borders
+    /// of quadrants and the end of the move need comes on top.
     pub operations: [u32; 2],
     /// Names of its kernel in the golden instruction counts; the first one there counts.
     kernels: &'static [&'static str],
@@ -57,37 +58,37 @@ pub const ARCS: [Method; 6] = [
     Method {
         name: "staircase-printed",
         times_idle: true,
-        operations: [4, 2],
+        operations: [4, 1],
         kernels: &["staircase_printed"],
     },
     Method {
         name: "dda-printed",
         times_idle: false,
-        operations: [6, 4],
+        operations: [6, 2],
         kernels: &["dda_arc_printed"],
     },
     Method {
         name: "direct-search-printed",
         times_idle: true,
-        operations: [9, 6],
+        operations: [8, 5],
         kernels: &["direct_search_printed"],
     },
     Method {
         name: "staircase",
         times_idle: true,
-        operations: [4, 2],
+        operations: [4, 1],
         kernels: &["staircase"],
     },
     Method {
         name: "dda",
         times_idle: true,
-        operations: [6, 4],
+        operations: [6, 2],
         kernels: &["dda_arc", "arc_dda"],
     },
     Method {
         name: "direct-search",
         times_idle: true,
-        operations: [6, 3],
+        operations: [6, 2],
         kernels: &["direct_search", "arc_32_bits"],
     },
 ];
