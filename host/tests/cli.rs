@@ -80,6 +80,8 @@ fn every_example_runs_with_a_report_that_stands_alone() {
                 && page.contains("prefers-color-scheme")
                 && page.contains("class=\"take-up\"")
         );
+        // Speed over time, with a bar under the axis for every take-up.
+        assert!(page.contains("path speed, mm/min") && page.contains("class=\"stop take-up\""));
         assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script"));
         let results = json(&["run", &program, "--format", "json"]);
         let count: u64 = results["reversals"]
