@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
-use husillo_machine::{Axis, Config, Machine as AnyMachine, Motors, Scale};
+use husillo_machine::{Axis, Config, Machine as AnyMachine, Means, Motors, Scale};
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
@@ -19,6 +19,7 @@ pub fn keep() {
         Scale::position as *const (),
         Axis::max_feed_nm_per_min as *const (),
         Config::<3>::check as *const (),
+        Means::name as *const (),
         Machine::new as *const (),
         Machine::with_lash as *const (),
         Machine::set_compensation as *const (),

@@ -3,7 +3,8 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Follower, Recurrence, Replay, SCurve, Timer, Trapezoid,
+    AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Ramp, Recurrence, Replay,
+    SCurve, Stretch, Timer, Trapezoid, arc_acceleration, arc_speed,
 };
 
 /// Keeps every function in the program.
@@ -15,8 +16,44 @@ pub fn keep() {
         Timer::fraction_bits as *const (),
         Timer::rate as *const (),
     ]);
+    path();
     profiles();
     streams();
+}
+
+fn path() {
+    black_box([
+        Stretch::top_at as *const (),
+        LookAhead::<u32, 16>::new as *const (),
+        LookAhead::<u32, 16>::push as *const (),
+        LookAhead::<u32, 16>::pop as *const (),
+        LookAhead::<u32, 16>::front as *const (),
+        LookAhead::<u32, 16>::back as *const (),
+        LookAhead::<u32, 16>::limits as *const (),
+        LookAhead::<u32, 16>::set_override as *const (),
+        LookAhead::<u32, 16>::percent as *const (),
+        LookAhead::<u32, 16>::len as *const (),
+        LookAhead::<u32, 16>::is_empty as *const (),
+        LookAhead::<u32, 16>::is_full as *const (),
+        LookAhead::<u32, 16>::clear as *const (),
+        Ramp::new as *const (),
+        Ramp::begin as *const (),
+        Ramp::wait as *const (),
+        Ramp::hold as *const (),
+        Ramp::resume as *const (),
+        Ramp::is_held as *const (),
+        Ramp::stop as *const (),
+        Ramp::speed_nm_per_s as *const (),
+        Direction::<3>::new as *const (),
+        Direction::<3>::from_units as *const (),
+        Direction::<3>::components as *const (),
+        Direction::<3>::reversed as *const (),
+        Direction::<3>::speed_limit as *const (),
+        Direction::<3>::acceleration_limit as *const (),
+        Junction::<3>::speed as *const (),
+        arc_speed as *const (),
+        arc_acceleration as *const (),
+    ]);
 }
 
 fn profiles() {
