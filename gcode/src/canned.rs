@@ -84,9 +84,11 @@ impl<const N: usize> Modal<N> {
         } else {
             self.kept(block, b'R', self.sticky.retract)?
         };
+        // Incremental retract planes count from the level before the series.
+        let initial = *self.sticky.initial.get_or_insert(height);
         let retract = match (peck_on_lathe, incremental) {
             (true, _) => height,
-            (false, true) => sum(b'R', height, given)?,
+            (false, true) => sum(b'R', initial, given)?,
             (false, false) => sum(b'R', zero, given)?,
         };
         self.sticky.retract = Some(given);
@@ -140,7 +142,6 @@ impl<const N: usize> Modal<N> {
                 .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
             *last = sum(letter, *last, Nm(more))?;
         }
-        let initial = *self.sticky.initial.get_or_insert(height);
         let clear = if self.to_retract {
             retract
         } else {

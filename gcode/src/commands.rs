@@ -7,7 +7,7 @@ use crate::cycle::Cycle;
 use crate::nm::Nm;
 
 /// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a canned cycle makes
-/// its moves as they are pulled, at most 2^20 of them.
+/// its moves as they are pulled, at most 2^21 of them.
 #[derive(Clone, Debug)]
 pub struct Commands<const N: usize> {
     /// Bit n: the command of place n is still to come.

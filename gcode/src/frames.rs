@@ -70,6 +70,7 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Error> {
         let mut number = 0;
+        let before = self.length;
         match block.code(Group::ToolLength) {
             None => return Ok(()),
             Some(Code::ToolLength) => {
@@ -89,7 +90,13 @@ impl<const N: usize> Modal<N> {
                 }
                 self.length = length;
             }
-            Some(_) => self.length = [Nm(0); N],
+            Some(_) => {
+                self.length = [Nm(0); N];
+                // G49 in the first line of many a program.
+                if before == self.length {
+                    return Ok(());
+                }
+            }
         }
         commands.length(number, self.length);
         Ok(())

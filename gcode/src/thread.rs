@@ -98,7 +98,14 @@ impl<const N: usize> Passes<N> {
         let factor = power(n, self.degression_micro);
         // first <= 2^50 and factor < 2^49 would not fit: in 128 bits, a multiplication only.
         let deep = u128::from(self.first.0.unsigned_abs()).wrapping_mul(u128::from(factor)) >> 31;
-        Nm(i64::try_from(deep).unwrap_or(i64::MAX)).min(self.full)
+        let deep = i64::try_from(deep).unwrap_or(i64::MAX);
+        // The power is good to 3e-8: what is closer to the full depth than that is the full depth.
+        let slack = deep.wrapping_shr(24).saturating_add(1);
+        if deep.saturating_add(slack) >= self.full.0 {
+            self.full
+        } else {
+            Nm(deep)
+        }
     }
 
     fn go(&mut self, x: Nm, z: Nm) -> [Nm; N] {

@@ -5,7 +5,7 @@
 //! tests pass with a message.
 
 use flate2::read::GzDecoder;
-use husillo_gcode::{Block, Dialect, Error, ErrorKind, Modal};
+use husillo_gcode::{Block, Command, Dialect, Error, ErrorKind, Modal};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
@@ -54,6 +54,168 @@ fn row(line: &str) -> Option<(usize, Row)> {
     Some((number, Row { error, at }))
 }
 
+/// The text of `reference/<program>.<name>.gz`.
+fn reference(folder: &Path, program: &str, name: &str) -> Option<String> {
+    let path = folder
+        .join("reference")
+        .join(format!("{program}.{name}.gz"));
+    let mut text = String::new();
+    let read = fs::File::open(path).and_then(|file| GzDecoder::new(file).read_to_string(&mut text));
+    read.is_ok().then_some(text)
+}
+
+/// The ends of all moves that LinuxCNC makes of a program, in mm and degrees of the work frame; `None` for what it does
+/// not tell: probes and turned frames.
+fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
+    let (mut scale, mut plane) = (1.0, "XY");
+    let mut ends = Vec::new();
+    for line in text.lines() {
+        let Some(call) = line.get(13..) else { continue };
+        let Some((name, rest)) = call.split_once('(') else {
+            continue;
+        };
+        let values: Vec<f64> = rest
+            .trim_end_matches(')')
+            .split([',', ' '])
+            .filter_map(|value| value.parse().ok())
+            .collect();
+        match name.trim() {
+            "USE_LENGTH_UNITS" => scale = if rest.contains("INCHES") { 25.4 } else { 1.0 },
+            "SELECT_PLANE" => {
+                plane = rest
+                    .trim_end_matches(')')
+                    .trim_start_matches("CANON_PLANE_")
+            }
+            "SET_XY_ROTATION" if values.first().is_some_and(|angle| *angle != 0.0) => return None,
+            "STRAIGHT_PROBE" => return None,
+            "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => {
+                let [x, y, z, a, b, c] = values.try_into().ok()?;
+                ends.push([x * scale, y * scale, z * scale, a, b, c]);
+            }
+            "ARC_FEED" => {
+                let [first, second, _, _, _, third, a, b, c] = values.try_into().ok()?;
+                let [x, y, z] = match plane {
+                    "XY" => [first, second, third],
+                    "XZ" => [second, third, first],
+                    _ => [third, first, second],
+                };
+                ends.push([x * scale, y * scale, z * scale, a, b, c]);
+            }
+            _ => {}
+        }
+    }
+    Some(ends)
+}
+
+/// The ends of all our moves, likewise; `None` when a block is refused, or a move has no counterpart there.
+fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
+    let dialect = Dialect::RS274;
+    let mut modal = Modal::<6>::new(dialect);
+    let mut ends = Vec::new();
+    for line in program.split(|&byte| byte == b'\n') {
+        let block = Block::parse(line, &dialect).ok()?;
+        let (next, commands) = modal.plan(&block).ok()?;
+        // The frame of the moves: M2 forgets it.
+        let ended = commands
+            .clone()
+            .any(|command| matches!(command, Command::End { .. }));
+        let frame = if ended { &modal } else { &next };
+        let (work, length) = (frame.work_offset(), frame.tool_length());
+        for command in commands {
+            match command {
+                Command::Spline { .. } | Command::Probe { .. } => return None,
+                Command::Compensation { side: Some(_), .. } => return None,
+                _ => {}
+            }
+            if let Some(end) = command.end() {
+                ends.push(
+                    [0, 1, 2, 3, 4, 5].map(|axis: usize| {
+                        (end[axis].0 - work[axis].0 - length[axis].0) as f64 / 1e6
+                    }),
+                );
+            }
+        }
+        modal = next;
+        if ended {
+            break;
+        }
+    }
+    Some(ends)
+}
+
+/// Largest difference of two points, in any axis.
+fn apart(ours: &[f64; 6], theirs: &[f64; 6]) -> f64 {
+    ours.iter()
+        .zip(theirs)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
+
+/// The largest difference between two lists of ends, or the place of the first beyond 0.002 mm: four printed places,
+/// of inches at worst. Moves that go nowhere are passed: LinuxCNC makes one of a G0 without axis words, we do not.
+fn compare(ours: &[[f64; 6]], theirs: &[[f64; 6]]) -> Result<f64, (usize, usize)> {
+    const TOLERANCE: f64 = 0.002;
+    let (mut i, mut j, mut at, mut worst) = (0, 0, [0.0; 6], 0.0_f64);
+    loop {
+        match (ours.get(i), theirs.get(j)) {
+            (Some(a), Some(b)) if apart(a, b) <= TOLERANCE => {
+                worst = worst.max(apart(a, b));
+                (at, i, j) = (*a, i + 1, j + 1);
+            }
+            (_, Some(b)) if apart(&at, b) <= TOLERANCE => j += 1,
+            (Some(a), _) if apart(&at, a) <= TOLERANCE => i += 1,
+            (None, None) => return Ok(worst),
+            _ => return Err((i, j)),
+        }
+    }
+}
+
+/// Programs on which LinuxCNC is wrong: its G84 feeds along the wrong axes outside of G17 (the table of the README).
+const LINUXCNC_IS_WRONG: [&str; 3] = [
+    "linuxcnc-interp/tests/interp/g84/g18/g99/g18-g99-g84.ngc",
+    "linuxcnc-interp/tests/interp/g84/g19/g98/g19-g98-g84.ngc",
+    "nist-rs274ngc/references/c3.ngc",
+];
+
+/// Every move of every program that LinuxCNC takes whole and we take whole: same number of moves, same ends.
+#[test]
+fn moves_agree_with_linuxcnc() {
+    let Some(folder) = corpus() else { return };
+    let manifest = fs::read_to_string(folder.join("MANIFEST.tsv")).expect("MANIFEST.tsv");
+    let (mut programs, mut moves, mut wrong, mut worst) = (0, 0, 0, 0.0_f64);
+    let mut faults = Vec::new();
+    for entry in manifest.lines().skip(1) {
+        let mut fields = entry.split('\t');
+        let (Some(name), Some("ok")) = (fields.next(), fields.nth(1)) else {
+            continue;
+        };
+        let text = fs::read(folder.join("programs").join(name)).expect("a program of the manifest");
+        let theirs = reference(&folder, name, "canon").and_then(|text| canon(&text));
+        let (Some(theirs), Some(ours)) = (theirs, ends(&text)) else {
+            continue;
+        };
+        programs += 1;
+        moves += theirs.len();
+        match compare(&ours, &theirs) {
+            Ok(off) => worst = worst.max(off),
+            Err(_) if LINUXCNC_IS_WRONG.contains(&name) => wrong += 1,
+            Err((i, j)) => faults.push(format!(
+                "{name}: move {i} of {}: {:?}, LinuxCNC {j} of {}: {:?}",
+                ours.len(),
+                ours.get(i),
+                theirs.len(),
+                theirs.get(j)
+            )),
+        }
+    }
+    println!(
+        "{programs} programs, {moves} moves as LinuxCNC has them, largest difference {worst:.4} mm; in {wrong} it is wrong"
+    );
+    faults.iter().for_each(|line| println!("  {line}"));
+    assert!(faults.is_empty(), "{} programs differ", faults.len());
+    assert!(programs >= 200, "too few programs compared");
+}
+
 /// Whether an error says that the program goes beyond the codes of this crate.
 fn is_outside(kind: ErrorKind) -> bool {
     matches!(
@@ -77,7 +239,7 @@ enum Ends {
 /// Runs a program; gives the position in mm after each line and the first error with its line.
 fn run(program: &[u8], ends: Ends) -> (Vec<[f64; 3]>, Option<(usize, Error)>) {
     let dialect = Dialect::RS274;
-    let mut modal = Modal::<3>::new(dialect);
+    let mut modal = Modal::<6>::new(dialect);
     let (mut positions, mut first) = (Vec::new(), None);
     let is_end = |&byte: &u8| byte == b'\n' || (byte == b'\r' && matches!(ends, Ends::Either));
     for (index, line) in program.split(is_end).enumerate() {
@@ -93,7 +255,8 @@ fn run(program: &[u8], ends: Ends) -> (Vec<[f64; 3]>, Option<(usize, Error)>) {
                 }
             }
         }
-        positions.push(modal.position().map(|axis| axis.0 as f64 / 1e6));
+        let [x, y, z, ..] = modal.position().map(|axis| axis.0 as f64 / 1e6);
+        positions.push([x, y, z]);
     }
     (positions, first)
 }

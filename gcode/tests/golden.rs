@@ -1,6 +1,6 @@
 //! Golden programs: `good/*.ngc` beside the commands they mean, `bad/*.ngc` whose first line tells the only error.
 //!
-//! Files that end in `.mm` are in the micromill dialect. `UPDATE_GOLDEN=1` writes the `.commands` files anew.
+//! A name says its dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1` writes the `.commands` files anew.
 
 use husillo_gcode::{Block, Dialect, Modal};
 use std::fs;
@@ -18,14 +18,21 @@ fn programs(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
+/// `name.mm` is of the micromill dialect, `name.DIALECT.ngc` of that one, `name.ngc` RS-274.
+fn dialect(path: &Path) -> Dialect {
+    if path.extension().is_some_and(|name| name == "mm") {
+        return Dialect::MICROMILL;
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    match stem.split_once('.') {
+        Some((_, name)) => Dialect::by_name(name).expect("a dialect"),
+        None => Dialect::RS274,
+    }
+}
+
 /// `line: command` and `line:column: E0000 message`, columns from 1.
 fn run(path: &Path) -> (Vec<String>, Vec<String>) {
-    let micromill = path.extension().is_some_and(|name| name == "mm");
-    let dialect = if micromill {
-        Dialect::MICROMILL
-    } else {
-        Dialect::RS274
-    };
+    let dialect = dialect(path);
     let program = fs::read(path).expect("program");
     let mut modal = Modal::<3>::new(dialect);
     let (mut commands, mut errors) = (Vec::new(), Vec::new());

@@ -20,8 +20,13 @@ fn program_line() -> impl Strategy<Value = String> {
         "G0", "G1", "G2", "G3", "G4", "G17", "G18", "G19", "G20", "G21", "G28", "G28.1", "G53",
         "G54", "G55", "G61", "G64", "G80", "G90", "G91", "G90.1", "G91.1", "G92", "G92.1", "G93",
         "G94", "M0", "M2", "M3", "M5", "M6", "M8", "M30", "G43", "(c)", "/", "%", ";", "[", "\t",
+        "G5", "G5.1", "G7", "G8", "G10 L2", "G10 L20", "G10 L1", "G30", "G30.1", "G33", "G38.2",
+        "G38.5", "G40", "G41", "G42.1", "G43.1", "G49", "G59.3", "G73", "G74", "G76", "G77", "G78",
+        "G79", "G81", "G82", "G83", "G84", "G85", "G86", "G87", "G88", "G89", "G92.2", "G92.3",
+        "G95", "G96", "G97", "G98", "G99", "M4", "M19", "M48", "M53", "M60", "M61", "M62", "M66",
+        "M68",
     ]);
-    let letter = prop::sample::select(b"XYZABCIJKRPFSTNxyzijrfHQ".to_vec());
+    let letter = prop::sample::select(b"XYZABCIJKRPFSTNxyzijrfHQDELOUW".to_vec());
     let word =
         (letter, number()).prop_map(|(letter, number)| format!("{}{number}", char::from(letter)));
     prop::collection::vec(prop_oneof![code.prop_map(str::to_owned), word], 0..8)
@@ -106,17 +111,16 @@ proptest! {
         run(Dialect::RS274, &bytes);
         run(Dialect::MICROMILL, &bytes);
         run(Dialect::RS274.with_block_delete(false), &bytes);
+        for dialect in Dialect::ALL {
+            run(dialect, &bytes);
+        }
     }
 
     /// The programmed position is where the last move ended.
     #[test]
     fn position_is_the_end_of_the_last_move(lines in prop::collection::vec(program_line(), 0..20)) {
         let (modal, commands) = plan(&lines);
-        let last = commands.iter().rev().find_map(|command| match command {
-            Command::Rapid { to } | Command::Linear { to, .. } => Some(*to),
-            Command::Arc { arc, .. } => Some(arc.to),
-            _ => None,
-        });
+        let last = commands.iter().rev().find_map(Command::end);
         prop_assert_eq!(modal.position(), last.unwrap_or_default());
     }
 
@@ -235,5 +239,108 @@ proptest! {
         if let Err(error) = modal.plan(&block) {
             prop_assert!(error.end <= line.len());
         }
+    }
+
+    /// A drilling cycle goes down by feed only into what stands, by rapid only where it was, and ends at its clear level.
+    #[test]
+    fn cycles_do_not_ram(
+        code in prop::sample::select(vec!["G73", "G81", "G82", "G83", "G85", "G86", "G89"]),
+        start in -20i64..20, retract in -20i64..20, depth in 0i64..40, peck in 1i64..15, repeats in 1u32..4,
+        to_retract in any::<bool>(), incremental in any::<bool>()
+    ) {
+        let level = if to_retract { "G99" } else { "G98" };
+        let peck = if matches!(code, "G73" | "G83") { format!(" Q{peck}") } else { String::new() };
+        let mode = if incremental { "G91" } else { "G90" };
+        let (r, z) = if incremental { (retract - start, -depth) } else { (retract, retract - depth) };
+        let cycle = format!("{mode} {level} {code} X1 Y2 R{r} Z{z} L{repeats}{peck}");
+        let (modal, commands) = plan(&["G21 M3 S1 F100".into(), format!("G0 Z{start}"), cycle]);
+        let bottom = Nm((retract - depth) * 1_000_000);
+        let (mut floor, mut at, mut holes) = (Nm(i64::MAX), [Nm(0), Nm(0), Nm(start * 1_000_000)], 0);
+        for command in commands.iter().skip(2) {
+            match command {
+                Command::Rapid { to } => {
+                    if (to[0], to[1]) != (at[0], at[1]) {
+                        prop_assert_eq!(to[2], at[2]);
+                        floor = Nm(i64::MAX);
+                    }
+                    prop_assert!(to[2] >= floor || to[2] >= Nm(retract * 1_000_000));
+                    at = *to;
+                }
+                Command::Linear { to, .. } => {
+                    prop_assert_eq!((to[0], to[1]), (at[0], at[1]));
+                    holes += u32::from(to[2] == bottom);
+                    floor = floor.min(to[2]);
+                    at = *to;
+                }
+                _ => {}
+            }
+        }
+        prop_assert_eq!(holes >= repeats, true);
+        let clear = if to_retract { retract } else { retract.max(start) };
+        prop_assert_eq!(modal.position()[2], Nm(clear * 1_000_000));
+        let count = if incremental { i64::from(repeats) } else { 1 };
+        prop_assert_eq!(modal.position()[0], Nm(count * 1_000_000));
+    }
+
+    /// L repeats under G91 are as many blocks of the same cycle.
+    #[test]
+    fn repeats_are_blocks(x in -9i64..9, y in -9i64..9, repeats in 1usize..5, level in prop::sample::select(vec!["G98", "G99"])) {
+        let start = || vec!["G21 F100".to_owned(), "G0 Z5".to_owned(), format!("G91 {level} G81 X{x} Y{y} R-2 Z-3")];
+        let mut once = start();
+        once.push(format!("X{x} Y{y} L{repeats}"));
+        let mut often = start();
+        often.extend(vec![format!("X{x} Y{y}"); repeats]);
+        prop_assert_eq!(plan(&once).1, plan(&often).1);
+    }
+
+    /// After G10 L20 the position reads what was given, in whatever frame, shift and tool length.
+    #[test]
+    fn frames_read_what_they_were_told(x in -999i64..999, zero in -999i64..999, shift in -99i64..99, length in -99i64..99, wanted in -999i64..999) {
+        let (modal, _) = plan(&[
+            format!("G21 G0 X{x}"), format!("G10 L2 P1 X{zero}"), format!("G92 X{shift}"), format!("G43.1 X{length}"),
+            format!("G10 L20 P1 X{wanted}"),
+        ]);
+        let reads = modal.position()[0].0 - modal.work_offset()[0].0 - modal.tool_length()[0].0;
+        prop_assert_eq!(reads, wanted * 1_000_000);
+        prop_assert_eq!(modal.position()[0], Nm(x * 1_000_000));
+    }
+
+    /// The raised control points of a quadratic curve are within a third of a nanometre of the exact ones.
+    #[test]
+    fn raised_curves_are_exact(i in -9_999_999i64..9_999_999, j in 1i64..9_999_999, x in -9_999_999i64..9_999_999) {
+        let (_, commands) = plan(&[format!("G21 F1 G5.1 X{} Y0 I{} J{}", Nm(x), Nm(i), Nm(j))]);
+        let Some(Command::Spline { spline, .. }) = commands.first() else { panic!("no spline") };
+        for (point, end) in [(spline.points[1], [0, 0]), (spline.points[2], [x, 0])] {
+            for (axis, control) in [(0, i), (1, j)] {
+                prop_assert!((3 * point[axis].0 - (end[axis] + 2 * control)).abs() <= 1);
+            }
+        }
+    }
+
+    /// A diameter is twice a radius, rounded once.
+    #[test]
+    fn diameters_are_halved_once(digits in -1_000_000i64..1_000_000, places in 0u8..9, inch in any::<bool>()) {
+        let number = Decimal::new(digits, places).unwrap();
+        let (units, half) = if inch { ("G20", number.scaled(127, 5)) } else { ("G21", number.scaled(5, 5)) };
+        let (modal, _) = plan(&[format!("{units} G7 G0 X{number}")]);
+        prop_assert_eq!(modal.position()[0], Nm(half.unwrap()));
+    }
+
+    /// A threading cycle never cuts deeper than its K, never shallower than the pass before, and ends at the drive line.
+    #[test]
+    fn threads_deepen(first in 50i64..500, full in 500i64..2_000, degression in 10u32..40, springs in 0usize..3, angle in 0u32..60) {
+        let (modal, commands) = plan(&[
+            "G21 G18 M3 S100 G0 X20 Z5".into(),
+            format!("G76 P1 Z-10 I-1 J{} K{} R{}.{} Q{angle} H{springs}", Nm(first * 1_000), Nm(full * 1_000), degression / 10, degression % 10),
+        ]);
+        let depths: Vec<_> = commands.iter().filter_map(|command| match command {
+            Command::Thread { to, .. } => Some(19_000_000 - to[0].0),
+            _ => None,
+        }).collect();
+        prop_assert!(depths.is_sorted());
+        prop_assert_eq!(depths.first().copied(), Some(first * 1_000));
+        let last = depths.iter().filter(|&&depth| depth == full * 1_000).count();
+        prop_assert_eq!(last, springs + 1);
+        prop_assert_eq!(modal.position(), [Nm(20_000_000), Nm(0), Nm(-10_000_000)]);
     }
 }
