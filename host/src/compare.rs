@@ -51,6 +51,8 @@ pub struct Instructions {
     pub cortex_m0: Option<f64>,
     /// On a Cortex-M4F.
     pub cortex_m4f: Option<f64>,
+    /// On a RISC-V of 32 bits.
+    pub riscv: Option<f64>,
 }
 
 /// One move and its exact curve.
@@ -204,7 +206,7 @@ impl Bench {
 }
 
 fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
-    let [cortex_m0, cortex_m4f] = method.instructions();
+    let [cortex_m0, cortex_m4f, riscv] = method.instructions(tally.is_between);
     Row {
         method: method.name,
         shape,
@@ -220,6 +222,7 @@ fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
         instructions: Instructions {
             cortex_m0,
             cortex_m4f,
+            riscv,
         },
         points: Points::default(),
         worst_at: tally.worst_at,

@@ -108,7 +108,7 @@ fn figures(page: &mut String, rows: &[&Row]) {
             "RMS error, BLU",
             "additions",
             "tests",
-            "instructions M0, M4F",
+            "instructions M0, M4F, RV32",
         ],
     );
     page.push_str("<tbody>\n");

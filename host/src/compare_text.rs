@@ -46,13 +46,13 @@ fn figures(rows: &[&Row], shape: &str, out: &mut impl Write) -> io::Result<()> {
     };
     writeln!(
         out,
-        "\n{name:<22} {:>10} {:>10}   {:>13} {:>9}   {:>9} {:>11}",
-        "iterations", "moving", "largest error", "RMS", "add, test", "M0, M4F"
+        "\n{name:<22} {:>10} {:>10}   {:>13} {:>9}   {:>9} {:>13}",
+        "iterations", "moving", "largest error", "RMS", "add, test", "M0, M4F, RV"
     )?;
     for row in rows {
         writeln!(
             out,
-            "{:<22} {:>10} {:>10}   {:>9.3} BLU {:>5.3} BLU   {:>9} {:>11}",
+            "{:<22} {:>10} {:>10}   {:>9.3} BLU {:>5.3} BLU   {:>9} {:>13}",
             row.method,
             row.iterations,
             row.moving,
@@ -65,13 +65,12 @@ fn figures(rows: &[&Row], shape: &str, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Instructions of an event on both cores.
+/// Instructions of an event on all processors.
 pub fn instructions(row: &Row) -> String {
-    let count = |count: Option<f64>| count.map_or("-".to_owned(), |count| format!("{count:.0}"));
-    match (row.instructions.cortex_m0, row.instructions.cortex_m4f) {
-        (None, None) => "-".to_owned(),
-        (m0, m4f) => format!("{}, {}", count(m0), count(m4f)),
-    }
+    let of = &row.instructions;
+    [of.cortex_m0, of.cortex_m4f, of.riscv]
+        .map(|count| count.map_or("-".to_owned(), |count| format!("{count:.0}")))
+        .join(", ")
 }
 
 fn speeds(

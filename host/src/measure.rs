@@ -136,6 +136,8 @@ pub struct Tally {
     pub max_error_blu: f64,
     /// Where it is, in the first two axes.
     pub worst_at: [f64; 2],
+    /// Whether a centre was between the steps.
+    pub is_between: bool,
     sum_of_squares: f64,
     length: f64,
     equal: Timing,
@@ -177,6 +179,7 @@ impl Tally {
             }
         }
         self.moves += 1;
+        self.is_between |= matches!(shape, Shape::Arc(arc) if arc.fraction_bits > 0);
         self.length += curve.length();
         if beats > 0 {
             self.equal.add(beats as f64, &equal);

@@ -27,8 +27,8 @@ pub struct Method {
     /// Additions and subtractions, then sign tests, of one event at most, two axes, by the method itself: what the borders
     /// of quadrants and the end of the move need comes on top.
     pub operations: [u32; 2],
-    /// Names of its kernel in the golden instruction counts; the first one there counts.
-    kernels: &'static [&'static str],
+    /// Name of its kernel in the instruction counts.
+    kernel: &'static str,
 }
 
 /// Methods for lines.
@@ -37,19 +37,19 @@ pub const LINES: [Method; 3] = [
         name: "dda-printed",
         times_idle: false,
         operations: [4, 2],
-        kernels: &["dda_line_printed"],
+        kernel: "line_dda_printed_2_axes",
     },
     Method {
         name: "dda",
         times_idle: true,
         operations: [4, 2],
-        kernels: &["dda_line", "line_dda"],
+        kernel: "line_dda_2_axes",
     },
     Method {
         name: "bresenham",
         times_idle: true,
         operations: [4, 2],
-        kernels: &["line_2_axes", "line_3_axes"],
+        kernel: "line_2_axes",
     },
 ];
 
@@ -59,40 +59,42 @@ pub const ARCS: [Method; 6] = [
         name: "staircase-printed",
         times_idle: true,
         operations: [4, 1],
-        kernels: &["staircase_printed"],
+        kernel: "staircase_printed",
     },
     Method {
         name: "dda-printed",
         times_idle: false,
         operations: [6, 2],
-        kernels: &["dda_arc_printed"],
+        kernel: "arc_dda_printed",
     },
     Method {
         name: "direct-search-printed",
         times_idle: true,
         operations: [8, 5],
-        kernels: &["direct_search_printed"],
+        kernel: "direct_search_printed",
     },
     Method {
         name: "staircase",
         times_idle: true,
         operations: [4, 1],
-        kernels: &["staircase"],
+        kernel: "staircase",
     },
     Method {
         name: "dda",
         times_idle: true,
         operations: [6, 2],
-        kernels: &["dda_arc", "arc_dda"],
+        kernel: "arc_dda",
     },
     Method {
         name: "direct-search",
         times_idle: true,
         operations: [6, 2],
-        kernels: &["direct_search", "arc_32_bits"],
+        kernel: "direct_search",
     },
 ];
 
+/// Columns of the instruction counts: Cortex-M0, Cortex-M4F, RISC-V.
+const PROCESSORS: [&str; 3] = ["thumbv6m", "thumbv7em", "rv32imac"];
 /// Instructions of an event, counted under QEMU for the firmware's own check.
 const GOLDEN: &str = include_str!("../../firmware/count/golden.txt");
 
@@ -194,22 +196,24 @@ impl Method {
         self.name == "direct-search"
     }
 
-    /// Instructions of one event on Cortex-M0 and on Cortex-M4F; `None` where none are on record.
-    pub fn instructions(&self) -> [Option<f64>; 2] {
-        ["thumbv6m-none-eabi", "thumbv7em-none-eabihf"].map(|target| {
-            self.kernels
-                .iter()
-                .find_map(|kernel| instructions(GOLDEN, target, kernel))
-        })
+    /// Instructions of one event on every processor of [`PROCESSORS`]; `None` where none are on record. Direct search
+    /// about a centre between the steps is another kernel.
+    pub fn instructions(&self, is_between: bool) -> [Option<f64>; PROCESSORS.len()] {
+        let kernel = if is_between && self.takes_fractions() {
+            "arc_32_bits"
+        } else {
+            self.kernel
+        };
+        PROCESSORS.map(|processor| instructions(GOLDEN, processor, kernel))
     }
 }
 
-fn instructions(golden: &str, target: &str, kernel: &str) -> Option<f64> {
-    golden.lines().find_map(|line| {
-        let mut words = line.split_whitespace();
-        (words.next() == Some(target) && words.next() == Some(kernel))
-            .then(|| words.next()?.parse().ok())?
-    })
+/// The entry of a table whose second line names the columns.
+fn instructions(golden: &str, processor: &str, kernel: &str) -> Option<f64> {
+    let mut lines = golden.lines().skip(1).map(str::split_whitespace);
+    let column = lines.next()?.position(|name| name == processor)?;
+    let mut row = lines.find(|row| row.clone().next() == Some(kernel))?;
+    row.nth(column)?.parse().ok()
 }
 
 #[cfg(test)]
@@ -218,17 +222,16 @@ mod tests {
 
     #[test]
     fn golden_counts_are_read() {
-        let golden = "rustc 1\nthumbv6m-none-eabi arc 12.50\nthumbv7em-none-eabihf arc 9.00\n";
-        assert_eq!(
-            instructions(golden, "thumbv6m-none-eabi", "arc"),
-            Some(12.5)
-        );
-        assert_eq!(instructions(golden, "thumbv6m-none-eabi", "line"), None);
-        assert!(
-            LINES
-                .iter()
-                .any(|method| method.instructions()[1].is_some())
-        );
+        let golden = "rustc 1\nkernel m4 m0\narc 9.00 12.50\n";
+        assert_eq!(instructions(golden, "m0", "arc"), Some(12.5));
+        assert_eq!(instructions(golden, "m0", "line"), None);
+        for method in LINES.iter().chain(&ARCS) {
+            assert!(
+                method.instructions(true).iter().all(Option::is_some),
+                "{}",
+                method.name
+            );
+        }
     }
 
     #[test]
