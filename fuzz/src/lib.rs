@@ -3,6 +3,7 @@
 
 mod backlash;
 mod bytes;
+mod excellon;
 mod gcode;
 mod interp;
 mod machine;
@@ -10,6 +11,7 @@ mod planner;
 mod stepper;
 
 pub use backlash::backlash;
+pub use excellon::excellon;
 pub use gcode::gcode;
 pub use interp::interp;
 pub use machine::machine;
@@ -20,8 +22,9 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 6] = [
+pub const TARGETS: [(&str, Target); 7] = [
     ("gcode", gcode),
+    ("excellon", excellon),
     ("interp", interp),
     ("planner", planner),
     ("stepper", stepper),

@@ -16,10 +16,7 @@ pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
     let name = match name {
         Some(name) => name,
         None if lower.ends_with(".mm") => "micromill",
-        None if [".drl", ".xln", ".exc"]
-            .iter()
-            .any(|end| lower.ends_with(end)) =>
-        {
+        None if crate::holes::is_drill_file(None, file) => {
             return Err(format!(
                 "{file}: a drill file; `husillo holes` makes a program of it"
             ));
