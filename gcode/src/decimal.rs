@@ -236,6 +236,20 @@ impl Decimal {
         Some(F::from_bits(bits))
     }
 
+    /// Up to nine digits, `places` of them behind the point.
+    #[inline(always)]
+    pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
+        let digits = i64::from(digits);
+        Decimal {
+            digits: if negative {
+                digits.wrapping_neg()
+            } else {
+                digits
+            },
+            places,
+        }
+    }
+
     /// Appends a digit written before the point.
     pub(crate) fn push_whole(&mut self, digit: u8) -> Result<(), ErrorKind> {
         let next = self

@@ -73,7 +73,7 @@ pub use error::{Error, ErrorKind};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::Nm;
 pub use tools::Tool;
-pub use word::{Word, Words, words};
+pub use word::{Token, Tokens, Word, Words, tokens, words};
 
 /// The example of the README, compiled.
 #[cfg(doctest)]

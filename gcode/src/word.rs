@@ -1,18 +1,19 @@
-//! Words: a letter and a number, with their place in the line.
+//! Words: a letter and a number, with their place in the text.
 
 use crate::decimal::Decimal;
 use crate::error::{Error, ErrorKind};
+use core::ops::ControlFlow;
 
-/// A letter and its number. `at..end` are the bytes of the line, 0-based, from the letter to the last digit.
+/// A letter and its number. `at..end` are the bytes of the text, 0-based, from the letter to the last digit.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub struct Word {
     /// Upper-case letter.
     pub letter: u8,
     /// The number, exactly.
     pub value: Decimal,
-    /// Column of the letter.
+    /// Place of the letter.
     pub at: usize,
-    /// Column behind the number.
+    /// Place behind the number.
     pub end: usize,
 }
 
@@ -25,201 +26,428 @@ pub struct Word {
 /// assert_eq!(words?, [(b'G', "1".into()), (b'X', "-1.5".into())]);
 /// # Ok::<(), husillo_gcode::Error>(())
 /// ```
+#[inline]
 pub fn words(line: &[u8]) -> Words<'_> {
     Words {
-        line,
-        at: 0,
-        start: true,
-        numbered: false,
-        percent: false,
-        deleted: false,
+        scanner: Scanner::new(line),
     }
 }
 
 /// Iterator over the words of a line; see [`words`].
 #[derive(Clone, Debug)]
 pub struct Words<'a> {
-    line: &'a [u8],
-    at: usize,
-    /// Nothing but blanks and comments was read so far.
-    start: bool,
-    /// Only an `N` word was read so far.
-    numbered: bool,
-    /// A `%` was read: nothing but blanks and comments may follow.
-    percent: bool,
-    deleted: bool,
-}
-
-const fn is_blank(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t' | b'\r' | b'\n')
+    scanner: Scanner<'a, false>,
 }
 
 impl Words<'_> {
     /// Whether a `/` (block delete) stood before the first word; known once the first word was asked for.
     pub const fn is_deleted(&self) -> bool {
-        self.deleted
-    }
-
-    fn peek(&self) -> Option<u8> {
-        self.line.get(self.at).copied()
-    }
-
-    /// One byte on; the position stays below the slice length, so it cannot wrap.
-    fn advance(&mut self) {
-        self.at = self.at.wrapping_add(1);
-    }
-
-    fn fail(&mut self, kind: ErrorKind, at: usize, end: usize) -> Option<Result<Word, Error>> {
-        self.at = self.line.len();
-        Some(Err(Error { kind, at, end }))
-    }
-
-    /// Passes a comment that starts here. On an error gives its kind and place.
-    fn comment(&mut self) -> Result<(), Error> {
-        let start = self.at;
-        self.advance();
-        while let Some(byte) = self.peek() {
-            let here = self.at;
-            self.advance();
-            match byte {
-                b')' => return Ok(()),
-                b'(' => {
-                    return Err(Error {
-                        kind: ErrorKind::NestedComment,
-                        at: here,
-                        end: self.at,
-                    });
-                }
-                _ => {}
-            }
-        }
-        Err(Error {
-            kind: ErrorKind::UnclosedComment,
-            at: start,
-            end: self.line.len(),
-        })
-    }
-
-    /// The number behind a letter: `[+-] digits [. digits]` with at least one digit, blanks anywhere.
-    fn number(&mut self, letter: u8, letter_at: usize) -> Result<(Decimal, usize), Error> {
-        let mut value = Decimal::default();
-        let mut end = self.at;
-        let first = loop {
-            match self.peek() {
-                Some(byte) if is_blank(byte) => self.advance(),
-                _ => break self.at,
-            }
-        };
-        let (mut negative, mut signed, mut point, mut digits) = (false, false, false, false);
-        while let Some(byte) = self.peek() {
-            let here = self.at;
-            let fault = match byte {
-                b'0'..=b'9' => {
-                    digits = true;
-                    let digit = byte.wrapping_sub(b'0');
-                    if point {
-                        value.push_place(digit)
-                    } else {
-                        value.push_whole(digit)
-                    }
-                }
-                b'.' if !point => {
-                    point = true;
-                    Ok(())
-                }
-                b'+' | b'-' if !(signed || point || digits) => {
-                    signed = true;
-                    negative = byte == b'-';
-                    Ok(())
-                }
-                b'.' | b'+' | b'-' => Err(ErrorKind::MalformedNumber),
-                b',' if !point => Err(ErrorKind::DecimalComma),
-                b'#' | b'[' if !digits => Err(ErrorKind::Expression),
-                _ if is_blank(byte) => {
-                    self.advance();
-                    continue;
-                }
-                _ => break,
-            };
-            self.advance();
-            end = self.at;
-            if let Err(kind) = fault {
-                // The rest of what looks like this number belongs to the error.
-                while matches!(self.peek(), Some(b'0'..=b'9' | b'.')) {
-                    self.advance();
-                }
-                let from = match kind {
-                    ErrorKind::NumberTooLarge | ErrorKind::TooManyDigits => first,
-                    _ => here,
-                };
-                return Err(Error {
-                    kind,
-                    at: from,
-                    end: self.at,
-                });
-            }
-        }
-        if !digits {
-            return Err(Error {
-                kind: ErrorKind::MissingNumber(letter),
-                at: letter_at,
-                end,
-            });
-        }
-        Ok((if negative { value.negated() } else { value }, end))
+        self.scanner.deleted
     }
 }
 
 impl Iterator for Words<'_> {
     type Item = Result<Word, Error>;
 
+    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let byte = self.peek()?;
-            let at = self.at;
-            match byte {
-                _ if is_blank(byte) => self.advance(),
-                b'(' => {
-                    if let Err(error) = self.comment() {
-                        return self.fail(error.kind, error.at, error.end);
-                    }
-                }
-                b';' => {
-                    self.at = self.line.len();
-                    return None;
-                }
-                b'/' if self.start => {
-                    self.start = false;
-                    self.deleted = true;
-                    self.advance();
-                }
-                b'%' if self.start || self.numbered => {
-                    (self.start, self.numbered, self.percent) = (false, false, true);
-                    self.advance();
-                }
-                _ if byte.is_ascii_alphabetic() && !self.percent => {
-                    self.advance();
-                    let letter = byte.to_ascii_uppercase();
-                    self.numbered = self.start && letter == b'N';
-                    self.start = false;
-                    return match self.number(letter, at) {
-                        Ok((value, end)) => Some(Ok(Word {
-                            letter,
-                            value,
-                            at,
-                            end,
-                        })),
-                        Err(error) => self.fail(error.kind, error.at, error.end),
-                    };
-                }
-                b'#' | b'[' => return self.fail(ErrorKind::Expression, at, at.wrapping_add(1)),
-                _ => return self.fail(ErrorKind::NotALetter(byte), at, at.wrapping_add(1)),
-            }
+        match self.scanner.next()? {
+            Ok(Token::Word(word)) => Some(Ok(word)),
+            Ok(Token::EndOfLine) => None,
+            Err(error) => Some(Err(error)),
         }
     }
 }
 
 impl core::iter::FusedIterator for Words<'_> {}
+
+/// What a program consists of.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Token {
+    /// A word; its places are those in the whole text.
+    Word(Word),
+    /// The end of a line: CR, LF or CR LF, or the end of a text that ends without one.
+    EndOfLine,
+}
+
+/// The words of a whole program with the ends of its lines, in one pass: what [`words`] gives for each line, without
+/// looking for the ends of lines first. An error ends its line, and only that: the next line is read.
+///
+/// ```
+/// use husillo_gcode::{Token, tokens};
+/// let lines = tokens(b"G1 X1\nX\nX2").filter(|token| *token == Ok(Token::EndOfLine)).count();
+/// let words = tokens(b"G1 X1\nX\nX2").filter(|token| matches!(token, Ok(Token::Word(_)))).count();
+/// assert_eq!((lines, words), (3, 3));
+/// ```
+#[inline]
+pub fn tokens(text: &[u8]) -> Tokens<'_> {
+    Tokens {
+        scanner: Scanner::new(text),
+    }
+}
+
+/// Iterator over the words and line ends of a program; see [`tokens`].
+#[derive(Clone, Debug)]
+pub struct Tokens<'a> {
+    scanner: Scanner<'a, true>,
+}
+
+impl Tokens<'_> {
+    /// Whether a `/` (block delete) stood before the first word of this line; known once its first word was asked for,
+    /// and until the word behind its end is.
+    pub const fn is_deleted(&self) -> bool {
+        self.scanner.deleted
+    }
+}
+
+impl Iterator for Tokens<'_> {
+    type Item = Result<Token, Error>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        self.scanner.next()
+    }
+}
+
+impl core::iter::FusedIterator for Tokens<'_> {}
+
+/// What stood before this place in the line, as far as it matters for `/` and `%`.
+#[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
+enum Before {
+    /// Nothing at all; the line was just begun.
+    Nothing,
+    /// Blanks and comments.
+    Blanks,
+    /// Only an `N` word.
+    Number,
+    /// A word or a `/`.
+    Words,
+    /// A `%`: nothing but blanks and comments may follow.
+    Percent,
+    /// An error: the rest of the line is passed over.
+    Fault,
+}
+
+/// The scanner of one line, or (`LINES`) of all lines of a text.
+#[derive(Clone, Debug)]
+struct Scanner<'a, const LINES: bool> {
+    text: &'a [u8],
+    at: usize,
+    before: Before,
+    deleted: bool,
+}
+
+/// Blanks inside a line; the ends of lines are blanks for a text that is one line.
+const fn is_blank(byte: u8, lines: bool) -> bool {
+    matches!(byte, b' ' | b'\t') || (!lines && matches!(byte, b'\r' | b'\n'))
+}
+
+/// What ends a line of several.
+const fn is_end(byte: u8) -> bool {
+    matches!(byte, b'\r' | b'\n')
+}
+
+/// The byte at a place; 0 behind the end, which no number and no blank contains.
+#[inline(always)]
+fn byte_at(text: &[u8], at: usize) -> u8 {
+    match text.get(at) {
+        Some(&byte) => byte,
+        None => 0,
+    }
+}
+
+/// Digits from a place on, appended to `low`: the new number, the place behind them and the byte there. The number is
+/// right as long as it has nine digits.
+#[inline(always)]
+fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u8) {
+    loop {
+        let byte = byte_at(text, at);
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return (low, at, byte);
+        }
+        low = low.wrapping_mul(10).wrapping_add(u32::from(digit));
+        at = at.wrapping_add(1); // below the length of the text
+    }
+}
+
+/// A number of one to nine digits without blanks inside, as all programs write them: its value, the place behind it
+/// and the place behind the blanks that follow. `None` for everything else, right or wrong, which is [`number`]'s.
+#[inline(always)]
+fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, usize)> {
+    let sign = byte_at(text, at);
+    let negative = sign == b'-';
+    let first = at.wrapping_add(usize::from(negative | (sign == b'+')));
+    let (mut low, mut end, mut byte) = digits(text, first, 0);
+    let mut count = end.wrapping_sub(first);
+    let mut places = 0;
+    if byte == b'.' {
+        let point = end.wrapping_add(1);
+        (low, end, byte) = digits(text, point, low);
+        places = end.wrapping_sub(point);
+        count = count.wrapping_add(places);
+    }
+    // 1..=9 digits: below 10^9 < 2^30. The places are as many at the most.
+    if count.wrapping_sub(1) > 8 {
+        return None;
+    }
+    let mut next = end;
+    while is_blank(byte, lines) {
+        next = next.wrapping_add(1);
+        byte = byte_at(text, next);
+    }
+    // `+ , - . /` and digits behind a number go on with it, or are wrong.
+    if byte.wrapping_sub(b'+') <= b'9' - b'+' {
+        return None;
+    }
+    Some((Decimal::short(low, places as u8, negative), end, next))
+}
+
+/// The number behind a letter: `[+-] digits [. digits]` with at least one digit, blanks anywhere; and the place behind
+/// it. An error covers the rest of what looks like this number.
+#[cold]
+#[inline(never)]
+fn number(
+    text: &[u8],
+    letter: u8,
+    letter_at: usize,
+    lines: bool,
+) -> Result<(Decimal, usize), Error> {
+    let mut value = Decimal::default();
+    let mut at = letter_at.wrapping_add(1);
+    let mut end = at;
+    while text.get(at).is_some_and(|&byte| is_blank(byte, lines)) {
+        at = at.wrapping_add(1);
+    }
+    let first = at;
+    let (mut negative, mut signed, mut point, mut digits) = (false, false, false, false);
+    while let Some(&byte) = text.get(at) {
+        let fault = match byte {
+            b'0'..=b'9' => {
+                digits = true;
+                let digit = byte.wrapping_sub(b'0');
+                if point {
+                    value.push_place(digit)
+                } else {
+                    value.push_whole(digit)
+                }
+            }
+            b'.' if !point => {
+                point = true;
+                Ok(())
+            }
+            b'+' | b'-' if !(signed || point || digits) => {
+                signed = true;
+                negative = byte == b'-';
+                Ok(())
+            }
+            b'.' | b'+' | b'-' => Err(ErrorKind::MalformedNumber),
+            b',' if !point => Err(ErrorKind::DecimalComma),
+            b'#' | b'[' if !digits => Err(ErrorKind::Expression),
+            _ if is_blank(byte, lines) => {
+                at = at.wrapping_add(1);
+                continue;
+            }
+            _ => break,
+        };
+        let here = at;
+        at = at.wrapping_add(1);
+        end = at;
+        if let Err(kind) = fault {
+            while matches!(text.get(end), Some(b'0'..=b'9' | b'.')) {
+                end = end.wrapping_add(1);
+            }
+            let at = match kind {
+                ErrorKind::NumberTooLarge | ErrorKind::TooManyDigits => first,
+                _ => here,
+            };
+            return Err(Error { kind, at, end });
+        }
+    }
+    if !digits {
+        let kind = ErrorKind::MissingNumber(letter);
+        return Err(Error {
+            kind,
+            at: letter_at,
+            end,
+        });
+    }
+    Ok((if negative { value.negated() } else { value }, end))
+}
+
+/// The place behind the comment that starts at a place.
+fn comment(text: &[u8], start: usize, lines: bool) -> Result<usize, Error> {
+    let mut at = start;
+    loop {
+        at = at.wrapping_add(1);
+        let kind = match text.get(at) {
+            Some(b')') => return Ok(at.wrapping_add(1)),
+            Some(b'(') => ErrorKind::NestedComment,
+            Some(&byte) if !(lines && is_end(byte)) => continue,
+            _ => ErrorKind::UnclosedComment,
+        };
+        return Err(match kind {
+            ErrorKind::NestedComment => Error {
+                kind,
+                at,
+                end: at.wrapping_add(1),
+            },
+            _ => Error {
+                kind,
+                at: start,
+                end: at,
+            },
+        });
+    }
+}
+
+impl<'a, const LINES: bool> Scanner<'a, LINES> {
+    #[inline]
+    fn new(text: &'a [u8]) -> Self {
+        Scanner {
+            text,
+            at: 0,
+            before: Before::Nothing,
+            deleted: false,
+        }
+    }
+
+    #[inline]
+    fn next(&mut self) -> Option<Result<Token, Error>> {
+        loop {
+            let at = self.at;
+            let byte = byte_at(self.text, at);
+            let letter = byte & !0x20;
+            if letter.wrapping_sub(b'A') < 26 && self.before < Before::Percent {
+                // The place of a letter is below the length of the text.
+                let number = short_number(self.text, at.wrapping_add(1), LINES);
+                if let Some((value, end, next)) = number {
+                    self.at = next;
+                    self.enter(letter);
+                    return Some(Ok(Token::Word(Word {
+                        letter,
+                        value,
+                        at,
+                        end,
+                    })));
+                }
+            }
+            if LINES && is_end(byte) {
+                return Some(Ok(self.end_line(byte)));
+            }
+            if let ControlFlow::Break(found) = self.other() {
+                return found;
+            }
+        }
+    }
+
+    /// A word was read.
+    #[inline(always)]
+    fn enter(&mut self, letter: u8) {
+        self.deleted &= self.before != Before::Nothing;
+        self.before = if letter == b'N' && self.before < Before::Number {
+            Before::Number
+        } else {
+            Before::Words
+        };
+    }
+
+    /// Passes the end of a line, both bytes of a CR LF.
+    #[inline(always)]
+    fn end_line(&mut self, byte: u8) -> Token {
+        self.at = self.at.wrapping_add(1);
+        if byte == b'\r' && self.text.get(self.at) == Some(&b'\n') {
+            self.at = self.at.wrapping_add(1);
+        }
+        self.deleted &= self.before != Before::Nothing;
+        self.before = Before::Nothing;
+        Token::EndOfLine
+    }
+
+    /// Passes what stands here and is no short word, or gives what it is.
+    #[inline(never)]
+    fn other(&mut self) -> ControlFlow<Option<Result<Token, Error>>> {
+        let at = self.at;
+        let Some(&byte) = self.text.get(at) else {
+            if LINES && self.before != Before::Nothing {
+                self.before = Before::Nothing;
+                return ControlFlow::Break(Some(Ok(Token::EndOfLine)));
+            }
+            return ControlFlow::Break(None);
+        };
+        if self.before == Before::Nothing {
+            self.before = Before::Blanks;
+            self.deleted = false;
+        }
+        let next = at.wrapping_add(1);
+        let fault = match byte {
+            b';' => {
+                self.at = self.line_end();
+                return ControlFlow::Continue(());
+            }
+            _ if self.before == Before::Fault => {
+                self.at = self.line_end();
+                return ControlFlow::Continue(());
+            }
+            _ if is_blank(byte, LINES) => {
+                self.at = next;
+                return ControlFlow::Continue(());
+            }
+            b'(' => match comment(self.text, at, LINES) {
+                Ok(behind) => {
+                    self.at = behind;
+                    return ControlFlow::Continue(());
+                }
+                Err(error) => error,
+            },
+            b'/' if self.before == Before::Blanks => {
+                (self.before, self.deleted, self.at) = (Before::Words, true, next);
+                return ControlFlow::Continue(());
+            }
+            b'%' if self.before < Before::Words => {
+                (self.before, self.at) = (Before::Percent, next);
+                return ControlFlow::Continue(());
+            }
+            b'A'..=b'Z' | b'a'..=b'z' if self.before < Before::Percent => {
+                let letter = byte.to_ascii_uppercase();
+                match number(self.text, letter, at, LINES) {
+                    Ok((value, end)) => {
+                        self.at = end;
+                        self.enter(letter);
+                        return ControlFlow::Break(Some(Ok(Token::Word(Word {
+                            letter,
+                            value,
+                            at,
+                            end,
+                        }))));
+                    }
+                    Err(error) => error,
+                }
+            }
+            _ => Error {
+                kind: match byte {
+                    b'#' | b'[' => ErrorKind::Expression,
+                    _ => ErrorKind::NotALetter(byte),
+                },
+                at,
+                end: next,
+            },
+        };
+        (self.before, self.at) = (Before::Fault, next);
+        ControlFlow::Break(Some(Err(fault)))
+    }
+
+    /// The place of the end of this line.
+    fn line_end(&self) -> usize {
+        let rest = self.text.get(self.at..).unwrap_or_default();
+        let left = if LINES {
+            rest.iter().position(|&byte| is_end(byte))
+        } else {
+            None
+        };
+        self.at.wrapping_add(left.unwrap_or(rest.len()))
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -268,5 +496,45 @@ mod tests {
         assert_eq!(show("%1"), Err((101, 1, 2)));
         assert_eq!(show("G1 %"), Err((101, 3, 4)));
         assert_eq!(show("N1 G1 %"), Err((101, 6, 7)));
+    }
+
+    /// Letters, numbers and ends of lines (`|`); errors by their code and place.
+    fn show_all(text: &str) -> String {
+        let show = |token| match token {
+            Ok(Token::Word(w)) => std::format!("{}{}", char::from(w.letter), w.value),
+            Ok(Token::EndOfLine) => "|".into(),
+            Err(Error { kind, at, end }) => std::format!("E{}@{at}..{end}", kind.code()),
+        };
+        tokens(text.as_bytes())
+            .map(show)
+            .collect::<Vec<_>>()
+            .join(" ")
+    }
+
+    #[test]
+    fn a_program_is_its_lines() {
+        assert_eq!(
+            show_all("G1 X1.5\r\n(a) Y 1 0;b\n\n%\nN1%\rX2"),
+            "G1 X1.5 | Y10 | | | N1 | X2 |"
+        );
+        assert_eq!(
+            show_all("X1 \n2\nX\n1 Y1\nZ1"),
+            "X1 | E101@4..5 | E102@6..7 | E101@8..9 | Z1 |"
+        );
+        assert_eq!(
+            show_all("(a\nG1)X1\n%X1 Y1\n"),
+            "E105@0..2 | G1 E101@5..6 | E101@10..11 |"
+        );
+        assert_eq!(show_all("\n\r\n\n\r"), "| | | |");
+        assert_eq!(show_all(" "), "|");
+        assert_eq!(show_all(""), "");
+    }
+
+    #[test]
+    fn a_deleted_line_says_so_until_the_next() {
+        let mut program = tokens(b"/X1\nX2\n/\n\n");
+        let deleted: Vec<bool> =
+            core::iter::from_fn(|| program.next().map(|_| program.is_deleted())).collect();
+        assert_eq!(deleted, [true, true, false, false, true, false]);
     }
 }
