@@ -1,6 +1,6 @@
 //! Any line and any arc.
 
-use husillo_interp::{Arc, ArcMove, Direction, Helix, Line, Rim};
+use husillo_interp::{Arc, ArcMove, Direction, Helix, Interpolator, Line, Rim};
 
 use crate::bytes::Bytes;
 

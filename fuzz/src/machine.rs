@@ -1,13 +1,16 @@
 //! Any program on a machine.
 
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale};
+use husillo_machine::{
+    Axis, AxisRamp, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale,
+};
 
 /// No program is followed longer.
 const MOST_EVENTS: u32 = 20_000;
 
-/// Any lines on a small machine: a refused line changes nothing and gives no event, no wait is longer than promised, every
-/// step is a step, and the tool stays within its travel.
+/// Any lines on a small machine, without ramps and with them, held and resumed and with an override now and then: a refused line
+/// changes nothing, no wait is longer than promised, every step is a step, the tool stays within its travel, and in the
+/// end it stands where the last line that was taken sends it.
 pub fn machine(data: &[u8]) {
     // Steps of 0.1 mm, so that programs are short.
     let Some(scale) = Scale::new(100_000, 1) else {
@@ -20,9 +23,20 @@ pub fn machine(data: &[u8]) {
         lash_steps: 3,
         ramp: None,
     };
-    for dialect in [Dialect::RS274, Dialect::MICROMILL] {
+    let ramp = AxisRamp {
+        acceleration_hz_per_s: 2000,
+        start_rate_hz: 0,
+        jerk_hz_per_s2: Some(10_000),
+        junction_hz: Some(30),
+    };
+    for (dialect, ramp) in [
+        (Dialect::RS274, None),
+        (Dialect::MICROMILL, None),
+        (Dialect::RS274, Some(ramp)),
+    ] {
+        let axis = Axis { ramp, ..axis };
         let config = Config {
-            axes: [axis; 3],
+            axes: [axis, axis, Axis { ramp: None, ..axis }],
             timer_hz: 1_000_000,
             dialect,
             arc_tolerance: None,
@@ -39,27 +53,62 @@ fn run(config: Config<3>, data: &[u8]) {
     let mut events = 0;
     for line in data.split(|byte| *byte == b'\n') {
         for (_, text) in config.dialect.blocks(line) {
-            let before = (machine.position_steps(), format!("{:?}", machine.modal()));
-            match machine.line(text) {
-                Ok(()) => {}
-                Err(Refused::Busy) => unreachable!("everything before has been pulled"),
-                Err(_) => {
-                    assert_eq!(
-                        before,
-                        (machine.position_steps(), format!("{:?}", machine.modal()))
-                    );
-                    assert_eq!(machine.next_event(), None, "a refused line means nothing");
-                }
-            }
-            while let Some(event) = machine.next_event() {
-                check(&event, &machine);
-                events += 1;
+            while !machine.has_room() {
+                assert!(pull(&mut machine, &mut events), "what waits has its turn");
                 if events > MOST_EVENTS {
                     return;
                 }
             }
+            let before = (machine.position_steps(), format!("{:?}", machine.modal()));
+            match machine.line(text) {
+                Ok(()) => {}
+                Err(Refused::Busy) => unreachable!("there was room"),
+                Err(_) => assert_eq!(
+                    before,
+                    (machine.position_steps(), format!("{:?}", machine.modal()))
+                ),
+            }
+            match line.len() % 8 {
+                1 => machine.hold(),
+                2 => machine.set_feed_override((line.len() * 7) as u8),
+                3 => _ = pull(&mut machine, &mut events),
+                _ => {}
+            }
         }
     }
+    while pull(&mut machine, &mut events) {
+        if events > MOST_EVENTS {
+            return;
+        }
+    }
+    let end = machine.modal().position();
+    for (axis, (at, end)) in config
+        .axes
+        .iter()
+        .zip(machine.position_steps().iter().zip(end))
+    {
+        assert_eq!(
+            Some(*at),
+            axis.scale.nearest(end),
+            "it stands where it was sent"
+        );
+    }
+}
+
+/// One event; a hold that has come to its stop ends here. Whether there was one.
+fn pull(machine: &mut Machine<3>, events: &mut u32) -> bool {
+    let event = match machine.next_event() {
+        None if machine.is_held() => {
+            machine.resume();
+            machine.next_event()
+        }
+        event => event,
+    };
+    *events += 1;
+    if let Some(event) = &event {
+        check(event, machine);
+    }
+    event.is_some()
 }
 
 fn check(event: &Event<3>, machine: &Machine<3>) {
