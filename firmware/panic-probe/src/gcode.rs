@@ -3,12 +3,17 @@
 use core::hint::black_box;
 
 use fixed::types::I32F32;
+use husillo_gcode::excellon::{
+    self, Digits, Features, Inference, Lines, Number, Reader, Settings, Tools, Units, WarningKind,
+    lines,
+};
 use husillo_gcode::{
     Block, Blocks, Commands, Decimal, Dialect, ErrorKind, Modal, Plane, Words, words,
 };
 
 /// Keeps every function in the program.
 pub fn keep() {
+    keep_excellon();
     black_box([
         words as *const (),
         Words::is_deleted as *const (),
@@ -61,5 +66,44 @@ pub fn keep() {
         Modal::<3>::path as *const (),
         <Commands<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::size_hint as *const (),
+    ]);
+}
+
+/// The drill files.
+fn keep_excellon() {
+    black_box([
+        lines as *const (),
+        <Lines as Iterator>::next as *const (),
+        Inference::new as *const (),
+        Inference::observe as *const (),
+        Inference::settle as *const (),
+        Settings::format as *const (),
+        Reader::<8>::new as *const (),
+        Reader::<8>::set_tool as *const (),
+        Reader::<8>::tools as *const (),
+        Reader::<8>::warning as *const (),
+        Reader::<8>::is_ended as *const (),
+        Reader::<8>::format as *const (),
+        Reader::<8>::read as *const (),
+        Tools::<8>::get as *const (),
+        Tools::<8>::iter as *const (),
+        <Features as Iterator>::next as *const (),
+        <Features as Iterator>::size_hint as *const (),
+        Number::written as *const (),
+        Number::has_point as *const (),
+        Number::is_zero as *const (),
+        Number::has_leading_zero as *const (),
+        Number::has_trailing_zero as *const (),
+        Number::whole as *const (),
+        Number::plain as *const (),
+        Number::value as *const (),
+        Number::length as *const (),
+        Digits::new as *const (),
+        Digits::whole as *const (),
+        Digits::places as *const (),
+        Digits::all as *const (),
+        Units::digits as *const (),
+        excellon::ErrorKind::code as *const (),
+        WarningKind::code as *const (),
     ]);
 }

@@ -31,7 +31,7 @@ pub(super) enum Hint {
 
 impl Hint {
     /// Reads the text of a comment; `None` when it says nothing that is understood. What is malformed says nothing.
-    pub fn parse(text: Scanner<'_>) -> Option<Hint> {
+    pub(super) fn parse(text: Scanner<'_>) -> Option<Hint> {
         file_format(text)
             .or_else(|| format(text))
             .or_else(|| plating(text))

@@ -53,7 +53,7 @@ pub(super) enum Mode {
 }
 
 impl State {
-    pub fn set_units(&mut self, units: Units, pinned: Pinned) {
+    pub(super) fn set_units(&mut self, units: Units, pinned: Pinned) {
         if pinned.units {
             return;
         }
@@ -63,19 +63,19 @@ impl State {
         self.format.units = units;
     }
 
-    pub fn length(&self, word: &Word) -> Result<Nm, Error> {
+    pub(super) fn length(&self, word: &Word) -> Result<Nm, Error> {
         word.number
             .length(&self.format)
             .ok_or(word.error(ErrorKind::NumberTooLarge))
     }
 
     /// The length of a word, or zero.
-    pub fn offset(&self, word: Option<&Word>) -> Result<Nm, Error> {
+    pub(super) fn offset(&self, word: Option<&Word>) -> Result<Nm, Error> {
         word.map_or(Ok(Nm(0)), |word| self.length(word))
     }
 
     /// The point that the words name, seen from `from`.
-    pub fn target(&self, from: [Nm; 2], operands: &Operands) -> Result<[Nm; 2], Error> {
+    pub(super) fn target(&self, from: [Nm; 2], operands: &Operands) -> Result<[Nm; 2], Error> {
         let [x, y] = from;
         Ok([
             self.coordinate(x, operands.x.as_ref())?,
@@ -83,7 +83,7 @@ impl State {
         ])
     }
 
-    pub fn coordinate(&self, from: Nm, word: Option<&Word>) -> Result<Nm, Error> {
+    pub(super) fn coordinate(&self, from: Nm, word: Option<&Word>) -> Result<Nm, Error> {
         let Some(word) = word else { return Ok(from) };
         let length = self.length(word)?;
         if !self.incremental {
@@ -95,7 +95,7 @@ impl State {
             .ok_or(word.error(ErrorKind::NumberTooLarge))
     }
 
-    pub fn tool_for(&self, operands: &Operands) -> Result<Tool, Error> {
+    pub(super) fn tool_for(&self, operands: &Operands) -> Result<Tool, Error> {
         let tool = self.tool.ok_or(operands.error(ErrorKind::NoTool))?;
         Ok(Tool {
             plated: tool.plated.or(self.plated),
@@ -103,7 +103,7 @@ impl State {
         })
     }
 
-    pub fn slot(
+    pub(super) fn slot(
         &mut self,
         start: &Operands,
         end: &Operands,
@@ -129,7 +129,7 @@ impl State {
         Ok(Features::one(Feature::Slot(slot)))
     }
 
-    pub fn repeat(&mut self, step: &Operands, word: &Word) -> Result<Features, Error> {
+    pub(super) fn repeat(&mut self, step: &Operands, word: &Word) -> Result<Features, Error> {
         let count = word.whole(MOST_REPEATS)?;
         if count == 0 {
             return Err(word.error(ErrorKind::StepAndRepeat));
@@ -167,7 +167,7 @@ impl State {
         Ok(Features::repeated(hole, steps, count))
     }
 
-    pub fn origin(&mut self, operands: &Operands) -> Result<Features, Error> {
+    pub(super) fn origin(&mut self, operands: &Operands) -> Result<Features, Error> {
         for word in [operands.x, operands.y].iter().flatten() {
             if !word.number.is_zero() {
                 return Err(word.error(ErrorKind::Origin));
@@ -176,7 +176,7 @@ impl State {
         Ok(Features::NONE)
     }
 
-    pub fn arc(&self, direction: Direction, operands: &Operands) -> Result<Path, Error> {
+    pub(super) fn arc(&self, direction: Direction, operands: &Operands) -> Result<Path, Error> {
         if let Some(radius) = &operands.a {
             let length = self.length(radius)?;
             if length.0 <= 0 {

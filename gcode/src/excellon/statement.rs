@@ -66,7 +66,7 @@ impl<'a> Statement<'a> {
     /// # Errors
     ///
     /// A Gerber command, or text behind `%`.
-    pub fn parse(line: &'a [u8]) -> Result<Statement<'a>, Error> {
+    pub(super) fn parse(line: &'a [u8]) -> Result<Statement<'a>, Error> {
         let mut scanner = Scanner::new(line);
         let at = scanner.at();
         let Some(first) = scanner.peek() else {
