@@ -85,7 +85,7 @@ pub struct Arc<const N: usize> {
 }
 
 /// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
-fn shift_rounded(value: i128, bits: u32) -> i128 {
+pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     let magnitude = value
         .unsigned_abs()
         .wrapping_add(1u128.wrapping_shl(bits.wrapping_sub(1)))
@@ -98,7 +98,7 @@ fn shift_rounded(value: i128, bits: u32) -> i128 {
 }
 
 /// The largest integer whose square is at most `value`, by digits of two bits: no division.
-fn root(value: u128) -> u64 {
+pub(crate) fn root(value: u128) -> u64 {
     if let Ok(small) = u64::try_from(value) {
         return small.isqrt();
     }
@@ -121,7 +121,7 @@ fn root(value: u128) -> u64 {
 }
 
 /// `value / divisor` rounded down, by shifting and subtracting where it is wide; 0 for a divisor of 0.
-fn divide(value: u128, divisor: u128) -> u128 {
+pub(crate) fn divide(value: u128, divisor: u128) -> u128 {
     if let (Ok(value), Ok(divisor)) = (u64::try_from(value), u64::try_from(divisor)) {
         return u128::from(value.checked_div(divisor).unwrap_or(0));
     }
@@ -148,7 +148,7 @@ fn divide(value: u128, divisor: u128) -> u128 {
 }
 
 /// `x^2 + y^2` for components below 2^53.
-fn square(x: i64, y: i64) -> u128 {
+pub(crate) fn square(x: i64, y: i64) -> u128 {
     let (x, y) = (x.unsigned_abs(), y.unsigned_abs());
     if (x | y) < 1 << 31 {
         // Two squares below 2^62.
@@ -313,7 +313,7 @@ pub(crate) fn with_radius(
 ///
 /// Both roots are taken of numbers shifted up to 126 or 127 bits, so they have 63 bits and the product is good to
 /// 2^-61 of itself: far below the rounding that follows.
-fn scaled_by_root(factor: i64, numerator: u128, denominator: u128) -> i128 {
+pub(crate) fn scaled_by_root(factor: i64, numerator: u128, denominator: u128) -> i128 {
     if factor == 0 || numerator == 0 || denominator == 0 {
         return 0;
     }

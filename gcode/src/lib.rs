@@ -51,7 +51,9 @@ mod thread;
 mod tools;
 
 mod commands;
+mod compensation;
 mod modal;
+mod offset;
 
 mod canned;
 mod frames;
@@ -66,6 +68,7 @@ pub use block::Block;
 pub use code::Side;
 pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
 pub use commands::Commands;
+pub use compensation::{Compensated, Compensation};
 pub use cycle::Kind as Cycle;
 pub use decimal::Decimal;
 pub use dialect::{Blocks, Dialect};

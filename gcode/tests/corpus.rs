@@ -5,7 +5,7 @@
 //! tests pass with a message.
 
 use flate2::read::GzDecoder;
-use husillo_gcode::{Block, Command, Dialect, Error, ErrorKind, Modal};
+use husillo_gcode::{Block, Command, Compensation, Dialect, Error, ErrorKind, Modal, Nm};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
@@ -111,10 +111,13 @@ fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
 fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
     let dialect = Dialect::RS274;
     let mut modal = Modal::<6>::new(dialect);
+    let mut stage = Compensation::new([Nm(0); 6]);
     let mut ends = Vec::new();
     for line in program.split(|&byte| byte == b'\n') {
         let block = Block::parse(line, &dialect).ok()?;
         let (next, commands) = modal.plan(&block).ok()?;
+        let (after, commands) = stage.plan(commands).ok()?;
+        stage = after;
         // The frame of the moves: M2 forgets it.
         let ended = commands
             .clone()
@@ -124,7 +127,6 @@ fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
         for command in commands {
             match command {
                 Command::Spline { .. } | Command::Probe { .. } => return None,
-                Command::Compensation { side: Some(_), .. } => return None,
                 _ => {}
             }
             if let Some(end) = command.end() {

@@ -328,7 +328,7 @@ proptest! {
 
     /// A threading cycle never cuts deeper than its K, never shallower than the pass before, and ends at the drive line.
     #[test]
-    fn threads_deepen(first in 50i64..500, full in 500i64..2_000, degression in 10u32..40, springs in 0usize..3, angle in 0u32..60) {
+    fn threads_deepen(first in 100i64..500, full in 500i64..2_000, degression in 10u32..30, springs in 0usize..3, angle in 0u32..60) {
         let (modal, commands) = plan(&[
             "G21 G18 M3 S100 G0 X20 Z5".into(),
             format!("G76 P1 Z-10 I-1 J{} K{} R{}.{} Q{angle} H{springs}", Nm(first * 1_000), Nm(full * 1_000), degression / 10, degression % 10),

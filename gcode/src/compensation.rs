@@ -1,0 +1,518 @@
+//! Cutter compensation (G41, G42): commands of the contour in, commands of the tool's centre out.
+//!
+//! ```text
+//! Modal::plan ──► Commands ──► Compensation::plan ──► Compensated ──► machine
+//!                 contour      one move behind        tool centre
+//! ```
+
+use crate::arc::{Arc, Direction, Plane, with_centre};
+use crate::code::Side;
+use crate::command::{Command, Feed};
+use crate::commands::Commands;
+use crate::error::ErrorKind;
+use crate::nm::Nm;
+use crate::offset::{
+    Vector, along, circles, is_between, left, length, line_and_circle, minus, mitre, opposite,
+    plus, turn, unit,
+};
+
+/// Commands between two moves of a contour that can wait for the corner.
+const WAITING: usize = 4;
+
+/// What one command can set free: the move before, what waited behind it, a corner of two, and itself.
+const FREED: usize = WAITING + 5;
+
+/// Differences of points that are rounding.
+const ROUNDING: i64 = 4;
+
+/// The stage between [`Modal`](crate::Modal) and a machine that turns a contour into the path of the tool's centre.
+///
+/// It works in the plane that was active at G41 or G42 and looks one move ahead: a move is given out when the next one
+/// has told where it ends. Outside corners get an arc of the tool's radius about the corner (between rapids: straight
+/// lines clear of it), inside corners end at the common point of the two offset curves. Every point is within 2 nm of
+/// its exact offset curve. The first move must be straight and longer than the radius: it ends square to its own end.
+/// Under G40 the next straight move goes from wherever the tool is to its programmed end.
+///
+/// Where LinuxCNC differs: it takes arcs as first moves; we refuse them. It asks for a feed rate under G93 and
+/// converts it; we refuse G93 while compensating.
+#[derive(Clone, Debug)]
+pub struct Compensation<const N: usize> {
+    active: Option<Active>,
+    /// The contour up to here is known.
+    at: [Nm; N],
+    /// Where the tool's centre will be behind everything given out, in the plane.
+    tool: Vector,
+    is_entering: bool,
+    is_leaving: bool,
+    pending: Option<Pending<N>>,
+    waiting: [Option<Command<N>>; WAITING],
+}
+
+#[derive(Copy, Clone, Debug)]
+struct Active {
+    /// Distance to the left of the contour; to the right when negative.
+    by: i64,
+    plane: Plane,
+}
+
+/// A move whose end waits for the next one.
+#[derive(Clone, Debug)]
+struct Pending<const N: usize> {
+    command: Command<N>,
+    course: Course,
+}
+
+/// The offset curve of a move.
+#[derive(Copy, Clone, Debug)]
+struct Course {
+    start: Vector,
+    end: Vector,
+    /// Unit vectors along the move.
+    first: Vector,
+    last: Vector,
+    /// Centre, radius, and whether it is counter-clockwise.
+    arc: Option<(Vector, i64, bool)>,
+}
+
+impl Course {
+    /// Whether a common point lies on this part of the curve.
+    fn reaches(&self, point: Vector) -> bool {
+        let close = |other| length(minus(point, other)) <= ROUNDING;
+        if close(self.start) || close(self.end) {
+            return true;
+        }
+        match self.arc {
+            None => {
+                let ahead = |vector| crate::offset::dot(vector, self.first) > 0;
+                ahead(minus(point, self.start)) && ahead(minus(self.end, point))
+            }
+            Some((centre, _, counter_clockwise)) => {
+                let [start, end, point] =
+                    [self.start, self.end, point].map(|point| minus(point, centre));
+                if counter_clockwise {
+                    is_between(start, end, point)
+                } else {
+                    is_between(end, start, point)
+                }
+            }
+        }
+    }
+}
+
+/// The commands of one block after compensation; see [`Compensation::plan`].
+#[derive(Clone, Debug)]
+pub struct Compensated<const N: usize> {
+    stage: Compensation<N>,
+    commands: Option<Commands<N>>,
+    freed: Freed<N>,
+}
+
+/// A short queue: filled when it is empty, then drained.
+#[derive(Clone, Debug)]
+struct Freed<const N: usize> {
+    places: [Option<Command<N>>; FREED],
+}
+
+impl<const N: usize> Freed<N> {
+    const fn new() -> Self {
+        Freed {
+            places: [const { None }; FREED],
+        }
+    }
+
+    /// There is room: one command frees at most as many as there are places.
+    fn push(&mut self, command: Command<N>) {
+        if let Some(place) = self.places.iter_mut().find(|place| place.is_none()) {
+            *place = Some(command);
+        }
+    }
+
+    fn pop(&mut self) -> Option<Command<N>> {
+        self.places.iter_mut().find_map(Option::take)
+    }
+}
+
+impl<const N: usize> Iterator for Compensated<N> {
+    type Item = Command<N>;
+
+    fn next(&mut self) -> Option<Command<N>> {
+        loop {
+            if let Some(command) = self.freed.pop() {
+                return Some(command);
+            }
+            let command = self.commands.as_mut()?.next()?;
+            // `plan` went through all of them without an error.
+            if self.stage.push(command, &mut self.freed).is_err() {
+                return None;
+            }
+        }
+    }
+}
+
+impl<const N: usize> core::iter::FusedIterator for Compensated<N> {}
+
+impl<const N: usize> Compensation<N> {
+    /// Compensation off, at a position.
+    pub const fn new(at: [Nm; N]) -> Self {
+        Compensation {
+            active: None,
+            at,
+            tool: [0; 2],
+            is_entering: false,
+            is_leaving: false,
+            pending: None,
+            waiting: [const { None }; WAITING],
+        }
+    }
+
+    /// Whether moves are compensated, or one still waits for its end.
+    pub const fn is_active(&self) -> bool {
+        self.active.is_some()
+    }
+
+    /// What the commands of one block become: the stage after them, and the commands that are decided now. All or
+    /// nothing, as [`Modal::plan`](crate::Modal::plan): with an error nothing has changed. Costs one pass over the
+    /// commands here and one when they are pulled.
+    ///
+    /// # Errors
+    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0505 when more than four commands that do not move in the
+    /// plane stand between two moves that do.
+    pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
+        let mut next = self.clone();
+        let mut freed = Freed::new();
+        for command in commands.clone() {
+            next.push(command, &mut freed)?;
+            freed = Freed::new();
+        }
+        let compensated = Compensated {
+            stage: self.clone(),
+            commands: Some(commands),
+            freed,
+        };
+        Ok((next, compensated))
+    }
+
+    /// What still waits, for a program that ends without G40, M2 or M30.
+    pub fn finish(mut self) -> Compensated<N> {
+        let mut freed = Freed::new();
+        self.flush(None, &mut freed);
+        Compensated {
+            stage: self,
+            commands: None,
+            freed,
+        }
+    }
+
+    /// One command of the contour.
+    fn push(&mut self, command: Command<N>, out: &mut Freed<N>) -> Result<(), ErrorKind> {
+        match command {
+            Command::Compensation {
+                side: Some(side),
+                radius,
+                plane,
+            } => {
+                let by = if side == Side::Left {
+                    radius.0
+                } else {
+                    radius.0.saturating_neg()
+                };
+                self.active = Some(Active { by, plane });
+                self.tool = flat(plane, &self.at);
+                self.is_entering = true;
+                return Ok(());
+            }
+            Command::Compensation { side: None, .. } => {
+                self.flush(None, out);
+                self.is_leaving = self.active.take().is_some_and(|active| active.by != 0);
+                return Ok(());
+            }
+            Command::End { .. } => {
+                self.flush(None, out);
+                self.active = None;
+                out.push(command);
+                return Ok(());
+            }
+            _ => {}
+        }
+        let Some(active) = self.active.filter(|active| active.by != 0) else {
+            if let Some(end) = command.end() {
+                if self.is_leaving && matches!(command, Command::Arc { .. }) {
+                    return Err(ErrorKind::CompensationEntry);
+                }
+                self.is_leaving = false;
+                self.at = end;
+            }
+            out.push(command);
+            return Ok(());
+        };
+        let Some(end) = command.end() else {
+            return self.wait(command, out);
+        };
+        let moves = flat(active.plane, &self.at) != flat(active.plane, &end);
+        if moves || matches!(command, Command::Arc { .. }) {
+            self.contour(active, command, end, out)?;
+        } else {
+            self.wait(command, out)?;
+        }
+        self.at = end;
+        Ok(())
+    }
+
+    /// A command that does not move in the plane: behind the pending move, or at once.
+    fn wait(&mut self, command: Command<N>, out: &mut Freed<N>) -> Result<(), ErrorKind> {
+        if self.pending.is_none() {
+            let here = self.tool;
+            out.push(self.placed(command, here));
+            return Ok(());
+        }
+        let place = self.waiting.iter_mut().find(|place| place.is_none());
+        *place.ok_or(ErrorKind::TooManyPasses)? = Some(command);
+        Ok(())
+    }
+
+    /// The same command with its end at another point of the plane.
+    fn placed(&self, command: Command<N>, at: Vector) -> Command<N> {
+        let Some(active) = self.active else {
+            return command;
+        };
+        let place = |to: [Nm; N]| placed(active.plane, to, at);
+        match command {
+            Command::Rapid { to } => Command::Rapid { to: place(to) },
+            Command::Linear { to, feed } => Command::Linear {
+                to: place(to),
+                feed,
+            },
+            other => other,
+        }
+    }
+
+    /// Gives out the pending move, to a point or to where it ends by itself, and what waits behind it.
+    fn flush(&mut self, end: Option<Vector>, out: &mut Freed<N>) {
+        let (Some(pending), Some(active)) = (self.pending.take(), self.active) else {
+            return;
+        };
+        let end = end.unwrap_or(pending.course.end);
+        out.push(match pending.command {
+            Command::Arc { arc, feed } => {
+                let to = placed(active.plane, arc.to, end);
+                let points = [self.tool, end, flat(active.plane, &arc.centre)];
+                let [from, at, centre] = points.map(|point| point.map(Nm));
+                Command::Arc {
+                    arc: Arc {
+                        to,
+                        radius: None,
+                        mismatch: with_centre(from, at, centre).unwrap_or(arc.mismatch),
+                        ..arc
+                    },
+                    feed,
+                }
+            }
+            straight => self.placed(straight, end),
+        });
+        self.tool = end;
+        for place in 0..WAITING {
+            let waiting = self.waiting.get_mut(place).and_then(Option::take);
+            if let Some(command) = waiting {
+                let command = self.placed(command, end);
+                out.push(command);
+            }
+        }
+    }
+
+    /// A move of the contour: its offset, and the corner before it.
+    fn contour(
+        &mut self,
+        active: Active,
+        command: Command<N>,
+        end: [Nm; N],
+        out: &mut Freed<N>,
+    ) -> Result<(), ErrorKind> {
+        if let Some(Feed::InverseTime { .. }) = feed(&command) {
+            return Err(ErrorKind::WrongFeedMode);
+        }
+        let corner = flat(active.plane, &self.at);
+        let to = flat(active.plane, &end);
+        let mut course = course(&active, &command, corner, to)?;
+        if self.is_entering {
+            if course.arc.is_some() {
+                return Err(ErrorKind::CompensationEntry);
+            }
+            let radius = active.by.saturating_abs();
+            if length(minus(to, corner)) <= radius {
+                return Err(ErrorKind::EntryTooShort(Nm(radius)));
+            }
+            self.is_entering = false;
+        } else if let Some(before) = self.pending.clone() {
+            course.start = self.join(&active, &before, &command, &course, corner, out)?;
+        }
+        self.pending = Some(Pending { command, course });
+        Ok(())
+    }
+
+    /// Ends the move before where the next one begins; gives that point.
+    fn join(
+        &mut self,
+        active: &Active,
+        before: &Pending<N>,
+        command: &Command<N>,
+        course: &Course,
+        corner: Vector,
+        out: &mut Freed<N>,
+    ) -> Result<Vector, ErrorKind> {
+        let (sine, cosine) = turn(before.course.last, course.first);
+        // How far the two offset points of the corner are apart, for small turns.
+        let gap = length(minus(before.course.end, course.start));
+        if cosine > 0 && gap <= 2 {
+            self.flush(None, out);
+            return Ok(before.course.end);
+        }
+        let is_inside = (sine < 0) == (active.by < 0) && sine != 0 && gap > 2;
+        if is_inside {
+            let point = common(active, &before.course, course, corner).ok_or(ErrorKind::Gouge)?;
+            if !before.course.reaches(point) || !course.reaches(point) {
+                return Err(ErrorKind::Gouge);
+            }
+            self.flush(Some(point), out);
+            return Ok(point);
+        }
+        self.flush(None, out);
+        let height = self.at;
+        let at = |point: Vector| placed(active.plane, height, point);
+        match feed(command).or(feed(&before.command)) {
+            Some(feed) => {
+                let direction = if active.by > 0 {
+                    Direction::Clockwise
+                } else {
+                    Direction::CounterClockwise
+                };
+                let points = [before.course.end, course.start, corner];
+                let [from, to, centre] = points.map(|point| point.map(Nm));
+                out.push(Command::Arc {
+                    arc: Arc {
+                        to: at(course.start),
+                        centre: at(corner),
+                        plane: active.plane,
+                        direction,
+                        turns: 0,
+                        radius: None,
+                        mismatch: with_centre(from, to, centre).unwrap_or_default(),
+                        resolution: Nm(1),
+                    },
+                    feed,
+                });
+            }
+            // Between rapids: round the corner on straight lines, square where it is sharp.
+            None => {
+                let normals = [left(before.course.last), left(course.first)];
+                let sharp = mitre(normals[0], normals[1], active.by).filter(|_| cosine >= 0);
+                if let Some(aside) = sharp {
+                    out.push(Command::Rapid {
+                        to: at(plus(corner, aside)),
+                    });
+                } else {
+                    let reach = active.by.saturating_abs();
+                    let ahead = plus(before.course.end, along(before.course.last, reach));
+                    let behind = plus(course.start, along(opposite(course.first), reach));
+                    out.push(Command::Rapid { to: at(ahead) });
+                    out.push(Command::Rapid { to: at(behind) });
+                }
+                out.push(Command::Rapid {
+                    to: at(course.start),
+                });
+            }
+        }
+        self.tool = course.start;
+        Ok(course.start)
+    }
+}
+
+/// The coordinates of a point in a plane.
+fn flat<const N: usize>(plane: Plane, point: &[Nm; N]) -> Vector {
+    plane
+        .axes()
+        .map(|axis| point.get(axis).copied().unwrap_or_default().0)
+}
+
+/// A point with other coordinates in a plane.
+fn placed<const N: usize>(plane: Plane, mut point: [Nm; N], at: Vector) -> [Nm; N] {
+    for (axis, at) in plane.axes().into_iter().zip(at) {
+        if let Some(entry) = point.get_mut(axis) {
+            *entry = Nm(at);
+        }
+    }
+    point
+}
+
+const fn feed<const N: usize>(command: &Command<N>) -> Option<Feed> {
+    match command {
+        Command::Linear { feed, .. } | Command::Arc { feed, .. } => Some(*feed),
+        _ => None,
+    }
+}
+
+/// The offset curve of a move.
+fn course<const N: usize>(
+    active: &Active,
+    command: &Command<N>,
+    from: Vector,
+    to: Vector,
+) -> Result<Course, ErrorKind> {
+    let (first, last, arc) = match command {
+        Command::Arc { arc, .. } => {
+            let centre = flat(active.plane, &arc.centre);
+            let counter_clockwise = arc.direction == Direction::CounterClockwise;
+            let [begin, end] = [from, to].map(|point| minus(point, centre));
+            // To the left is inward for a counter-clockwise arc.
+            let inward = if counter_clockwise {
+                active.by
+            } else {
+                active.by.saturating_neg()
+            };
+            let radius = length(begin).min(length(end)).saturating_sub(inward);
+            if radius <= 0 {
+                return Err(ErrorKind::ArcSmallerThanTool(Nm(active
+                    .by
+                    .saturating_abs())));
+            }
+            let tangent = |radial: Vector| {
+                let tangent = left(unit(radial));
+                if counter_clockwise {
+                    tangent
+                } else {
+                    opposite(tangent)
+                }
+            };
+            let arc = Some((centre, radius, counter_clockwise));
+            (tangent(begin), tangent(end), arc)
+        }
+        _ => {
+            let direction = unit(minus(to, from));
+            (direction, direction, None)
+        }
+    };
+    Ok(Course {
+        start: plus(from, along(left(first), active.by)),
+        end: plus(to, along(left(last), active.by)),
+        first,
+        last,
+        arc,
+    })
+}
+
+/// The common point of two offset curves next to their corner.
+fn common(active: &Active, before: &Course, after: &Course, corner: Vector) -> Option<Vector> {
+    match (before.arc, after.arc) {
+        (None, None) => {
+            mitre(left(before.last), left(after.first), active.by).map(|aside| plus(corner, aside))
+        }
+        (None, Some((centre, radius, _))) => {
+            line_and_circle(before.end, before.last, centre, radius, corner)
+        }
+        (Some((centre, radius, _)), None) => {
+            line_and_circle(after.start, after.first, centre, radius, corner)
+        }
+        (Some((centre, radius, _)), Some((other, other_radius, _))) => {
+            circles((centre, radius), (other, other_radius), corner)
+        }
+    }
+}
