@@ -1,12 +1,13 @@
 //! Any line of text.
 
-use husillo_gcode::{Block, Dialect, Error, Modal, words};
+use husillo_gcode::{Block, Compensation, Dialect, Error, Modal, words};
 
 /// Words, blocks and plans of any text: every place of a word or an error lies inside the text, a refused block leaves the
-/// state as it was, and a plan has at most as many commands as it says.
+/// state as it was, and a plan has as many commands as it says. The tool's path of whatever was planned is taken or refused.
 pub fn gcode(data: &[u8]) {
-    for dialect in [Dialect::RS274, Dialect::MICROMILL] {
+    for dialect in Dialect::ALL {
         let mut modal = Modal::<3>::new(dialect);
+        let mut stage = Compensation::new(modal.position());
         for line in data.split(|byte| *byte == b'\n') {
             check_words(line);
             for (at, text) in dialect.blocks(line) {
@@ -18,12 +19,17 @@ pub fn gcode(data: &[u8]) {
                 let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
                 match planned {
                     Ok((next, commands)) => {
-                        let (_, most) = commands.size_hint();
+                        let (least, most) = commands.size_hint();
+                        let compensated = stage.plan(commands.clone());
                         let count = commands.count();
                         assert!(
-                            most.is_some_and(|most| count <= most),
-                            "{count} of {most:?} commands"
+                            least <= count && most.is_none_or(|most| count <= most) && count <= 1 << 21,
+                            "{count} of {least} to {most:?} commands"
                         );
+                        if let Ok((after, commands)) = compensated {
+                            stage = after;
+                            assert!(commands.count() <= count * 9, "no more than a move and a corner");
+                        }
                         modal = next;
                     }
                     Err(error) => check_place(&error, text),

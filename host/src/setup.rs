@@ -23,8 +23,10 @@ pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
         }
         None => "rs274",
     };
-    Dialect::by_name(name)
-        .ok_or_else(|| format!("unknown dialect `{name}`: there are rs274 and micromill"))
+    Dialect::by_name(name).ok_or_else(|| {
+        let names = Dialect::ALL.map(|dialect| dialect.name()).join(", ");
+        format!("unknown dialect `{name}`: there are {names}")
+    })
 }
 
 /// The configuration of `husillo_machine`.

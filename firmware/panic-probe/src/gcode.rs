@@ -8,7 +8,8 @@ use husillo_gcode::excellon::{
     lines,
 };
 use husillo_gcode::{
-    Block, Blocks, Commands, Decimal, Dialect, ErrorKind, Modal, Plane, Words, words,
+    Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, ErrorKind, Modal,
+    Plane, SpindleDirection, Tool, Words, words,
 };
 
 /// Keeps every function in the program.
@@ -38,6 +39,7 @@ pub fn keep() {
         Block::parse as *const (),
         Block::word as *const (),
         Block::line_number as *const (),
+        Block::program_number as *const (),
         Block::is_deleted as *const (),
         Block::is_empty as *const (),
         Plane::axes as *const (),
@@ -64,6 +66,22 @@ pub fn keep() {
         Modal::<3>::coolant as *const (),
         Modal::<3>::tool as *const (),
         Modal::<3>::path as *const (),
+        Modal::<3>::set_second_home as *const (),
+        Modal::<3>::second_home as *const (),
+        Modal::<3>::set_tool as *const (),
+        Modal::<3>::tool_data as *const (),
+        Modal::<3>::tool_length as *const (),
+        Modal::<3>::loaded_tool as *const (),
+        Modal::<3>::compensation as *const (),
+        Modal::<3>::is_diameter as *const (),
+        Tool::<3>::of_radius as *const (),
+        Command::<3>::end as *const (),
+        SpindleDirection::name as *const (),
+        Compensation::<3>::new as *const (),
+        Compensation::<3>::is_active as *const (),
+        Compensation::<3>::plan as *const (),
+        Compensation::<3>::finish as *const (),
+        <Compensated<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::size_hint as *const (),
     ]);
