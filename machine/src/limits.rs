@@ -3,7 +3,7 @@
 use husillo_gcode::PathMode;
 use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed};
 
-use crate::{Config, tempo::Tempo};
+use crate::{Config, duration::mul_div_q16, tempo::Tempo};
 
 /// The limits of all axes, speeds in nm/s.
 #[derive(Copy, Clone, Debug)]
@@ -26,12 +26,20 @@ impl<const N: usize> Limits<N> {
             axis.ramp
                 .map_or(u64::MAX, |ramp| axis.nm_per_s(ramp.acceleration_hz_per_s))
         });
-        let jump = config.axes.map(|axis| match axis.ramp {
-            Some(ramp) => ramp.junction_hz.map(|rate| narrow(axis.nm_per_s(rate))),
-            None => None,
-        });
-        let has_jump = jump.iter().any(Option::is_some);
         let deviation = config.corner_deviation.map(nm);
+        let junctions = config
+            .axes
+            .map(|axis| axis.ramp.and_then(|ramp| ramp.junction_hz));
+        let has_jump = junctions.iter().any(Option::is_some);
+        let jump = config.axes.map(|axis| match axis.ramp {
+            None => u32::MAX,
+            Some(ramp) => match (ramp.junction_hz, deviation) {
+                (Some(rate), _) => narrow(axis.nm_per_s(rate)),
+                (None, Some(_)) => u32::MAX,
+                // Nothing else would stop it.
+                (None, None) => 0,
+            },
+        });
         Some(Limits {
             timer_hz: config.timer_hz,
             start: config.axes.map(|axis| {
@@ -40,7 +48,7 @@ impl<const N: usize> Limits<N> {
             }),
             acceleration,
             corner: Junction {
-                jump_nm_per_s: has_jump.then(|| jump.map(|jump| jump.unwrap_or(u32::MAX))),
+                jump_nm_per_s: has_jump.then_some(jump),
                 // With no rule at all a corner is a stop.
                 deviation_nm: deviation.or(if has_jump { None } else { Some(0) }),
                 acceleration_nm_per_s2: acceleration,
@@ -80,29 +88,34 @@ impl<const N: usize> Limits<N> {
         let speed = |ticks_q16: u64| match ticks_q16 {
             0 => u32::MAX,
             ticks => {
-                let per_tick = crate::duration::mul_div(tempo.length_nm, hz << 16, ticks);
-                u32::try_from(per_tick).unwrap_or(u32::MAX)
+                let speed = mul_div_q16(tempo.length_nm, hz, ticks);
+                u32::try_from(speed).unwrap_or(u32::MAX)
             }
         };
-        let mut ceiling = speed(tempo.least.saturating_mul(1 << 16));
-        let (along, limits) = match &tempo.round {
-            None => (*along, self.acceleration),
+        let mut ceiling = speed(tempo.least_q16);
+        let (mut start, mut limits) = (self.start, self.acceleration);
+        let along = match &tempo.round {
+            None => *along,
             Some(round) => {
                 // The plane turns: its slower axis counts, and half of what it can do goes into the turning.
                 let [first, second] = round.plane;
                 let share = unrolled(along, first, second);
                 let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
                 let plane = of(first).min(of(second));
+                let of = |axis: usize| self.start.get(axis).copied().unwrap_or(u32::MAX);
+                let slower = of(first).min(of(second));
                 let mut only_plane = [u32::MAX; N];
-                let mut limits = self.acceleration;
-                if let (Some(speed), Some(limit)) =
-                    (only_plane.get_mut(first), limits.get_mut(first))
+                for (axis, (turning, (start, limit))) in
+                    (0..N).zip(only_plane.iter_mut().zip(start.iter_mut().zip(&mut limits)))
                 {
-                    *speed = arc_speed(plane, round.radius_nm);
-                    *limit = arc_acceleration(plane);
+                    if axis == first {
+                        *turning = arc_speed(plane, round.radius_nm);
+                        *limit = arc_acceleration(plane);
+                        *start = slower;
+                    }
                 }
                 ceiling = ceiling.min(share.speed_limit(&only_plane));
-                (share, limits)
+                share
             }
         };
         Stretch {
@@ -115,7 +128,7 @@ impl<const N: usize> Limits<N> {
             ceiling_nm_per_s: ceiling,
             obeys_override: tempo.programmed_q16 != 0,
             acceleration_nm_per_s2: along.acceleration_limit(&limits),
-            start_nm_per_s: along.speed_limit(&self.start),
+            start_nm_per_s: along.speed_limit(&start),
             entry_limit_nm_per_s: 0,
         }
     }

@@ -1,7 +1,7 @@
 //! Lines in, events out.
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
-use husillo_gcode::{Block, Command, Commands, Modal, Nm, SpindleDirection};
+use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode, SpindleDirection};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
@@ -43,6 +43,8 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE:
     ramp: Ramp,
     is_held: bool,
     percent: u8,
+    /// How moves join after the line taken last.
+    mode: PathMode,
     segment: Option<Segment<N>>,
     compensator: Compensator<N, L>,
     is_compensating: bool,
@@ -86,6 +88,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QU
 impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, QUEUE> {
     /// A machine with a lash model of your own for every axis, and a queue of your own length.
     pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
+        const { assert!(QUEUE > 0, "the move that is executed takes a place") };
         Self {
             config,
             modal: Modal::new(config.dialect),
@@ -97,6 +100,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             ramp: Ramp::new(config.timer_hz),
             is_held: false,
             percent: 100,
+            mode: PathMode::Blend { tolerance: None },
             segment: None,
             compensator: Compensator::new(lash),
             is_compensating: true,
@@ -111,7 +115,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         }
     }
 
-    /// Switches the take-up of backlash on (as it is at first) or off, for the lines that follow.
+    /// Switches the take-up of backlash on (as it is at first) or off. While nothing is queued: moves are planned with
+    /// their stops for take-up or without them.
     pub fn set_compensation(&mut self, on: bool) {
         self.is_compensating = on;
     }
@@ -135,6 +140,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         for command in commands.clone() {
             self.config.check(&from, &command)?;
             from = target(&command).unwrap_or(from);
+        }
+        for command in commands.clone() {
+            if let Command::Path { mode } = command {
+                self.mode = mode;
+            }
         }
         self.modal = modal;
         self.commands = Some(commands);
@@ -180,8 +190,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         }
     }
 
-    /// Feed hold: brakes along the path within the acceleration of the axes and stops; nothing is lost. Events end
-    /// (`None`) when it stands, until [`Machine::resume`].
+    /// Feed hold: brakes along the path within the acceleration of the axes and stops; nothing is lost. Without ramps it stops
+    /// at once, as it started. Events end (`None`) when it stands, until [`Machine::resume`]. A take-up with ramps is finished first.
     pub fn hold(&mut self) {
         self.is_held = true;
         self.ramp.hold();
@@ -218,7 +228,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                 path,
                 timer: Some(timer),
                 ..
-            }) if self.held.is_none() && self.take_up.is_none() && !self.is_held => {
+            }) if self.held.is_none()
+                && self.take_up.is_none()
+                && !self.is_held
+                && self.carried_ticks == 0 =>
+            {
                 match path.next() {
                     Some(step) => {
                         let wait = timer.wait(step.sweep.into());
@@ -337,7 +351,9 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     #[cold]
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
-            if self.is_held && self.ramp.speed_nm_per_s() == 0 {
+            // An axis with a ramp that is taken up cannot stop at once.
+            let stops_at_once = self.take_up.is_none() || !self.schedule.has_ramps();
+            if self.is_held && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
                 return None;
             }
             if let Some(event) = self.take_up_step() {
@@ -429,7 +445,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         let (stretch, events) = (*stretch, work.events);
         self.segment = Some(work.segment);
         let heading = work.heading;
-        if self.schedule.has_ramps() {
+        let ticks = work.tempo.ticks(self.percent);
+        if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweep = work.sweep.max(1);
             let largest_sweep = work.largest_sweep.max(1);
             self.ramp
@@ -439,14 +456,13 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                 self.carried_ticks = self.carried_ticks.saturating_add(wait);
             }
         } else if events == 0 {
-            self.carried_ticks = self.carried_ticks.saturating_add(work.ticks);
+            self.ramp.stop();
+            self.carried_ticks = self.carried_ticks.saturating_add(ticks);
         }
         self.run = work.path.clone().map(|path| Run {
             path,
-            timer: (!self.schedule.has_ramps()).then(|| {
-                let ticks = scaled(work.ticks, self.percent, &work.segment.command);
-                Timer::new(ticks, work.sweep, work.largest_sweep.into())
-            }),
+            timer: (!self.schedule.has_ramps())
+                .then(|| Timer::new(ticks, work.sweep, work.largest_sweep.into())),
             left: events,
             next: None,
         });
@@ -528,7 +544,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     /// Drops all that was taken and not yet given out; the outputs go to their safe state, in the modal state too.
     /// Other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
     ///
-    /// The next block starts from where the axes stand. What was left of a take-up is made, or
+    /// All axes stop at once, whatever their speed: a feed hold before it brakes. The hold ends with the abort. The next
+    /// block starts from where the axes stand. What was left of a take-up is made, or
     /// given back, before that axis moves again.
     pub fn abort(&mut self) {
         self.commands = None;
@@ -556,6 +573,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             *position = axis.scale.position(*load);
         }
         self.schedule.clear(position, self.load);
+        self.schedule.set_mode(self.mode);
+        self.resume();
         self.modal.set_position(position);
         self.modal.stop_outputs();
         self.signals = safe();
@@ -584,14 +603,6 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     /// The facts of this machine.
     pub fn config(&self) -> &Config<N> {
         &self.config
-    }
-}
-
-/// Ticks of a feed move at so many percent of its speed; those of a rapid as they are.
-fn scaled<const N: usize>(ticks: u64, percent: u8, command: &Command<N>) -> u64 {
-    match command {
-        Command::Rapid { .. } => ticks,
-        _ => crate::duration::mul_div(ticks, 100, percent.into()),
     }
 }
 

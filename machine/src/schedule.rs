@@ -22,8 +22,7 @@ pub(crate) struct Work<const N: usize, P> {
     pub(crate) largest_sweep: u32,
     /// Time at the programmed speed, times 2^16.
     pub(crate) ticks_q16: u64,
-    /// Time at constant speed.
-    pub(crate) ticks: u64,
+    pub(crate) tempo: Tempo,
 }
 
 /// The queue of a machine, and what stands at its end.
@@ -48,6 +47,7 @@ struct Parts<const N: usize, P> {
     first: Option<Step>,
     segment: Segment<N>,
     stretch: Stretch,
+    tempo: Tempo,
     ticks_q16: u64,
     total_sweep: u64,
 }
@@ -110,14 +110,21 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         // `Config::check` has made sure that every position has its step.
         let end = lattice(&config.axes, &to).unwrap_or(self.lattice);
         let path: P = config.path(&segment, self.lattice, end);
-        let tempo = config.tempo(&segment, &path);
+        let mut tempo = config.tempo(&segment, &path);
+        if self.has_ramps() {
+            tempo = tempo.limited(config.timer_hz);
+        }
         let ways = directions(&self.lattice, &end);
         self.programmed = to;
         self.lattice = end;
         let ticks_q16 = match tempo.programmed_q16 {
-            0 => tempo.least.saturating_mul(1 << 16),
+            0 => tempo.least_q16,
             programmed => programmed,
         };
+        if self.has_ramps() && tempo.length_nm == 0 && ticks_q16 == 0 {
+            // Neither way nor time: the path does not know of it.
+            return;
+        }
         let mut stretch = self.join(&segment, &tempo);
         let is_round = tempo.round.is_some();
         if is_round && self.has_ramps() && has_lash.contains(&true) {
@@ -126,6 +133,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
                 first: None,
                 segment,
                 stretch,
+                tempo,
                 ticks_q16,
                 total_sweep: path.total_sweep(),
             });
@@ -149,7 +157,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             sweep: path.total_sweep(),
             largest_sweep: path.largest_sweep(),
             ticks_q16,
-            ticks: tempo.ticks(),
+            tempo,
             path: Some(path),
         };
         // The caller has seen that there is room.
@@ -158,20 +166,22 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
 
     /// The move with its junction to the one before, whose direction it takes the place of.
     fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
-        let nowhere = Stretch {
-            length_nm: tempo.length_nm,
-            top_nm_per_s: u32::MAX,
-            ceiling_nm_per_s: u32::MAX,
+        // A stop: no path, no speed.
+        let stand = Stretch {
+            length_nm: 0,
+            top_nm_per_s: 1,
+            ceiling_nm_per_s: 1,
             obeys_override: false,
-            acceleration_nm_per_s2: u64::MAX,
-            start_nm_per_s: u32::MAX,
-            entry_limit_nm_per_s: u32::MAX,
+            acceleration_nm_per_s2: 1,
+            start_nm_per_s: 0,
+            entry_limit_nm_per_s: 0,
         };
         let Some(limits) = &self.limits else {
-            return nowhere;
+            return stand;
         };
         let Some([first, last]) = tangents(segment, tempo) else {
-            return nowhere;
+            self.direction = None;
+            return stand;
         };
         let entry_limit_nm_per_s = match &self.direction {
             Some(before) => limits.junction(self.mode, before, &first),
@@ -211,11 +221,11 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             largest_sweep = largest_sweep.max(step.sweep);
         }
         let mut stretch = arc.stretch;
-        stretch.length_nm = mul_div(arc.stretch.length_nm, sweep, arc.total_sweep);
+        stretch.length_nm = share(arc.stretch.length_nm, sweep, arc.total_sweep);
         if is_stop {
             stretch.entry_limit_nm_per_s = 0;
         }
-        let ticks_q16 = mul_div(arc.ticks_q16, sweep, arc.total_sweep);
+        let ticks_q16 = share(arc.ticks_q16, sweep, arc.total_sweep);
         let work = Work {
             segment: arc.segment,
             path,
@@ -224,13 +234,24 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             sweep,
             largest_sweep,
             ticks_q16,
-            ticks: ticks_q16 >> 16,
+            tempo: arc.tempo,
         };
         let _ = self.moves.push(stretch, work);
         if arc.first.is_some() {
             self.arc = Some(arc);
         }
     }
+}
+
+/// What a part of the sweep has of a whole, right to 2^-31 of it.
+fn share(whole: u64, part: u64, total: u64) -> u64 {
+    // Both to 32 bits: the product of a remainder and the part fits 64.
+    let shift = 32_u32.saturating_sub(total.leading_zeros());
+    mul_div(
+        whole,
+        part.wrapping_shr(shift),
+        total.wrapping_shr(shift).max(1),
+    )
 }
 
 /// Sign of each axis' way.

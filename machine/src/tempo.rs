@@ -19,8 +19,8 @@ pub(crate) struct Tempo {
     pub(crate) round: Option<Round>,
     /// Ticks at the programmed feed, times 2^16; 0 for a rapid.
     pub(crate) programmed_q16: u64,
-    /// Ticks that it takes at least, by the rates of the axes and the top speeds of the machine.
-    pub(crate) least: u64,
+    /// Ticks that it takes at least, by the rates of the axes and the top speeds of the machine, times 2^16.
+    pub(crate) least_q16: u64,
 }
 
 /// The circle of an arc.
@@ -32,16 +32,28 @@ pub(crate) struct Round {
 }
 
 impl Tempo {
+    /// With the time that the planner's fastest speed takes, 2^32 - 1 nm/s, as the least: what is programmed faster is as
+    /// fast as that.
+    pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
+        let fastest = mul_div_q16(self.length_nm, timer_hz.into(), u32::MAX.into());
+        self.least_q16 = self.least_q16.max(fastest);
+        if self.programmed_q16 != 0 {
+            self.programmed_q16 = self.programmed_q16.max(fastest);
+        }
+        self
+    }
+
     const NONE: Tempo = Tempo {
         length_nm: 0,
         round: None,
         programmed_q16: 0,
-        least: 0,
+        least_q16: 0,
     };
 
-    /// Ticks at constant speed, to the nearest.
-    pub(crate) fn ticks(&self) -> u64 {
-        (self.programmed_q16.saturating_add(1 << 15) >> 16).max(self.least)
+    /// Ticks at constant speed, to the nearest, at so many percent of the programmed feed.
+    pub(crate) fn ticks(&self, percent: u8) -> u64 {
+        let programmed_q16 = mul_div(self.programmed_q16, 100, percent.into());
+        programmed_q16.max(self.least_q16).saturating_add(1 << 15) >> 16
     }
 }
 
@@ -63,7 +75,7 @@ impl<const N: usize> Config<N> {
             .filter(|(number, _)| !is_round(*number))
             .map(|(_, (from, to))| to.0.abs_diff(from.0));
         // No axis steps faster than it can, on the average of the move.
-        let mut least = 0;
+        let mut least_q16 = 0;
         for (number, ((from, to), axis)) in (0..N).zip(segment.from.iter().zip(to).zip(&self.axes))
         {
             let way = match &round {
@@ -71,7 +83,7 @@ impl<const N: usize> Config<N> {
                 Some(round) if is_round(number) => round.around_nm,
                 _ => to.0.abs_diff(from.0),
             };
-            least = axis.least_ticks(way, hz).max(least);
+            least_q16 = axis.least_q16(way, hz).max(least_q16);
         }
         let mut around = round.map_or(0, |round| round.around_nm);
         if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {
@@ -88,14 +100,12 @@ impl<const N: usize> Config<N> {
             Some(feed) => (ticks_q16(feed, length_nm, hz), self.top_feed),
             None => (0, self.rapid),
         };
-        let at_top = top.map_or(0, |top| {
-            mul_div(length_nm, hz.wrapping_mul(60), top.0.unsigned_abs())
-        });
+        let at_top = top.map_or(0, |top| ticks_q16(&Feed::PerMinute(top), length_nm, hz));
         Tempo {
             length_nm,
             round,
             programmed_q16,
-            least: least.max(at_top),
+            least_q16: least_q16.max(at_top),
         }
     }
 
@@ -121,15 +131,16 @@ impl<const N: usize> Config<N> {
 }
 
 impl Axis {
-    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres.
-    fn least_ticks(&self, way_nm: u64, hz: u64) -> u64 {
+    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres, times 2^16.
+    fn least_q16(&self, way_nm: u64, hz: u64) -> u64 {
         // nm and rate are below 2^32 each.
         let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
-        mul_div(
-            way_nm.saturating_mul(u64::from(self.scale.steps())),
-            hz,
-            nm_per_s,
-        )
+        let way = way_nm.saturating_mul(u64::from(self.scale.steps()));
+        match mul_div_q16(way, hz, nm_per_s) {
+            0 => 0,
+            // Up: a short move must not exceed the rate by rounding.
+            ticks => ticks.saturating_add(1),
+        }
     }
 }
 

@@ -282,3 +282,19 @@ fn turns_too_small_for_the_grid_take_their_time() {
         "{ticks}, ideal {ideal}"
     );
 }
+
+#[test]
+fn a_command_without_an_event_makes_room() {
+    let mut machine: Machine<3> = Machine::new(config());
+    machine.line(b"G4 P0").unwrap();
+    machine.line(b"M3 S1").unwrap();
+    assert!(!machine.has_room());
+    // The dwell takes no time and gives no event; the spindle does.
+    assert!(matches!(machine.next_event(), Some(Event::Output(_))));
+    assert!(machine.has_room());
+    machine.line(b"G4 P0").unwrap();
+    machine.line(b"G4 P0").unwrap();
+    assert!(!machine.has_room());
+    assert_eq!(machine.next_event(), None);
+    assert!(machine.has_room());
+}

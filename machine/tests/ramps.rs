@@ -257,6 +257,106 @@ fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
 }
 
 #[test]
+fn moves_to_the_same_place_do_not_undo_stops() {
+    for program in [
+        "G1 X10 F1200\nG1 X10",
+        "G61.1\nG1 X10 F1200\nG1 X10\nG1 Y10",
+        "G61\nG1 X10 F1200\nG1 X10\nG1 Y10",
+        "G1 X5 F1200\nG93 G1 X5 F600\nG94 G1 X10 F1200",
+        "G1 X5 F1200\nG2 I0.0001\nG1 Y5",
+    ] {
+        let mut machine = Mill::new(config([0; 3]));
+        run(&mut machine, &lines(program), |_, _| {}).check_acceleration(0.0);
+    }
+    // Straight on they do not matter.
+    let program = lines("G61\nG1 X10 F1200\nG1 X10\nG1 X20");
+    let trace = run(&mut Mill::new(config([0; 3])), &program, |_, _| {});
+    assert!((trace.seconds() - 1.2).abs() < 2e-3);
+    // From rest again.
+    let mut machine = Mill::new(config([0; 3]));
+    run(&mut machine, &lines("G1 X10 F1200"), |_, _| {});
+    let trace = run(&mut machine, &lines("G1 X10\nG1 X20"), |_, _| {});
+    assert!((trace.seconds() - 0.7).abs() < 2e-3);
+}
+
+#[test]
+fn feeds_beyond_the_planner_s_fastest_are_as_fast_as_the_axes() {
+    for program in ["G1 X20 F999999", "G93 G1 X20 F60000"] {
+        let mut machine = Mill::new(config([0; 3]));
+        let trace = run(&mut machine, &lines(program), |_, _| {});
+        // Up to 44.7 mm/s and down again.
+        let seconds = 2.0 * (20.0 / 100.0_f64).sqrt();
+        assert!(
+            (trace.seconds() - seconds).abs() < 2e-3,
+            "{}",
+            trace.seconds()
+        );
+    }
+}
+
+#[test]
+fn a_hold_lets_a_take_up_slow_down() {
+    let mut machine = Mill::new(config([2000, 0, 0]));
+    machine.line(b"G0 X-0.1").unwrap();
+    let mut waits = Vec::new();
+    while let Some(event) = machine.next_event() {
+        let Event::Step(step) = event else { continue };
+        waits.push(step.wait_ticks);
+        if waits.len() == 1000 {
+            machine.hold();
+        }
+    }
+    assert!(machine.is_held());
+    assert_eq!(waits.len(), 2000);
+    assert!(waits[1999].abs_diff(4472) <= 2);
+    machine.resume();
+    assert!(machine.next_event().is_some());
+}
+
+#[test]
+fn an_axis_without_a_junction_rate_does_not_jump() {
+    let mut config = config([0; 3]);
+    config.axes[0].ramp.as_mut().unwrap().junction_hz = Some(5000);
+    let mut machine = Mill::new(config);
+    run(&mut machine, &lines("G1 Y5 F1200\nG1 Y0\nG1 X5"), |_, _| {}).check_acceleration(0.0);
+}
+
+#[test]
+fn an_arc_starts_as_slowly_as_its_slower_axis() {
+    let mut config = config([0; 3]);
+    config.axes[0].ramp = None;
+    let mut machine = Mill::new(config);
+    run(&mut machine, &lines("G2 X5 Y5 I5 J0 F1200"), |_, _| {}).check_acceleration(0.0);
+}
+
+#[test]
+fn an_abort_ends_a_hold_and_keeps_the_mode() {
+    let mut machine: Machine<3, Path<3>, Backlash, 1> = Machine::new(config([0; 3]));
+    machine.line(b"M3 S100").unwrap();
+    machine.line(b"G1 X10 F600").unwrap();
+    machine.next_event();
+    machine.next_event();
+    // The mode waits behind the move.
+    machine.line(b"G61.1 G1 X11").unwrap();
+    machine.hold();
+    while machine.next_event().is_some() {}
+    machine.abort();
+    assert!(matches!(machine.next_event(), Some(Event::Output(_))));
+    while machine.next_event().is_some() {}
+    let mut ticks = 0;
+    for line in ["G91 G1 X1", "X1"] {
+        machine.line(line.as_bytes()).unwrap();
+    }
+    while let Some(event) = machine.next_event() {
+        if let Event::Step(step) = event {
+            ticks += step.wait_ticks;
+        }
+    }
+    // Twice 1 mm at 10 mm/s with both ramps.
+    assert!(ticks.abs_diff(400_000) < 4000, "{ticks}");
+}
+
+#[test]
 fn a_take_up_is_as_smooth_as_its_axis() {
     let intervals = |jerk_hz_per_s2| {
         let mut config = config([2000, 0, 0]);
@@ -307,8 +407,14 @@ fn an_override_changes_the_time_of_feeds_alone() {
     let mut steady: Machine<3> = Machine::new(common::config());
     steady.set_feed_override(50);
     steady.line(b"G1 X0.14 F1").unwrap();
-    let (ticks, _) = common::drain(&mut steady, &mut Screw::new());
+    let mut screw = Screw::new();
+    let (ticks, _) = common::drain(&mut steady, &mut screw);
     assert_eq!(ticks, 2 * 8_400_000);
+    // Not above the rate of the axes.
+    steady.set_feed_override(200);
+    steady.line(b"G1 X0.28 F1.2").unwrap();
+    let (ticks, _) = common::drain(&mut steady, &mut screw);
+    assert!(ticks >= 1000 * 1_000_000 / 170, "{ticks}");
 }
 
 proptest! {
