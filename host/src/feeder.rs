@@ -3,7 +3,6 @@
 use crate::source::Source;
 use husillo_machine::{Event, Machine, Pause};
 use std::io;
-use std::ops::ControlFlow;
 
 /// Runs a program to its end; `each` gets the machine and every event it gives.
 ///
@@ -20,7 +19,7 @@ pub fn feed(
         for (_, text) in dialect.blocks(line.bytes) {
             // As far ahead as the queue goes, then events until a place is free.
             while !machine.has_room() {
-                if pull(machine, &mut each)?.is_break() {
+                if pull(machine, &mut each)? == Pulled::End {
                     return Ok(());
                 }
             }
@@ -29,23 +28,33 @@ pub fn feed(
                 .map_err(|refused| io::Error::other(format!("line {}: {refused}", line.number)))?;
         }
     }
-    while pull(machine, &mut each)?.is_continue() {}
+    while pull(machine, &mut each)? == Pulled::Event {}
     Ok(())
 }
 
-/// One event; a break at the end of the program, and when there is none.
+/// What an attempt to pull an event gave.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pulled {
+    /// An event.
+    Event,
+    /// None: all that was taken has been given out.
+    Nothing,
+    /// The end of the program.
+    End,
+}
+
 #[inline]
 fn pull(
     machine: &mut Machine<3>,
     each: &mut impl FnMut(&Machine<3>, &Event<3>) -> io::Result<()>,
-) -> io::Result<ControlFlow<()>> {
+) -> io::Result<Pulled> {
     // By reference: moving the event would read whole what was just written in parts, and wait for it.
     let Some(ref event) = machine.next_event() else {
-        return Ok(ControlFlow::Break(()));
+        return Ok(Pulled::Nothing);
     };
     each(machine, event)?;
     Ok(match event {
-        Event::Pause(Pause::End { .. }) => ControlFlow::Break(()),
-        _ => ControlFlow::Continue(()),
+        Event::Pause(Pause::End { .. }) => Pulled::End,
+        _ => Pulled::Event,
     })
 }
