@@ -1,0 +1,49 @@
+//! Lists the holes of a drill file: `cargo run -p husillo-gcode --example holes -- FILE [--time]`.
+
+use husillo_gcode::excellon::{Feature, Inference, Overrides, Reader, lines};
+use std::time::Instant;
+
+/// Both passes over the text; each feature goes to `found`.
+fn read(text: &[u8], mut found: impl FnMut(&Feature)) {
+    let mut inference = Inference::new();
+    for (_, line) in lines(text) {
+        inference.observe(line);
+    }
+    let mut reader = Reader::<64>::new(&inference.settle(&Overrides::default()));
+    for (number, line) in lines(text) {
+        match reader.read(line) {
+            Ok(features) => features.for_each(|feature| found(&feature)),
+            Err(error) => eprintln!("{number}:{}: {error}", error.at + 1),
+        }
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let file = arguments.next().ok_or("usage: holes FILE [--time]")?;
+    let text = std::fs::read(file)?;
+    if arguments.next().is_none() {
+        read(&text, |feature| match feature {
+            Feature::Hole(hole) => println!("{} {} T{}", hole.at[0], hole.at[1], hole.tool.number),
+            Feature::Slot(slot) => println!(
+                "{} {} to {} {} T{}",
+                slot.from[0], slot.from[1], slot.to[0], slot.to[1], slot.tool.number
+            ),
+        });
+        return Ok(());
+    }
+    let (mut features, mut passes) = (0_u64, 0_u32);
+    let begin = Instant::now();
+    while begin.elapsed().as_secs() < 2 {
+        read(&text, |_| features += 1);
+        passes += 1;
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let bytes = text.len() as f64 * f64::from(passes);
+    println!(
+        "{:.1} MB/s, {:.2} million holes/s",
+        bytes / seconds / 1e6,
+        features as f64 / seconds / 1e6
+    );
+    Ok(())
+}
