@@ -4,6 +4,9 @@
 //! ([`Decimal`]), and a line is `&[u8]`.
 //!
 //! ```text
+//! bytes of a port ──► LineReader ──► Receiver ──► line            or   bytes ──► WordReader ──► Word
+//!                     fixed buffer   checksum, N
+//!
 //! line &[u8] ──► Words ──► Word ──► Block ──► Modal::plan ──► (new Modal, Commands) ──► Command
 //!               letters,  decimal   groups,   modes, frames,   all or nothing          Rapid, Linear, Arc, ...
 //!               comments            repeats   missing, unused
@@ -38,6 +41,10 @@ mod nm;
 mod decimal;
 mod error;
 mod word;
+mod word_reader;
+
+mod framing;
+mod line_reader;
 
 mod code;
 mod dialect;
@@ -73,10 +80,13 @@ pub use cycle::Kind as Cycle;
 pub use decimal::Decimal;
 pub use dialect::{Blocks, Dialect};
 pub use error::{Error, ErrorKind};
+pub use framing::{Framing, FramingError, Receiver, Rule};
+pub use line_reader::{LineReader, LineTooLong};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::Nm;
 pub use tools::Tool;
 pub use word::{Token, Tokens, Word, Words, tokens, words};
+pub use word_reader::WordReader;
 
 /// The example of the README, compiled.
 #[cfg(doctest)]

@@ -113,7 +113,7 @@ impl core::iter::FusedIterator for Tokens<'_> {}
 
 /// What stood before this place in the line, as far as it matters for `/` and `%`.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
-enum Before {
+pub(crate) enum Before {
     /// Nothing at all; the line was just begun.
     Nothing,
     /// Blanks and comments.
@@ -143,7 +143,7 @@ const fn is_blank(byte: u8, lines: bool) -> bool {
 }
 
 /// What ends a line of several.
-const fn is_end(byte: u8) -> bool {
+pub(crate) const fn is_end(byte: u8) -> bool {
     matches!(byte, b'\r' | b'\n')
 }
 

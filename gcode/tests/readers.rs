@@ -1,0 +1,167 @@
+//! The push forms against the forms over slices, each property in words.
+
+use husillo_gcode::{
+    Error, Framing, LineReader, LineTooLong, Receiver, Rule, Token, Word, WordReader, tokens, words,
+};
+use proptest::prelude::*;
+
+/// Text of several lines in which much goes wrong: numbers of every length, blanks inside, all line ends.
+fn text() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        4 => "[XYZGMNFxyn]",
+        4 => "[+-]?[0-9]{0,4}(\\.[0-9]{0,4})?",
+        1 => "[0-9]{7,22}(\\.[0-9]{0,22})?",
+        2 => "[ \t]{1,2}",
+        2 => "\r|\n|\r\n",
+        1 => "\\([a-z ;%]{0,3}\\)?|;[a-z(]{0,3}",
+        1 => "[/%#\\[\\],.+*-]",
+        1 => "\0|\x0c|\u{e9}",
+    ];
+    prop::collection::vec(piece, 0..24).prop_map(|pieces| pieces.concat().into_bytes())
+}
+
+/// The lines of a text, without their ends.
+fn lines(text: &[u8]) -> Vec<Vec<u8>> {
+    let text = String::from_utf8_lossy(text)
+        .replace("\r\n", "\n")
+        .replace('\r', "\n");
+    let mut lines: Vec<_> = text
+        .split('\n')
+        .map(|line| line.as_bytes().to_vec())
+        .collect();
+    if lines.last().is_some_and(Vec::is_empty) {
+        lines.pop();
+    }
+    lines
+}
+
+/// What every reader must find in a line, and whether it is deleted.
+fn expected(line: &[u8]) -> (Vec<Result<Word, Error>>, bool) {
+    let mut words = words(line);
+    let found = words.by_ref().collect();
+    (found, words.is_deleted())
+}
+
+/// NUL and form feed are passed over before a line by the push forms.
+fn without_padding(line: &[u8]) -> &[u8] {
+    let start = line.iter().position(|byte| !matches!(byte, 0 | 0x0c));
+    start.map_or(&[], |start| &line[start..])
+}
+
+/// Each line with all that was read of it, byte by byte.
+fn pushed(text: &[u8]) -> Vec<(Vec<Result<Word, Error>>, bool)> {
+    let mut reader = WordReader::new();
+    let (mut all, mut line, mut carriage, mut open) = (Vec::new(), Vec::new(), false, false);
+    for &byte in text {
+        line.extend(reader.push(byte));
+        let belongs = byte == b'\n' && carriage;
+        carriage = byte == b'\r';
+        if belongs {
+            assert!(line.is_empty(), "the LF of a CR LF gives nothing");
+        } else if carriage || byte == b'\n' {
+            all.push((std::mem::take(&mut line), reader.is_deleted()));
+            open = false;
+        } else {
+            open = true;
+        }
+    }
+    line.extend(reader.finish());
+    if open {
+        all.push((line, reader.is_deleted()));
+    }
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Byte by byte the same words and errors come, at the same places, as from each line alone.
+    #[test]
+    fn words_of_a_stream_are_those_of_its_lines(text in text()) {
+        let expected: Vec<_> = lines(&text).iter().map(|line| expected(without_padding(line))).collect();
+        prop_assert_eq!(pushed(&text), expected);
+    }
+
+    /// A whole text gives the words of its lines, and as many ends as it has lines.
+    #[test]
+    fn tokens_of_a_text_are_the_words_of_its_lines(text in text()) {
+        let (mut all, mut line) = (Vec::new(), Vec::new());
+        let mut program = tokens(&text);
+        while let Some(token) = program.next() {
+            match token {
+                Ok(Token::EndOfLine) => all.push((std::mem::take(&mut line), program.is_deleted())),
+                Ok(Token::Word(word)) => {
+                    prop_assert!(text[word.at].eq_ignore_ascii_case(&word.letter));
+                    line.push(Ok((word.letter, word.value, word.end - word.at)));
+                }
+                Err(error) => line.push(Err((error.kind, error.end - error.at))),
+            }
+        }
+        prop_assert!(line.is_empty());
+        let expected: Vec<_> = lines(&text).iter().map(|line| {
+            let (words, deleted) = expected(line);
+            let words: Vec<_> = words.into_iter().map(|word| match word {
+                Ok(word) => Ok((word.letter, word.value, word.end - word.at)),
+                Err(error) => Err((error.kind, error.end - error.at)),
+            }).collect();
+            (words, deleted)
+        }).collect();
+        prop_assert_eq!(all, expected);
+    }
+
+    /// Blanks change no word: with a blank behind every byte the same values come by another way.
+    #[test]
+    fn blanks_change_no_word(line in "([XYZG][+-]?[0-9]{1,12}(\\.[0-9]{0,12})?){0,6}") {
+        let wide: Vec<u8> = line.bytes().flat_map(|byte| [byte, b' ']).collect();
+        let values = |line: &[u8]| words(line).map(|word| word.map(|word| (word.letter, word.value)).map_err(|error| error.kind)).collect::<Vec<_>>();
+        prop_assert_eq!(values(line.as_bytes()), values(&wide));
+    }
+
+    /// Where the stream is cut makes no difference; only lines that are too long are lost, and each of them is told.
+    #[test]
+    fn lines_of_a_stream_do_not_depend_on_its_cuts(text in text(), cuts in prop::collection::vec(0..40_usize, 0..20)) {
+        let keep = |line: Result<&[u8], LineTooLong>| line.map(<[u8]>::to_vec);
+        let mut expected = Vec::new();
+        let mut reader = LineReader::<12>::new();
+        for &byte in &text {
+            expected.extend(reader.push(byte).map(keep));
+        }
+        expected.extend(reader.finish().map(keep));
+
+        let (mut seen, mut rest) = (Vec::new(), &text[..]);
+        for cut in cuts.into_iter().chain([usize::MAX]) {
+            let (mut part, behind) = rest.split_at(cut.min(rest.len()));
+            rest = behind;
+            while !part.is_empty() {
+                seen.extend(reader.read(&mut part).map(keep));
+            }
+        }
+        seen.extend(reader.finish().map(keep));
+        prop_assert_eq!(&seen, &expected);
+
+        let lines = String::from_utf8_lossy(&text).into_owned().replace("\r\n", "\n").replace('\r', "\n");
+        let mut lines: Vec<_> = lines.split('\n').map(|line| without_padding(line.as_bytes()).to_vec()).collect();
+        if lines.last().is_some_and(Vec::is_empty) {
+            lines.pop();
+        }
+        let lines: Vec<_> = lines.into_iter().map(|line| match line.len() {
+            ..=12 => Ok(line),
+            end => Err(LineTooLong { at: 12, end }),
+        }).collect();
+        prop_assert_eq!(seen, lines);
+    }
+
+    /// A numbered line with its checksum comes through; with any one byte changed it does not.
+    #[test]
+    fn one_wrong_byte_is_refused(number in 0..1000_u32, line in "[A-Z0-9 .-]{0,20}", at in any::<prop::sample::Index>(), flip in 1..=255_u8) {
+        let text = format!("N{number} {line}");
+        let sum = text.bytes().fold(0, |sum, byte| sum ^ byte);
+        let framed = format!("{text}*{sum}").into_bytes();
+        let mut receiver = Receiver::new(Framing { checksum: Rule::Always, number: Rule::Never });
+        prop_assert_eq!(receiver.check(&framed), Ok(text.as_bytes()));
+        let mut wrong = framed.clone();
+        let at = at.index(text.len());
+        wrong[at] ^= flip;
+        prop_assert!(receiver.check(&wrong).is_err());
+    }
+}
