@@ -1,11 +1,9 @@
-//! The kernels of every crate, one group each. The measuring times are short: the whole takes less than a minute.
+//! What crosses crates, one group each (the methods of `interp` and `planner` have benches of their own). The measuring times are short: the whole takes less than a minute.
 #![allow(missing_docs)] // criterion_group! makes undocumented public items
 
 mod backlash;
 mod gcode;
-mod interp;
 mod machine;
-mod planner;
 mod sim;
 mod stepper;
 
@@ -23,6 +21,6 @@ fn quick() -> Criterion {
 criterion_group! {
     name = kernels;
     config = quick();
-    targets = gcode::bench, interp::bench, planner::bench, stepper::bench, backlash::bench, machine::bench, sim::bench
+    targets = gcode::bench, stepper::bench, backlash::bench, machine::bench, sim::bench
 }
 criterion_main!(kernels);

@@ -1,0 +1,125 @@
+//! Jerk-limited motion from standstill to standstill.
+
+use std::hint::black_box;
+
+use husillo_planner::{Rates, SCurve};
+use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, ThrowErrorHandler, Trajectory};
+
+use crate::race::{Candidate, race};
+
+const RATES: Rates = Rates {
+    timer_hz: 1_000_000,
+    start_rate_hz: 0,
+    top_rate_hz: 8_000,
+    end_rate_hz: 0,
+    acceleration_hz_per_s: 20_000,
+};
+const JERK_HZ_PER_S2: u32 = 100_000;
+const EVENTS: u32 = 10_000;
+
+/// The time-optimal one with all seven phases: n / v + v / a + a / j.
+fn truth() -> f64 {
+    let [v, a, j] = [
+        RATES.top_rate_hz,
+        RATES.acceleration_hz_per_s,
+        JERK_HZ_PER_S2,
+    ]
+    .map(f64::from);
+    f64::from(EVENTS) / v + v / a + a / j
+}
+
+fn cells(seconds: f64, gives: &str) -> Vec<String> {
+    let longer = 1e6 * (seconds / truth() - 1.0);
+    vec![format!("{longer:+.1} ppm"), gives.into()]
+}
+
+fn ruckig() -> (Ruckig<1, ThrowErrorHandler>, InputParameter<1>) {
+    let mut input = InputParameter::new(None);
+    input.target_position[0] = f64::from(EVENTS);
+    input.max_velocity[0] = RATES.top_rate_hz.into();
+    input.max_acceleration[0] = RATES.acceleration_hz_per_s.into();
+    input.max_jerk[0] = JERK_HZ_PER_S2.into();
+    (Ruckig::new(None, 0.001), input)
+}
+
+pub fn limited() {
+    let profile = SCurve::new(&RATES, JERK_HZ_PER_S2, EVENTS).expect("rates within range");
+    let ticks: u64 = profile.clone().map(u64::from).sum();
+    let own = ticks as f64 / f64::from(RATES.timer_hz);
+    let (mut calculator, input) = ruckig();
+    let mut trajectory = Trajectory::new(None);
+    calculator
+        .calculate(&input, &mut trajectory)
+        .expect("a trajectory");
+    let theirs = trajectory.get_duration();
+
+    let set_up = vec![
+        Candidate {
+            name: "husillo `SCurve`",
+            cells: cells(own, "intervals of all steps"),
+            run: Box::new(|| {
+                black_box(SCurve::new(black_box(&RATES), JERK_HZ_PER_S2, EVENTS)).ok();
+                1
+            }),
+        },
+        Candidate {
+            name: "rsruckig",
+            cells: cells(theirs, "position at a time"),
+            run: Box::new({
+                let (mut calculator, input) = ruckig();
+                let mut trajectory = Trajectory::new(None);
+                move || {
+                    black_box(calculator.calculate(black_box(&input), &mut trajectory)).ok();
+                    1
+                }
+            }),
+        },
+    ];
+    let columns = ["time of the move", "gives"];
+    race(
+        "jerk-limited profile, setting up",
+        "a move",
+        &columns,
+        set_up,
+    );
+
+    let events = vec![
+        Candidate {
+            name: "husillo `SCurve`, an interval",
+            cells: cells(own, "intervals of all steps"),
+            run: Box::new(move || {
+                for ticks in black_box(profile.clone()) {
+                    black_box(ticks);
+                }
+                EVENTS.into()
+            }),
+        },
+        Candidate {
+            name: "rsruckig `at_time`, as often",
+            cells: cells(theirs, "position at a time"),
+            run: Box::new(move || {
+                let mut position = DataArrayOrVec::new(None, 0.0);
+                for number in 0..EVENTS {
+                    let time = theirs * f64::from(number) / f64::from(EVENTS);
+                    let [mut velocity, mut acceleration, mut jerk] = [None, None, None];
+                    trajectory.at_time(
+                        time,
+                        &mut Some(&mut position),
+                        &mut velocity,
+                        &mut acceleration,
+                        &mut jerk,
+                        &mut None,
+                    );
+                    black_box(position[0]);
+                }
+                EVENTS.into()
+            }),
+        },
+    ];
+    race(
+        "jerk-limited profile, walking",
+        "an event",
+        &columns,
+        events,
+    );
+}
