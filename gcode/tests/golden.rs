@@ -2,7 +2,7 @@
 //!
 //! A name says its dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1` writes the `.commands` files anew.
 
-use husillo_gcode::{Block, Dialect, Modal};
+use husillo_gcode::{Block, Compensation, Dialect, Error, Modal};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -35,13 +35,24 @@ fn run(path: &Path) -> (Vec<String>, Vec<String>) {
     let dialect = dialect(path);
     let program = fs::read(path).expect("program");
     let mut modal = Modal::<3>::new(dialect);
+    let mut stage = Compensation::new(modal.position());
     let (mut commands, mut errors) = (Vec::new(), Vec::new());
     for (index, line) in program.split(|&byte| byte == b'\n').enumerate() {
         let number = index + 1;
         for (offset, text) in dialect.blocks(line) {
-            match Block::parse(text, &dialect).and_then(|block| modal.plan(&block)) {
-                Ok((next, made)) => {
-                    modal = next;
+            let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
+            // The path of the tool; its faults belong to the whole block.
+            let compensated = planned.and_then(|(next, made)| {
+                let (after, made) = stage.plan(made).map_err(|kind| Error {
+                    kind,
+                    at: 0,
+                    end: text.trim_ascii_end().len(),
+                })?;
+                Ok((next, after, made))
+            });
+            match compensated {
+                Ok((next, after, made)) => {
+                    (modal, stage) = (next, after);
                     commands.extend(made.map(|command| format!("{number}: {command}")));
                 }
                 Err(error) => {
