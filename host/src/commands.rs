@@ -146,12 +146,19 @@ fn object(out: &mut Vec<u8>, line: usize, command: &Command<3>, from: [Nm; 3]) -
             start(out, "tool_is");
             number(out, "number", i64::from(*tool));
         }
-        Command::ToolLength { number: tool, offset } => {
+        Command::ToolLength {
+            number: tool,
+            offset,
+        } => {
             start(out, "tool_length");
             number(out, "number", i64::from(*tool));
             point(out, "offset_nm", offset);
         }
-        Command::Compensation { side, radius, plane } => {
+        Command::Compensation {
+            side,
+            radius,
+            plane,
+        } => {
             start(out, "compensation");
             let side = match side {
                 None => "off",
