@@ -42,13 +42,32 @@ pub(crate) fn axis_letter(axis: usize) -> u8 {
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 struct Span {
-    at: usize,
-    end: usize,
+    at: u32,
+    end: u32,
+}
+
+impl Span {
+    /// Of a line longer than 4 GB the places are those of its start: half the size for all others.
+    fn new(at: usize, end: usize) -> Self {
+        let narrow = |place| u32::try_from(place).unwrap_or(u32::MAX);
+        Span {
+            at: narrow(at),
+            end: narrow(end),
+        }
+    }
+
+    const fn error(self, kind: ErrorKind) -> Error {
+        Error {
+            kind,
+            at: self.at as usize,
+            end: self.end as usize,
+        }
+    }
 }
 
 /// A checked line: every letter at most once, at most one code of each modal group, only known codes and letters.
 ///
-/// Its size is fixed (about 1.2 kB) whatever the line's length. What depends on earlier lines is checked by
+/// Its size is fixed (about 0.8 kB) whatever the line's length. What depends on earlier lines is checked by
 /// [`Modal::plan`](crate::Modal::plan).
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -89,18 +108,15 @@ impl Block {
                 });
             }
             let word = word?;
-            let span = Span {
-                at: word.at,
-                end: word.end,
-            };
+            let span = Span::new(word.at, word.end);
             let pushed = match word.letter {
                 b'G' | b'M' => block.push_code(word.letter, word.value, span, dialect),
                 letter => block.push_word(letter, word.value, span, dialect),
             };
             pushed.map_err(|kind| Error {
                 kind,
-                at: span.at,
-                end: span.end,
+                at: word.at,
+                end: word.end,
             })?;
         }
         block.deleted = words.is_deleted();
@@ -304,11 +320,7 @@ impl Block {
     pub(crate) fn error_at(&self, kind: ErrorKind, letter: u8) -> Error {
         let slot = slot_of(letter).map_or(SLOTS, usize::from);
         let span = self.word_spans.get(slot).copied().unwrap_or_default();
-        Error {
-            kind,
-            at: span.at,
-            end: span.end,
-        }
+        span.error(kind)
     }
 
     pub(crate) fn error_at_code(&self, kind: ErrorKind, group: Group) -> Error {
@@ -317,11 +329,7 @@ impl Block {
             .get(group as usize)
             .copied()
             .unwrap_or_default();
-        Error {
-            kind,
-            at: span.at,
-            end: span.end,
-        }
+        span.error(kind)
     }
 
     /// At all axis words: from the first to the last of them.
@@ -340,11 +348,7 @@ impl Block {
             at: all.at.min(span.at),
             end: all.end.max(span.end),
         });
-        Error {
-            kind,
-            at: whole.at,
-            end: whole.end,
-        }
+        whole.error(kind)
     }
 
     /// At the motion code, or where it is modal at the first axis word.
@@ -359,11 +363,7 @@ impl Block {
             .min_by_key(|span| span.at)
             .copied()
             .unwrap_or_default();
-        Error {
-            kind,
-            at: span.at,
-            end: span.end,
-        }
+        span.error(kind)
     }
 }
 

@@ -477,6 +477,8 @@ impl<const N: usize> Modal<N> {
             Some(Motion::Linear)
         };
         self.compensation = None;
+        self.sticky = Sticky::default();
+        self.tail = None;
         self.stop_outputs();
     }
 

@@ -5,7 +5,6 @@ use crate::block::Block;
 use crate::code::{Code, Group};
 use crate::command::{Command, Feed};
 use crate::commands::Commands;
-use crate::cycle::Kind;
 use crate::dialect::Flavour;
 use crate::error::{Error, ErrorKind};
 use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
@@ -42,10 +41,11 @@ impl<const N: usize> Modal<N> {
         if code == Some(Code::ContourCycle) {
             return Err(block.error_at_code(ErrorKind::ContourOfBlocks, Group::Motion));
         }
-        if let (Some(Motion::Cycle(before)), false) = (self.motion, self.motion == mode) {
+        let is_series = matches!(self.motion, Some(Motion::Cycle(_) | Motion::Thread));
+        if is_series && self.motion != mode {
             // The level of G98 lasts for a series of whatever cycles.
             let initial = match mode {
-                Some(Motion::Cycle(_)) if before != Kind::Thread => self.sticky.initial,
+                Some(Motion::Cycle(_)) => self.sticky.initial,
                 _ => None,
             };
             self.sticky = Sticky {
