@@ -4,7 +4,7 @@ use crate::code::{Code, Group};
 use crate::decimal::Decimal;
 use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
-use crate::word::words;
+use crate::word::{Word, words};
 
 /// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
 const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
@@ -107,25 +107,48 @@ impl Block {
                     ..Block::EMPTY
                 });
             }
-            let word = word?;
-            let span = Span::new(word.at, word.end);
-            let pushed = match word.letter {
-                b'G' | b'M' => block.push_code(word.letter, word.value, span, dialect),
-                letter => block.push_word(letter, word.value, span, dialect),
-            };
-            pushed.map_err(|kind| Error {
-                kind,
-                at: word.at,
-                end: word.end,
-            })?;
+            block.push(word?, dialect)?;
         }
         block.deleted = words.is_deleted();
-        block.check_negative_p()?;
-        block.check_program_number()?;
-        if block.code(Group::NonModal) == Some(Code::Dwell) && block.word(b'P').is_none() {
-            return Err(block.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
+        block.checked()
+    }
+
+    /// A block of words that were read elsewhere, in their order: those of a line with expressions.
+    ///
+    /// # Errors
+    /// The first error among the words, otherwise as [`Block::parse`].
+    pub fn from_words(
+        words: impl IntoIterator<Item = Result<Word, Error>>,
+        dialect: &Dialect,
+    ) -> Result<Block, Error> {
+        let mut block = Block::EMPTY;
+        for word in words {
+            block.push(word?, dialect)?;
         }
-        Ok(block)
+        block.checked()
+    }
+
+    fn push(&mut self, word: Word, dialect: &Dialect) -> Result<(), Error> {
+        let span = Span::new(word.at, word.end);
+        let pushed = match word.letter {
+            b'G' | b'M' => self.push_code(word.letter, word.value, span, dialect),
+            letter => self.push_word(letter, word.value, span, dialect),
+        };
+        pushed.map_err(|kind| Error {
+            kind,
+            at: word.at,
+            end: word.end,
+        })
+    }
+
+    /// What can only be told when all words are there.
+    fn checked(self) -> Result<Block, Error> {
+        self.check_negative_p()?;
+        self.check_program_number()?;
+        if self.code(Group::NonModal) == Some(Code::Dwell) && self.word(b'P').is_none() {
+            return Err(self.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
+        }
+        Ok(self)
     }
 
     /// `P` may be negative only where it is a coordinate: in G5.

@@ -129,6 +129,18 @@ impl Dialect {
         }
     }
 
+    /// Whether lines may have parameters `#` and expressions `[ ]`.
+    #[cfg(feature = "parameters")]
+    pub const fn has_parameters(&self) -> bool {
+        !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)
+    }
+
+    /// Whether an `O` steers the program: where it is not the number of one.
+    #[cfg(feature = "parameters")]
+    pub(crate) const fn has_flow(&self) -> bool {
+        matches!(self.flavour, Flavour::Rs274 | Flavour::Lathe)
+    }
+
     /// Whether G80 may stand beside another motion code.
     pub(crate) const fn joins_cancel(&self) -> bool {
         !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)

@@ -1,6 +1,8 @@
 //! What can be wrong with a line, and where.
 
 use crate::nm::Nm;
+#[cfg(feature = "parameters")]
+use crate::parameters::Fault;
 use core::fmt;
 
 /// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text given.
@@ -122,6 +124,9 @@ pub enum ErrorKind {
     Gouge,
     /// An inside arc of the contour smaller than the tool.
     ArcSmallerThanTool(Nm),
+    /// A fault of parameters, expressions or the flow of a program.
+    #[cfg(feature = "parameters")]
+    Program(Fault),
 }
 
 impl ErrorKind {
@@ -173,6 +178,8 @@ impl ErrorKind {
             ErrorKind::EntryTooShort(_) => 321,
             ErrorKind::Gouge => 322,
             ErrorKind::ArcSmallerThanTool(_) => 323,
+            #[cfg(feature = "parameters")]
+            ErrorKind::Program(fault) => fault.code(),
         }
     }
 }
@@ -180,6 +187,8 @@ impl ErrorKind {
 impl fmt::Display for ErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fixed = match *self {
+            #[cfg(feature = "parameters")]
+            ErrorKind::Program(fault) => return fault.fmt(f),
             ErrorKind::NotALetter(byte) if byte.is_ascii_graphic() => {
                 return write!(
                     f,

@@ -69,6 +69,8 @@ mod settings;
 mod special;
 
 pub mod excellon;
+#[cfg(feature = "parameters")]
+pub mod parameters;
 
 pub use arc::{Arc, Direction, Plane};
 pub use block::Block;

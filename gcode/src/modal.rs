@@ -283,6 +283,11 @@ impl<const N: usize> Modal<N> {
             .is_some()
     }
 
+    /// The zero of a work frame, 0 (G54) to 8 (G59.3).
+    pub fn work_zero(&self, system: u8) -> Option<[Nm; N]> {
+        self.offsets.get(usize::from(system)).copied()
+    }
+
     /// Sets the position G28 goes to, machine frame; machine zero at the start.
     pub fn set_home(&mut self, home: [Nm; N]) {
         self.homes = [home, self.homes[1]];

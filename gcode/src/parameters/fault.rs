@@ -1,0 +1,137 @@
+//! What can be wrong with parameters, expressions and the flow of a program.
+
+use core::fmt;
+
+/// The faults of programs with parameters; [`Fault::code`] is the number of the host's message.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum Fault {
+    /// No number, parameter, bracket or function where a value belongs.
+    NoValue,
+    /// Neither an operator nor a closing bracket behind a value.
+    NoOperator,
+    /// A bracket without its counterpart.
+    OpenBracket,
+    /// A function that does not exist.
+    UnknownFunction,
+    /// A function or an O-word without `[`.
+    NoBracket,
+    /// `ATAN[y]` without `/[x]`.
+    NoSecondValue,
+    /// A parameter name without its `>`, or an empty one.
+    MalformedName,
+    /// An expression with more than 24 unfinished operations.
+    TooNested,
+    /// `#n` without `=` where a word belongs.
+    NoAssignment,
+    /// Division by zero, or zero to a negative power.
+    DivisionByZero,
+    /// An argument that the function has no value for.
+    OutsideDomain,
+    /// A result beyond 9.2 * 10^18.
+    ResultTooLarge,
+    /// A parameter number that is not whole, or not from 1 to 5602.
+    NoSuchParameter,
+    /// A named parameter that has not been given a value.
+    UndefinedName,
+    /// A system parameter, which is only read.
+    ReadOnly,
+    /// No room for another parameter.
+    ParametersFull,
+    /// More than ten assignments on a line.
+    TooManyAssignments,
+    /// An O-word without a known keyword.
+    UnknownKeyword,
+    /// An O-word label that is no whole number and no name.
+    MalformedLabel,
+    /// Something else on the line of an O-word.
+    NotAlone,
+    /// More than 30 arguments.
+    TooManyArguments,
+    /// A call of a subroutine that is not in the program.
+    NoSuchSubroutine,
+    /// The line that opens is missing: `endwhile` without `while`.
+    NotOpened,
+    /// The line that closes is missing.
+    NotClosed,
+    /// A subroutine inside of another.
+    NestedSubroutine,
+    /// `break` or `continue` without a loop of this label around it.
+    NoLoop,
+    /// `return` outside of a subroutine.
+    NoCall,
+    /// More calls or loops inside each other than are kept.
+    TooDeep,
+    /// The program took more steps than it was given.
+    OutOfSteps,
+    /// O-words, which this dialect has not.
+    FlowNotOfDialect,
+}
+
+impl Fault {
+    /// The number of the message: 610 for E0610.
+    pub const fn code(self) -> u16 {
+        match self {
+            Fault::NoValue | Fault::NoOperator | Fault::NoBracket | Fault::NoSecondValue => 610,
+            Fault::OpenBracket => 611,
+            Fault::UnknownFunction => 612,
+            Fault::MalformedName => 613,
+            Fault::TooNested => 614,
+            Fault::NoAssignment | Fault::TooManyAssignments => 615,
+            Fault::DivisionByZero => 620,
+            Fault::OutsideDomain => 621,
+            Fault::ResultTooLarge => 622,
+            Fault::NoSuchParameter => 623,
+            Fault::UndefinedName => 624,
+            Fault::ReadOnly => 625,
+            Fault::ParametersFull => 626,
+            Fault::UnknownKeyword | Fault::MalformedLabel => 630,
+            Fault::NotAlone => 631,
+            Fault::TooManyArguments => 632,
+            Fault::NoSuchSubroutine => 633,
+            Fault::NotOpened | Fault::NotClosed => 634,
+            Fault::NestedSubroutine => 635,
+            Fault::NoLoop | Fault::NoCall => 636,
+            Fault::TooDeep => 637,
+            Fault::OutOfSteps => 638,
+            Fault::FlowNotOfDialect => 639,
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Fault::NoValue => "value missing",
+            Fault::NoOperator => "operator or `]` missing",
+            Fault::OpenBracket => "bracket without its counterpart",
+            Fault::UnknownFunction => "unknown function",
+            Fault::NoBracket => "`[` missing",
+            Fault::NoSecondValue => "`ATAN[y]` without `/[x]`",
+            Fault::MalformedName => "malformed parameter name",
+            Fault::TooNested => "expression nested too deep",
+            Fault::NoAssignment => "parameter without `=`",
+            Fault::DivisionByZero => "division by zero",
+            Fault::OutsideDomain => "no such value of this function",
+            Fault::ResultTooLarge => "result too large",
+            Fault::NoSuchParameter => "no such parameter",
+            Fault::UndefinedName => "parameter has no value yet",
+            Fault::ReadOnly => "system parameter is only read",
+            Fault::ParametersFull => "too many parameters",
+            Fault::TooManyAssignments => "too many assignments on a line",
+            Fault::UnknownKeyword => "unknown O-word",
+            Fault::MalformedLabel => "malformed label of an O-word",
+            Fault::NotAlone => "O-word with other words on its line",
+            Fault::TooManyArguments => "more than 30 arguments",
+            Fault::NoSuchSubroutine => "no such subroutine",
+            Fault::NotOpened => "O-word without the one that opens",
+            Fault::NotClosed => "O-word without the one that closes",
+            Fault::NestedSubroutine => "subroutine inside of a subroutine",
+            Fault::NoLoop => "no loop of this label here",
+            Fault::NoCall => "return outside of a subroutine",
+            Fault::TooDeep => "calls or loops nested too deep",
+            Fault::OutOfSteps => "program took too many steps",
+            Fault::FlowNotOfDialect => "O-words are not of this dialect",
+        })
+    }
+}

@@ -1,0 +1,723 @@
+//! Programs that steer themselves: subroutines, loops, branches.
+
+use super::expression::Reader;
+use super::fault::Fault;
+use super::line::{Assignments, Evaluated, pass_comment};
+use super::statement::{self, Keyword, Label, Statement};
+use super::system::System;
+use super::table::{self, Key, Table};
+use super::value::Value;
+use crate::block::Block;
+use crate::dialect::Dialect;
+use crate::error::{Error, ErrorKind};
+
+/// The most arguments of a call.
+const ARGUMENTS: usize = 30;
+
+/// How many subroutines are remembered by their place; others are looked for in the text at each call.
+const REMEMBERED: usize = 16;
+
+/// One line of a [`Program`], in the order of execution.
+#[derive(Clone, Debug)]
+pub struct Line<'t> {
+    /// Its number in the text, from 1.
+    pub number: usize,
+    /// Its first byte in the text.
+    pub at: usize,
+    /// The line, without its end.
+    pub text: &'t [u8],
+    /// The line as a block of plain numbers (empty where an O-word steers), or what is wrong with it; columns are those
+    /// of the line.
+    pub block: Result<Block, Error>,
+}
+
+/// A place between two lines.
+#[derive(Copy, Clone, Debug)]
+struct Place {
+    at: usize,
+    /// Number of the line behind it.
+    number: usize,
+}
+
+/// A line of the text.
+#[derive(Copy, Clone, Debug)]
+struct Raw<'t> {
+    place: Place,
+    text: &'t [u8],
+    after: Place,
+}
+
+/// A subroutine under way.
+#[derive(Copy, Clone, Debug)]
+struct Call<'t> {
+    label: Label<'t>,
+    /// The line of its `sub`.
+    begin: Place,
+    /// Behind the line of the call.
+    after: Place,
+    /// What [`Table::leave`] wants.
+    locals: usize,
+    /// How many loops were under way outside.
+    loops: usize,
+}
+
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+enum Kind {
+    While,
+    Do,
+    /// How many rounds are left, this one included.
+    Repeat(i64),
+}
+
+impl Kind {
+    /// The keyword of the line that ends it.
+    const fn end(self) -> Keyword {
+        match self {
+            Kind::While => Keyword::EndWhile,
+            Kind::Do => Keyword::While,
+            Kind::Repeat(_) => Keyword::EndRepeat,
+        }
+    }
+}
+
+/// A loop under way.
+#[derive(Copy, Clone, Debug)]
+struct Loop<'t> {
+    label: Label<'t>,
+    kind: Kind,
+    /// The line that opens it.
+    begin: Place,
+    /// Behind that line.
+    body: Place,
+}
+
+/// What a line with an O-word says, its values worked out.
+struct Order<'t> {
+    statement: Statement<'t>,
+    /// The condition, the number of rounds or the value returned.
+    value: Option<Value>,
+    arguments: [Value; ARGUMENTS],
+    count: usize,
+    /// Behind the last word.
+    end: usize,
+}
+
+/// A program with parameters, expressions and O-words, given line by line in the order of execution, as blocks of plain
+/// numbers. The text stays where it is (flash, say); loops jump back in it.
+///
+/// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those of all subroutines
+/// under way together. `DEPTH`: how many calls, and how many loops, may be under way inside each other. With the defaults
+/// the whole is about 8 kB on a 32-bit target.
+///
+/// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or passed over on the way
+/// to an `endif` or a subroutine. A program that has used up its steps ends with E0638, so every program ends.
+/// The first 16 subroutines called are found again at once; others cost a search from the start of the text at each call.
+///
+/// **Errors.** An error on a line that steers (and one for want of room) ends the program; after another one the caller
+/// may go on, as it may after a wrong line of a plain program: its assignments are not made.
+///
+/// ```
+/// use husillo_gcode::{Dialect, Modal, parameters::Program};
+///
+/// let text = b"#1 = 3\no1 while [#1 gt 0]\nG0 X[#1 * 0.5]\n#1 = [#1 - 1]\no1 endwhile\n";
+/// let mut program: Program = Program::new(text, Dialect::RS274);
+/// let mut modal = Modal::<3>::new(Dialect::RS274);
+/// let mut printed = Vec::new();
+/// while let Some(line) = program.next_line(&modal) {
+///     let (next, commands) = modal.plan(&line.block?)?;
+///     printed.extend(commands.map(|command| format!("{}: {command}", line.number)));
+///     modal = next;
+/// }
+/// assert_eq!(printed, ["3: rapid X1.5 Y0 Z0", "3: rapid X1 Y0 Z0", "3: rapid X0.5 Y0 Z0"]);
+/// # Ok::<(), husillo_gcode::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Program<'t, const GLOBALS: usize = 64, const LOCALS: usize = 96, const DEPTH: usize = 10>
+{
+    text: &'t [u8],
+    dialect: Dialect,
+    first: Place,
+    next: Place,
+    table: Table<'t, GLOBALS, LOCALS>,
+    calls: [Option<Call<'t>>; DEPTH],
+    call_count: usize,
+    loops: [Option<Loop<'t>>; DEPTH],
+    loop_count: usize,
+    remembered: [Option<(Label<'t>, Place)>; REMEMBERED],
+    remembered_count: usize,
+    steps_left: u64,
+    /// `#<_value>` and whether the last subroutine gave one.
+    returned: Option<Value>,
+    /// The next line is an `elseif` whose condition counts.
+    is_choosing: bool,
+    is_over: bool,
+}
+
+impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
+    Program<'t, GLOBALS, LOCALS, DEPTH>
+{
+    /// The steps a program has when nothing else is said.
+    pub const STEPS: u64 = 10_000_000;
+
+    /// A program at its first line. In dialects without parameters it gives the lines as they are.
+    pub const fn new(text: &'t [u8], dialect: Dialect) -> Self {
+        Program {
+            text,
+            dialect,
+            first: Place { at: 0, number: 1 },
+            next: Place { at: 0, number: 1 },
+            table: Table::new(),
+            calls: [None; DEPTH],
+            call_count: 0,
+            loops: [None; DEPTH],
+            loop_count: 0,
+            remembered: [None; REMEMBERED],
+            remembered_count: 0,
+            steps_left: Self::STEPS,
+            returned: None,
+            is_choosing: false,
+            is_over: false,
+        }
+    }
+
+    /// The same with so many steps.
+    pub const fn with_steps(mut self, steps: u64) -> Self {
+        self.steps_left = steps;
+        self
+    }
+
+    /// The same for a text that begins with this line of a longer one.
+    pub const fn with_first_line(mut self, number: usize) -> Self {
+        self.first.number = number;
+        self.next.number = number;
+        self
+    }
+
+    /// How many steps are left.
+    pub const fn steps_left(&self) -> u64 {
+        self.steps_left
+    }
+
+    /// How many subroutines are under way.
+    pub const fn call_level(&self) -> usize {
+        self.call_count
+    }
+
+    /// The value of a numbered parameter as lines see it now; zero before its first assignment. System parameters are not
+    /// among them.
+    pub fn parameter(&self, number: u16) -> Value {
+        self.table.get(Key::Number(number)).unwrap_or(Value::ZERO)
+    }
+
+    /// The value of a named parameter (`b"_depth"`), `None` before its first assignment.
+    pub fn named_parameter(&self, name: &[u8]) -> Option<Value> {
+        self.table.get(Key::Name(name))
+    }
+
+    /// Gives a numbered parameter (1 to 5602) a value, as an assignment would.
+    ///
+    /// # Errors
+    /// A number out of range; no room.
+    pub fn set_parameter(&mut self, number: u16, value: Value) -> Result<(), Fault> {
+        let key = Key::numbered(Value::from(i32::from(number))).ok_or(Fault::NoSuchParameter)?;
+        self.table.set(key, value)
+    }
+
+    /// Gives a named parameter a value, as an assignment would.
+    ///
+    /// # Errors
+    /// No room.
+    pub fn set_named_parameter(&mut self, name: &'t [u8], value: Value) -> Result<(), Fault> {
+        self.table.set(Key::Name(name), value)
+    }
+
+    /// The next line; `None` behind the end of the text, and after an error that ends the program.
+    ///
+    /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal) that has planned all lines
+    /// before, or `()`. M2 and M30 end nothing here: the caller sees their command.
+    ///
+    /// Cost: one pass over the line; O-words that jump forward pass over the lines between.
+    pub fn next_line(&mut self, system: &impl System) -> Option<Line<'t>> {
+        if self.is_over {
+            return None;
+        }
+        let Some(raw) = self.line_at(self.next) else {
+            return self.end();
+        };
+        self.next = raw.after;
+        let block = self.execute(&raw, system);
+        Some(raw.given(block))
+    }
+
+    /// The line behind a place.
+    fn line_at(&self, place: Place) -> Option<Raw<'t>> {
+        let rest = self.text.get(place.at..).filter(|rest| !rest.is_empty())?;
+        let ends = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b'\n');
+        let length = ends.map_or(rest.len(), |(length, _)| length);
+        let text = rest.get(..length).unwrap_or_default();
+        let at = place.at.wrapping_add(length).wrapping_add(1);
+        Some(Raw {
+            place,
+            text: text.strip_suffix(b"\r").unwrap_or(text),
+            after: Place {
+                at: at.min(self.text.len()),
+                number: place.number.wrapping_add(1),
+            },
+        })
+    }
+
+    /// Pays for looking at a line.
+    fn pay(&mut self, text: &[u8]) -> Result<(), Fault> {
+        let steps = (text.len() as u64 >> 6).wrapping_add(1);
+        match self.steps_left.checked_sub(steps) {
+            Some(left) => self.steps_left = left,
+            None => {
+                self.steps_left = 0;
+                return Err(Fault::OutOfSteps);
+            }
+        }
+        Ok(())
+    }
+
+    fn execute(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
+        if let Err(fault) = self.pay(raw.text) {
+            self.is_over = true;
+            return Err(whole(fault, raw.text));
+        }
+        if self.dialect.has_parameters() {
+            let passes_delete = !self.dialect.block_delete();
+            if let Some(at) =
+                statement::place(raw.text, passes_delete).filter(|_| self.dialect.has_flow())
+            {
+                if let Err(error) = self.steer(raw, at, system) {
+                    self.is_over = true;
+                    return Err(error);
+                }
+                return Block::from_words([], &self.dialect);
+            }
+            let is_deleted =
+                self.dialect.block_delete() && raw.text.trim_ascii_start().starts_with(b"/");
+            if !is_deleted && raw.text.iter().any(|byte| matches!(byte, b'#' | b'[')) {
+                return self.evaluate(raw, system);
+            }
+        }
+        Block::parse(raw.text, &self.dialect)
+    }
+
+    /// A line with an O-word.
+    fn steer(&mut self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<(), Error> {
+        let order = self.order(raw, at, system)?;
+        self.obey(raw, &order).map_err(|fault| Error {
+            kind: ErrorKind::Program(fault),
+            at: order.statement.at,
+            end: order.end,
+        })
+    }
+
+    /// A line of words and assignments.
+    fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
+        let mut assignments = Assignments::NONE;
+        let lookup = |key: Key<'t>| self.lookup(key, raw.place.number, system);
+        let words = Evaluated::new(raw.text, &mut assignments, lookup);
+        let block = Block::from_words(words, &self.dialect)?;
+        for assignment in assignments.iter() {
+            let fault = |fault| Error {
+                kind: ErrorKind::Program(fault),
+                at: assignment.at,
+                end: assignment.end,
+            };
+            if self.is_read_only(assignment.key, system) {
+                return Err(fault(Fault::ReadOnly));
+            }
+        }
+        for assignment in assignments.iter() {
+            if let Err(fault) = self.table.set(assignment.key, assignment.value) {
+                self.is_over = true;
+                return Err(Error {
+                    kind: ErrorKind::Program(fault),
+                    at: assignment.at,
+                    end: assignment.end,
+                });
+            }
+        }
+        Ok(block)
+    }
+
+    /// The value of a parameter at a line.
+    fn lookup(&self, key: Key<'_>, line: usize, system: &impl System) -> Option<Value> {
+        let known = match key {
+            Key::Number(number) if number > table::LAST_USER => system.numbered(number),
+            Key::Name(name) => match table::predefined(name) {
+                Some(name) => self
+                    .own(name.bytes(), line)
+                    .or_else(|| system.named(name.bytes())),
+                None => None,
+            },
+            Key::Number(_) => None,
+        };
+        known.or_else(|| self.table.get(key))
+    }
+
+    fn is_read_only(&self, key: Key<'_>, system: &impl System) -> bool {
+        match key {
+            Key::Number(number) => number > table::LAST_USER && system.numbered(number).is_some(),
+            Key::Name(name) => table::predefined(name).is_some_and(|name| {
+                self.own(name.bytes(), 0).is_some() || system.named(name.bytes()).is_some()
+            }),
+        }
+    }
+
+    /// The predefined names that the program itself knows.
+    fn own(&self, name: &[u8], line: usize) -> Option<Value> {
+        let number = |number: usize| Value::new(i64::try_from(number).ok()?, 0);
+        match name {
+            b"VALUE" => Some(self.returned.unwrap_or(Value::ZERO)),
+            b"VALUE_RETURNED" => Some(Value::truth(self.returned.is_some())),
+            b"LINE" => number(line),
+            b"CALL_LEVEL" => number(self.call_count),
+            _ => None,
+        }
+    }
+
+    /// Reads a line with an O-word.
+    fn order(&self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<Order<'t>, Error> {
+        let lookup = |key: Key<'t>| self.lookup(key, raw.place.number, system);
+        let mut reader = Reader::new(raw.text, at, lookup);
+        let statement = statement::read(&mut reader)?;
+        let mut order = Order {
+            statement,
+            value: None,
+            arguments: [Value::ZERO; ARGUMENTS],
+            count: 0,
+            end: statement.end,
+        };
+        match statement.keyword {
+            // Reached behind a branch that was taken: its condition does not matter any more.
+            Keyword::ElseIf if !self.is_choosing => return Ok(order),
+            Keyword::If | Keyword::ElseIf | Keyword::While | Keyword::Repeat => {
+                order.value = Some(reader.bracketed()?);
+            }
+            Keyword::Return | Keyword::EndSub if reader.peek() == Some(b'[') => {
+                order.value = Some(reader.value()?);
+            }
+            Keyword::Call => {
+                while reader.peek() == Some(b'[') {
+                    let value = reader.value()?;
+                    let Some(slot) = order.arguments.get_mut(order.count) else {
+                        return Err(reader.error(Fault::TooManyArguments, statement.at));
+                    };
+                    *slot = value;
+                    order.count = order.count.wrapping_add(1);
+                }
+            }
+            _ => {}
+        }
+        order.end = reader.end();
+        while reader.peek() == Some(b'(') {
+            pass_comment(&mut reader)?;
+        }
+        match reader.peek() {
+            None | Some(b';') => Ok(order),
+            _ => Err(reader.error_here(Fault::NotAlone)),
+        }
+    }
+
+    /// Does what a line with an O-word says.
+    fn obey(&mut self, raw: &Raw<'t>, order: &Order<'t>) -> Result<(), Fault> {
+        let label = order.statement.label;
+        let is_true = order.value.is_some_and(|value| !value.is_zero());
+        let was_choosing = core::mem::replace(&mut self.is_choosing, false);
+        match order.statement.keyword {
+            Keyword::Sub => self.pass(label, Keyword::EndSub),
+            Keyword::EndSub | Keyword::Return => self.leave(order),
+            Keyword::Call => self.call(raw, order),
+            Keyword::If if is_true => Ok(()),
+            Keyword::ElseIf if was_choosing && is_true => Ok(()),
+            Keyword::If => self.choose(label),
+            Keyword::ElseIf if was_choosing => self.choose(label),
+            Keyword::ElseIf | Keyword::Else => self.pass(label, Keyword::EndIf),
+            Keyword::EndIf => Ok(()),
+            Keyword::While => match self.innermost(label, Kind::Do) {
+                Some(inner) if is_true => {
+                    self.next = inner.body;
+                    Ok(())
+                }
+                Some(_) => {
+                    self.drop_loop();
+                    Ok(())
+                }
+                None if is_true => self.open(raw, label, Kind::While),
+                None => self.pass(label, Keyword::EndWhile),
+            },
+            Keyword::EndWhile => match self.innermost(label, Kind::While) {
+                Some(inner) => {
+                    self.drop_loop();
+                    self.next = inner.begin;
+                    Ok(())
+                }
+                None => Err(Fault::NotOpened),
+            },
+            Keyword::Do => self.open(raw, label, Kind::Do),
+            Keyword::Repeat => {
+                let rounds = order.value.unwrap_or(Value::ZERO).rounded_half().digits();
+                match rounds {
+                    1.. => self.open(raw, label, Kind::Repeat(rounds)),
+                    _ => self.pass(label, Keyword::EndRepeat),
+                }
+            }
+            Keyword::EndRepeat => self.repeat(label),
+            Keyword::Break => self.leave_loop(raw, label, false),
+            Keyword::Continue => self.leave_loop(raw, label, true),
+        }
+    }
+
+    /// The first line from here on with this label and a keyword that is wanted.
+    fn find(
+        &mut self,
+        from: Place,
+        label: Label<'_>,
+        wanted: impl Fn(Keyword) -> bool,
+    ) -> Result<Option<(Raw<'t>, Statement<'t>)>, Fault> {
+        let passes_delete = !self.dialect.block_delete();
+        let mut place = from;
+        while let Some(raw) = self.line_at(place) {
+            self.pay(raw.text)?;
+            if let Some(seen) = statement::seen(raw.text, passes_delete) {
+                if seen.label.is(label) && wanted(seen.keyword) {
+                    return Ok(Some((raw, seen)));
+                }
+            }
+            place = raw.after;
+        }
+        Ok(None)
+    }
+
+    /// Goes on behind the line that closes.
+    fn pass(&mut self, label: Label<'t>, closing: Keyword) -> Result<(), Fault> {
+        // No subroutine may begin inside of one.
+        let found = if closing == Keyword::EndSub {
+            self.find_end_of_sub(label)?
+        } else {
+            self.find(self.next, label, |keyword| keyword == closing)?
+        };
+        let (raw, _) = found.ok_or(Fault::NotClosed)?;
+        self.next = raw.after;
+        Ok(())
+    }
+
+    fn find_end_of_sub(
+        &mut self,
+        label: Label<'t>,
+    ) -> Result<Option<(Raw<'t>, Statement<'t>)>, Fault> {
+        let passes_delete = !self.dialect.block_delete();
+        let mut place = self.next;
+        while let Some(raw) = self.line_at(place) {
+            self.pay(raw.text)?;
+            match statement::seen(raw.text, passes_delete) {
+                Some(seen) if seen.keyword == Keyword::EndSub && seen.label.is(label) => {
+                    return Ok(Some((raw, seen)));
+                }
+                Some(seen) if seen.keyword == Keyword::Sub => return Err(Fault::NestedSubroutine),
+                _ => {}
+            }
+            place = raw.after;
+        }
+        Ok(None)
+    }
+
+    /// An `if` that does not hold: on at its next `elseif`, or behind its `else` or `endif`.
+    fn choose(&mut self, label: Label<'t>) -> Result<(), Fault> {
+        let wanted = |keyword| matches!(keyword, Keyword::ElseIf | Keyword::Else | Keyword::EndIf);
+        let found = self.find(self.next, label, wanted)?;
+        let (branch, seen) = found.ok_or(Fault::NotClosed)?;
+        self.is_choosing = seen.keyword == Keyword::ElseIf;
+        self.next = if self.is_choosing {
+            branch.place
+        } else {
+            branch.after
+        };
+        Ok(())
+    }
+
+    /// The `sub` line of a subroutine.
+    fn subroutine(&mut self, label: Label<'t>) -> Result<Raw<'t>, Fault> {
+        let known = self
+            .remembered
+            .iter()
+            .flatten()
+            .find(|(known, _)| known.is(label));
+        if let Some(raw) = known.and_then(|&(_, place)| self.line_at(place)) {
+            return Ok(raw);
+        }
+        let found = self.find(self.first, label, |keyword| keyword == Keyword::Sub)?;
+        let (raw, seen) = found.ok_or(Fault::NoSuchSubroutine)?;
+        if let Some(slot) = self.remembered.get_mut(self.remembered_count) {
+            *slot = Some((seen.label, raw.place));
+            self.remembered_count = self.remembered_count.wrapping_add(1);
+        }
+        Ok(raw)
+    }
+
+    fn call(&mut self, raw: &Raw<'t>, order: &Order<'t>) -> Result<(), Fault> {
+        let label = order.statement.label;
+        let sub = self.subroutine(label)?;
+        let slot = self.calls.get_mut(self.call_count).ok_or(Fault::TooDeep)?;
+        let arguments = order.arguments.get(..order.count).unwrap_or_default();
+        *slot = Some(Call {
+            label,
+            begin: sub.place,
+            after: raw.after,
+            locals: self.table.enter(arguments)?,
+            loops: self.loop_count,
+        });
+        self.call_count = self.call_count.wrapping_add(1);
+        self.next = sub.after;
+        Ok(())
+    }
+
+    fn current_call(&self) -> Option<Call<'t>> {
+        let last = self.call_count.checked_sub(1)?;
+        self.calls.get(last).copied().flatten()
+    }
+
+    fn leave(&mut self, order: &Order<'t>) -> Result<(), Fault> {
+        let is_end = order.statement.keyword == Keyword::EndSub;
+        let missing = if is_end {
+            Fault::NotOpened
+        } else {
+            Fault::NoCall
+        };
+        let call = self.current_call().ok_or(missing)?;
+        if !call.label.is(order.statement.label) {
+            return Err(missing);
+        }
+        self.returned = order.value;
+        self.table.leave(call.locals);
+        self.loop_count = call.loops;
+        self.call_count = self.call_count.wrapping_sub(1);
+        self.next = call.after;
+        Ok(())
+    }
+
+    /// The loop under way in this subroutine that began last, if it is this one.
+    fn innermost(&self, label: Label<'t>, kind: Kind) -> Option<Loop<'t>> {
+        let outside = self.current_call().map_or(0, |call| call.loops);
+        let last = self
+            .loop_count
+            .checked_sub(1)
+            .filter(|&last| last >= outside)?;
+        let inner = self.loops.get(last).copied().flatten()?;
+        let is_kind = core::mem::discriminant(&inner.kind) == core::mem::discriminant(&kind);
+        (is_kind && inner.label.is(label)).then_some(inner)
+    }
+
+    fn open(&mut self, raw: &Raw<'t>, label: Label<'t>, kind: Kind) -> Result<(), Fault> {
+        let slot = self.loops.get_mut(self.loop_count).ok_or(Fault::TooDeep)?;
+        *slot = Some(Loop {
+            label,
+            kind,
+            begin: raw.place,
+            body: raw.after,
+        });
+        self.loop_count = self.loop_count.wrapping_add(1);
+        Ok(())
+    }
+
+    fn drop_loop(&mut self) {
+        self.loop_count = self.loop_count.saturating_sub(1);
+    }
+
+    /// `endrepeat`.
+    fn repeat(&mut self, label: Label<'t>) -> Result<(), Fault> {
+        let inner = self
+            .innermost(label, Kind::Repeat(0))
+            .ok_or(Fault::NotOpened)?;
+        self.drop_loop();
+        let Kind::Repeat(rounds @ 2..) = inner.kind else {
+            return Ok(());
+        };
+        self.next = inner.body;
+        if let Some(slot) = self.loops.get_mut(self.loop_count) {
+            *slot = Some(Loop {
+                kind: Kind::Repeat(rounds.wrapping_sub(1)),
+                ..inner
+            });
+            self.loop_count = self.loop_count.wrapping_add(1);
+        }
+        Ok(())
+    }
+
+    /// `break` and `continue`: out of all loops inside of this one, then behind its end, or on with its next round.
+    fn leave_loop(&mut self, raw: &Raw<'t>, label: Label<'t>, goes_on: bool) -> Result<(), Fault> {
+        let outside = self.current_call().map_or(0, |call| call.loops);
+        let inner = loop {
+            let last = self
+                .loop_count
+                .checked_sub(1)
+                .filter(|&last| last >= outside);
+            let inner = self
+                .loops
+                .get(last.ok_or(Fault::NoLoop)?)
+                .copied()
+                .flatten();
+            match inner {
+                Some(inner) if inner.label.is(label) => break inner,
+                _ => self.drop_loop(),
+            }
+        };
+        if goes_on && inner.kind == Kind::While {
+            self.drop_loop();
+            self.next = inner.begin;
+            return Ok(());
+        }
+        let closing = inner.kind.end();
+        let found = self.find(raw.after, label, |keyword| keyword == closing)?;
+        let (end, _) = found.ok_or(Fault::NotClosed)?;
+        if goes_on {
+            // The line that ends it decides.
+            self.next = end.place;
+        } else {
+            self.drop_loop();
+            self.next = end.after;
+        }
+        Ok(())
+    }
+
+    /// The end of the text: nothing, or the line that is still open.
+    fn end(&mut self) -> Option<Line<'t>> {
+        self.is_over = true;
+        let inner = self
+            .loop_count
+            .checked_sub(1)
+            .and_then(|last| self.loops.get(last).copied().flatten());
+        let open = match (self.current_call(), inner) {
+            (Some(call), _) => call.begin,
+            (None, Some(inner)) => inner.begin,
+            (None, None) => return None,
+        };
+        let raw = self.line_at(open)?;
+        let error = whole(Fault::NotClosed, raw.text);
+        Some(raw.given(Err(error)))
+    }
+}
+
+impl<'t> Raw<'t> {
+    fn given(&self, block: Result<Block, Error>) -> Line<'t> {
+        Line {
+            number: self.place.number,
+            at: self.place.at,
+            text: self.text,
+            block,
+        }
+    }
+}
+
+/// An error about a whole line.
+fn whole(fault: Fault, text: &[u8]) -> Error {
+    let blank = text.len().wrapping_sub(text.trim_ascii_start().len());
+    Error {
+        kind: ErrorKind::Program(fault),
+        at: blank,
+        end: blank.wrapping_add(text.trim_ascii().len()),
+    }
+}

@@ -1,0 +1,144 @@
+//! The lines that steer a program: `o100 while [#1 lt 10]`.
+
+use super::expression::Reader;
+use super::fault::Fault;
+use super::table::{Key, is_same_name};
+use super::value::Value;
+use crate::error::Error;
+
+/// What an O-word is called: a number, or a name as it stands in the text.
+#[derive(Copy, Clone, Debug)]
+pub(super) enum Label<'t> {
+    Number(u32),
+    Name(&'t [u8]),
+}
+
+impl Label<'_> {
+    /// Whether two labels are the same; case and blanks of names do not count.
+    pub(super) fn is(self, other: Label<'_>) -> bool {
+        match (self, other) {
+            (Label::Number(left), Label::Number(right)) => left == right,
+            (Label::Name(left), Label::Name(right)) => is_same_name(left, right),
+            _ => false,
+        }
+    }
+}
+
+/// What an O-word does.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub(super) enum Keyword {
+    Sub,
+    EndSub,
+    Call,
+    Return,
+    If,
+    ElseIf,
+    Else,
+    EndIf,
+    While,
+    EndWhile,
+    Do,
+    Repeat,
+    EndRepeat,
+    Break,
+    Continue,
+}
+
+/// Names in capitals.
+const NAMES: [(&[u8], Keyword); 15] = [
+    (b"SUB", Keyword::Sub),
+    (b"ENDSUB", Keyword::EndSub),
+    (b"CALL", Keyword::Call),
+    (b"RETURN", Keyword::Return),
+    (b"IF", Keyword::If),
+    (b"ELSEIF", Keyword::ElseIf),
+    (b"ELSE", Keyword::Else),
+    (b"ENDIF", Keyword::EndIf),
+    (b"WHILE", Keyword::While),
+    (b"ENDWHILE", Keyword::EndWhile),
+    (b"DO", Keyword::Do),
+    (b"REPEAT", Keyword::Repeat),
+    (b"ENDREPEAT", Keyword::EndRepeat),
+    (b"BREAK", Keyword::Break),
+    (b"CONTINUE", Keyword::Continue),
+];
+
+/// A line that begins with an O-word, up to its keyword.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Statement<'t> {
+    pub(super) label: Label<'t>,
+    pub(super) keyword: Keyword,
+    /// The `O`.
+    pub(super) at: usize,
+    /// Behind the keyword.
+    pub(super) end: usize,
+}
+
+/// Where the `O` of a line stands, behind `/`, comments and `N`; `None` for other lines. `/` is passed where lines with it
+/// are executed.
+pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
+    let (mut at, mut number) = (0usize, false);
+    loop {
+        let byte = text.get(at).copied()?;
+        match byte {
+            b'o' | b'O' => return Some(at),
+            b' ' | b'\t' | b'\r' => {}
+            b'/' if passes_delete && !number => {}
+            b'n' | b'N' if !number => number = true,
+            b'0'..=b'9' | b'.' if number => {}
+            b'(' => {
+                let rest = text.get(at..)?;
+                let (length, _) = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b')')?;
+                at = at.wrapping_add(length);
+            }
+            _ => return None,
+        }
+        at = at.wrapping_add(1);
+    }
+}
+
+/// Reads label and keyword; `reader` stands at the `O`.
+pub(super) fn read<'t, F>(reader: &mut Reader<'t, F>) -> Result<Statement<'t>, Error>
+where
+    F: Fn(Key<'t>) -> Option<Value>,
+{
+    let at = reader.at();
+    reader.advance();
+    let label = match reader.peek() {
+        Some(b'<') => Label::Name(reader.name(at)?),
+        Some(b'0'..=b'9' | b'#' | b'[') => {
+            let number = reader
+                .value()?
+                .whole()
+                .and_then(|number| u32::try_from(number).ok());
+            Label::Number(number.ok_or_else(|| reader.error(Fault::MalformedLabel, at))?)
+        }
+        _ => return Err(reader.error_here(Fault::MalformedLabel)),
+    };
+    reader.peek();
+    let from = reader.at();
+    let name = reader.letters();
+    let Some((_, keyword)) = NAMES.iter().find(|(known, _)| *known == name.bytes()) else {
+        return Err(match name.bytes() {
+            [] => reader.error(Fault::UnknownKeyword, at),
+            _ => reader.error(Fault::UnknownKeyword, from),
+        });
+    };
+    Ok(Statement {
+        label,
+        keyword: *keyword,
+        at,
+        end: reader.end(),
+    })
+}
+
+/// Label and keyword of a line that is only looked at on the way to another. Labels that are worked out are not found.
+pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
+    let mut reader = Reader::new(text, place(text, passes_delete)?, |_| None);
+    let at = reader.at();
+    let mut ahead = Reader::new(text, at.wrapping_add(1), |_| None);
+    if !matches!(ahead.peek(), Some(b'<' | b'0'..=b'9')) {
+        return None;
+    }
+    read(&mut reader).ok()
+}

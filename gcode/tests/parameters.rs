@@ -1,0 +1,362 @@
+//! Expressions and programs that steer themselves.
+
+#![cfg(feature = "parameters")]
+
+use husillo_gcode::parameters::{Program, Value};
+use husillo_gcode::{Block, Dialect, Error, Modal};
+use proptest::prelude::*;
+
+/// The value of an expression, or its error with columns from the start of the expression.
+fn value(expression: &str) -> Result<Value, (u16, usize, usize)> {
+    let text = format!("#1={expression}");
+    let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
+    let line = program.next_line(&()).expect("a line");
+    match line.block {
+        Ok(_) => Ok(program.parameter(1)),
+        Err(error) => Err((
+            error.kind.code(),
+            error.at.wrapping_sub(3),
+            error.end.wrapping_sub(3),
+        )),
+    }
+}
+
+fn shown(expression: &str) -> String {
+    value(expression).map_or_else(|error| format!("{error:?}"), |value| value.to_string())
+}
+
+/// Digits at 19 places, truncated.
+fn at_19(text: &str) -> i128 {
+    let (sign, text) = text.strip_prefix('-').map_or((1, text), |rest| (-1, rest));
+    let (whole, places) = text.split_once('.').unwrap_or((text, ""));
+    let places: String = places
+        .chars()
+        .chain("0".repeat(19).chars())
+        .take(19)
+        .collect();
+    let whole: i128 = whole.parse().expect("digits");
+    sign * (whole * 10_i128.pow(19) + places.parse::<i128>().expect("digits"))
+}
+
+/// Every function stays within the error its documentation states, against 45 digits of another library (mpmath).
+#[test]
+fn functions_keep_their_bounds() {
+    let mut worst = std::collections::BTreeMap::new();
+    for line in include_str!("data/functions.tsv").lines() {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let (expression, expected) = match fields[..] {
+            ["**", a, b, expected] => (format!("[{a}**{b}]"), expected),
+            ["ATAN", a, b, expected] => (format!("ATAN[{a}]/[{b}]"), expected),
+            [name, a, expected] => (format!("{name}[{a}]"), expected),
+            _ => panic!("{line}"),
+        };
+        let result = value(&expression).unwrap_or_else(|error| panic!("{line}: {error:?}"));
+        let real: f64 = expected.parse().expect("a number");
+        let unit = |exponent: i32| 10_f64.powi(exponent);
+        let bound = match fields[0] {
+            "SIN" | "COS" | "LN" => unit(-15),
+            "TAN" => unit(-15) + unit(-17) * (1.0 + real * real),
+            "ASIN" | "ACOS" | "ATAN" => unit(-14),
+            "EXP" => unit(-15).max(unit(-16) * real),
+            "SQRT" => 0.51 * unit(-18).max(unit(-17) * real),
+            _ => (1.0 + real.ln().abs()) * unit(-16) * real + unit(-15),
+        };
+        let expected = if expected.contains('e') {
+            "0"
+        } else {
+            expected
+        };
+        let off = (at_19(&result.to_string()) - at_19(expected)).unsigned_abs() as f64 * unit(-19);
+        let share = off / bound;
+        let entry = worst
+            .entry(fields[0].to_owned())
+            .or_insert((0.0, String::new()));
+        if share > entry.0 {
+            *entry = (share, format!("{expression} = {result}, off by {off:.1e}"));
+        }
+    }
+    let mut faults = 0;
+    for (name, (share, text)) in &worst {
+        println!("{name:>5}: {share:.2} of the bound: {text}");
+        faults += usize::from(*share > 1.0);
+    }
+    assert_eq!(faults, 0, "{worst:#?}");
+}
+
+#[test]
+fn operators_bind_as_they_should() {
+    for (expression, expected) in [
+        ("[0.1+0.2]", "0.3"),
+        ("[1+2*3**2]", "19"),
+        ("[2**3**2]", "64"),
+        ("[-2**2]", "4"),
+        ("[10-4-3]", "3"),
+        ("[7 mod 3 * 2]", "2"),
+        ("[-7 MOD 3]", "2"),
+        ("[1 lt 2 and 3 ge 3]", "1"),
+        ("[1 or 0 xor 1]", "0"),
+        ("[1 EQ 1.000]", "1"),
+        ("[1+1 EQ 2 AND 2 NE 3]", "1"),
+        ("[[1/3]*3 EQ 1]", "1"),
+        ("FIX[[1/3]*3]", "1"),
+        ("FIX[-2.5]", "-3"),
+        ("FUP[-2.5]", "-2"),
+        ("ROUND[-2.5]", "-3"),
+        ("ABS[-2.5]", "2.5"),
+        ("SIN[30]", "0.500000000000000"),
+        ("SIN[450]", "1"),
+        ("SQRT[2.25]", "1.5"),
+        ("ATAN[1]/[-1]", "135.00000000000000"),
+        ("ATAN[0]/[-1]", "180"),
+        ("- [1 - -3]", "-4"),
+        ("exists[#<a>]", "0"),
+        ("EXISTS[#5]", "1"),
+        ("#[1+#[1]]", "0"),
+        ("[ 1 2 . 5 + S I N [ 0 ] ]", "12.5"),
+    ] {
+        assert_eq!(shown(expression), expected, "{expression}");
+    }
+}
+
+#[test]
+fn errors_have_their_place() {
+    for (expression, code, at, end) in [
+        ("[1/0]", 620, 1, 4),
+        ("[5 MOD [2-2]]", 620, 1, 12),
+        ("[2+SQRT[-1]]", 621, 3, 11),
+        ("TAN[90]", 621, 0, 7),
+        ("ATAN[0]/[0]", 621, 0, 11),
+        ("ATAN[1]", 610, 0, 7),
+        ("ASIN[1.1]", 621, 0, 9),
+        ("[1+2", 611, 0, 4),
+        ("[1 2 3", 611, 0, 6),
+        ("[1+]", 610, 3, 4),
+        ("[1 & 2]", 610, 3, 4),
+        ("SINE[3]", 612, 0, 4),
+        ("SIN 3", 610, 4, 5),
+        ("[1+#<nobody>]", 624, 3, 12),
+        ("#<nobody", 613, 0, 8),
+        ("#9999", 623, 0, 5),
+        ("#1.5", 623, 0, 4),
+        ("[9000000000000000000*2]", 622, 1, 22),
+        ("--5", 102, 1, 2),
+        ("1.2.3", 102, 0, 4),
+        ("[[[[[[[[[[[[[[[[[[[[[[[[[1", 614, 24, 25),
+        ("", 610, 0, 0),
+    ] {
+        assert_eq!(
+            value(expression).map(|v| v.to_string()),
+            Err((code, at, end)),
+            "{expression}"
+        );
+    }
+}
+
+/// Runs a program: its commands with their line numbers, and its errors.
+fn run(text: &str) -> (Vec<String>, Vec<String>) {
+    let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274).with_steps(10_000);
+    let mut modal = Modal::<3>::new(Dialect::RS274);
+    let (mut commands, mut errors) = (Vec::new(), Vec::new());
+    while let Some(line) = program.next_line(&()) {
+        assert_eq!(
+            &text.as_bytes()[line.at..line.at + line.text.len()],
+            line.text
+        );
+        match line.block.and_then(|block| modal.plan(&block)) {
+            Ok((next, made)) => {
+                modal = next;
+                commands.extend(made.map(|command| format!("{}: {command}", line.number)));
+            }
+            Err(error) => errors.push(format!(
+                "{}:{}-{} E{:04} {error}",
+                line.number,
+                error.at + 1,
+                error.end,
+                error.kind.code()
+            )),
+        }
+    }
+    (commands, errors)
+}
+
+#[test]
+fn assignments_wait_for_their_line() {
+    let (commands, errors) = run("#1=1\n#1=2 G0 X#1 #2=#1\nG0 X#1 Y#2\n");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(commands, ["2: rapid X1 Y0 Z0", "3: rapid X2 Y1 Z0"]);
+}
+
+#[test]
+fn every_hostile_program_ends() {
+    for text in [
+        "o1 while [1]\no1 endwhile\n",
+        "o1 sub\no1 call\no1 endsub\no1 call\n",
+        "o1 do\no1 while [1]\n",
+        "o1 repeat [9000000000000]\nG4 P0\no1 endrepeat\n",
+        "o1 while [1]\no1 continue\no1 endwhile",
+    ] {
+        let (_, errors) = run(text);
+        assert_eq!(errors.len(), 1, "{text}: {errors:?}");
+        assert!(
+            errors[0].contains("E0638") || errors[0].contains("E0637"),
+            "{errors:?}"
+        );
+    }
+}
+
+/// A number with its text.
+fn decimal() -> impl Strategy<Value = String> {
+    "-?[0-9]{1,4}(\\.[0-9]{1,4})?"
+}
+
+/// The exact value as a fraction of integers.
+fn fraction(text: &str) -> (i128, i128) {
+    let places = text
+        .split_once('.')
+        .map_or(0, |(_, places)| places.len() as u32);
+    (
+        text.replace('.', "").parse().expect("digits"),
+        10_i128.pow(places),
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    /// Sums and products of short decimals are exact, also nested; quotients are the nearest number of 18 places.
+    #[test]
+    fn short_decimals_stay_exact(a in decimal(), b in decimal(), c in decimal()) {
+        let result = value(&format!("[[{a}+{b}]*{c}-{a}]")).expect("a value");
+        let ((an, ad), (bn, bd), (cn, cd)) = (fraction(&a), fraction(&b), fraction(&c));
+        let (n, d) = ((an * bd + bn * ad) * cn * ad - an * ad * bd * cd, ad * bd * cd * ad);
+        let scale = 10_i128.pow(u32::from(result.places()));
+        prop_assert!(result.is_exact());
+        prop_assert_eq!(i128::from(result.digits()) * d, n * scale);
+        if cn != 0 {
+            let quotient = value(&format!("[{a}/{c}]")).expect("a value");
+            let scale = 10_i128.pow(u32::from(quotient.places()));
+            // |q - a/c| <= 1/2 unit of the last place, without a rounding.
+            let (n, d) = (an * cd, ad * cn);
+            let off = (i128::from(quotient.digits()) * d - n * scale).abs();
+            prop_assert!(2 * off <= d.abs(), "{} {}", quotient, off);
+            prop_assert_eq!(quotient.is_exact(), off == 0);
+        }
+    }
+
+    /// A value printed and read again is the same.
+    #[test]
+    fn printed_values_read_the_same(a in decimal(), b in decimal()) {
+        if let Ok(result) = value(&format!("[{a}/{b}]")) {
+            let again = value(&result.to_string()).expect("a value");
+            prop_assert_eq!((again.digits(), again.places()), (result.digits(), result.places()));
+        }
+    }
+
+    /// Lines without parameters mean the same with and without this module.
+    #[test]
+    fn plain_lines_are_what_they_were(line in "([GXYZFIJM] ?-?[0-9]{1,3}(\\.[0-9]{0,3})? ?){0,6}") {
+        let direct = Block::parse(line.as_bytes(), &Dialect::RS274);
+        let bracketed = line.split_inclusive(|c: char| c.is_ascii_alphabetic());
+        prop_assume!(!line.is_empty());
+        let mut wrapped = String::new();
+        for part in bracketed {
+            let letter = part.ends_with(|c: char| c.is_ascii_alphabetic());
+            let (number, letter) = part.split_at(part.len() - usize::from(letter));
+            if !number.trim().is_empty() {
+                wrapped += &format!("[{}]", number.trim());
+            }
+            wrapped += letter;
+        }
+        let mut program: Program = Program::new(wrapped.as_bytes(), Dialect::RS274);
+        let through = program.next_line(&()).expect("a line").block;
+        match (direct, through) {
+            (Ok(direct), Ok(through)) => for letter in b'A'..=b'Z' {
+                prop_assert_eq!(direct.word(letter), through.word(letter));
+            },
+            (Err(direct), Err(through)) => prop_assert_eq!(direct.kind, through.kind),
+            (direct, through) => prop_assert!(false, "{:?} {:?}", direct, through),
+        }
+    }
+
+    /// No text makes it panic; errors lie inside their lines; every program ends within its steps.
+    #[test]
+    fn any_program_ends(lines in prop::collection::vec(statement(), 0..24)) {
+        let text = lines.join("\n");
+        let mut program: Program<'_, 8, 12, 4> = Program::new(text.as_bytes(), Dialect::RS274).with_steps(500);
+        let mut given = 0;
+        while let Some(line) = program.next_line(&()) {
+            given += 1;
+            prop_assert!(given <= 502);
+            prop_assert_eq!(text.as_bytes().get(line.at..line.at + line.text.len()), Some(line.text));
+            if let Err(Error { at, end, kind }) = line.block {
+                prop_assert!(at <= end && end <= line.text.len(), "{:?} {}..{} of {:?}", kind, at, end, line.text);
+                prop_assert!(!kind.to_string().is_empty());
+            }
+        }
+        prop_assert!(program.next_line(&()).is_none());
+    }
+}
+
+/// A line of a program with O-words, right or wrong.
+fn statement() -> impl Strategy<Value = String> {
+    let word = prop::sample::select(vec![
+        "sub",
+        "endsub",
+        "call",
+        "return",
+        "if",
+        "elseif",
+        "else",
+        "endif",
+        "while",
+        "endwhile",
+        "do",
+        "repeat",
+        "endrepeat",
+        "break",
+        "continue",
+        "",
+    ]);
+    let token = prop::sample::select(vec![
+        "[",
+        "]",
+        "#",
+        "1",
+        "2",
+        "30",
+        "0.5",
+        "<a>",
+        "<_b>",
+        "+",
+        "-",
+        "*",
+        "**",
+        "/",
+        "MOD",
+        "EQ",
+        "LT",
+        "SIN[",
+        "ATAN[",
+        "EXISTS[#",
+        "=",
+        "X",
+        "G1",
+        " ",
+        "(c)",
+        ";",
+        "o1",
+        "o<p>",
+        "[1]",
+        "[#1 LT 3]",
+        "#1=[#1+1]",
+        "FIX[",
+    ]);
+    let flow = (
+        prop::sample::select(vec!["1", "2", "<p>", "#1", "[2]"]),
+        word,
+        prop::collection::vec(token.clone(), 0..3),
+    )
+        .prop_map(|(label, word, rest)| format!("o{label} {word} {}", rest.concat()));
+    let words = prop::collection::vec(token, 0..8).prop_map(|tokens| tokens.concat());
+    prop_oneof![3 => flow, 1 => words]
+}
