@@ -13,6 +13,7 @@ mod lines;
 mod planning;
 mod profiles;
 mod stages;
+mod words;
 
 use core::hint::black_box;
 
@@ -29,6 +30,7 @@ pub fn all(count: Count<'_>) {
     profiles::all(count);
     planning::all(count);
     stages::all(count);
+    words::all(count);
     chain::all(count);
 }
 

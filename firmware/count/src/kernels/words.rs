@@ -1,0 +1,46 @@
+//! Text to words, a byte being an event: the beginnings of the programs that `husillo-bench` compares parsers with.
+
+use core::hint::black_box;
+
+use husillo_gcode::{Token, WordReader, tokens};
+
+use crate::Count;
+
+const PROGRAMS: [(&str, &str, &str); 4] = [
+    ("words_seg", "push_seg", include_str!("../../text/seg.ngc")),
+    ("words_arc", "push_arc", include_str!("../../text/arc.ngc")),
+    ("words_mix", "push_mix", include_str!("../../text/mix.ngc")),
+    (
+        "words_print",
+        "push_print",
+        include_str!("../../text/print.ngc"),
+    ),
+];
+
+#[inline(never)]
+pub fn all(count: Count<'_>) {
+    for (slice, push, text) in PROGRAMS {
+        let bytes = text.len() as u32;
+        count(slice, bytes, &mut || {
+            let (mut words, mut sum) = (0_u32, 0_i64);
+            for token in tokens(black_box(text).as_bytes()) {
+                if let Ok(Token::Word(word)) = token {
+                    words = words.wrapping_add(u32::from(word.letter));
+                    sum = sum.wrapping_add(word.value.digits() ^ i64::from(word.value.places()));
+                }
+            }
+            black_box((words, sum));
+        });
+        count(push, bytes, &mut || {
+            let (mut words, mut sum) = (0_u32, 0_i64);
+            let mut reader = WordReader::new();
+            for &byte in black_box(text).as_bytes() {
+                if let Some(Ok(word)) = reader.push(byte) {
+                    words = words.wrapping_add(u32::from(word.letter));
+                    sum = sum.wrapping_add(word.value.digits() ^ i64::from(word.value.places()));
+                }
+            }
+            black_box((words, sum));
+        });
+    }
+}
