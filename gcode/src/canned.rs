@@ -76,6 +76,10 @@ impl<const N: usize> Modal<N> {
         };
         let zero = part(&self.zero(), across);
         let peck_on_lathe = kind == Kind::LathePeck;
+        if peck_on_lathe && block.axes() & !0b100 != 0 {
+            let letter = block.letter_of(block.axes().trailing_zeros() as usize);
+            return Err(block.error_at(ErrorKind::UnusedWord(letter), letter));
+        }
 
         // The retract plane, or on a lathe how far a peck retracts.
         let given = if peck_on_lathe {

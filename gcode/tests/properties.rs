@@ -119,9 +119,12 @@ proptest! {
     /// The programmed position is where the last move ended.
     #[test]
     fn position_is_the_end_of_the_last_move(lines in prop::collection::vec(program_line(), 0..20)) {
-        let (modal, commands) = plan(&lines);
-        let last = commands.iter().rev().find_map(Command::end);
-        prop_assert_eq!(modal.position(), last.unwrap_or_default());
+        let bytes: Vec<_> = lines.iter().map(|line| line.clone().into_bytes()).collect();
+        for dialect in Dialect::ALL {
+            let (modal, commands) = run(dialect, &bytes);
+            let last = commands.iter().rev().find_map(Command::end);
+            prop_assert_eq!(modal.position(), last.unwrap_or_default());
+        }
     }
 
     /// A number printed and read again is the same number, places included.
