@@ -43,6 +43,7 @@ pub fn machine(data: &[u8]) {
             rapid: None,
             top_feed: None,
             corner_deviation: None,
+            spindle_counts: ramp.map(|_| 100),
         };
         run(config, data);
     }
@@ -120,7 +121,8 @@ fn check(event: &Event<3>, machine: &Machine<3>) {
             assert!(machine.origin() != Origin::Rest);
         }
         Event::Dwell { wait_ticks } => assert!(*wait_ticks <= MAX_WAIT_TICKS),
-        Event::Output(_) | Event::Pause(_) => {}
+        Event::Follow(step) => assert!(step.wait_counts_q16 <= MAX_WAIT_TICKS),
+        Event::Output(_) | Event::Pause(_) | Event::Index => {}
     }
     // Half a step of rounding, and an arc's nearest point may lie one step beside it.
     assert!(

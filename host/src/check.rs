@@ -129,6 +129,7 @@ impl Checker<'_> {
         self.events += length / self.step_nm();
         match command {
             Command::Rapid { .. } => self.rapid_nm += length,
+            Command::Thread { .. } => self.feed_nm += length,
             Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
                 self.feed_nm += length;
                 self.feed(feed, command, from, to, length, &meaning.at, findings)?;

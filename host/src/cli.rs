@@ -110,7 +110,7 @@ Examples:
 /// Which machine and which language.
 #[derive(Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, router, or a TOML file
+    /// Machine: micromill, free, router, lathe, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Language of the program: rs274 or micromill [default: rs274; micromill for files ending in .mm]

@@ -97,7 +97,7 @@ impl Path {
     pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
         let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
         match command {
-            Command::Rapid { to } | Command::Linear { to, .. } => {
+            Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => {
                 Some(Self::line(nm(from), nm(*to)))
             }
             Command::Arc { arc, .. } => {

@@ -1,6 +1,7 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
 use crate::source::Source;
+use crate::turning::Turning;
 use husillo_machine::{Event, Machine, Pause};
 use std::io;
 
@@ -14,7 +15,15 @@ pub fn feed(
     machine: &mut Machine<3>,
     mut each: impl FnMut(&Machine<3>, &Event<3>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let dialect = machine.config().dialect;
+    let config = machine.config();
+    let dialect = config.dialect;
+    let mut turning = config
+        .spindle_counts
+        .map(|counts| Turning::new(counts, config.timer_hz));
+    let mut each = |machine: &Machine<3>, event: &Event<3>| match &mut turning {
+        None => each(machine, event),
+        Some(turning) => each(machine, &turning.timed(event)?),
+    };
     while let Some(line) = source.next_line()? {
         for (_, text) in dialect.blocks(line.bytes) {
             // As far ahead as the queue goes, then events until a place is free.

@@ -8,6 +8,7 @@ use std::ops::Range;
 const MICROMILL: &str = include_str!("../../machines/micromill.toml");
 const FREE: &str = include_str!("../../machines/free.toml");
 const ROUTER: &str = include_str!("../../machines/router.toml");
+const LATHE: &str = include_str!("../../machines/lathe.toml");
 
 /// A machine as its file describes it.
 #[allow(dead_code)] // all of a file is checked; homing is not simulated yet
@@ -31,6 +32,8 @@ pub struct MachineFile {
     pub arc_tolerance: Option<i64>,
     /// How far beside a corner it may be taken, in nm; `None`: the axes' junction rates alone say how fast.
     pub corner_deviation: Option<i64>,
+    /// Counts a turn of the spindle's encoder; `None`: it has none.
+    pub spindle_counts: Option<u32>,
     /// Axes that may move at once; more are warned about.
     pub simultaneous_axes: u32,
     /// What the motors do when nothing moves.
@@ -153,11 +156,12 @@ impl MachineFile {
             "micromill" => Self::parse("machines/micromill.toml", MICROMILL),
             "free" => Self::parse("machines/free.toml", FREE),
             "router" => Self::parse("machines/router.toml", ROUTER),
+            "lathe" => Self::parse("machines/lathe.toml", LATHE),
             path => match std::fs::read_to_string(path) {
                 Ok(text) => Self::parse(path, &text),
                 Err(error) => {
                     return Err(LoadError::File(format!(
-                        "no machine `{path}`: built in are micromill, free and router; as a file: {error}"
+                        "no machine `{path}`: built in are micromill, free, router and lathe; as a file: {error}"
                     )));
                 }
             },
@@ -201,6 +205,13 @@ impl MachineFile {
         let motion = root
             .optional_table("motion", read_motion)
             .unwrap_or_default();
+        let spindle_counts = root
+            .optional_table("spindle", |spindle| {
+                spindle
+                    .integer("counts", 1..=1_000_000)
+                    .and_then(|counts| u32::try_from(counts).ok())
+            })
+            .flatten();
         let idle = root.optional_table("idle", read_idle).unwrap_or(Idle::Hold);
         root.finish();
         match axes {
@@ -214,6 +225,7 @@ impl MachineFile {
                 top_feed: motion.top_feed,
                 arc_tolerance: motion.arc_tolerance,
                 corner_deviation: motion.corner_deviation,
+                spindle_counts,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 idle,
             }),
@@ -227,6 +239,7 @@ impl MachineFile {
             "machines/micromill.toml" => MICROMILL.to_owned(),
             "machines/free.toml" => FREE.to_owned(),
             "machines/router.toml" => ROUTER.to_owned(),
+            "machines/lathe.toml" => LATHE.to_owned(),
             path => std::fs::read_to_string(path).ok()?,
         };
         let span = self.axes.get(axis)?.travel_span.clone();

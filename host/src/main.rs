@@ -42,6 +42,7 @@ mod source;
 mod speed;
 mod steps;
 mod table;
+mod turning;
 mod turns;
 
 use clap::Parser;

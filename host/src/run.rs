@@ -283,7 +283,9 @@ impl<'a> Run<'a> {
         let flat = |p: [Nm; 3]| [p[0].0 as f64, p[1].0 as f64];
         let (from, to) = (flat(segment.from), flat(to));
         match &segment.command {
-            Command::Linear { .. } => self.ideal.push(Ideal::Line(from, to)),
+            Command::Linear { .. } | Command::Thread { .. } => {
+                self.ideal.push(Ideal::Line(from, to));
+            }
             Command::Arc { arc, .. } if arc.plane.axes() == [0, 1] => {
                 let whole = arc.turns > 0 || from == to;
                 let end = if whole { from } else { to };

@@ -72,6 +72,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         rapid: file.rapid.map(Nm),
         top_feed: file.top_feed.map(Nm),
         corner_deviation: file.corner_deviation.map(Nm),
+        spindle_counts: file.spindle_counts,
     })
 }
 

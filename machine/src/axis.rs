@@ -73,6 +73,8 @@ pub struct Config<const N: usize> {
     pub rapid: Option<Nm>,
     /// Highest path speed of feed moves in nanometres per minute; `None`: as fast as the axes go.
     pub top_feed: Option<Nm>,
+    /// Counts a turn of the spindle's encoder, if it has one: moves can follow it then (G33, G76, G95).
+    pub spindle_counts: Option<u32>,
     /// How far beside a corner a circle at the path's own acceleration may pass: the faster the corner is taken. `P` of
     /// G64 takes its place. `None`: corners are limited by the axes' junction rates alone, and are stops where none has one.
     pub corner_deviation: Option<Nm>,

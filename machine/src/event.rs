@@ -15,6 +15,10 @@ pub enum Event<const N: usize> {
         /// Timer ticks to wait.
         wait_ticks: u32,
     },
+    /// Wait for the index pulse of the spindle's encoder; the counts of what follows begin at it.
+    Index,
+    /// Wait for the spindle to turn, then move: G33, G76, G95.
+    Follow(FollowEvent<N>),
     /// Switch something, exactly between the moves it stands between.
     Output(Output),
     /// Stand still until the operator goes on (or for good, at the end of the program).
@@ -27,6 +31,18 @@ pub struct StepEvent<const N: usize> {
     /// Timer ticks from the event before this one.
     pub wait_ticks: u32,
     /// -1, 0 or +1 motor step of every axis.
+    pub delta: [i8; N],
+}
+
+/// Let the spindle turn by `wait_counts_q16`, then step every axis by its delta.
+///
+/// What falls behind (a spindle too fast, a take-up on the way) is made up: counts add up from the first event of the move, or
+/// from the index before it. [`husillo_planner::Follower`] times these events between two counts.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct FollowEvent<const N: usize> {
+    /// Encoder counts since the event before this one, times 2^16; at most 2^31.
+    pub wait_counts_q16: u32,
+    /// -1, 0 or +1 motor step of every axis; all 0 where the spindle has to turn further than one event can say.
     pub delta: [i8; N],
 }
 

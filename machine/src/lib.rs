@@ -23,7 +23,7 @@ mod machine;
 mod motors;
 
 pub use axis::{Axis, AxisRamp, Config};
-pub use event::{Event, MAX_WAIT_TICKS, Output, Pause, StepEvent};
+pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};
 pub use refused::{Means, MoveError, Refused};

@@ -6,8 +6,8 @@ use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
 use crate::{
-    Config, Event, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent, schedule::Schedule,
-    take_up::TakeUp,
+    Config, Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent,
+    schedule::Schedule, take_up::TakeUp,
 };
 
 /// What the event given last belongs to.
@@ -73,6 +73,8 @@ struct Run<P> {
     left: u32,
     /// A step that was not made: the hold came before it.
     next: Option<Step>,
+    /// The timer counts the spindle's turning, not time.
+    follows: bool,
 }
 
 impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QUEUE> {
@@ -139,7 +141,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         let mut from = self.modal.position();
         for command in commands.clone() {
             self.config.check(&from, &command)?;
-            from = target(&command).unwrap_or(from);
+            from = command.end().unwrap_or(from);
         }
         for command in commands.clone() {
             if let Command::Path { mode } = command {
@@ -182,7 +184,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                     return;
                 }
                 Some(Command::Path { mode }) => self.schedule.set_mode(mode),
-                Some(command) if target(&command).is_some() => {
+                Some(command) if command.end().is_some() => {
                     self.schedule.push(&self.config, command, has_lash);
                 }
                 other => self.waiting = other,
@@ -227,6 +229,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             Some(Run {
                 path,
                 timer: Some(timer),
+                follows: false,
                 ..
             }) if self.held.is_none()
                 && self.take_up.is_none()
@@ -294,10 +297,18 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     /// A step of the path that nothing stands before any more.
     #[inline]
     fn give(&mut self, delta: [i8; N], wait: u64) -> Event<N> {
+        let follows = self.is_following();
         if wait > u64::from(MAX_WAIT_TICKS) {
             self.held = Some((delta, wait.wrapping_sub(u64::from(MAX_WAIT_TICKS))));
-            return Event::Dwell {
-                wait_ticks: MAX_WAIT_TICKS,
+            return if follows {
+                Event::Follow(FollowEvent {
+                    wait_counts_q16: MAX_WAIT_TICKS,
+                    delta: [0; N],
+                })
+            } else {
+                Event::Dwell {
+                    wait_ticks: MAX_WAIT_TICKS,
+                }
             };
         }
         for (load, delta) in self.load.iter_mut().zip(delta) {
@@ -311,6 +322,12 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             }) => Origin::Rapid,
             _ => Origin::Feed,
         };
+        if follows {
+            return Event::Follow(FollowEvent {
+                wait_counts_q16: wait as u32,
+                delta,
+            });
+        }
         Event::Step(StepEvent {
             wait_ticks: wait as u32,
             delta,
@@ -353,6 +370,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         loop {
             // An axis with a ramp that is taken up cannot stop at once.
             let stops_at_once = self.take_up.is_none() || !self.schedule.has_ramps();
+            // What follows the spindle cannot stop without it.
+            let stops_at_once = stops_at_once && !self.is_following();
             if self.is_held && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
                 return None;
             }
@@ -405,6 +424,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             self.finish();
             return Some(None);
         };
+        if let (true, Some(timer)) = (run.follows, &mut run.timer) {
+            run.left = run.left.wrapping_sub(1);
+            let wait = timer.wait(step.sweep.into());
+            return Some(Some(self.path_step(step, wait)));
+        }
         let wait = match &mut run.timer {
             Some(timer) => timer.wait(step.sweep.into()),
             None => match self.ramp.wait(step.sweep, self.schedule.moves.limits()) {
@@ -419,6 +443,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         let wait = wait.saturating_add(self.carried_ticks);
         self.carried_ticks = 0;
         Some(Some(self.path_step(step, wait)))
+    }
+
+    /// Whether the move under way follows the spindle.
+    fn is_following(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| run.follows)
     }
 
     /// The move, or the part of an arc, has ended: its place is free.
@@ -459,13 +488,21 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             self.ramp.stop();
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);
         }
+        let timed = match work.counts_q16 {
+            None => (!self.schedule.has_ramps()).then_some(ticks),
+            counts => counts,
+        };
+        let is_indexed = work.is_indexed;
         self.run = work.path.clone().map(|path| Run {
             path,
-            timer: (!self.schedule.has_ramps())
-                .then(|| Timer::new(ticks, work.sweep, work.largest_sweep.into())),
+            timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep.into())),
             left: events,
             next: None,
+            follows: work.counts_q16.is_some(),
         });
+        if self.is_following() {
+            self.signal([is_indexed.then_some(Event::Index), None]);
+        }
         if self.is_compensating {
             self.turn_round(&heading);
         }
@@ -620,13 +657,4 @@ fn safe<const N: usize>() -> [Option<Event<N>>; 4] {
         })),
         None,
     ]
-}
-
-/// Where a command ends, if it moves.
-pub(crate) fn target<const N: usize>(command: &Command<N>) -> Option<[Nm; N]> {
-    match command {
-        Command::Rapid { to } | Command::Linear { to, .. } => Some(*to),
-        Command::Arc { arc, .. } => Some(arc.to),
-        _ => None,
-    }
 }

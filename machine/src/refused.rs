@@ -54,8 +54,10 @@ pub enum MoveError {
 pub enum Means {
     /// G5, G5.1: an interpolator of splines.
     Splines,
-    /// G33, G76, G95, G96: moves that follow the spindle.
+    /// G33, G76, G95: an encoder on the spindle.
     SpindleFeedback,
+    /// G96: a spindle whose speed follows a diameter.
+    SurfaceSpeed,
     /// M19: a spindle that can be held at an angle.
     SpindleAngle,
     /// G38: a probe.
@@ -72,6 +74,7 @@ impl Means {
         match self {
             Self::Splines => "splines",
             Self::SpindleFeedback => "moves synchronised with the spindle",
+            Self::SurfaceSpeed => "constant surface speed",
             Self::SpindleAngle => "a spindle held at an angle",
             Self::Probe => "a probe",
             Self::RadiusCompensation => "cutter compensation",

@@ -5,8 +5,8 @@ use husillo_interp::{Moves, Step};
 use husillo_planner::{Direction, LookAhead, Stretch};
 
 use crate::{
-    Config, Segment, duration::mul_div, limits::Limits, machine::target, segment::lattice,
-    tangent::tangents, tempo::Tempo,
+    Config, Segment, duration::mul_div, limits::Limits, segment::lattice, tangent::tangents,
+    tempo::Tempo,
 };
 
 /// A move, or a part of an arc between two stops.
@@ -20,10 +20,24 @@ pub(crate) struct Work<const N: usize, P> {
     pub(crate) events: u32,
     pub(crate) sweep: u64,
     pub(crate) largest_sweep: u32,
+    /// Encoder counts, times 2^16, of a move that follows the spindle; and whether its first step waits for the index.
+    pub(crate) counts_q16: Option<u64>,
+    pub(crate) is_indexed: bool,
     /// Time at the programmed speed, times 2^16.
     pub(crate) ticks_q16: u64,
     pub(crate) tempo: Tempo,
 }
+
+/// A stop: no path, no speed.
+const STAND: Stretch = Stretch {
+    length_nm: 0,
+    top_nm_per_s: 1,
+    ceiling_nm_per_s: 1,
+    obeys_override: false,
+    acceleration_nm_per_s2: 1,
+    start_nm_per_s: 0,
+    entry_limit_nm_per_s: 0,
+};
 
 /// The queue of a machine, and what stands at its end.
 #[derive(Clone, Debug)]
@@ -34,6 +48,8 @@ pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
     programmed: [Nm; N],
     lattice: [i32; N],
     direction: Option<Direction<N>>,
+    /// Whether the last move is a thread's.
+    is_thread: bool,
     /// Direction of each axis' last step; 0 where it is not known.
     heading: [i8; N],
     arc: Option<Parts<N, P>>,
@@ -61,6 +77,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             programmed: [Nm(0); N],
             lattice: [0; N],
             direction: None,
+            is_thread: false,
             heading: [0; N],
             arc: None,
         }
@@ -102,7 +119,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
 
     /// Plans a move and appends it; the queue has room. `has_lash` names the axes that must not turn round while moving.
     pub(crate) fn push(&mut self, config: &Config<N>, command: Command<N>, has_lash: [bool; N]) {
-        let Some(to) = target(&command) else { return };
+        let Some(to) = command.end() else { return };
         let segment = Segment {
             from: self.programmed,
             command,
@@ -117,17 +134,29 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let ways = directions(&self.lattice, &end);
         self.programmed = to;
         self.lattice = end;
+        let counts_q16 = config.counts_q16(&command, tempo.length_nm);
+        let is_thread = matches!(command, Command::Thread { .. });
+        // One thread cut in several moves goes on where it was.
+        let is_indexed = is_thread && !self.is_thread;
+        self.is_thread = is_thread;
         let ticks_q16 = match tempo.programmed_q16 {
             0 => tempo.least_q16,
             programmed => programmed,
         };
-        if self.has_ramps() && tempo.length_nm == 0 && ticks_q16 == 0 {
+        if self.has_ramps() && tempo.length_nm == 0 && ticks_q16 == 0 && counts_q16.is_none() {
             // Neither way nor time: the path does not know of it.
             return;
         }
-        let mut stretch = self.join(&segment, &tempo);
+        let mut stretch = match counts_q16 {
+            None => self.join(&segment, &tempo),
+            // The spindle's speed is none of the path's: a stop before it and after it.
+            Some(_) => {
+                self.direction = None;
+                STAND
+            }
+        };
         let is_round = tempo.round.is_some();
-        if is_round && self.has_ramps() && has_lash.contains(&true) {
+        if is_round && counts_q16.is_none() && self.has_ramps() && has_lash.contains(&true) {
             self.arc = Some(Parts {
                 dry: path.clone(),
                 first: None,
@@ -156,6 +185,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             events: path.remaining(),
             sweep: path.total_sweep(),
             largest_sweep: path.largest_sweep(),
+            counts_q16,
+            is_indexed,
             ticks_q16,
             tempo,
             path: Some(path),
@@ -166,22 +197,12 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
 
     /// The move with its junction to the one before, whose direction it takes the place of.
     fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
-        // A stop: no path, no speed.
-        let stand = Stretch {
-            length_nm: 0,
-            top_nm_per_s: 1,
-            ceiling_nm_per_s: 1,
-            obeys_override: false,
-            acceleration_nm_per_s2: 1,
-            start_nm_per_s: 0,
-            entry_limit_nm_per_s: 0,
-        };
         let Some(limits) = &self.limits else {
-            return stand;
+            return STAND;
         };
         let Some([first, last]) = tangents(segment, tempo) else {
             self.direction = None;
-            return stand;
+            return STAND;
         };
         let entry_limit_nm_per_s = match &self.direction {
             Some(before) => limits.junction(self.mode, before, &first),
@@ -233,6 +254,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             events,
             sweep,
             largest_sweep,
+            counts_q16: None,
+            is_indexed: false,
             ticks_q16,
             tempo: arc.tempo,
         };

@@ -40,7 +40,7 @@ pub(crate) fn lattice<const N: usize>(
 }
 
 /// What a command needs that no machine here has.
-const fn missing<const N: usize>(command: &Command<N>) -> Option<Means> {
+const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Option<Means> {
     Some(match command {
         Command::Linear {
             feed: Feed::PerRevolution(_),
@@ -51,7 +51,11 @@ const fn missing<const N: usize>(command: &Command<N>) -> Option<Means> {
             ..
         }
         | Command::Thread { .. }
-        | Command::Surface { .. } => Means::SpindleFeedback,
+            if !has_encoder =>
+        {
+            Means::SpindleFeedback
+        }
+        Command::Surface { .. } => Means::SurfaceSpeed,
         Command::Spline { .. } => Means::Splines,
         Command::Orient { .. } => Means::SpindleAngle,
         Command::Probe { .. } => Means::Probe,
@@ -70,11 +74,11 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
-        if let Some(means) = missing(command) {
+        if let Some(means) = missing(command, self.spindle_counts.is_some()) {
             return Err(MoveError::Unsupported(means));
         }
         match command {
-            Command::Rapid { to } | Command::Linear { to, .. } => {
+            Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => {
                 self.check_point(to)?;
                 self.check_length(from, to).map(|_| ())
             }

@@ -16,7 +16,7 @@ pub(crate) fn tangents<const N: usize>(
     tempo: &Tempo,
 ) -> Option<[Direction<N>; 2]> {
     let to = match &segment.command {
-        Command::Rapid { to } | Command::Linear { to, .. } => to,
+        Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => to,
         Command::Arc { arc, .. } => &arc.to,
         _ => return None,
     };

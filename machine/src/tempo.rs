@@ -64,6 +64,7 @@ impl<const N: usize> Config<N> {
         let (feed, to) = match &segment.command {
             Command::Rapid { to } => (None, to),
             Command::Linear { to, feed } => (Some(feed), to),
+            Command::Thread { to, .. } => (None, to),
             Command::Arc { arc, feed } => (Some(feed), &arc.to),
             _ => return Tempo::NONE,
         };
@@ -130,6 +131,26 @@ impl<const N: usize> Config<N> {
     }
 }
 
+impl<const N: usize> Config<N> {
+    /// Encoder counts of a move that follows the spindle, times 2^16.
+    pub(crate) fn counts_q16(&self, command: &Command<N>, length_nm: u64) -> Option<u64> {
+        let lead = match command {
+            Command::Thread { lead, .. } => lead,
+            Command::Linear {
+                feed: Feed::PerRevolution(lead),
+                ..
+            }
+            | Command::Arc {
+                feed: Feed::PerRevolution(lead),
+                ..
+            } => lead,
+            _ => return None,
+        };
+        let counts = u64::from(self.spindle_counts?);
+        Some(mul_div_q16(length_nm, counts, lead.0.unsigned_abs()))
+    }
+}
+
 impl Axis {
     /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres, times 2^16.
     fn least_q16(&self, way_nm: u64, hz: u64) -> u64 {
@@ -150,7 +171,7 @@ fn ticks_q16(feed: &Feed, length_nm: u64, hz: u64) -> u64 {
         // 60 hz < 2^38.
         Feed::PerMinute(Nm(nm)) => mul_div_q16(length_nm, hz.wrapping_mul(60), nm.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => mul_div_q16(60_000_000, hz, *micro_per_minute),
-        // `Config::check` has refused it: nothing here knows how fast the spindle turns.
-        Feed::PerRevolution(Nm(nm)) => mul_div_q16(length_nm, hz, nm.unsigned_abs()),
+        // The spindle says when.
+        Feed::PerRevolution(_) => 0,
     }
 }

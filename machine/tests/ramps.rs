@@ -39,6 +39,7 @@ fn config(lash_steps: [u32; 3]) -> Config<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        spindle_counts: None,
     }
 }
 

@@ -157,6 +157,21 @@ impl Follower {
         }
     }
 
+    /// As [`Follower::advance`] for so many events at once: with one count for 2^16 `events`, the wait of an event in
+    /// 2^-16 counts where each has its own.
+    pub fn advance_by(&mut self, events: u32) {
+        // whole < 2^32, events < 2^32: the product wraps by name only, as counts do after 2^63.
+        let counts = i64::from(self.whole).wrapping_mul(events.into());
+        // part < unit < 2^31: below 2^63 with what is owed.
+        let parts = u64::from(self.part)
+            .wrapping_mul(events.into())
+            .wrapping_add(self.owed.into());
+        let unit = u64::from(self.unit);
+        let more = parts.checked_div(unit).unwrap_or(0);
+        self.owed = parts.wrapping_sub(more.wrapping_mul(unit)) as u32;
+        self.ahead = self.ahead.wrapping_add(counts).wrapping_add_unsigned(more);
+    }
+
     /// Counts from the present one to that of the next event, rounded down; negative when it has passed.
     pub const fn counts_ahead(&self) -> i64 {
         self.ahead

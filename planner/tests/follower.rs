@@ -100,3 +100,21 @@ fn stop_and_reverse() {
     assert!((again[0] - 503.33).abs() < 0.1, "{}", again[0]);
     assert!(size_of::<Follower>() <= 48);
 }
+
+proptest! {
+    /// Events with waits of their own, in 2^-16 counts, are due where those with equal waits are.
+    #[test]
+    fn advance_by_is_advance(counts in 1_u32..50_000, start in -1000_i32..1000, events in 1_u32..200) {
+        // `counts` 2^-16 counts an event, in both ways to say it.
+        let mut each = Follower::new(counts, 1 << 16, start, -2000).unwrap();
+        let mut many = Follower::new(1, 1 << 16, start, -2000).unwrap();
+        for _ in 0..events {
+            each.advance();
+            many.advance_by(counts);
+            prop_assert_eq!(each.counts_ahead(), many.counts_ahead());
+        }
+        let mut at_once = Follower::new(counts, 1 << 16, start, -2000).unwrap();
+        at_once.advance_by(events);
+        prop_assert_eq!(at_once, each);
+    }
+}

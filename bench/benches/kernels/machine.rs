@@ -24,6 +24,7 @@ pub fn mill() -> Machine<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        spindle_counts: None,
     })
 }
 

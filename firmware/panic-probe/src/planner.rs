@@ -95,6 +95,7 @@ fn streams() {
         Follower::measure as *const (),
         Follower::due as *const (),
         Follower::advance as *const (),
+        Follower::advance_by as *const (),
         Follower::counts_ahead as *const (),
     ]);
 }

@@ -28,6 +28,7 @@ pub fn config() -> Config<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        spindle_counts: None,
     }
 }
 
@@ -82,6 +83,7 @@ pub fn drain<const QUEUE: usize>(
             }
             Event::Dwell { wait_ticks } => ticks += u64::from(wait_ticks),
             Event::Output(_) | Event::Pause(_) => {}
+            Event::Index | Event::Follow(_) => panic!("there is no encoder"),
         }
     }
     (ticks, steps)

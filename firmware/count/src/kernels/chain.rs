@@ -51,6 +51,7 @@ fn machine(count: Count<'_>) {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        spindle_counts: None,
     };
     for (name, text) in [
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),

@@ -1,0 +1,77 @@
+//! Machines with ramps, and one whose axes follow its spindle.
+
+use assert_cmd::Command;
+use std::path::PathBuf;
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn trace(program: &str, machine: &str) -> Vec<(f64, [f64; 3], String)> {
+    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{machine}.csv"));
+    std::fs::create_dir_all(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    husillo()
+        .args(["run", program, "-m", machine, "--format", "json", "--trace"])
+        .arg(&file)
+        .assert()
+        .success();
+    let text = std::fs::read_to_string(file).unwrap();
+    let rows = text.lines().skip(1).map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let number = |index: usize| fields[index].parse::<f64>().unwrap();
+        let at = [number(2), number(3), number(4)];
+        (number(1) / 1e6, at, fields[5].to_owned())
+    });
+    rows.collect()
+}
+
+#[test]
+fn short_segments_run_without_a_stop() {
+    let feed: Vec<_> = trace("../examples/spirograph.nc", "router")
+        .into_iter()
+        .filter(|(.., kind)| kind == "feed")
+        .collect();
+    // From half a second after the plunge on: never slower than 1500 mm/min over 20 ms, where 2400 are programmed.
+    let first = feed
+        .iter()
+        .position(|(_, at, _)| at[2] < -499_000.0)
+        .unwrap();
+    let (begin, end) = (feed[first].0 + 0.5, feed[feed.len() - 1].0 - 0.5);
+    let mut back = 0;
+    for (time, at, _) in &feed {
+        if *time < begin || *time > end {
+            continue;
+        }
+        while feed[back].0 < time - 0.02 {
+            back += 1;
+        }
+        let way = (at[0] - feed[back].1[0]).hypot(at[1] - feed[back].1[1]);
+        let speed = way / (time - feed[back].0) * 60e-6;
+        assert!(
+            (1500.0..2600.0).contains(&speed),
+            "{speed} mm/min at {time} s"
+        );
+    }
+}
+
+#[test]
+fn threads_are_where_they_were() {
+    let rows = trace("../examples/thread.nc", "lathe");
+    // 600 turns a minute of 1.5 mm: Z makes 15 mm/s in every pass, all passes begin at the same angle.
+    let mut starts = Vec::new();
+    let mut last_z = 0.0;
+    for (time, at, kind) in &rows {
+        let is_cut = kind == "feed" && at[2] < 4_999_500.0;
+        if is_cut && last_z >= 4_999_500.0 {
+            starts.push(*time);
+        }
+        last_z = at[2];
+    }
+    assert_eq!(starts.len(), 3);
+    for pair in starts.windows(2) {
+        let turns = (pair[1] - pair[0]) * 10.0;
+        assert!((turns - turns.round()).abs() < 1e-3, "{turns} turns apart");
+    }
+}

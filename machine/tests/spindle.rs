@@ -1,0 +1,71 @@
+//! Moves that follow the spindle.
+
+mod common;
+
+use common::config;
+use husillo_machine::{Event, Machine, Means, MoveError, Origin, Refused};
+
+/// Counts of a whole event stream, its Follow events, and where index pulses are waited for.
+fn turn(program: &str) -> (u64, usize, Vec<usize>, Machine<3>) {
+    let mut config = config();
+    config.spindle_counts = Some(4096);
+    config.axes.iter_mut().for_each(|axis| axis.lash_steps = 0);
+    let mut machine: Machine<3> = Machine::new(config);
+    let (mut counts, mut steps, mut indices) = (0, 0, Vec::new());
+    for line in program.lines() {
+        while !machine.has_room() {
+            machine.next_event();
+        }
+        machine.line(line.as_bytes()).unwrap();
+    }
+    while let Some(event) = machine.next_event() {
+        match event {
+            Event::Follow(step) => {
+                counts += u64::from(step.wait_counts_q16);
+                steps += 1;
+                assert_eq!(machine.origin(), Origin::Feed);
+            }
+            Event::Index => indices.push(steps),
+            _ => {}
+        }
+    }
+    (counts, steps, indices, machine)
+}
+
+#[test]
+fn a_thread_has_its_pitch_and_waits_for_the_index_once() {
+    // 3 mm of 1.5 mm lead are two turns; two moves of one thread go on.
+    let (counts, steps, indices, machine) = turn("M3 S100\nG33 Z-1.4 K1.5\nG33 Z-3 K1.5\nG0 Z0");
+    // Each move rounds down to 2^-16 of a count.
+    assert!(counts.abs_diff((2 * 4096) << 16) <= 2, "{counts}");
+    assert_eq!(steps, 21_429);
+    assert_eq!(indices, [0]);
+    assert_eq!(machine.position_steps(), [0; 3]);
+    // The next pass waits again.
+    let (_, steps, indices, _) = turn("M3 S100\nG33 Z-1.4 K1.5\nG0 Z0\nG33 Z-1.4 K1.5");
+    assert_eq!(indices, [0, steps / 2]);
+}
+
+#[test]
+fn a_feed_a_revolution_is_one_on_lines_and_arcs() {
+    let (counts, _, indices, _) = turn("M3 S100\nG95 G1 X0.3 F0.1");
+    assert_eq!(counts, (3 * 4096) << 16);
+    assert!(indices.is_empty());
+    // A turn of radius 1 mm at 1 mm a turn: 2 pi turns.
+    let (counts, ..) = turn("M3 S100\nG95 G2 I1 J0 F1");
+    let ideal = core::f64::consts::TAU * 4096.0 * 65536.0;
+    assert!((counts as f64 / ideal - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn without_an_encoder_they_are_refused() {
+    let mut machine: Machine<3> = Machine::new(config());
+    machine.line(b"M3 S100").unwrap();
+    while machine.next_event().is_some() {}
+    assert_eq!(
+        machine.line(b"G33 Z-1 K1"),
+        Err(Refused::Move(MoveError::Unsupported(
+            Means::SpindleFeedback
+        )))
+    );
+}
