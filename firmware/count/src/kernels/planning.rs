@@ -1,10 +1,13 @@
-//! Speed along the path: the timers, and the queue of moves.
+//! Speed along the path: the timers, the queue of moves, bursts and the spindle.
 
 use core::hint::black_box;
 
-use husillo_planner::{Direction, Junction, Limits, LookAhead, Ramp, Stretch, Timer};
+use husillo_planner::{
+    AxisTimers, Burst, Bursts, Direction, Follower, Junction, Limits, LookAhead, Ramp, Rates,
+    Stretch, Timer, Trapezoid,
+};
 
-use crate::Count;
+use crate::{Count, time};
 
 const EVENTS: u32 = 2000;
 const MOVES: u32 = 500;
@@ -38,6 +41,62 @@ pub fn all(count: Count<'_>) {
     ramp(count, "ramp_cruising", &cruise, u64::MAX);
     queue(count);
     junction(count);
+    axes(count);
+    bursts(count);
+    spindle(count);
+}
+
+/// Each axis at its own times. An item is a tick at which some axis steps.
+fn axes(count: Count<'_>) {
+    let timers = AxisTimers::new(2_000_000, [EVENTS, 1_300, 7]);
+    let items = timers.clone().map(|_| 1).sum();
+    count("axis_timers_3_axes", items, &mut || {
+        for (ticks, axes) in black_box(timers.clone()) {
+            black_box((ticks, axes));
+        }
+    });
+}
+
+fn bursts(count: Count<'_>) {
+    let burst = Burst {
+        interval_ticks: 3_000,
+        count: EVENTS as u16,
+        add_ticks: -1,
+    };
+    time(count, "burst_replay", &burst.replay());
+    let rates = Rates {
+        timer_hz: 1_000_000,
+        start_rate_hz: 0,
+        top_rate_hz: 20_000,
+        end_rate_hz: 0,
+        acceleration_hz_per_s: 100_000,
+    };
+    let Ok(profile) = Trapezoid::new(&rates, 500) else {
+        return;
+    };
+    // The intervals of the ramp are counted with it.
+    count("burst_compress", 500, &mut || {
+        for burst in Bursts::new(black_box(profile.clone()), 2) {
+            black_box(burst);
+        }
+    });
+}
+
+/// A thread of 1.5 mm in steps of 1 um, 4096 counts a turn: asked at every count.
+fn spindle(count: Count<'_>) {
+    let Some(follower) = Follower::new(4096, 1500, 0, -1) else {
+        return;
+    };
+    count("follower_count", EVENTS, &mut || {
+        let mut follower = black_box(follower.clone());
+        for (counts, ticks) in (0..EVENTS as i32).zip((0_u32..).step_by(50)) {
+            follower.measure(black_box(ticks), black_box(counts));
+            if follower.counts_ahead() < 1 {
+                black_box(follower.due(ticks));
+                follower.advance();
+            }
+        }
+    });
 }
 
 #[inline(never)]
