@@ -5,6 +5,8 @@
 use husillo_gcode::parameters::{Program, Value};
 use husillo_gcode::{Block, Dialect, Error, Modal};
 use proptest::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// The value of an expression, or its error with columns from the start of the expression.
 fn value(expression: &str) -> Result<Value, (u16, usize, usize)> {
@@ -152,12 +154,22 @@ fn errors_have_their_place() {
     }
 }
 
-/// Runs a program: its commands with their line numbers, and its errors.
+/// Runs a program up to M2: its commands with their line numbers, and its errors.
 fn run(text: &str) -> (Vec<String>, Vec<String>) {
-    let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274).with_steps(10_000);
-    let mut modal = Modal::<3>::new(Dialect::RS274);
-    let (mut commands, mut errors) = (Vec::new(), Vec::new());
-    while let Some(line) = program.next_line(&()) {
+    run_in(Dialect::RS274, text)
+}
+
+fn run_in(dialect: Dialect, text: &str) -> (Vec<String>, Vec<String>) {
+    let mut program: Program = Program::new(text.as_bytes(), dialect).with_steps(10_000);
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut commands, mut errors) = (Vec::new(), Vec::<String>::new());
+    while let Some(line) = program.next_line(&modal) {
+        if commands
+            .last()
+            .is_some_and(|last: &String| last.contains(": end"))
+        {
+            break;
+        }
         assert_eq!(
             &text.as_bytes()[line.at..line.at + line.text.len()],
             line.text
@@ -177,6 +189,60 @@ fn run(text: &str) -> (Vec<String>, Vec<String>) {
         }
     }
     (commands, errors)
+}
+
+fn programs(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/golden/flow")
+        .join(folder);
+    let entries = fs::read_dir(folder).expect("golden folder");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|name| name == "ngc"));
+    paths.sort();
+    assert!(!paths.is_empty());
+    paths
+}
+
+/// `good/*.ngc` mean their `.commands`, in the order of execution; `UPDATE_GOLDEN=1` writes them anew.
+#[test]
+fn good_programs_mean_their_commands() {
+    for path in programs("good") {
+        let (commands, errors) = run(&fs::read_to_string(&path).expect("a program"));
+        assert!(errors.is_empty(), "{}: {errors:#?}", path.display());
+        let text = commands.join("\n") + "\n";
+        let golden = path.with_extension("commands");
+        if std::env::var_os("UPDATE_GOLDEN").is_some() {
+            fs::write(&golden, &text).expect("write");
+        }
+        let expected = fs::read_to_string(&golden).unwrap_or_default();
+        assert_eq!(text, expected, "{}", path.display());
+    }
+}
+
+/// The first line of `bad/*.ngc` is the only error; `name.DIALECT.ngc` are of that dialect.
+#[test]
+fn bad_programs_have_their_error() {
+    let mut wrong = Vec::new();
+    for path in programs("bad") {
+        let text = fs::read_to_string(&path).expect("a program");
+        let first = text.lines().next().unwrap_or_default().to_owned();
+        let stem = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let dialect = stem.split_once('.').map_or(Dialect::RS274, |(_, name)| {
+            Dialect::by_name(name).expect("a dialect")
+        });
+        let (_, errors) = run_in(dialect, &text);
+        let found = format!("; {}", errors.join(" | "));
+        if std::env::var_os("UPDATE_GOLDEN").is_some() {
+            fs::write(&path, text.replacen(&first, &found, 1)).expect("write");
+        } else if found != first {
+            wrong.push(format!("{}: expected {first}, got {found}", path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -286,9 +286,10 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
         if self.dialect.has_parameters() {
             let passes_delete = !self.dialect.block_delete();
-            if let Some(at) =
-                statement::place(raw.text, passes_delete).filter(|_| self.dialect.has_flow())
-            {
+            if let Some(at) = statement::place(raw.text, passes_delete) {
+                if !self.dialect.has_flow() {
+                    return self.numbered(raw);
+                }
                 if let Err(error) = self.steer(raw, at, system) {
                     self.is_over = true;
                     return Err(error);
@@ -302,6 +303,18 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             }
         }
         Block::parse(raw.text, &self.dialect)
+    }
+
+    /// A line with an `O` where that is the number of a program.
+    fn numbered(&self, raw: &Raw<'t>) -> Result<Block, Error> {
+        match statement::seen(raw.text, !self.dialect.block_delete()) {
+            Some(seen) => Err(Error {
+                kind: ErrorKind::Program(Fault::FlowNotOfDialect),
+                at: seen.at,
+                end: seen.end,
+            }),
+            None => Block::parse(raw.text, &self.dialect),
+        }
     }
 
     /// A line with an O-word.
@@ -588,7 +601,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             Fault::NoCall
         };
         let call = self.current_call().ok_or(missing)?;
-        if !call.label.is(order.statement.label) {
+        // A return may have any label, as LinuxCNC has it.
+        if is_end && !call.label.is(order.statement.label) {
             return Err(missing);
         }
         self.returned = order.value;
