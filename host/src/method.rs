@@ -144,7 +144,7 @@ impl Method {
         match shape {
             Shape::Line(delta) => self.line(*delta),
             Shape::Arc(arc) => self.arc(arc).map_err(|error| match error {
-                ArcError::FractionBits => "its centre must be a whole step".to_owned(),
+                ArcError::Centre => "its centre must be a whole step".to_owned(),
                 error => error.to_string(),
             }),
         }

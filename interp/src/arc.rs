@@ -71,6 +71,8 @@ pub enum ArcError {
     Degenerate,
     /// More than 30 fraction bits.
     FractionBits,
+    /// The centre is between two steps, and the method takes whole steps only.
+    Centre,
     /// An end is 2^30 BLU (or 2^46 units of the fraction) or more away from the centre.
     TooLarge,
     /// More than 2^31 events.
@@ -86,6 +88,7 @@ impl fmt::Display for ArcError {
         out.write_str(match self {
             ArcError::Degenerate => "an end of the arc is at its centre",
             ArcError::FractionBits => "the centre has more than 30 fraction bits",
+            ArcError::Centre => "the centre is between two steps",
             ArcError::TooLarge => "the arc's radius exceeds 2^30 steps",
             ArcError::TooLong => "the arc has more than 2^31 events",
             ArcError::OffRim => "an end is more than two steps off the nominal circle",

@@ -70,7 +70,7 @@ impl ArcDda {
     /// hold what the first point lacks to the curve as well.
     ///
     /// # Errors
-    /// [`ArcError`]; `FractionBits` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<ArcDda, ArcError> {
         let start = Start::new(arc)?;

@@ -103,7 +103,7 @@ impl DirectSearch {
     /// Prepares an arc: walks it once to count its events and to add up its sweep.
     ///
     /// # Errors
-    /// [`ArcError`]; `FractionBits` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<DirectSearch, ArcError> {
         let start = Start::new(arc)?;

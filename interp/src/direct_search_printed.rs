@@ -43,7 +43,7 @@ impl DirectSearchPrinted {
     /// Prepares an arc: walks it once to count its events.
     ///
     /// # Errors
-    /// [`ArcError`]; `FractionBits` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<DirectSearchPrinted, ArcError> {
         let start = Start::new(arc)?;

@@ -28,7 +28,7 @@ impl Start {
         let fraction = 1_i64.wrapping_shl(bits).wrapping_sub(1);
         let [centre_x, centre_y] = arc.centre;
         if (centre_x | centre_y) & fraction != 0 {
-            return Err(ArcError::FractionBits);
+            return Err(ArcError::Centre);
         }
         let centre = arc.centre.map(|centre| centre.wrapping_shr(bits));
         let from = Spot::new(arc.from, centre, arc.direction)?;

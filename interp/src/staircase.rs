@@ -57,7 +57,7 @@ impl Staircase {
     /// The minimax staircase: never 0.7071 BLU away.
     ///
     /// # Errors
-    /// [`ArcError`]; `FractionBits` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<Staircase, ArcError> {
         let start = Start::new(arc)?;

@@ -591,7 +591,7 @@ fn refusals() {
             fraction_bits: 1,
             ..fine
         };
-        assert_eq!(error(&half), Some(ArcError::FractionBits));
+        assert_eq!(error(&half), Some(ArcError::Centre));
         // A whole step, whatever the unit.
         assert_eq!(
             error(&ArcMove {
