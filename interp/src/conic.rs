@@ -26,7 +26,7 @@ const MAX_REACH: u32 = 1 << 22;
 /// | events | one a row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
 /// | speed ripple | a circle as [`Arc`](crate::Arc), 1/R; others 1/rho + 0.05 % where the radius of curvature is rho |
 /// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, as F has two first and three second differences of 64 bits each |
-/// | cost | instructions an event on Cortex-M4F / M0: circle 210 / 271, others 292 / 915; the difference is the length of the gradient (a root and a division of 32 bits) |
+/// | cost | instructions an event on Cortex-M4F / M0: circle 210 / 271, others 299 / 930; the difference is the length of the gradient (a root and a division of 32 bits) |
 /// | source | Danielsson 1970 and Jordan, Lennon, Holm 1973 (neighbours and quadrants), Pitteway 1967 (midpoint test for conics) |
 ///
 /// The midpoint test is exact on the axis that steps less: of a quadratic F the mean of two

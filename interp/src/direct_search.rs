@@ -28,7 +28,7 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 /// | speed ripple, equal times | 1 to 1.414 BLU an event along the curve, mean 1.111 (-10 / +27 %) |
 /// | speed ripple, times by sweep | about 1/R and a tick: [`TimedDirectSearch`](crate::TimedDirectSearch) |
 /// | state | 64 bytes, words of 32 bits; radius up to 2^28 BLU |
-/// | cost | 40 instructions an event on Cortex-M0, 33 on Cortex-M4F |
+/// | cost | 28 instructions an event on Cortex-M0, 26 on Cortex-M4F, 23 on RV32IMAC |
 /// | source | direct search: Koren 1979, micromill A.6; two tests: our derivation; best points: McIlroy, ACM TOG 2 (1983) 259 |
 ///
 /// The events are those of [`Arc`](crate::Arc) for the same [`ArcMove`]; this one takes whole-step centres only and is

@@ -16,6 +16,7 @@ use crate::{Interpolator, Step};
 /// | events | max &#124;d_j&#124; |
 /// | speed ripple | none where all events take the same time |
 /// | state | 32 bits: 8 bytes an axis and 12 more; every `i32` distance up to 2^31 |
+/// | cost | 2, 3 and 6 axes: 25, 37 and 77 instructions an event on Cortex-M0; 17, 23 and 44 on Cortex-M4F; 19, 27 and 51 on RV32IMAC |
 /// | source | Bresenham 1965, centred, in N axes |
 ///
 /// ```
