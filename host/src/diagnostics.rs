@@ -2,6 +2,7 @@
 
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::io::{self, Write};
 use std::ops::Range;
 
@@ -316,6 +317,8 @@ pub struct Findings<W> {
     format: Format,
     colour: bool,
     limit: u64,
+    /// Line, first byte and code of what was told, once a program comes to lines again.
+    told: Option<HashSet<(usize, usize, String)>>,
     /// Number of errors, printed or not.
     pub errors: u64,
     /// Number of warnings, printed or not.
@@ -330,9 +333,15 @@ impl<W: Write> Findings<W> {
             format,
             colour,
             limit,
+            told: None,
             errors: 0,
             warnings: 0,
         }
+    }
+
+    /// From now on tells the same about the same place once only: the program has loops.
+    pub fn tell_once(&mut self) {
+        self.told.get_or_insert_default();
     }
 
     /// Counts the finding and prints it while the limit allows.
@@ -341,6 +350,12 @@ impl<W: Write> Findings<W> {
     ///
     /// What the writer says.
     pub fn add(&mut self, finding: &Finding) -> io::Result<()> {
+        if let (Some(told), Some(place)) = (&mut self.told, &finding.place) {
+            let key = (place.line, place.span.start, finding.code.clone());
+            if !told.insert(key) {
+                return Ok(());
+            }
+        }
         match finding.severity {
             Severity::Error => self.errors += 1,
             Severity::Warning => self.warnings += 1,

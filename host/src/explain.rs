@@ -1,6 +1,7 @@
 //! What the errors of a block look like to a person: labels, notes, help.
 
 use crate::diagnostics::{Finding, Place};
+use crate::explain_flow;
 use husillo_gcode::{Error, ErrorKind, words};
 use std::ops::Range;
 
@@ -94,7 +95,10 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NotALetter(_) => finding.label("a word is a letter and a number").note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
         ErrorKind::MissingNumber(_) => finding.label("a number must follow the letter").note("grbl: `error:2`"),
         ErrorKind::MalformedNumber => finding.label("the number goes wrong here").note("grbl reads the first part, then answers `error:1` at the rest"),
-        ErrorKind::Expression => finding.label("not taken").help("let the post-processor write plain numbers"),
+        ErrorKind::Expression => finding
+            .label("not of this dialect")
+            .help("choose another with `--dialect`, or let the post-processor write plain numbers"),
+        ErrorKind::Program(fault) => explain_flow::finding(fault, finding),
         ErrorKind::NumberTooLarge => finding.label("too large").note("grbl keeps the first 8 digits and drops the rest without an error"),
         ErrorKind::TooManyDigits => finding.label("more digits than can be kept exactly"),
         ErrorKind::BlockTooLong(limit) => finding.label(format!("the buffer of the controller ends after {limit} characters")),

@@ -1,9 +1,11 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
+use crate::blocks;
 use crate::source::Source;
 use crate::turning::Turning;
-use husillo_machine::{Event, Machine, Pause};
+use husillo_machine::{Event, Machine, Pause, Refused};
 use std::io;
+use std::ops::ControlFlow;
 
 /// Runs a program to its end; `each` gets the machine and every event it gives.
 ///
@@ -24,18 +26,29 @@ pub fn feed(
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
-    while let Some(line) = source.next_line()? {
-        for (_, text) in dialect.blocks(line.bytes) {
+    let mut ended = false;
+    blocks::each_block(
+        source,
+        dialect,
+        machine,
+        |machine| machine.modal(),
+        |machine, given, block| {
             // As far ahead as the queue goes, then events until a place is free.
             while !machine.has_room() {
                 if pull(machine, &mut each)? == Pulled::End {
-                    return Ok(());
+                    ended = true;
+                    return Ok(ControlFlow::Break(()));
                 }
             }
-            machine
-                .line(text)
-                .map_err(|refused| io::Error::other(format!("line {}: {refused}", line.number)))?;
-        }
+            block
+                .map_err(Refused::from)
+                .and_then(|block| machine.block(&block))
+                .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
+            Ok(ControlFlow::Continue(()))
+        },
+    )?;
+    if ended {
+        return Ok(());
     }
     while pull(machine, &mut each)? == Pulled::Event {}
     Ok(())

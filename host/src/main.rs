@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod app;
+mod blocks;
 mod chart;
 mod check;
 mod cli;
@@ -25,6 +26,7 @@ mod diagnostics;
 mod drawing;
 mod drill_code;
 mod explain;
+mod explain_flow;
 mod feeder;
 mod grid;
 mod holes;

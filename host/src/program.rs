@@ -1,16 +1,47 @@
 //! A program file walked block by block, with what every block means.
 
+use crate::blocks::{self, Given};
 use crate::diagnostics::{Finding, Findings};
 use crate::explain::{self, At};
 use crate::source::{LONGEST_LINE, Source};
-use husillo_gcode::{Block, Command, Compensation, Dialect, Error, Modal, Nm};
+use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm};
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 
 /// One block that means something.
 #[derive(Debug)]
 pub struct Meaning<'a> {
     /// Where it stands.
     pub at: At<'a>,
+}
+
+/// The state between two blocks.
+struct Walker {
+    modal: Modal<3>,
+    /// The tool's path, where a program asks for compensation; else the commands as they are.
+    stage: Compensation<3>,
+    last_line: usize,
+    ended: bool,
+}
+
+impl Walker {
+    /// What a block means; an error changes nothing.
+    fn plan(
+        &mut self,
+        given: &Given<'_>,
+        block: Result<Block, Error>,
+    ) -> Result<Compensated<3>, Error> {
+        self.last_line = given.number;
+        let (next, commands) = self.modal.plan(&block?)?;
+        let (after, commands) = self.stage.plan(commands).map_err(|kind| Error {
+            kind,
+            at: 0,
+            end: given.text.trim_ascii_end().len(),
+        })?;
+        self.modal = next;
+        self.stage = after;
+        Ok(commands)
+    }
 }
 
 /// Walks a whole program: every error goes to `findings`, every command to `each`, until the program ends.
@@ -27,65 +58,62 @@ pub fn walk<W: Write>(
     findings: &mut Findings<W>,
     mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
-    let mut modal = Modal::<3>::new(dialect);
-    // The tool's path, where a program asks for compensation; else the commands as they are.
-    let mut stage = Compensation::new(modal.position());
-    let mut from = modal.position();
-    let mut last_line = 1;
-    while let Some(line) = source.next_line()? {
-        last_line = line.number;
-        let mut failed = false;
-        for (block, text) in dialect.blocks(line.bytes) {
+    let mut walker = Walker {
+        modal: Modal::new(dialect),
+        stage: Compensation::new([Nm(0); 3]),
+        last_line: 1,
+        ended: false,
+    };
+    let mut from = walker.modal.position();
+    blocks::each_block(
+        source,
+        dialect,
+        &mut walker,
+        |walker| &walker.modal,
+        |walker, given, block| {
             let at = At {
                 file,
-                line: line.number,
-                bytes: line.bytes,
-                block,
-                length: text.len(),
+                line: given.number,
+                bytes: given.bytes,
+                block: given.at,
+                length: given.text.len(),
             };
-            let planned = Block::parse(text, &dialect)
-                .and_then(|block| modal.plan(&block))
-                .and_then(|(next, commands)| {
-                    let (after, commands) = stage.plan(commands).map_err(|kind| Error {
-                        kind,
-                        at: 0,
-                        end: text.trim_ascii_end().len(),
-                    })?;
-                    stage = after;
-                    Ok((next, commands))
-                });
-            let (next, commands) = match planned {
-                Ok(planned) => planned,
+            if given.repeats {
+                findings.tell_once();
+            }
+            let commands = match walker.plan(given, block) {
+                Ok(commands) => commands,
                 Err(error) => {
-                    failed = true;
                     findings.add(&explain::finding(&error, &at))?;
-                    continue;
+                    return Ok(ControlFlow::Continue(()));
                 }
             };
-            let mut ended = false;
             let meaning = Meaning { at };
             for command in commands {
                 each(&meaning, &command, from, findings)?;
                 from = target(&command).unwrap_or(from);
-                ended |= matches!(command, Command::End { .. });
+                walker.ended |= matches!(command, Command::End { .. });
             }
-            modal = next;
-            if ended {
-                return Ok(modal);
+            if walker.ended {
+                return Ok(ControlFlow::Break(()));
             }
-        }
-        if line.overlong && !failed {
-            let at = At {
-                file,
-                line: line.number,
-                bytes: line.bytes,
-                block: 0,
-                length: line.bytes.len(),
-            };
-            let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
-            let message = format!("line longer than {LONGEST_LINE} characters");
-            findings.add(&Finding::error("E0104", message, place).label("the rest is not read"))?;
-        }
+            if given.overlong {
+                let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
+                let message = format!("line longer than {LONGEST_LINE} characters");
+                let finding = Finding::error("E0104", message, place);
+                findings.add(&finding.label("the rest is not read"))?;
+            }
+            Ok(ControlFlow::Continue(()))
+        },
+    )?;
+    let Walker {
+        modal,
+        stage,
+        last_line,
+        ended,
+    } = walker;
+    if ended {
+        return Ok(modal);
     }
     if stage.is_active() {
         // A program that ends without G40: its last move, told at the end of the file.

@@ -102,6 +102,20 @@ impl Source {
     }
 }
 
+impl Source {
+    /// The line given last and all behind it.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read.
+    pub fn rest(&mut self) -> io::Result<Vec<u8>> {
+        let mut text = std::mem::take(&mut self.buffer);
+        text.push(b'\n');
+        self.reader.read_to_end(&mut text)?;
+        Ok(text)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +136,14 @@ mod tests {
             [(1, 2, false), (2, 1, false), (3, 0, false), (4, 2, false)]
         );
         assert_eq!(lines(b""), []);
+    }
+
+    #[test]
+    fn the_rest_begins_with_the_line_given() {
+        let mut source = Source::from_reader(Box::new(&b"G1\r\nG2\r\nG3"[..]));
+        assert_eq!(source.next_line().unwrap().unwrap().number, 1);
+        assert_eq!(source.next_line().unwrap().unwrap().number, 2);
+        assert_eq!(source.rest().unwrap(), b"G2\nG3");
     }
 
     #[test]

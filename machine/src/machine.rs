@@ -136,8 +136,18 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        let block = Block::parse(text, &self.config.dialect)?;
-        let (modal, commands) = self.modal.plan(&block)?;
+        self.block(&Block::parse(text, &self.config.dialect)?)
+    }
+
+    /// Takes one block, as [`Machine::line`] does: one of a program whose expressions were worked out before.
+    ///
+    /// # Errors
+    /// Those of [`Machine::line`].
+    pub fn block(&mut self, block: &Block) -> Result<(), Refused> {
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        let (modal, commands) = self.modal.plan(block)?;
         let mut from = self.modal.position();
         for command in commands.clone() {
             self.config.check(&from, &command)?;

@@ -47,5 +47,6 @@ mod program;
 
 pub use fault::Fault;
 pub use program::{Line, Program};
+pub use statement::needs_program;
 pub use system::System;
 pub use value::Value;

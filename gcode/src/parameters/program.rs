@@ -296,9 +296,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
                 }
                 return Block::from_words([], &self.dialect);
             }
-            let is_deleted =
-                self.dialect.block_delete() && raw.text.trim_ascii_start().starts_with(b"/");
-            if !is_deleted && raw.text.iter().any(|byte| matches!(byte, b'#' | b'[')) {
+            if statement::needs_program(raw.text, &self.dialect) {
                 return self.evaluate(raw, system);
             }
         }

@@ -4,6 +4,7 @@ use super::expression::Reader;
 use super::fault::Fault;
 use super::table::{Key, is_same_name};
 use super::value::Value;
+use crate::dialect::Dialect;
 use crate::error::Error;
 
 /// What an O-word is called: a number, or a name as it stands in the text.
@@ -95,6 +96,32 @@ pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
         }
         at = at.wrapping_add(1);
     }
+}
+
+/// Whether a line takes a [`Program`](super::Program) to be read: it has a parameter or a bracket outside of comments, or
+/// begins with an O-word. Always `false` in a dialect without them. Cost: one look at each byte.
+pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
+    if !dialect.has_parameters()
+        || (dialect.block_delete() && line.trim_ascii_start().starts_with(b"/"))
+    {
+        return false;
+    }
+    if place(line, !dialect.block_delete()).is_some()
+        && (dialect.has_flow() || seen(line, false).is_some())
+    {
+        return true;
+    }
+    let mut is_comment = false;
+    for byte in line {
+        match byte {
+            b'(' => is_comment = true,
+            b')' => is_comment = false,
+            b';' if !is_comment => return false,
+            b'#' | b'[' if !is_comment => return true,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// Reads label and keyword; `reader` stands at the `O`.
