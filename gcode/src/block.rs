@@ -73,6 +73,8 @@ impl Span {
 pub struct Block {
     /// Bit n: slot n is given.
     present: u32,
+    /// Bit n: a code of group n is given.
+    groups: u32,
     deleted: bool,
     values: [Decimal; SLOTS],
     codes: [Option<Code>; Group::COUNT],
@@ -83,6 +85,7 @@ pub struct Block {
 impl Block {
     const EMPTY: Block = Block {
         present: 0,
+        groups: 0,
         deleted: false,
         values: [Decimal::ZERO; SLOTS],
         codes: [None; Group::COUNT],
@@ -98,19 +101,47 @@ impl Block {
     /// H, P or N (E0502), a dwell without time (E0504). A deleted block (`/`) is empty and has no errors.
     pub fn parse(text: &[u8], dialect: &Dialect) -> Result<Block, Error> {
         let mut block = Block::EMPTY;
+        block.take(text, dialect)?;
+        Ok(block)
+    }
+
+    /// An empty block, to read into.
+    pub const fn new() -> Block {
+        Block::EMPTY
+    }
+
+    /// As [`Block::parse`], into this block: nothing of it is moved or set to zero, which is most of the cost on a small
+    /// machine. Empty after an error.
+    ///
+    /// # Errors
+    /// Those of [`Block::parse`].
+    pub fn read(&mut self, text: &[u8], dialect: &Dialect) -> Result<(), Error> {
+        let taken = self.take(text, dialect);
+        if taken.is_err() {
+            self.clear();
+        }
+        taken
+    }
+
+    /// Nothing given: what the arrays hold is no longer looked at.
+    fn clear(&mut self) {
+        (self.present, self.groups, self.deleted) = (0, 0, false);
+    }
+
+    fn take(&mut self, text: &[u8], dialect: &Dialect) -> Result<(), Error> {
+        self.clear();
         check_length(text, dialect)?;
         let mut words = words(text);
         while let Some(word) = words.next() {
             if words.is_deleted() && dialect.block_delete() {
-                return Ok(Block {
-                    deleted: true,
-                    ..Block::EMPTY
-                });
+                self.clear();
+                self.deleted = true;
+                return Ok(());
             }
-            block.push(word?, dialect)?;
+            self.push(word?, dialect)?;
         }
-        block.deleted = words.is_deleted();
-        block.checked()
+        self.deleted = words.is_deleted();
+        self.check()
     }
 
     /// A block of words that were read elsewhere, in their order: those of a line with expressions.
@@ -125,7 +156,8 @@ impl Block {
         for word in words {
             block.push(word?, dialect)?;
         }
-        block.checked()
+        block.check()?;
+        Ok(block)
     }
 
     fn push(&mut self, word: Word, dialect: &Dialect) -> Result<(), Error> {
@@ -142,13 +174,13 @@ impl Block {
     }
 
     /// What can only be told when all words are there.
-    fn checked(self) -> Result<Block, Error> {
+    fn check(&self) -> Result<(), Error> {
         self.check_negative_p()?;
         self.check_program_number()?;
         if self.code(Group::NonModal) == Some(Code::Dwell) && self.word(b'P').is_none() {
             return Err(self.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
         }
-        Ok(self)
+        Ok(())
     }
 
     /// `P` may be negative only where it is a coordinate: in G5.
@@ -163,7 +195,7 @@ impl Block {
     /// `O1234` is the number of a program and stands alone, or with `N`.
     fn check_program_number(&self) -> Result<(), Error> {
         let alone = bit(b'O') | bit(b'N');
-        let others = self.present & !alone != 0 || self.codes.iter().any(Option::is_some);
+        let others = self.present & !alone != 0 || self.groups != 0;
         if self.present & bit(b'O') != 0 && others {
             return Err(self.error_at(ErrorKind::NumberNotAlone, b'O'));
         }
@@ -192,10 +224,11 @@ impl Block {
         {
             // G80 beside another motion code is the preamble of many a program: the other one counts.
             let cancel = |code| code == Code::CancelMotion && dialect.joins_cancel();
-            match *slot {
+            let bit = 1u32.wrapping_shl(group as u32);
+            match slot.filter(|_| self.groups & bit != 0) {
                 Some(_) if cancel(code) => {}
                 Some(before) if !cancel(before) => return Err(ErrorKind::TwoCodesOfOneGroup),
-                _ => (*slot, *place) = (Some(code), span),
+                _ => (*slot, *place, self.groups) = (Some(code), span, self.groups | bit),
             }
         }
         Ok(())
@@ -248,7 +281,7 @@ impl Block {
 
     /// Whether the block asks for nothing: no code and no word but `N`.
     pub fn is_empty(&self) -> bool {
-        self.present & !bit(b'N') == 0 && self.codes.iter().all(Option::is_none)
+        self.present & !bit(b'N') == 0 && self.groups == 0
     }
 
     /// The number behind `N`, if it is a whole number of 32 bits. It means nothing to the program.
@@ -302,13 +335,14 @@ impl Block {
     /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
     /// of what is in effect without a code of its own in the block.
     pub(crate) fn check_users(&self, more: &[u8]) -> Result<(), Error> {
-        let mask = |letters: &[u8]| letters.iter().fold(0, |mask, &letter| mask | bit(letter));
-        let given = self.present & mask(CLAIMED);
+        let given = self.present & const { mask(CLAIMED) };
         if given == 0 {
             return Ok(());
         }
         let (mut once, mut twice) = (mask(more), 0);
-        for code in self.codes.iter().flatten() {
+        let codes = (0..Group::COUNT as u32).zip(&self.codes);
+        let given_codes = codes.filter(|&(group, _)| self.groups & 1u32.wrapping_shl(group) != 0);
+        for code in given_codes.filter_map(|(_, code)| code.as_ref()) {
             let claim = mask(code.letters());
             twice |= once & claim;
             once |= claim;
@@ -335,24 +369,37 @@ impl Block {
             .and_then(|number| u32::try_from(number).ok())
     }
 
+    #[inline]
     pub(crate) fn code(&self, group: Group) -> Option<Code> {
+        if self.groups & 1u32.wrapping_shl(group as u32) == 0 {
+            return None;
+        }
         self.codes.get(group as usize).copied().flatten()
+    }
+
+    /// Whether there is nothing but one of G0 to G3 at the most, the words of a move, `F` and `N`.
+    pub(crate) fn is_move(&self) -> bool {
+        const OF_MOVES: u32 = mask(b"XYZABCUVWIJKRPFN");
+        let others = self.groups & !1u32.wrapping_shl(Group::Motion as u32);
+        others == 0
+            && self.present & !OF_MOVES == 0
+            && matches!(
+                self.code(Group::Motion),
+                None | Some(Code::Rapid | Code::Linear | Code::Clockwise | Code::CounterClockwise)
+            )
     }
 
     /// The same kind of error at the word of this letter.
     pub(crate) fn error_at(&self, kind: ErrorKind, letter: u8) -> Error {
-        let slot = slot_of(letter).map_or(SLOTS, usize::from);
+        let given = slot_of(letter).filter(|_| self.present & bit(letter) != 0);
+        let slot = given.map_or(SLOTS, usize::from);
         let span = self.word_spans.get(slot).copied().unwrap_or_default();
         span.error(kind)
     }
 
     pub(crate) fn error_at_code(&self, kind: ErrorKind, group: Group) -> Error {
-        let span = self
-            .code_spans
-            .get(group as usize)
-            .copied()
-            .unwrap_or_default();
-        span.error(kind)
+        let given = self.code(group).and(self.code_spans.get(group as usize));
+        given.copied().unwrap_or_default().error(kind)
     }
 
     /// At all axis words: from the first to the last of them.
@@ -390,17 +437,38 @@ impl Block {
     }
 }
 
+impl Default for Block {
+    fn default() -> Self {
+        Block::EMPTY
+    }
+}
+
 /// Slot of an upper-case letter.
-fn slot_of(letter: u8) -> Option<u8> {
-    SLOT_OF
-        .get(usize::from(letter.wrapping_sub(b'A')))
-        .copied()
-        .filter(|&slot| slot != NO_SLOT)
+const fn slot_of(letter: u8) -> Option<u8> {
+    let place = letter.wrapping_sub(b'A') as usize;
+    if place < SLOT_OF.len() && SLOT_OF[place] != NO_SLOT {
+        Some(SLOT_OF[place])
+    } else {
+        None
+    }
 }
 
 /// The bit of an upper-case letter in [`Block::present`]; 0 for one without a slot.
-fn bit(letter: u8) -> u32 {
-    slot_of(letter).map_or(0, |slot| 1u32.wrapping_shl(u32::from(slot)))
+const fn bit(letter: u8) -> u32 {
+    match slot_of(letter) {
+        Some(slot) => 1u32.wrapping_shl(slot as u32),
+        None => 0,
+    }
+}
+
+/// The bits of several letters.
+const fn mask(mut letters: &[u8]) -> u32 {
+    let mut mask = 0;
+    while let Some((&letter, rest)) = letters.split_first() {
+        mask |= bit(letter);
+        letters = rest;
+    }
+    mask
 }
 
 fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {

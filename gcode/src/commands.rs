@@ -98,7 +98,8 @@ const MOTION: u16 = 1 << 11;
 const LAST: u16 = 1 << 12;
 
 impl<const N: usize> Commands<N> {
-    pub(crate) const fn new() -> Self {
+    /// None: to be filled by [`Modal::apply`](crate::Modal::apply).
+    pub const fn new() -> Self {
         Commands {
             pending: 0,
             tool: 0,
@@ -116,6 +117,11 @@ impl<const N: usize> Commands<N> {
             last: Plain::Pallet,
             motion: Body::One(Command::Pallet),
         }
+    }
+
+    /// None to come; what the fields hold is no longer looked at.
+    pub(crate) fn clear(&mut self) {
+        self.pending = 0;
     }
 
     pub(crate) fn tool(&mut self, number: u32) {
@@ -177,6 +183,12 @@ impl<const N: usize> Commands<N> {
 
     pub(crate) fn finish(&mut self, last: Plain) {
         (self.last, self.pending) = (last, self.pending | LAST);
+    }
+}
+
+impl<const N: usize> Default for Commands<N> {
+    fn default() -> Self {
+        Commands::new()
     }
 }
 

@@ -238,6 +238,56 @@ impl<const N: usize> Modal<N> {
         Ok((next, commands))
     }
 
+    /// As [`Modal::plan`], in place: nothing is moved, and for G0 to G3 with axis words, `F` and `N` nothing but what they
+    /// change is kept aside. `commands` are replaced. With an error there are none, and the state is as it was.
+    ///
+    /// # Errors
+    /// Those of [`Modal::plan`].
+    pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+        commands.clear();
+        let done = if block.is_move() && self.is_moving(block) {
+            let before = (self.position, self.feed, self.motion, self.tail);
+            let done = self.execute_move(block, commands);
+            if done.is_err() {
+                (self.position, self.feed, self.motion, self.tail) = before;
+            }
+            done
+        } else {
+            self.apply_any(block, commands)
+        };
+        if done.is_err() {
+            commands.clear();
+        }
+        done
+    }
+
+    /// Whether the motion in effect is one of G0 to G3, or none and the block names it.
+    fn is_moving(&self, block: &Block) -> bool {
+        match self.motion {
+            None => block.code(Group::Motion).is_some(),
+            Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
+                true
+            }
+            Some(_) => false,
+        }
+    }
+
+    /// The stages of [`Modal::execute`] that a block with nothing but a move has.
+    #[inline]
+    fn execute_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+        self.check_axes(block)?;
+        self.set_feed(block)?;
+        self.moves(block, commands)
+    }
+
+    #[inline(never)]
+    fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+        let mut next = self.clone();
+        next.execute(block, commands)?;
+        *self = next;
+        Ok(())
+    }
+
     /// The programmed position, machine frame.
     pub fn position(&self) -> [Nm; N] {
         self.position

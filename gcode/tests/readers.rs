@@ -165,3 +165,84 @@ proptest! {
         prop_assert!(receiver.check(&wrong).is_err());
     }
 }
+
+/// Lines of moves with some of everything between them, right and wrong.
+fn line() -> impl Strategy<Value = String> {
+    let word = prop::sample::select(vec![
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+        "X1",
+        "Y-2.5",
+        "Z3",
+        "I1",
+        "J0.5",
+        "R4",
+        "F100",
+        "F-1",
+        "N7",
+        "P1",
+        "P-1",
+        "A1",
+        "U2",
+        "G90",
+        "G91",
+        "G20",
+        "G93",
+        "G94",
+        "G81",
+        "G80",
+        "G5",
+        "S100",
+        "M3",
+        "T1",
+        "M6",
+        "G41",
+        "G40",
+        "D1",
+        "G54",
+        "G92",
+        "G10",
+        "L2",
+        "G28",
+        "G4",
+        "G53",
+        "M2",
+        "X9999999999999",
+        "/",
+        "G33",
+        "K1",
+        "G18",
+        "G7",
+    ]);
+    prop::collection::vec(word, 0..6).prop_map(|words| words.join(" "))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    /// Reading into one block and applying in place gives the same states, commands and errors as `parse` and `plan`.
+    #[test]
+    fn in_place_is_the_same(lines in prop::collection::vec(line(), 0..10)) {
+        use husillo_gcode::{Block, Command, Commands, Dialect, Modal};
+        for dialect in Dialect::ALL {
+            let (mut one, mut other) = (Modal::<3>::new(dialect), Modal::<3>::new(dialect));
+            let (mut block, mut commands) = (Block::new(), Commands::<3>::new());
+            for line in &lines {
+                let planned = Block::parse(line.as_bytes(), &dialect).and_then(|block| one.plan(&block));
+                let applied = block.read(line.as_bytes(), &dialect).and_then(|()| other.apply(&block, &mut commands));
+                match planned {
+                    Ok((next, made)) => {
+                        prop_assert_eq!(applied, Ok(()));
+                        let made: Vec<Command<3>> = made.collect();
+                        prop_assert_eq!(commands.by_ref().collect::<Vec<_>>(), made);
+                        one = next;
+                    }
+                    Err(error) => prop_assert_eq!(applied, Err(error)),
+                }
+                prop_assert_eq!(&one, &other);
+            }
+        }
+    }
+}
