@@ -2,7 +2,7 @@
 
 use crate::arc::Plane;
 use crate::code::Side;
-use crate::command::{Command, Input, PathMode, SpindleDirection, Switch, WaitFor};
+use crate::command::{Command, Feed, Input, PathMode, SpindleDirection, Switch, WaitFor};
 use crate::cycle::Cycle;
 use crate::nm::Nm;
 
@@ -79,6 +79,12 @@ impl Plain {
 /// What moves.
 #[derive(Clone, Debug)]
 enum Body<const N: usize> {
+    /// G0, or with a feed G1: most of all moves, so without the detour over a [`Command`] (whose variants are copied byte
+    /// by byte where they meet).
+    Straight {
+        to: [Nm; N],
+        feed: Option<Feed>,
+    },
     One(Command<N>),
     Cycle(Cycle<N>),
 }
@@ -177,6 +183,12 @@ impl<const N: usize> Commands<N> {
         (self.motion, self.pending) = (Body::One(motion), self.pending | MOTION);
     }
 
+    /// G0 without a feed, G1 with it.
+    #[inline]
+    pub(crate) fn straight(&mut self, to: [Nm; N], feed: Option<Feed>) {
+        (self.motion, self.pending) = (Body::Straight { to, feed }, self.pending | MOTION);
+    }
+
     pub(crate) fn cycle(&mut self, cycle: Cycle<N>) {
         (self.motion, self.pending) = (Body::Cycle(cycle), self.pending | MOTION);
     }
@@ -199,6 +211,14 @@ impl<const N: usize> Iterator for Commands<N> {
         let mut lowest = self.pending & self.pending.wrapping_neg();
         if lowest == MOTION {
             match &mut self.motion {
+                Body::Straight { to, feed } => {
+                    self.pending &= !MOTION;
+                    let to = *to;
+                    return Some(match *feed {
+                        None => Command::Rapid { to },
+                        Some(feed) => Command::Linear { to, feed },
+                    });
+                }
                 Body::One(command) => {
                     self.pending &= !MOTION;
                     return Some(*command);

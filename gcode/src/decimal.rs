@@ -32,6 +32,16 @@ const fn power(n: u8) -> Option<i64> {
     }
 }
 
+/// `10^n`, or `None` beyond 10^6.
+const fn small_power(n: u8) -> Option<i32> {
+    const POWERS: [i32; 7] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000];
+    if (n as usize) < POWERS.len() {
+        Some(POWERS[n as usize])
+    } else {
+        None
+    }
+}
+
 /// Quotient and rest; zeros for a divisor of 0, which is never given.
 const fn divide(value: u64, divisor: u64) -> (u64, u64) {
     match (value.checked_div(divisor), value.checked_rem(divisor)) {
@@ -108,6 +118,14 @@ impl Decimal {
     /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
     /// nanometre. The usual case costs one multiplication or one 64-bit division.
     pub const fn scaled(self, factor: i64, exponent: u8) -> Option<i64> {
+        let small = self.digits as i32 as i64 == self.digits && factor.unsigned_abs() <= 2147;
+        if small && self.places <= exponent {
+            if let Some(scale) = small_power(exponent.wrapping_sub(self.places)) {
+                // 2147 * 10^6 < 2^31, so this is one multiplication of 32 by 32 bits, which fits 63.
+                let scale = (factor as i32).wrapping_mul(scale);
+                return Some((self.digits as i32 as i64).wrapping_mul(scale as i64));
+            }
+        }
         let product = self.digits.checked_mul(factor);
         if self.places <= exponent {
             return match (product, power(exponent.wrapping_sub(self.places))) {

@@ -213,15 +213,12 @@ impl<const N: usize> Modal<N> {
                 self.frame()
             },
         )?;
-        let motion = match mode {
-            Motion::Rapid => Command::Rapid { to },
-            _ => Command::Linear {
-                to,
-                feed: self.feed_of(block)?,
-            },
+        let feed = match mode {
+            Motion::Rapid => None,
+            _ => Some(self.feed_of(block)?),
         };
         self.position = to;
-        commands.motion(motion);
+        commands.straight(to, feed);
         Ok(())
     }
 

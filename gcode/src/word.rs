@@ -213,7 +213,8 @@ fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, 
         next = end.wrapping_add(1);
         byte = byte_at(text, next);
     }
-    if alphabet(byte) > 25 && !(lines && byte == LINE_FEED) {
+    // At the end of the text, and before a NUL, it is over as well.
+    if alphabet(byte) > 25 && byte != 0 && !(lines && byte == LINE_FEED) {
         next = behind_number(text, next, lines)?;
     }
     Some((Decimal::short(low, places as u8, negative), end, next))

@@ -31,6 +31,7 @@ pub fn all(count: Count<'_>) {
     planning::all(count);
     stages::all(count);
     words::all(count);
+    words::line(count);
     chain::all(count);
 }
 

@@ -2,9 +2,11 @@
 
 use core::hint::black_box;
 
-use husillo_gcode::{Token, WordReader, tokens};
+use husillo_gcode::{Block, Commands, Dialect, Modal, Token, WordReader, tokens};
 
 use crate::Count;
+
+const LINES: u32 = 50;
 
 const PROGRAMS: [(&str, &str, &str); 4] = [
     ("words_seg", "push_seg", include_str!("../../text/seg.ngc")),
@@ -43,4 +45,19 @@ pub fn all(count: Count<'_>) {
             black_box((words, sum));
         });
     }
+}
+
+/// A line from its bytes to its command, in place.
+#[inline(never)]
+pub fn line(count: Count<'_>) {
+    let dialect = Dialect::RS274;
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut block, mut commands) = (Block::new(), Commands::<3>::new());
+    count("line_to_command", LINES, &mut || {
+        for _ in 0..LINES {
+            let text = black_box(b"G1 X12.345 Y-6.789 F600");
+            let done = block.read(text, &dialect).and_then(|()| modal.apply(&block, &mut commands));
+            black_box((done.is_ok(), &commands));
+        }
+    });
 }
