@@ -93,10 +93,18 @@ impl<const N: usize> Iterator for Line<N> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
-            // -n <= phase < 0 and rate <= n <= 2^31: the sum is from -2^31 to 2^31 - 1.
-            axis.phase = axis.phase.wrapping_add(axis.rate as i32);
-            if axis.phase >= 0 {
-                axis.phase = axis.phase.wrapping_sub(self.events as i32);
+            // -n <= phase < 0 and rate <= n <= 2^31: the sum is from -2^31 to 2^31 - 1. As 32 bits it carries where it
+            // gets to 0 or above.
+            let (phase, is_due) = (axis.phase as u32).overflowing_add(axis.rate);
+            axis.phase = phase as i32;
+            let due = phase.wrapping_sub(self.events) as i32;
+            if cfg!(target_pointer_width = "64") {
+                // Selected: which axis steps is what a desktop guesses wrong.
+                axis.phase = if is_due { due } else { axis.phase };
+                axes |= if is_due { bit } else { 0 };
+            } else if axis.phase >= 0 {
+                // A branch is what a Cortex-M has the fewest instructions for.
+                axis.phase = due;
                 axes |= bit;
             }
             bit = bit.wrapping_shl(1);
