@@ -23,12 +23,17 @@ pub fn gcode(data: &[u8]) {
                         let compensated = stage.plan(commands.clone());
                         let count = commands.count();
                         assert!(
-                            least <= count && most.is_none_or(|most| count <= most) && count <= 1 << 21,
+                            least <= count
+                                && most.is_none_or(|most| count <= most)
+                                && count <= 1 << 21,
                             "{count} of {least} to {most:?} commands"
                         );
                         if let Ok((after, commands)) = compensated {
                             stage = after;
-                            assert!(commands.count() <= count * 9, "no more than a move and a corner");
+                            assert!(
+                                commands.count() <= count * 9,
+                                "no more than a move and a corner"
+                            );
                         }
                         modal = next;
                     }

@@ -7,6 +7,7 @@ mod excellon;
 mod gcode;
 mod interp;
 mod machine;
+mod parameters;
 mod planner;
 mod stepper;
 
@@ -15,6 +16,7 @@ pub use excellon::excellon;
 pub use gcode::gcode;
 pub use interp::interp;
 pub use machine::machine;
+pub use parameters::parameters;
 pub use planner::planner;
 pub use stepper::stepper;
 
@@ -22,8 +24,9 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 7] = [
+pub const TARGETS: [(&str, Target); 8] = [
     ("gcode", gcode),
+    ("parameters", parameters),
     ("excellon", excellon),
     ("interp", interp),
     ("planner", planner),

@@ -148,8 +148,8 @@ impl Block {
     ///
     /// # Errors
     /// The first error among the words, otherwise as [`Block::parse`].
-    pub fn from_words(
-        words: impl IntoIterator<Item = Result<Word, Error>>,
+    pub fn from_words<W: IntoIterator<Item = Result<Word, Error>>>(
+        words: W,
         dialect: &Dialect,
     ) -> Result<Block, Error> {
         let mut block = Block::EMPTY;

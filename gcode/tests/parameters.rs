@@ -2,7 +2,7 @@
 
 #![cfg(feature = "parameters")]
 
-use husillo_gcode::parameters::{Program, Value};
+use husillo_gcode::parameters::{NoMachine, Program, Value};
 use husillo_gcode::{Block, Dialect, Error, Modal};
 use proptest::prelude::*;
 use std::fs;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 fn value(expression: &str) -> Result<Value, (u16, usize, usize)> {
     let text = format!("#1={expression}");
     let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
-    let line = program.next_line(&()).expect("a line");
+    let line = program.next_line(&NoMachine).expect("a line");
     match line.block {
         Ok(_) => Ok(program.parameter(1)),
         Err(error) => Err((
@@ -334,7 +334,7 @@ proptest! {
             wrapped += letter;
         }
         let mut program: Program = Program::new(wrapped.as_bytes(), Dialect::RS274);
-        let through = program.next_line(&()).expect("a line").block;
+        let through = program.next_line(&NoMachine).expect("a line").block;
         match (direct, through) {
             (Ok(direct), Ok(through)) => for letter in b'A'..=b'Z' {
                 prop_assert_eq!(direct.word(letter), through.word(letter));
@@ -350,7 +350,7 @@ proptest! {
         let text = lines.join("\n");
         let mut program: Program<'_, 8, 12, 4> = Program::new(text.as_bytes(), Dialect::RS274).with_steps(500);
         let mut given = 0;
-        while let Some(line) = program.next_line(&()) {
+        while let Some(line) = program.next_line(&NoMachine) {
             given += 1;
             prop_assert!(given <= 502);
             prop_assert_eq!(text.as_bytes().get(line.at..line.at + line.text.len()), Some(line.text));
@@ -359,7 +359,7 @@ proptest! {
                 prop_assert!(!kind.to_string().is_empty());
             }
         }
-        prop_assert!(program.next_line(&()).is_none());
+        prop_assert!(program.next_line(&NoMachine).is_none());
     }
 }
 

@@ -7,14 +7,16 @@ use husillo_gcode::excellon::{
     self, Digits, Features, Inference, Lines, Number, Reader, Settings, Tools, Units, WarningKind,
     lines,
 };
+use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
-    Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, ErrorKind, Modal,
-    Plane, SpindleDirection, Tool, Words, words,
+    Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
+    ErrorKind, Modal, Plane, SpindleDirection, Tool, Word, Words, words,
 };
 
 /// Keeps every function in the program.
 pub fn keep() {
     keep_excellon();
+    keep_parameters();
     black_box([
         words as *const (),
         Words::is_deleted as *const (),
@@ -35,8 +37,10 @@ pub fn keep() {
         Dialect::block_delete as *const (),
         Dialect::with_block_delete as *const (),
         Dialect::blocks as *const (),
+        Dialect::has_parameters as *const (),
         <Blocks as Iterator>::next as *const (),
         Block::parse as *const (),
+        Block::from_words::<[Result<Word, Error>; 2]> as *const (),
         Block::word as *const (),
         Block::line_number as *const (),
         Block::program_number as *const (),
@@ -52,6 +56,7 @@ pub fn keep() {
         Modal::<3>::work_offset as *const (),
         Modal::<3>::work_system as *const (),
         Modal::<3>::set_work_zero as *const (),
+        Modal::<3>::work_zero as *const (),
         Modal::<3>::home as *const (),
         Modal::<3>::set_home as *const (),
         Modal::<3>::dialect as *const (),
@@ -123,5 +128,34 @@ fn keep_excellon() {
         Units::digits as *const (),
         excellon::ErrorKind::code as *const (),
         WarningKind::code as *const (),
+    ]);
+}
+
+/// Parameters, expressions, O-words.
+fn keep_parameters() {
+    black_box([
+        needs_program as *const (),
+        Fault::code as *const (),
+        Value::new as *const (),
+        Value::is_exact as *const (),
+        Value::digits as *const (),
+        Value::places as *const (),
+        Value::whole as *const (),
+        Value::to_decimal as *const (),
+        <NoMachine as System>::numbered as *const (),
+        <NoMachine as System>::named as *const (),
+        <Modal<3> as System>::numbered as *const (),
+        <Modal<3> as System>::named as *const (),
+        Program::<'_, 64, 96, 10>::new as *const (),
+        Program::<'_, 64, 96, 10>::with_steps as *const (),
+        Program::<'_, 64, 96, 10>::with_first_line as *const (),
+        Program::<'_, 64, 96, 10>::steps_left as *const (),
+        Program::<'_, 64, 96, 10>::call_level as *const (),
+        Program::<'_, 64, 96, 10>::parameter as *const (),
+        Program::<'_, 64, 96, 10>::named_parameter as *const (),
+        Program::<'_, 64, 96, 10>::set_parameter as *const (),
+        Program::<'_, 64, 96, 10>::set_named_parameter as *const (),
+        Program::<'_, 64, 96, 10>::next_line::<Modal<3>> as *const (),
+        Program::<'_, 64, 96, 10>::next_line::<NoMachine> as *const (),
     ]);
 }

@@ -24,6 +24,7 @@ pub fn keep() {
         Machine::with_lash as *const (),
         Machine::set_compensation as *const (),
         Machine::line as *const (),
+        Machine::block as *const (),
         Machine::has_room as *const (),
         Machine::hold as *const (),
         Machine::resume as *const (),

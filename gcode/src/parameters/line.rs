@@ -41,8 +41,8 @@ impl<'t> Assignments<'t> {
     }
 }
 
-/// Iterator over the words of a line, with their values worked out. Assignments go to `assignments`: the line itself still
-/// sees the values from before it, as RS-274/NGC has it. Ends after the first error.
+/// The words of a line, with their values worked out. Assignments go to `assignments`: the line itself still sees the
+/// values from before it, as RS-274/NGC has it.
 pub(super) struct Evaluated<'a, 't, F> {
     text: &'t [u8],
     reader: Reader<'t, F>,
@@ -65,7 +65,8 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
         }
     }
 
-    fn word(&mut self) -> Result<Option<Word>, Error> {
+    /// The next word; `None` behind the last.
+    pub(super) fn word(&mut self) -> Result<Option<Word>, Error> {
         loop {
             let Some(byte) = self.reader.peek() else {
                 return Ok(None);
@@ -163,12 +164,4 @@ where
         at: from,
         end: reader.at(),
     })
-}
-
-impl<'t, F: Fn(Key<'t>) -> Option<Value>> Iterator for Evaluated<'_, 't, F> {
-    type Item = Result<Word, Error>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.word().transpose()
-    }
 }

@@ -48,5 +48,5 @@ mod program;
 pub use fault::Fault;
 pub use program::{Line, Program};
 pub use statement::needs_program;
-pub use system::System;
+pub use system::{NoMachine, System};
 pub use value::Value;

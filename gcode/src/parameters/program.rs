@@ -234,10 +234,10 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     /// The next line; `None` behind the end of the text, and after an error that ends the program.
     ///
     /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal) that has planned all lines
-    /// before, or `()`. M2 and M30 end nothing here: the caller sees their command.
+    /// before, or [`NoMachine`](super::NoMachine). M2 and M30 end nothing here: the caller sees their command.
     ///
     /// Cost: one pass over the line; O-words that jump forward pass over the lines between.
-    pub fn next_line(&mut self, system: &impl System) -> Option<Line<'t>> {
+    pub fn next_line<S: System>(&mut self, system: &S) -> Option<Line<'t>> {
         if self.is_over {
             return None;
         }
@@ -329,7 +329,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
         let mut assignments = Assignments::NONE;
         let lookup = |key: Key<'t>| self.lookup(key, raw.place.number, system);
-        let words = Evaluated::new(raw.text, &mut assignments, lookup);
+        let mut line = Evaluated::new(raw.text, &mut assignments, lookup);
+        let words = core::iter::from_fn(|| line.word().transpose());
         let block = Block::from_words(words, &self.dialect)?;
         for assignment in assignments.iter() {
             let fault = |fault| Error {

@@ -10,7 +10,7 @@ use crate::nm::Nm;
 /// What expressions can ask of the machine: positions, the work system, the tool. They read it at the line they stand
 /// on, so a caller plans each block before it asks for the next line.
 ///
-/// [`Modal`](crate::Modal) answers; `()` knows nothing, for lines without a machine.
+/// [`Modal`](crate::Modal) answers; [`NoMachine`] knows nothing.
 pub trait System {
     /// The value of a system parameter (#5061 to #5602) in the units in effect; `None` for those that are none. They
     /// can be read, not assigned.
@@ -20,7 +20,11 @@ pub trait System {
     fn named(&self, name: &[u8]) -> Option<Value>;
 }
 
-impl System for () {
+/// Answers nothing: for lines without a machine.
+#[derive(Copy, Clone, Debug, Default)]
+pub struct NoMachine;
+
+impl System for NoMachine {
     fn numbered(&self, _: u16) -> Option<Value> {
         None
     }
