@@ -9,6 +9,7 @@ mod interp;
 mod machine;
 mod parameters;
 mod planner;
+mod reader;
 mod stepper;
 
 pub use backlash::backlash;
@@ -18,14 +19,16 @@ pub use interp::interp;
 pub use machine::machine;
 pub use parameters::parameters;
 pub use planner::planner;
+pub use reader::reader;
 pub use stepper::stepper;
 
 /// A target: takes any bytes.
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 8] = [
+pub const TARGETS: [(&str, Target); 9] = [
     ("gcode", gcode),
+    ("reader", reader),
     ("parameters", parameters),
     ("excellon", excellon),
     ("interp", interp),
