@@ -56,7 +56,9 @@ pub fn line(count: Count<'_>) {
     count("line_to_command", LINES, &mut || {
         for _ in 0..LINES {
             let text = black_box(b"G1 X12.345 Y-6.789 F600");
-            let done = block.read(text, &dialect).and_then(|()| modal.apply(&block, &mut commands));
+            let done = block
+                .read(text, &dialect)
+                .and_then(|()| modal.apply(&block, &mut commands));
             black_box((done.is_ok(), &commands));
         }
     });
