@@ -20,7 +20,9 @@ impl Sink for Fold {
     #[inline]
     fn exact(&mut self, letter: u8, digits: i64, places: u32) {
         self.words += 1;
-        self.sum = self.sum.wrapping_add(digits as u64 ^ u64::from(places) ^ u64::from(letter));
+        self.sum = self
+            .sum
+            .wrapping_add(digits as u64 ^ u64::from(places) ^ u64::from(letter));
     }
     #[inline]
     fn double(&mut self, letter: u8, value: f64) {
@@ -30,7 +32,9 @@ impl Sink for Fold {
     #[inline]
     fn single(&mut self, letter: u8, value: f32) {
         self.words += 1;
-        self.sum = self.sum.wrapping_add(u64::from(value.to_bits()) ^ u64::from(letter));
+        self.sum = self
+            .sum
+            .wrapping_add(u64::from(value.to_bits()) ^ u64::from(letter));
     }
 }
 
@@ -40,7 +44,8 @@ struct List(Vec<(u8, f64)>);
 
 impl Sink for List {
     fn exact(&mut self, letter: u8, digits: i64, places: u32) {
-        self.0.push((letter, digits as f64 / 10_f64.powi(places as i32)));
+        self.0
+            .push((letter, digits as f64 / 10_f64.powi(places as i32)));
     }
     fn double(&mut self, letter: u8, value: f64) {
         self.0.push((letter, value));
@@ -52,7 +57,10 @@ fn reference(text: &str) -> Vec<(u8, f64)> {
     let mut words = Vec::new();
     for line in text.lines() {
         let code = line.split([';', '(']).next().unwrap_or("");
-        let starts: Vec<usize> = code.match_indices(|c: char| c.is_ascii_alphabetic()).map(|(at, _)| at).collect();
+        let starts: Vec<usize> = code
+            .match_indices(|c: char| c.is_ascii_alphabetic())
+            .map(|(at, _)| at)
+            .collect();
         for (index, &at) in starts.iter().enumerate() {
             let end = starts.get(index + 1).copied().unwrap_or(code.len());
             if let Ok(value) = code[at + 1..end].trim().parse() {
@@ -71,7 +79,11 @@ struct Parser {
 
 macro_rules! parser {
     ($name:literal, $function:path) => {
-        Parser { name: $name, fold: $function, list: $function }
+        Parser {
+            name: $name,
+            fold: $function,
+            list: $function,
+        }
     };
 }
 
@@ -144,7 +156,11 @@ fn speeds(text: &str) -> Vec<f64> {
 
 fn table() {
     for (name, text) in programs(1_000_000) {
-        println!("\n{name}: {} bytes, {} words", text.len(), reference(&text).len());
+        println!(
+            "\n{name}: {} bytes, {} words",
+            text.len(),
+            reference(&text).len()
+        );
         println!("| parser | words | worst error, 1e-6 units | MB a CPU second | of async-gcode |");
         println!("| --- | --- | --- | --- | --- |");
         let speeds = speeds(&text);
@@ -152,7 +168,11 @@ fn table() {
         for (parser, speed) in PARSERS.iter().zip(speeds) {
             let (delivered, worst) = quality(parser, &text);
             let worst = worst.map_or("-".into(), |worst| format!("{worst:.1}"));
-            println!("| {} | {delivered:.1} % | {worst} | {speed:.0} | {:.2} |", parser.name, speed / base);
+            println!(
+                "| {} | {delivered:.1} % | {worst} | {speed:.0} | {:.2} |",
+                parser.name,
+                speed / base
+            );
         }
     }
 }
@@ -164,12 +184,20 @@ fn once(parser: usize, program: usize) -> Option<()> {
     let parser = PARSERS.get(parser)?;
     let mut fold = Fold::default();
     (parser.fold)(black_box(text), &mut fold);
-    println!("{} {name} {} bytes {} words {:x}", parser.name, text.len(), fold.words, fold.sum);
+    println!(
+        "{} {name} {} bytes {} words {:x}",
+        parser.name,
+        text.len(),
+        fold.words,
+        fold.sum
+    );
     Some(())
 }
 
 fn main() {
-    let numbers: Vec<usize> = std::env::args().filter_map(|word| word.parse().ok()).collect();
+    let numbers: Vec<usize> = std::env::args()
+        .filter_map(|word| word.parse().ok())
+        .collect();
     match numbers[..] {
         [parser, program] if once(parser, program).is_some() => {}
         _ => table(),

@@ -22,7 +22,11 @@ pub trait Sink {
 pub fn slice(text: &str, sink: &mut impl Sink) {
     for token in tokens(text.as_bytes()) {
         if let Ok(Token::Word(word)) = token {
-            sink.exact(word.letter, word.value.digits(), u32::from(word.value.places()));
+            sink.exact(
+                word.letter,
+                word.value.digits(),
+                u32::from(word.value.places()),
+            );
         }
     }
 }
@@ -32,7 +36,11 @@ pub fn slice(text: &str, sink: &mut impl Sink) {
 pub fn lines(text: &str, sink: &mut impl Sink) {
     for line in text.as_bytes().split(|byte| *byte == b'\n') {
         for word in husillo_gcode::words(line).flatten() {
-            sink.exact(word.letter, word.value.digits(), u32::from(word.value.places()));
+            sink.exact(
+                word.letter,
+                word.value.digits(),
+                u32::from(word.value.places()),
+            );
         }
     }
 }
@@ -43,11 +51,19 @@ pub fn push(text: &str, sink: &mut impl Sink) {
     let mut reader = WordReader::new();
     for &byte in text.as_bytes() {
         if let Some(Ok(word)) = reader.push(byte) {
-            sink.exact(word.letter, word.value.digits(), u32::from(word.value.places()));
+            sink.exact(
+                word.letter,
+                word.value.digits(),
+                u32::from(word.value.places()),
+            );
         }
     }
     if let Some(Ok(word)) = reader.finish() {
-        sink.exact(word.letter, word.value.digits(), u32::from(word.value.places()));
+        sink.exact(
+            word.letter,
+            word.value.digits(),
+            u32::from(word.value.places()),
+        );
     }
 }
 
