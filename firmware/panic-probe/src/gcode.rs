@@ -10,7 +10,8 @@ use husillo_gcode::excellon::{
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
     Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
-    ErrorKind, Modal, Plane, SpindleDirection, Tool, Word, Words, words,
+    ErrorKind, LineReader, LineTooLong, Modal, Plane, Receiver, SpindleDirection, Tokens, Tool,
+    Word, WordReader, Words, tokens, words,
 };
 
 /// Keeps every function in the program.
@@ -21,6 +22,25 @@ pub fn keep() {
         words as *const (),
         Words::is_deleted as *const (),
         <Words as Iterator>::next as *const (),
+        tokens as *const (),
+        Tokens::is_deleted as *const (),
+        <Tokens as Iterator>::next as *const (),
+        WordReader::new as *const (),
+        WordReader::push as *const (),
+        WordReader::finish as *const (),
+        WordReader::is_deleted as *const (),
+        LineReader::<96>::new as *const (),
+        LineReader::<96>::push as *const (),
+        LineReader::<96>::read as *const (),
+        LineReader::<96>::finish as *const (),
+        LineTooLong::code as *const (),
+        Receiver::new as *const (),
+        Receiver::expected as *const (),
+        Receiver::check as *const (),
+        Block::new as *const (),
+        Block::read as *const (),
+        Modal::<3>::apply as *const (),
+        Commands::<3>::new as *const (),
         Decimal::new as *const (),
         Decimal::digits as *const (),
         Decimal::places as *const (),
