@@ -1,7 +1,9 @@
 //! Lines in, events out.
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
-use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode, SpindleDirection};
+use husillo_gcode::{
+    Block, Command, Compensated, Compensation, Error, Modal, Nm, PathMode, SpindleDirection,
+};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
@@ -32,8 +34,12 @@ pub enum Origin {
 pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {
     config: Config<N>,
     modal: Modal<N>,
+    /// Cutter compensation: holds back the last move of a contour until the next one says where it ends.
+    contour: Compensation<N>,
+    /// Where the commands taken so far end.
+    end: [Nm; N],
     /// What is left of the block taken last.
-    commands: Option<Commands<N>>,
+    commands: Option<Compensated<N>>,
     /// Its next command: it waits for its place in the queue.
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
@@ -94,6 +100,8 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         Self {
             config,
             modal: Modal::new(config.dialect),
+            contour: Compensation::new([Nm(0); N]),
+            end: [Nm(0); N],
             commands: None,
             next: None,
             waiting: None,
@@ -136,7 +144,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        self.block(&Block::parse(text, &self.config.dialect)?)
+        self.take(&Block::parse(text, &self.config.dialect)?, text.len())
     }
 
     /// Takes one block, as [`Machine::line`] does: one of a program whose expressions were worked out before.
@@ -147,18 +155,55 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if !self.has_room() {
             return Err(Refused::Busy);
         }
+        self.take(block, 0)
+    }
+
+    /// A block whose text has so many bytes.
+    fn take(&mut self, block: &Block, end: usize) -> Result<(), Refused> {
         let (modal, commands) = self.modal.plan(block)?;
-        let mut from = self.modal.position();
+        let (contour, commands) =
+            self.contour
+                .plan(commands)
+                .map_err(|kind| Error { kind, at: 0, end })?;
+        let (mut from, mut mode) = (self.end, self.mode);
+        for command in commands.clone() {
+            self.config.check(&from, &command)?;
+            from = command.end().unwrap_or(from);
+            if let Command::Path { mode: next } = command {
+                mode = next;
+            }
+        }
+        self.modal = modal;
+        self.contour = contour;
+        self.end = from;
+        self.mode = mode;
+        self.commands = Some(commands);
+        self.fill();
+        Ok(())
+    }
+
+    /// The end of a program that has neither G40 nor M2: the last move of a compensated contour, which waits for the next one, is made to
+    /// its own end. Without compensation nothing happens.
+    ///
+    /// # Errors
+    /// [`Refused::Busy`] as [`Machine::line`], and where the move would leave the travel; nothing has changed then.
+    pub fn finish(&mut self) -> Result<(), Refused> {
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        if !self.contour.is_active() {
+            return Ok(());
+        }
+        let commands = self.contour.clone().finish();
+        let mut from = self.end;
         for command in commands.clone() {
             self.config.check(&from, &command)?;
             from = command.end().unwrap_or(from);
         }
-        for command in commands.clone() {
-            if let Command::Path { mode } = command {
-                self.mode = mode;
-            }
-        }
-        self.modal = modal;
+        self.contour = Compensation::new(from);
+        self.modal.cancel_compensation();
+        self.modal.set_position(from);
+        self.end = from;
         self.commands = Some(commands);
         self.fill();
         Ok(())
@@ -252,7 +297,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                         Some(self.path_step(step, wait))
                     }
                     None => {
-                        self.finish();
+                        self.end_move();
                         self.next_unhurried()
                     }
                 }
@@ -431,7 +476,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             None => run.path.next(),
         };
         let Some(step) = step else {
-            self.finish();
+            self.end_move();
             return Some(None);
         };
         if let (true, Some(timer)) = (run.follows, &mut run.timer) {
@@ -461,7 +506,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     }
 
     /// The move, or the part of an arc, has ended: its place is free.
-    fn finish(&mut self) {
+    fn end_move(&mut self) {
         self.schedule.moves.pop();
         self.fill();
         let goes_on = match self.schedule.moves.front() {
@@ -589,7 +634,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     }
 
     /// Drops all that was taken and not yet given out; the outputs go to their safe state, in the modal state too.
-    /// Other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
+    /// Cutter compensation ends; other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
     ///
     /// All axes stop at once, whatever their speed: a feed hold before it brakes. The hold ends with the abort. The next
     /// block starts from where the axes stand. What was left of a take-up is made, or
@@ -623,6 +668,9 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         self.schedule.set_mode(self.mode);
         self.resume();
         self.modal.set_position(position);
+        self.modal.cancel_compensation();
+        self.contour = Compensation::new(position);
+        self.end = position;
         self.modal.stop_outputs();
         self.signals = safe();
     }

@@ -59,7 +59,6 @@ const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Opt
         Command::Spline { .. } => Means::Splines,
         Command::Orient { .. } => Means::SpindleAngle,
         Command::Probe { .. } => Means::Probe,
-        Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,
         Command::Output { .. }
         | Command::Analog { .. }
         | Command::Wait { .. }

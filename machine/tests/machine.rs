@@ -298,3 +298,51 @@ fn a_command_without_an_event_makes_room() {
     assert_eq!(machine.next_event(), None);
     assert!(machine.has_room());
 }
+
+#[test]
+fn a_compensated_contour_is_made_beside_the_programmed_one() {
+    let mut machine: Machine<3> = Machine::new(config());
+    let mut screw = Screw::new();
+    // A square of 1 mm, the tool of 0.28 mm (1000 steps of radius) outside of it.
+    let program =
+        "G10 L1 P1 R0.14\nT1 M6\nG0 X-1 Y-1\nG41 D1 G1 X0 Y0 F1\nY1\nX1\nY0\nX0\nG40 G0 X-1 Y-1";
+    let (mut low, mut high) = ([0; 3], [0; 3]);
+    for line in program.lines() {
+        while !machine.has_room() {
+            machine.next_event();
+        }
+        machine.line(line.as_bytes()).unwrap();
+        while let Some(event) = machine.next_event() {
+            if let Event::Step(step) = event {
+                screw.step(step.delta);
+            }
+            let at = machine.position_steps();
+            for axis in 0..2 {
+                low[axis] = at[axis].min(low[axis]);
+                high[axis] = at[axis].max(high[axis]);
+            }
+        }
+    }
+    assert_eq!(machine.position_steps(), [-7143, -7143, 0]);
+    assert_eq!([high[0], high[1]], [7143 + 1000, 7143 + 1000]);
+    // Without G40 the last move is made at the end.
+    for line in ["G41 D1 G1 X0 Y0", "Y1", "X1"] {
+        machine.line(line.as_bytes()).unwrap();
+        drain(&mut machine, &mut screw);
+    }
+    // Round the corner at (0, 1) already.
+    assert_eq!(machine.position_steps(), [0, 7143 + 1000, 0]);
+    machine.finish().unwrap();
+    drain(&mut machine, &mut screw);
+    assert_eq!(machine.position_steps(), [7143, 7143 + 1000, 0]);
+    machine.line(b"G0 X-1 Y-1").unwrap();
+    drain(&mut machine, &mut screw);
+    // An abort ends it.
+    machine.line(b"G41 D1 G1 X0 Y0").unwrap();
+    machine.abort();
+    drain(&mut machine, &mut screw);
+    assert_eq!(machine.modal().compensation(), None);
+    machine.line(b"G1 X0 Y0").unwrap();
+    drain(&mut machine, &mut screw);
+    assert_eq!(machine.position_steps(), [0; 3]);
+}
