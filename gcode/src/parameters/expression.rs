@@ -1,5 +1,6 @@
 //! Values in the text of a line: numbers, parameters, brackets, functions.
 
+use super::cursor::Cursor;
 use super::fault::Fault;
 use super::function::{Function, Operator};
 use super::table::{Capitals, Key};
@@ -13,10 +14,7 @@ const DEPTH: usize = 24;
 ///
 /// Nothing recurses: what waits for its right side stands on a stack of 24, whatever the text nests.
 pub(super) struct Reader<'t, F> {
-    text: &'t [u8],
-    at: usize,
-    /// Behind the last byte taken that is no blank.
-    end: usize,
+    cursor: Cursor<'t>,
     lookup: F,
 }
 
@@ -42,32 +40,31 @@ struct Pending {
 
 /// A stack of fixed size.
 struct Stack {
-    entries: [Pending; DEPTH],
+    /// Empty places are `None`: that is one byte each to begin with.
+    entries: [Option<Pending>; DEPTH],
     count: usize,
 }
 
 impl Stack {
     const fn new() -> Stack {
-        let unused = Pending {
-            what: Waits::Bracket,
-            at: 0,
-            left: Value::ZERO,
-        };
         Stack {
-            entries: [unused; DEPTH],
+            entries: [None; DEPTH],
             count: 0,
         }
     }
 
     fn push(&mut self, what: Waits, at: usize, left: Value) -> Result<(), Fault> {
         let slot = self.entries.get_mut(self.count).ok_or(Fault::TooNested)?;
-        *slot = Pending { what, at, left };
+        *slot = Some(Pending { what, at, left });
         self.count = self.count.wrapping_add(1);
         Ok(())
     }
 
     fn top(&self) -> Option<Pending> {
-        self.entries.get(self.count.checked_sub(1)?).copied()
+        self.entries
+            .get(self.count.checked_sub(1)?)
+            .copied()
+            .flatten()
     }
 
     fn pop(&mut self) -> Option<Pending> {
@@ -77,105 +74,27 @@ impl Stack {
     }
 }
 
-const fn is_blank(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t' | b'\r' | b'\n')
+impl<'t, F> core::ops::Deref for Reader<'t, F> {
+    type Target = Cursor<'t>;
+
+    fn deref(&self) -> &Cursor<'t> {
+        &self.cursor
+    }
+}
+
+impl<F> core::ops::DerefMut for Reader<'_, F> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.cursor
+    }
 }
 
 impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
     /// Reads `text` from `at` on.
     pub(super) const fn new(text: &'t [u8], at: usize, lookup: F) -> Self {
         Reader {
-            text,
-            at,
-            end: at,
+            cursor: Cursor::new(text, at),
             lookup,
         }
-    }
-
-    /// The next byte that is no blank, in capitals.
-    pub(super) fn peek(&mut self) -> Option<u8> {
-        loop {
-            let byte = self.text.get(self.at).copied()?;
-            if !is_blank(byte) {
-                return Some(byte.to_ascii_uppercase());
-            }
-            self.at = self.at.wrapping_add(1);
-        }
-    }
-
-    /// Takes the byte that was peeked at; the position stays at most the length.
-    pub(super) fn advance(&mut self) {
-        self.at = self.at.wrapping_add(1).min(self.text.len());
-        self.end = self.at;
-    }
-
-    /// Takes this byte if it is the next one.
-    pub(super) fn take(&mut self, byte: u8) -> bool {
-        let is_next = self.peek() == Some(byte);
-        if is_next {
-            self.advance();
-        }
-        is_next
-    }
-
-    /// Where the next byte is; blanks before it were passed by [`Reader::peek`].
-    pub(super) const fn at(&self) -> usize {
-        self.at
-    }
-
-    /// Behind the last byte taken.
-    pub(super) const fn end(&self) -> usize {
-        self.end
-    }
-
-    /// An error about what was taken from `at` on.
-    pub(super) const fn error(&self, fault: Fault, at: usize) -> Error {
-        Error {
-            kind: ErrorKind::Program(fault),
-            at,
-            end: self.end,
-        }
-    }
-
-    /// An error about the next byte, or the end of the text.
-    pub(super) fn error_here(&mut self, fault: Fault) -> Error {
-        self.peek();
-        let at = self.at.min(self.text.len());
-        Error {
-            kind: ErrorKind::Program(fault),
-            at,
-            end: at.wrapping_add(1).min(self.text.len()),
-        }
-    }
-
-    /// The letters that come next.
-    pub(super) fn letters(&mut self) -> Capitals {
-        let mut letters = Capitals::default();
-        while let Some(byte) = self.peek().filter(u8::is_ascii_uppercase) {
-            letters.push(byte);
-            self.advance();
-        }
-        letters
-    }
-
-    /// The name between `<`, which is next, and `>`; `from` is where it is about.
-    pub(super) fn name(&mut self, from: usize) -> Result<&'t [u8], Error> {
-        self.advance();
-        let start = self.at;
-        let rest = self.text.get(start..).unwrap_or_default();
-        let length = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b'>');
-        let Some((length, _)) = length else {
-            self.at = self.text.len();
-            self.end = self.at;
-            return Err(self.error(Fault::MalformedName, from));
-        };
-        self.at = start.wrapping_add(length);
-        self.advance();
-        let name = rest.get(..length).unwrap_or_default();
-        if name.iter().all(|&byte| is_blank(byte)) {
-            return Err(self.error(Fault::MalformedName, from));
-        }
-        Ok(name)
     }
 
     /// The parameter behind a `#` that was taken at `from`: its number or name.
@@ -197,6 +116,15 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
 
     /// One value: a number, `#` parameter, `[ ]` or function, with signs before it. Cost: one pass.
     pub(super) fn value(&mut self) -> Result<Value, Error> {
+        match self.peek() {
+            // Most values are plain numbers: they need no stack.
+            Some(b'0'..=b'9' | b'.') => self.number(),
+            _ => self.expression(),
+        }
+    }
+
+    #[inline(never)]
+    fn expression(&mut self) -> Result<Value, Error> {
         let mut stack = Stack::new();
         loop {
             let Some((value, from)) = self.operand(&mut stack)? else {
@@ -213,13 +141,13 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         let Some(byte) = self.peek() else {
             return Err(self.error_here(Fault::NoValue));
         };
-        let from = self.at;
+        let from = self.at();
         let waits = match byte {
             b'0'..=b'9' | b'.' => return Ok(Some((self.number()?, from))),
             b'+' | b'-' => {
                 self.advance();
                 if matches!(self.peek(), Some(b'+' | b'-')) {
-                    let at = self.at;
+                    let at = self.at();
                     return Err(Error {
                         kind: ErrorKind::MalformedNumber,
                         at,
@@ -256,7 +184,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
 
     /// A function's name and its `[`.
     fn function(&mut self, stack: &mut Stack) -> Result<Option<(Value, usize)>, Error> {
-        let from = self.at;
+        let from = self.at();
         let name = self.letters();
         let function = Function::by_name(name.bytes())
             .ok_or_else(|| self.error(Fault::UnknownFunction, from))?;
@@ -264,7 +192,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
             return Err(self.error_here(Fault::NoBracket));
         }
         if function == Function::Exists {
-            let hash = self.at;
+            let hash = self.at();
             if !self.take(b'#') {
                 return Err(self.error_here(Fault::NoValue));
             }
@@ -394,7 +322,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
                 });
             }
             Some(b'A'..=b'Z') => {
-                let from = self.at;
+                let from = self.at();
                 // The longest is three letters; a function may follow at once, as in `5 MOD ABS[..]` without blanks.
                 let mut letters = Capitals::default();
                 for _ in 0..3 {
@@ -411,12 +339,12 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
             }
             None => {
                 // At the bracket that is open.
-                let opened = (0..stack.count).rev().filter_map(|n| stack.entries.get(n));
-                let opened = opened
+                let waiting = stack.entries.iter().take(stack.count).rev().flatten();
+                let opened = waiting
                     .copied()
                     .find(|entry| !matches!(entry.what, Waits::Binary(_)));
-                let at = opened.map_or(self.at, |entry| entry.at);
-                return Err(self.error(Fault::OpenBracket, at.min(self.end)));
+                let at = opened.map_or(self.at(), |entry| entry.at);
+                return Err(self.error(Fault::OpenBracket, at.min(self.end())));
             }
             _ => return Err(self.error_here(Fault::NoOperator)),
         };
@@ -426,13 +354,13 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
 
     /// Digits, perhaps with a point; blanks anywhere.
     fn number(&mut self) -> Result<Value, Error> {
-        let from = self.at;
+        let from = self.at();
         let (mut digits, mut places) = (0i64, None::<u8>);
         let mut any = false;
         let fail = |reader: &Self, kind| Error {
             kind,
             at: from,
-            end: reader.end,
+            end: reader.end(),
         };
         loop {
             let byte = match self.peek() {

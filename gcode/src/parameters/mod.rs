@@ -39,6 +39,7 @@ mod function;
 mod system;
 mod table;
 
+mod cursor;
 mod expression;
 mod line;
 mod statement;

@@ -328,10 +328,12 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     /// A line of words and assignments.
     fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
         let mut assignments = Assignments::NONE;
-        let lookup = |key: Key<'t>| self.lookup(key, raw.place.number, system);
-        let mut line = Evaluated::new(raw.text, &mut assignments, lookup);
-        let words = core::iter::from_fn(|| line.word().transpose());
-        let block = Block::from_words(words, &self.dialect)?;
+        let block = {
+            let lookup = self.lookup_at(raw.place.number, system);
+            let mut line = Evaluated::new(raw.text, &mut assignments, lookup);
+            let words = core::iter::from_fn(|| line.word().transpose());
+            Block::from_words(words, &self.dialect)?
+        };
         for assignment in assignments.iter() {
             let fault = |fault| Error {
                 kind: ErrorKind::Program(fault),
@@ -353,6 +355,11 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             }
         }
         Ok(block)
+    }
+
+    /// [`Program::lookup`] as a function: one type for all who read values, so that their code is there once.
+    fn lookup_at<S: System>(&self, line: usize, system: &S) -> impl Fn(Key<'t>) -> Option<Value> {
+        move |key| self.lookup(key, line, system)
     }
 
     /// The value of a parameter at a line.
@@ -393,7 +400,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
 
     /// Reads a line with an O-word.
     fn order(&self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<Order<'t>, Error> {
-        let lookup = |key: Key<'t>| self.lookup(key, raw.place.number, system);
+        let lookup = self.lookup_at(raw.place.number, system);
         let mut reader = Reader::new(raw.text, at, lookup);
         let statement = statement::read(&mut reader)?;
         let mut order = Order {

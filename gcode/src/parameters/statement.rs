@@ -1,5 +1,6 @@
 //! The lines that steer a program: `o100 while [#1 lt 10]`.
 
+use super::cursor::Cursor;
 use super::expression::Reader;
 use super::fault::Fault;
 use super::table::{Key, is_same_name};
@@ -161,11 +162,28 @@ where
 
 /// Label and keyword of a line that is only looked at on the way to another. Labels that are worked out are not found.
 pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
-    let mut reader = Reader::new(text, place(text, passes_delete)?, |_| None);
-    let at = reader.at();
-    let mut ahead = Reader::new(text, at.wrapping_add(1), |_| None);
-    if !matches!(ahead.peek(), Some(b'<' | b'0'..=b'9')) {
-        return None;
-    }
-    read(&mut reader).ok()
+    let at = place(text, passes_delete)?;
+    let mut cursor = Cursor::new(text, at);
+    cursor.advance();
+    let label = match cursor.peek()? {
+        b'<' => Label::Name(cursor.name(at).ok()?),
+        b'0'..=b'9' => {
+            let mut number = 0u32;
+            while let Some(digit @ b'0'..=b'9') = cursor.peek() {
+                let digit = u32::from(digit.wrapping_sub(b'0'));
+                number = number.checked_mul(10)?.checked_add(digit)?;
+                cursor.advance();
+            }
+            Label::Number(number)
+        }
+        _ => return None,
+    };
+    let name = cursor.letters();
+    let (_, keyword) = NAMES.iter().find(|(known, _)| *known == name.bytes())?;
+    Some(Statement {
+        label,
+        keyword: *keyword,
+        at,
+        end: cursor.end(),
+    })
 }

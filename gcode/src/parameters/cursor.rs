@@ -1,0 +1,111 @@
+//! A place in a line, and what can be read there without knowing any value.
+
+use super::fault::Fault;
+use super::table::Capitals;
+use crate::error::{Error, ErrorKind};
+
+/// Walks over the bytes of a line; blanks count nowhere.
+#[derive(Debug)]
+pub(super) struct Cursor<'t> {
+    text: &'t [u8],
+    at: usize,
+    /// Behind the last byte taken that is no blank.
+    end: usize,
+}
+
+const fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\r' | b'\n')
+}
+
+impl<'t> Cursor<'t> {
+    /// Reads `text` from `at` on.
+    pub(super) const fn new(text: &'t [u8], at: usize) -> Self {
+        Cursor { text, at, end: at }
+    }
+
+    /// The next byte that is no blank, in capitals.
+    pub(super) fn peek(&mut self) -> Option<u8> {
+        loop {
+            let byte = self.text.get(self.at).copied()?;
+            if !is_blank(byte) {
+                return Some(byte.to_ascii_uppercase());
+            }
+            self.at = self.at.wrapping_add(1);
+        }
+    }
+
+    /// Takes the byte that was peeked at; the position stays at most the length.
+    pub(super) fn advance(&mut self) {
+        self.at = self.at.wrapping_add(1).min(self.text.len());
+        self.end = self.at;
+    }
+
+    /// Takes this byte if it is the next one.
+    pub(super) fn take(&mut self, byte: u8) -> bool {
+        let is_next = self.peek() == Some(byte);
+        if is_next {
+            self.advance();
+        }
+        is_next
+    }
+
+    /// Where the next byte is; blanks before it were passed by [`Cursor::peek`].
+    pub(super) const fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Behind the last byte taken.
+    pub(super) const fn end(&self) -> usize {
+        self.end
+    }
+
+    /// An error about what was taken from `at` on.
+    pub(super) const fn error(&self, fault: Fault, at: usize) -> Error {
+        Error {
+            kind: ErrorKind::Program(fault),
+            at,
+            end: self.end,
+        }
+    }
+
+    /// An error about the next byte, or the end of the text.
+    pub(super) fn error_here(&mut self, fault: Fault) -> Error {
+        self.peek();
+        let at = self.at.min(self.text.len());
+        Error {
+            kind: ErrorKind::Program(fault),
+            at,
+            end: at.wrapping_add(1).min(self.text.len()),
+        }
+    }
+
+    /// The letters that come next.
+    pub(super) fn letters(&mut self) -> Capitals {
+        let mut letters = Capitals::default();
+        while let Some(byte) = self.peek().filter(u8::is_ascii_uppercase) {
+            letters.push(byte);
+            self.advance();
+        }
+        letters
+    }
+
+    /// The name between `<`, which is next, and `>`; `from` is where it is about.
+    pub(super) fn name(&mut self, from: usize) -> Result<&'t [u8], Error> {
+        self.advance();
+        let start = self.at;
+        let rest = self.text.get(start..).unwrap_or_default();
+        let length = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b'>');
+        let Some((length, _)) = length else {
+            self.at = self.text.len();
+            self.end = self.at;
+            return Err(self.error(Fault::MalformedName, from));
+        };
+        self.at = start.wrapping_add(length);
+        self.advance();
+        let name = rest.get(..length).unwrap_or_default();
+        if name.iter().all(|&byte| is_blank(byte)) {
+            return Err(self.error(Fault::MalformedName, from));
+        }
+        Ok(name)
+    }
+}
