@@ -107,7 +107,7 @@ struct Order<'t> {
 ///
 /// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those of all subroutines
 /// under way together. `DEPTH`: how many calls, and how many loops, may be under way inside each other. With the defaults
-/// the whole is about 8 kB on a 32-bit target.
+/// the whole is at most 7.2 kB.
 ///
 /// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or passed over on the way
 /// to an `endif` or a subroutine. A program that has used up its steps ends with E0638, so every program ends.
