@@ -2,7 +2,7 @@
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
 use husillo_gcode::{
-    Block, Command, Compensated, Compensation, Error, Modal, Nm, PathMode, SpindleDirection,
+    Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm, PathMode, SpindleDirection,
 };
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
@@ -144,7 +144,9 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        self.take(&Block::parse(text, &self.config.dialect)?, text.len())
+        let mut block = Block::new();
+        block.read(text, &self.config.dialect)?;
+        self.take(&block, text.len())
     }
 
     /// Takes one block, as [`Machine::line`] does: one of a program whose expressions were worked out before.
@@ -160,7 +162,9 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
 
     /// A block whose text has so many bytes.
     fn take(&mut self, block: &Block, end: usize) -> Result<(), Refused> {
-        let (modal, commands) = self.modal.plan(block)?;
+        let mut modal = self.modal.clone();
+        let mut commands = Commands::new();
+        modal.apply(block, &mut commands)?;
         let (contour, commands) =
             self.contour
                 .plan(commands)
