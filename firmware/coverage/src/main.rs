@@ -67,7 +67,11 @@ fn public_functions(source: &Path) -> BTreeSet<String> {
     rust_files(source, &mut files);
     let mut found = BTreeSet::new();
     for file in files {
-        let open = is_public_module(&file, source, &library);
+        let exported = match public_module(&file, source, &library) {
+            Some(module) => exported_names(&read(&module)),
+            None => exported.clone(),
+        };
+        let open = file.ends_with("lib.rs");
         for function in functions_of(&read(&file)) {
             let item = function.split("::").next().unwrap_or_default();
             if open || exported.contains(item) {
@@ -92,15 +96,22 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
-/// The library file itself, and what it declares with `pub mod`.
-fn is_public_module(file: &Path, source: &Path, library: &str) -> bool {
+/// The file that says what is public of a file in a module the library declares with `pub mod`.
+fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     let inside = file.strip_prefix(source).expect("a file of this crate");
     let module = inside.with_extension("");
     let first = module.iter().next().unwrap_or_default().to_string_lossy();
-    first == "lib"
-        || library
-            .lines()
-            .any(|line| line == format!("pub mod {first};"))
+    library
+        .lines()
+        .any(|line| line == format!("pub mod {first};"))
+        .then(|| {
+            let own = source.join(format!("{first}.rs"));
+            if own.exists() {
+                own
+            } else {
+                source.join(&*first).join("mod.rs")
+            }
+        })
 }
 
 /// Every word of the `pub use` statements.
