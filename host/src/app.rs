@@ -451,12 +451,13 @@ fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         job.check(&mut listed)?;
     }
     if text {
-        println!(
+        writeln!(
+            io::stdout(),
             "Checked    {} for {}: {}",
             job.name(),
             job.machine.name,
             verdict(errors, warnings)
-        );
+        )?;
     }
     let trace = match &args.trace {
         Some(path) => {
@@ -509,10 +510,11 @@ fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         let size = page.len();
         create(&path)?.write_all(page.as_bytes())?;
         if text {
-            println!(
+            writeln!(
+                io::stdout(),
                 "Wrote      {path} ({} kB) - open it in any browser",
                 size.div_ceil(1000)
-            );
+            )?;
         }
     }
     Ok(OK)
