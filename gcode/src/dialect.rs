@@ -112,6 +112,11 @@ impl Dialect {
         }
     }
 
+    /// Whether lines are strings of a link: `;` ends a block, and none has blanks.
+    pub(crate) const fn has_strings(&self) -> bool {
+        matches!(self.flavour, Flavour::Micromill)
+    }
+
     /// Whether a letter other than G and M can start a word here.
     pub(crate) const fn has_word(&self, letter: u8) -> bool {
         match self.flavour {
@@ -159,7 +164,7 @@ impl Dialect {
         Blocks {
             rest: Some(line),
             at: 0,
-            split: self.flavour == Flavour::Micromill,
+            split: self.has_strings(),
         }
     }
 }

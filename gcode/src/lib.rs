@@ -68,6 +68,8 @@ mod motion;
 mod settings;
 mod special;
 
+mod format;
+
 pub mod excellon;
 #[cfg(feature = "parameters")]
 pub mod parameters;
@@ -82,6 +84,7 @@ pub use cycle::Kind as Cycle;
 pub use decimal::Decimal;
 pub use dialect::{Blocks, Dialect};
 pub use error::{Error, ErrorKind};
+pub use format::{Formatted, formatted};
 pub use framing::{Framing, FramingError, Receiver, Rule};
 pub use line_reader::{LineReader, LineTooLong};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};

@@ -34,6 +34,12 @@ pub enum Command {
         husillo check part.nc -m micromill --format short\n  \
         husillo check - < part.nc")]
     Check(Check),
+    /// Write programs in one form, with nothing lost: capitals, one space between words, plain numbers
+    #[command(after_help = "Examples:\n  \
+        husillo format part.nc\n  \
+        husillo format part.nc -o part.nc\n  \
+        husillo format --check *.nc")]
+    Format(FormatArgs),
     /// Print the commands a program means
     #[command(after_help = "Examples:\n  \
         husillo commands part.nc\n  \
@@ -158,6 +164,26 @@ pub struct Check {
     /// Treat warnings as errors
     #[arg(long)]
     pub deny_warnings: bool,
+}
+
+/// `husillo format`.
+#[derive(Debug, Args)]
+pub struct FormatArgs {
+    /// Program; - is standard input; several with --check
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<String>,
+    /// File to write, which may be the program itself [default: standard output]
+    #[arg(short, long, value_name = "FILE", conflicts_with = "check")]
+    pub output: Option<String>,
+    /// Write nothing; print the programs that are not in this form, and exit with 1 if there are any
+    #[arg(long)]
+    pub check: bool,
+    /// End lines with CR LF instead of LF
+    #[arg(long)]
+    pub crlf: bool,
+    /// Language of the programs [default: rs274; micromill for files ending in .mm]
+    #[arg(long, value_name = "NAME")]
+    pub dialect: Option<String>,
 }
 
 /// `husillo commands`.

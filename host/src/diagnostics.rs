@@ -73,6 +73,11 @@ impl Place {
         Self::new(file, line, bytes, start - line_start..end - line_start)
     }
 
+    /// The piece as bytes of the line as it is drawn: what [`Fix`] counts in.
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// Column of the first character, from 1, in characters.
     fn column(&self) -> usize {
         self.text[..self.span.start].chars().count() + 1
@@ -87,7 +92,7 @@ impl Place {
 /// A change that makes the finding go away.
 #[derive(Clone, Debug)]
 pub struct Fix {
-    /// Bytes of the line that go.
+    /// Bytes of the line that go, as it is drawn: see [`Place::span`].
     pub span: Range<usize>,
     /// Text that comes in their place.
     pub text: String,

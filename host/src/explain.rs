@@ -61,6 +61,31 @@ impl At<'_> {
             .map(|word| word.at..word.end)
     }
 
+    /// Bytes of the block as bytes of the line as it is drawn, where what is no text takes more room.
+    fn drawn(&self, span: Range<usize>) -> Range<usize> {
+        self.place(span).span()
+    }
+
+    /// A word and the blank behind it, to be removed.
+    fn removal(&self, span: Range<usize>) -> Range<usize> {
+        let is_blank = matches!(self.text().get(span.end), Some(b' ' | b'\t'));
+        self.drawn(span.start..span.end + usize::from(is_blank))
+    }
+
+    /// Behind the last byte of the block that is no blank.
+    fn end(&self) -> usize {
+        self.text().trim_ascii_end().len()
+    }
+
+    /// Whether digits follow a comma, and no other comma or point behind them: not `1,234.5`.
+    fn is_only_mark(&self, comma: usize) -> bool {
+        let behind = self.text().get(comma + 1..).unwrap_or_default();
+        let next = behind
+            .iter()
+            .find(|byte| !matches!(byte, b'0'..=b'9' | b' ' | b'\t'));
+        !matches!(next, Some(b',' | b'.' | b'+' | b'-'))
+    }
+
     fn text(&self) -> &[u8] {
         let end = (self.block + self.length).min(self.bytes.len());
         self.bytes.get(self.block..end).unwrap_or_default()
@@ -91,7 +116,7 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label(format!("no axis or parameter named `{}` here", char::from(letter)))
             .note("a grbl controller answers `error:20` here")
             .help("remove the word")
-            .fix(at.block + span.start..at.block + span.end, ""),
+            .fix(at.removal(span), ""),
         ErrorKind::NotALetter(_) => finding.label("a word is a letter and a number").note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
         ErrorKind::MissingNumber(_) => finding.label("a number must follow the letter").note("grbl: `error:2`"),
         ErrorKind::MalformedNumber => finding.label("the number goes wrong here").note("grbl reads the first part, then answers `error:1` at the rest"),
@@ -112,7 +137,7 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label("nothing on this line uses it")
             .note("grbl: `error:36`")
             .help("remove the word")
-            .fix(at.block + span.start..at.block + span.end, ""),
+            .fix(at.removal(span), ""),
         ErrorKind::ZNotAlone => finding.label("this machine interpolates X and Y only").help("move Z in a string of its own, before or after"),
         ErrorKind::NoCentre => finding
             .label("needs `I` and `J`, or `R`")
@@ -152,11 +177,22 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NumberNotAlone => finding
             .label("stands alone at the start of a program")
             .help("put the other words on a line of their own"),
-        ErrorKind::DecimalComma => finding
-            .label("decimals stand behind a point")
-            .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"")
-            .help("write a point")
-            .fix(at.block + span.start..at.block + span.start + 1, "."),
+        ErrorKind::DecimalComma => {
+            let finding = finding
+                .label("decimals stand behind a point")
+                .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"")
+                .help("write a point");
+            if at.is_only_mark(span.start) {
+                finding.fix(at.drawn(span.start..span.start + 1), ".")
+            } else {
+                finding
+            }
+        }
+        ErrorKind::UnclosedComment => finding
+            .label("goes on to the end of the line")
+            .note("LinuxCNC: \"Unclosed comment found\"")
+            .help("close it")
+            .fix(at.drawn(at.end()..at.end()), ")"),
         ErrorKind::OutOfRange(_) => finding.label("not a value this code takes"),
         ErrorKind::TooManyPasses => finding.label("more than 65536 pecks or passes"),
         ErrorKind::ToolTableFull => finding.label("the table holds eight tools"),

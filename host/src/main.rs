@@ -3,6 +3,7 @@
 //! ```text
 //! file ─► source ─► program ─► check ─► diagnostics        (errors: nothing moves)
 //!            │         └─────► commands
+//!            ├─► format
 //!            └─► feeder ─► steps
 //!                   └────► run ─► deviation, drawing, speed ─► report, chart
 //! one move, or grid ─► compare ─► method, curve, measure, decision ─► compare_text, compare_page
@@ -28,6 +29,7 @@ mod drill_code;
 mod explain;
 mod explain_flow;
 mod feeder;
+mod format;
 mod grid;
 mod holes;
 mod interpolate;

@@ -32,6 +32,26 @@ impl std::fmt::Debug for Source {
     }
 }
 
+/// Opens a file, or standard input for `-`.
+///
+/// # Errors
+///
+/// The file cannot be opened, or is a directory.
+pub fn open(path: &str) -> io::Result<Box<dyn BufRead>> {
+    Ok(if path == "-" {
+        Box::new(BufReader::new(io::stdin()))
+    } else {
+        let file = File::open(path)?;
+        if file.metadata()?.is_dir() {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "is a directory",
+            ));
+        }
+        Box::new(BufReader::with_capacity(1 << 18, file))
+    })
+}
+
 impl Source {
     /// Opens a file, or standard input for `-`.
     ///
@@ -39,19 +59,7 @@ impl Source {
     ///
     /// The file cannot be opened.
     pub fn open(path: &str) -> io::Result<Self> {
-        let reader: Box<dyn BufRead> = if path == "-" {
-            Box::new(BufReader::new(io::stdin()))
-        } else {
-            let file = File::open(path)?;
-            if file.metadata()?.is_dir() {
-                return Err(io::Error::new(
-                    io::ErrorKind::InvalidInput,
-                    "is a directory",
-                ));
-            }
-            Box::new(BufReader::with_capacity(1 << 18, file))
-        };
-        Ok(Self::from_reader(reader))
+        Ok(Self::from_reader(open(path)?))
     }
 
     /// Reads from anything.

@@ -10,8 +10,8 @@ use husillo_gcode::excellon::{
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
     Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
-    ErrorKind, LineReader, LineTooLong, Modal, Plane, Receiver, SpindleDirection, Tokens, Tool,
-    Word, WordReader, Words, tokens, words,
+    ErrorKind, Formatted, LineReader, LineTooLong, Modal, Plane, Receiver, SpindleDirection,
+    Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
 };
 
 /// Keeps every function in the program.
@@ -59,6 +59,8 @@ pub fn keep() {
         Dialect::blocks as *const (),
         Dialect::has_parameters as *const (),
         <Blocks as Iterator>::next as *const (),
+        formatted as *const (),
+        <Formatted as Iterator>::next as *const (),
         Block::parse as *const (),
         Block::from_words::<[Result<Word, Error>; 2]> as *const (),
         Block::word as *const (),

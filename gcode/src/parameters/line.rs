@@ -1,5 +1,6 @@
 //! One line with expressions: its words, and the assignments that take effect behind it.
 
+use super::cursor::Cursor;
 use super::expression::Reader;
 use super::fault::Fault;
 use super::table::Key;
@@ -138,10 +139,7 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
 }
 
 /// Passes the comment whose `(` is next.
-pub(super) fn pass_comment<'t, F>(reader: &mut Reader<'t, F>) -> Result<(), Error>
-where
-    F: Fn(Key<'t>) -> Option<Value>,
-{
+pub(super) fn pass_comment(reader: &mut Cursor<'_>) -> Result<(), Error> {
     let from = reader.at();
     reader.advance();
     while let Some(byte) = reader.peek() {

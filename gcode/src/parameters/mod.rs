@@ -41,13 +41,16 @@ mod table;
 
 mod cursor;
 mod expression;
+mod extent;
 mod line;
 mod statement;
 
 mod program;
 
+pub(crate) use extent::{extent, is_plain, program_words};
 pub use fault::Fault;
 pub use program::{Line, Program};
+pub(crate) use statement::is_flow;
 pub use statement::needs_program;
 pub use system::{NoMachine, System};
 pub use value::Value;

@@ -125,6 +125,17 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     false
 }
 
+/// Whether a line begins with an O-word that steers the program, and then whether its keyword is one; a label that is worked
+/// out passes unread. `None` for other lines.
+pub(crate) fn is_flow(text: &[u8], dialect: &Dialect) -> Option<Result<(), Error>> {
+    let at = place(text, !dialect.block_delete()).filter(|_| dialect.has_flow())?;
+    let mut label = Cursor::new(text, at.wrapping_add(1));
+    Some(match label.peek() {
+        Some(b'#' | b'[') => Ok(()),
+        _ => read(&mut Reader::new(text, at, |_| None)).map(|_| ()),
+    })
+}
+
 /// Reads label and keyword; `reader` stands at the `O`.
 pub(super) fn read<'t, F>(reader: &mut Reader<'t, F>) -> Result<Statement<'t>, Error>
 where

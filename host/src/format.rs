@@ -1,0 +1,123 @@
+//! `husillo format`: a program written back in one form, a line at a time.
+
+use crate::diagnostics::{Finding, Findings};
+use crate::explain::{self, At};
+use crate::source::LONGEST_LINE;
+use husillo_gcode::{Dialect, formatted};
+use std::io::{self, BufRead, Write};
+
+/// How lines are written.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    /// The language of the program.
+    pub dialect: Dialect,
+    /// What ends a line: LF or CR LF.
+    pub line_end: &'static [u8],
+}
+
+/// Writes the program of `reader` to `out` in its form; lines with errors go to `findings` and stay as they are. Returns whether
+/// anything changed.
+///
+/// Memory does not grow with the program; a line longer than [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the
+/// last one too. Behind the end of a program (M2, M30) there may be any text: it is no error there.
+///
+/// # Errors
+///
+/// Reading or writing fails.
+pub fn write<W: Write>(
+    reader: &mut dyn BufRead,
+    file: &str,
+    form: &Form,
+    findings: &mut Findings<W>,
+    out: &mut dyn Write,
+) -> io::Result<bool> {
+    let (mut line, mut made) = (Vec::new(), Vec::new());
+    let (mut changed, mut is_over) = (false, false);
+    for number in 1.. {
+        line.clear();
+        // Room for an end of two bytes.
+        let mut part = io::Read::take(&mut *reader, LONGEST_LINE as u64 + 2);
+        if part.read_until(b'\n', &mut line)? == 0 {
+            break;
+        }
+        let text = without_end(&line);
+        if text.len() > LONGEST_LINE || (text.len() == line.len() && line.len() > LONGEST_LINE) {
+            let at = at(file, number, text);
+            let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
+            let message = format!("line longer than {LONGEST_LINE} characters");
+            findings.add(&Finding::error("E0104", message, place).label("it stays as it is"))?;
+            out.write_all(&line)?;
+            if !line.ends_with(b"\n") {
+                changed |= copy_rest(reader, out)?;
+            }
+            continue;
+        }
+        made.clear();
+        match formatted(text, &form.dialect) {
+            Ok(pieces) => {
+                pieces.for_each(|piece| made.extend_from_slice(piece));
+                is_over |= ends_program(&made);
+            }
+            Err(error) => {
+                if !is_over {
+                    findings.add(&explain::finding(&error, &at(file, number, text)))?;
+                }
+                made.extend_from_slice(text);
+            }
+        }
+        if made.len() > LONGEST_LINE {
+            // It would be too long to be read again.
+            made.clear();
+            made.extend_from_slice(text);
+        }
+        made.extend_from_slice(form.line_end);
+        changed |= made != line;
+        out.write_all(&made)?;
+    }
+    Ok(changed)
+}
+
+/// Copies up to the end of the line; whether an end had to be added.
+fn copy_rest(reader: &mut dyn BufRead, out: &mut dyn Write) -> io::Result<bool> {
+    loop {
+        let buffer = reader.fill_buf()?;
+        if buffer.is_empty() {
+            out.write_all(b"\n")?;
+            return Ok(true);
+        }
+        let end = buffer.iter().position(|&byte| byte == b'\n');
+        let length = end.map_or(buffer.len(), |end| end + 1);
+        out.write_all(&buffer[..length])?;
+        reader.consume(length);
+        if end.is_some() {
+            return Ok(false);
+        }
+    }
+}
+
+/// A line without LF and the CRs before it.
+fn without_end(line: &[u8]) -> &[u8] {
+    let mut text = line.strip_suffix(b"\n").unwrap_or(line);
+    while let Some(rest) = text.strip_suffix(b"\r") {
+        text = rest;
+    }
+    text
+}
+
+/// Whether a line in its form has M2 or M30 among its words.
+fn ends_program(line: &[u8]) -> bool {
+    line.contains(&b'M')
+        && husillo_gcode::words(line)
+            .flatten()
+            .any(|word| word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30)))
+}
+
+fn at<'a>(file: &'a str, line: usize, bytes: &'a [u8]) -> At<'a> {
+    At {
+        file,
+        line,
+        bytes,
+        block: 0,
+        length: bytes.len(),
+    }
+}

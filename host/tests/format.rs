@@ -1,0 +1,277 @@
+//! `husillo format` as a user calls it, and the fixes that `husillo check` offers.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// A file of its own for each test.
+fn scratch(name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("format");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+const UNTIDY: &[u8] = b"%\r\nn10g01x+01.50y-.5(Cut; \xe9)f 1 00\r\n  #1=[ 2 ]\r\no1 while [#1 gt 0]\r\n/g0z5. ; up  \r\n\
+m30\r\nany text, 1 2 3";
+
+const TIDY: &[u8] =
+    b"%\nN10 G1 X1.50 Y-0.5 (Cut; \xe9) F100\n  #1=[ 2 ]\no1 while [#1 gt 0]\n/G0 Z5. ; up  \n\
+M30\nany text, 1 2 3\n";
+
+#[test]
+fn a_program_in_its_form() {
+    let program = scratch("untidy.nc", UNTIDY);
+    husillo()
+        .arg("format")
+        .arg(&program)
+        .assert()
+        .success()
+        .stdout(TIDY)
+        .stderr(is_empty());
+    husillo()
+        .args(["format", "-"])
+        .write_stdin(TIDY)
+        .assert()
+        .success()
+        .stdout(TIDY);
+    husillo()
+        .args(["format", "--crlf", "-"])
+        .write_stdin(&b"g0\nm2\n"[..])
+        .assert()
+        .success()
+        .stdout("G0\r\nM2\r\n");
+    husillo()
+        .args(["format", "--dialect", "micromill", "-"])
+        .write_stdin(&b"G90; g00 x02650.00;\n"[..])
+        .assert()
+        .success()
+        .stdout("G90;G00X02650.00;\n");
+}
+
+#[test]
+fn a_program_can_be_its_own_output() {
+    let program = scratch("own.nc", UNTIDY);
+    for _ in 0..2 {
+        husillo()
+            .arg("format")
+            .arg(&program)
+            .arg("-o")
+            .arg(&program)
+            .assert()
+            .success()
+            .stdout(is_empty());
+        assert_eq!(fs::read(&program).unwrap(), TIDY);
+    }
+    let beside: Vec<_> = fs::read_dir(program.parent().unwrap())
+        .unwrap()
+        .filter(|entry| {
+            let name = entry.as_ref().unwrap().file_name();
+            name.to_string_lossy().starts_with("own.nc.")
+        })
+        .collect();
+    assert!(beside.is_empty(), "{beside:?}");
+}
+
+#[test]
+fn check_names_what_would_change() {
+    let untidy = scratch("check_untidy.nc", UNTIDY);
+    let tidy = scratch("check_tidy.nc", TIDY);
+    let faulty = scratch("check_faulty.nc", "G1 X1.2.3\n");
+    husillo()
+        .args(["format", "--check"])
+        .args([&untidy, &tidy])
+        .assert()
+        .code(1)
+        .stdout(format!("{}: would change\n", untidy.display()));
+    assert_eq!(fs::read(&untidy).unwrap(), UNTIDY);
+    husillo()
+        .args(["format", "--check"])
+        .arg(&tidy)
+        .assert()
+        .success()
+        .stdout(is_empty());
+    husillo()
+        .args(["format", "--check"])
+        .arg(&faulty)
+        .assert()
+        .code(1)
+        .stdout(is_empty())
+        .stderr(contains("E0102"));
+}
+
+#[test]
+fn lines_with_errors_stay_as_they_are() {
+    let long = [b"g1 (".to_vec(), vec![b'x'; 300_000], b")".to_vec()].concat();
+    let lines: [&[u8]; 5] = [
+        b"g1  x1.2.3",
+        b"n3 g1 x1*98",
+        b"\xff g1",
+        b"M117  h 1",
+        &long,
+    ];
+    let mut program = lines.join(&b'\n');
+    program.extend_from_slice(b"\ng0 x1\n");
+    let mut expected = lines.join(&b'\n');
+    expected.extend_from_slice(b"\nG0 X1\n");
+    husillo()
+        .args(["format", "-"])
+        .write_stdin(program)
+        .assert()
+        .code(1)
+        .stdout(expected)
+        .stderr(contains("<input>:1:9").and(contains("5 errors")));
+}
+
+#[test]
+fn wrong_usage_ends_with_two() {
+    let program = scratch("usage.nc", "G0\n");
+    let program = program.to_str().unwrap();
+    for args in [
+        &["format"][..],
+        &["format", "no-such-file.nc"],
+        &["format", "."],
+        &["format", program, program],
+        &["format", program, "--check", "-o", "x.nc"],
+        &["format", program, "--dialect", "latin"],
+        &["format", "board.drl"],
+    ] {
+        husillo().args(args).assert().code(2).stdout(is_empty());
+    }
+}
+
+fn findings(program: &Path) -> Vec<Value> {
+    let output = husillo()
+        .args(["check", "--format", "json", "--limit", "1000"])
+        .arg(program)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+/// Makes the change of a fix: line and columns count characters from 1.
+fn apply(program: &str, fix: &Value) -> String {
+    let number = |key: &str| fix[key].as_u64().unwrap() as usize - 1;
+    let mut lines: Vec<String> = program.split('\n').map(str::to_owned).collect();
+    let line: Vec<char> = lines[number("line")].chars().collect();
+    let (from, to) = (number("column"), number("end"));
+    let part = |part: &[char]| part.iter().collect::<String>();
+    let text = fix["text"].as_str().unwrap();
+    lines[number("line")] = part(&line[..from]) + text + &part(&line[to..]);
+    lines.join("\n")
+}
+
+/// Whether a finding of this code is at this line and column or before it in the line: where it would be if it were the same.
+fn is_there(findings: &[Value], code: &Value, line: &Value, column: u64) -> bool {
+    findings.iter().any(|finding| {
+        finding["code"] == *code
+            && finding["line"] == *line
+            && finding["column"].as_u64().unwrap_or(0) <= column
+    })
+}
+
+/// Applies every fix of a program one by one and sees that its error is gone; the number of fixes.
+fn assert_fixes_help(name: &str, program: &str) -> usize {
+    let mut fixes = 0;
+    let path = scratch(name, program);
+    let found = findings(&path);
+    let errors = found.iter().filter(|f| f["severity"] == "error").count();
+    for finding in &found {
+        for fix in finding["fixes"].as_array().unwrap() {
+            fixes += 1;
+            let fixed = apply(program, fix);
+            let path = scratch(&format!("fixed_{name}"), &fixed);
+            let after = findings(&path);
+            let column = fix["column"]
+                .as_u64()
+                .unwrap()
+                .max(finding["column"].as_u64().unwrap());
+            assert!(
+                !is_there(&after, &finding["code"], &finding["line"], column - 1),
+                "{name}: {finding}\n{fixed}\n{after:#?}"
+            );
+            let left = after.iter().filter(|f| f["severity"] == "error").count();
+            assert!(left <= errors, "{name}: {finding}\n{fixed}\n{after:#?}");
+        }
+    }
+    fixes
+}
+
+#[test]
+fn every_fix_removes_its_error() {
+    let mut fixes = 0;
+    for (index, line) in [
+        "G1 X1 U0.4 F100",
+        "U1",
+        "G1 U1X2U3",
+        "G1 F100 (\u{e9}\u{4e00}) X1,5 Y2",
+        "G1 F100 X1,5 Y2,5",
+        "G1 F100 X1 , 5",
+        "G1 F100 X1,234.5",
+        "G1 F100 X1,2,3",
+        "G1 F100 X,5",
+        "G1 F100 X1,",
+        "G1 F100 X1 K2 Y2",
+        "G1 X1 F100 K#<a>",
+        "G2 X1 I0.5 K1 F100",
+        "G1 F100 X1 (to the end",
+        "G1 F100 X1 (to the end \u{e9}  ",
+        "G1 F100 (a (b) X1",
+        "G0 X1 (",
+        "#1=[1] G1 X#1 F100 (never closed",
+        "#1=1 G1 F100 X#1 H[#1]",
+        "(\u{e9}) G0 X1 D3",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        fixes += assert_fixes_help(&format!("fix{index}.nc"), &format!("G21\n{line}\nG0 X0\n"));
+    }
+    let golden = Path::new("../gcode/tests/golden");
+    for folder in ["bad", "flow/bad"] {
+        for entry in fs::read_dir(golden.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            // Ten million steps, twice.
+            if path.ends_with("steps.ngc") {
+                continue;
+            }
+            let Ok(program) = fs::read_to_string(&path) else {
+                continue;
+            };
+            let name = path.file_name().unwrap().to_str().unwrap();
+            fixes += assert_fixes_help(name, &program);
+        }
+    }
+    assert!(fixes >= 20, "{fixes}");
+}
+
+#[test]
+fn columns_of_a_fix_count_characters_of_any_line() {
+    // Latin-1 in a comment: each such byte is drawn as one character.
+    let program = scratch("latin1.nc", b"(\xe9\xe9) G0 X1 U2 Y3\n");
+    let found = findings(&program);
+    let fix = &found[0]["fixes"][0];
+    assert_eq!(
+        (fix["column"].as_u64(), fix["end"].as_u64()),
+        (Some(12), Some(15))
+    );
+    husillo()
+        .arg("check")
+        .arg(&program)
+        .assert()
+        .code(1)
+        .stdout(contains("G0 X1 Y3"));
+}
