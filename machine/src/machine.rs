@@ -2,7 +2,8 @@
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
 use husillo_gcode::{
-    Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm, PathMode, SpindleDirection,
+    Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm, PathMode,
+    SpindleDirection,
 };
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
