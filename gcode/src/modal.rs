@@ -443,11 +443,6 @@ impl<const N: usize> Modal<N> {
         self.flood = false;
     }
 
-    /// G40 without a move: for an abort outside of the program.
-    pub fn cancel_compensation(&mut self) {
-        self.compensation = None;
-    }
-
     /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while it is off).
     pub fn spindle(&self) -> (SpindleDirection, u64) {
         (self.spindle, self.milli_rpm)

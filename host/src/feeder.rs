@@ -51,10 +51,6 @@ pub fn feed(
         return Ok(());
     }
     while pull(machine, &mut each)? == Pulled::Event {}
-    machine
-        .finish()
-        .map_err(|refused| io::Error::other(format!("at the end: {refused}")))?;
-    while pull(machine, &mut each)? == Pulled::Event {}
     Ok(())
 }
 

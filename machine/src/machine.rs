@@ -1,10 +1,7 @@
 //! Lines in, events out.
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
-use husillo_gcode::{
-    Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm, PathMode,
-    SpindleDirection,
-};
+use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode, SpindleDirection};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
@@ -35,12 +32,8 @@ pub enum Origin {
 pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {
     config: Config<N>,
     modal: Modal<N>,
-    /// Cutter compensation: holds back the last move of a contour until the next one says where it ends.
-    contour: Compensation<N>,
-    /// Where the commands taken so far end.
-    end: [Nm; N],
     /// What is left of the block taken last.
-    commands: Option<Compensated<N>>,
+    commands: Option<Commands<N>>,
     /// Its next command: it waits for its place in the queue.
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
@@ -101,8 +94,6 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         Self {
             config,
             modal: Modal::new(config.dialect),
-            contour: Compensation::new([Nm(0); N]),
-            end: [Nm(0); N],
             commands: None,
             next: None,
             waiting: None,
@@ -147,7 +138,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         }
         let mut block = Block::new();
         block.read(text, &self.config.dialect)?;
-        self.take(&block, text.len())
+        self.block(&block)
     }
 
     /// Takes one block, as [`Machine::line`] does: one of a program whose expressions were worked out before.
@@ -158,19 +149,10 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        self.take(block, 0)
-    }
-
-    /// A block whose text has so many bytes.
-    fn take(&mut self, block: &Block, end: usize) -> Result<(), Refused> {
         let mut modal = self.modal.clone();
         let mut commands = Commands::new();
         modal.apply(block, &mut commands)?;
-        let (contour, commands) =
-            self.contour
-                .plan(commands)
-                .map_err(|kind| Error { kind, at: 0, end })?;
-        let (mut from, mut mode) = (self.end, self.mode);
+        let (mut from, mut mode) = (self.modal.position(), self.mode);
         for command in commands.clone() {
             self.config.check(&from, &command)?;
             from = command.end().unwrap_or(from);
@@ -179,36 +161,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             }
         }
         self.modal = modal;
-        self.contour = contour;
-        self.end = from;
         self.mode = mode;
-        self.commands = Some(commands);
-        self.fill();
-        Ok(())
-    }
-
-    /// The end of a program that has neither G40 nor M2: the last move of a compensated contour, which waits for the next one, is made to
-    /// its own end. Without compensation nothing happens.
-    ///
-    /// # Errors
-    /// [`Refused::Busy`] as [`Machine::line`], and where the move would leave the travel; nothing has changed then.
-    pub fn finish(&mut self) -> Result<(), Refused> {
-        if !self.has_room() {
-            return Err(Refused::Busy);
-        }
-        if !self.contour.is_active() {
-            return Ok(());
-        }
-        let commands = self.contour.clone().finish();
-        let mut from = self.end;
-        for command in commands.clone() {
-            self.config.check(&from, &command)?;
-            from = command.end().unwrap_or(from);
-        }
-        self.contour = Compensation::new(from);
-        self.modal.cancel_compensation();
-        self.modal.set_position(from);
-        self.end = from;
         self.commands = Some(commands);
         self.fill();
         Ok(())
@@ -302,7 +255,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                         Some(self.path_step(step, wait))
                     }
                     None => {
-                        self.end_move();
+                        self.finish();
                         self.next_unhurried()
                     }
                 }
@@ -481,7 +434,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             None => run.path.next(),
         };
         let Some(step) = step else {
-            self.end_move();
+            self.finish();
             return Some(None);
         };
         if let (true, Some(timer)) = (run.follows, &mut run.timer) {
@@ -511,7 +464,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     }
 
     /// The move, or the part of an arc, has ended: its place is free.
-    fn end_move(&mut self) {
+    fn finish(&mut self) {
         self.schedule.moves.pop();
         self.fill();
         let goes_on = match self.schedule.moves.front() {
@@ -639,7 +592,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     }
 
     /// Drops all that was taken and not yet given out; the outputs go to their safe state, in the modal state too.
-    /// Cutter compensation ends; other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
+    /// Other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
     ///
     /// All axes stop at once, whatever their speed: a feed hold before it brakes. The hold ends with the abort. The next
     /// block starts from where the axes stand. What was left of a take-up is made, or
@@ -673,9 +626,6 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         self.schedule.set_mode(self.mode);
         self.resume();
         self.modal.set_position(position);
-        self.modal.cancel_compensation();
-        self.contour = Compensation::new(position);
-        self.end = position;
         self.modal.stop_outputs();
         self.signals = safe();
     }

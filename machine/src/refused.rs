@@ -62,6 +62,8 @@ pub enum Means {
     SpindleAngle,
     /// G38: a probe.
     Probe,
+    /// G41, G42: a stage of radius compensation before the machine.
+    RadiusCompensation,
     /// M60, M62 to M68: inputs, outputs, pallets.
     InputsAndOutputs,
 }
@@ -75,6 +77,7 @@ impl Means {
             Self::SurfaceSpeed => "constant surface speed",
             Self::SpindleAngle => "a spindle held at an angle",
             Self::Probe => "a probe",
+            Self::RadiusCompensation => "cutter compensation",
             Self::InputsAndOutputs => "inputs and outputs",
         }
     }

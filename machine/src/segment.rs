@@ -59,6 +59,7 @@ const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Opt
         Command::Spline { .. } => Means::Splines,
         Command::Orient { .. } => Means::SpindleAngle,
         Command::Probe { .. } => Means::Probe,
+        Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,
         Command::Output { .. }
         | Command::Analog { .. }
         | Command::Wait { .. }

@@ -75,7 +75,6 @@ pub fn keep() {
         Modal::<3>::position as *const (),
         Modal::<3>::set_position as *const (),
         Modal::<3>::stop_outputs as *const (),
-        Modal::<3>::cancel_compensation as *const (),
         Modal::<3>::work_offset as *const (),
         Modal::<3>::work_system as *const (),
         Modal::<3>::set_work_zero as *const (),

@@ -26,7 +26,6 @@ pub fn keep() {
         Machine::line as *const (),
         Machine::block as *const (),
         Machine::has_room as *const (),
-        Machine::finish as *const (),
         Machine::hold as *const (),
         Machine::resume as *const (),
         Machine::is_held as *const (),
