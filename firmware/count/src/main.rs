@@ -1,33 +1,11 @@
-//! Prints what an event of each kernel costs in executed instructions, loop included: `kernel instructions`. Run by
-//! `check`.
+//! Counts the methods of motion. Run by `check`.
 #![no_std]
 #![no_main]
 
-#[cfg_attr(target_arch = "arm", path = "board/cortex_m.rs")]
-#[cfg_attr(target_arch = "riscv32", path = "board/riscv.rs")]
-mod board;
-
-use semihosting::{println, process};
+mod report;
 
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
-    board::start();
-    // The frame around the work.
-    let frame = board::instructions(&mut || ());
-    kernels::all(&mut |name, events, work| {
-        let instructions = board::instructions(work).saturating_sub(frame);
-        let events = u64::from(events);
-        let hundredths = (instructions * 100 + events / 2) / events;
-        println!("{name} {}.{:02}", hundredths / 100, hundredths % 100);
-    });
-    process::exit(0)
-}
-
-/// A fault ends QEMU at once instead of hanging until the runner's timeout.
-#[cfg(target_arch = "arm")]
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    println!("HardFault at {:#x}", frame.pc());
-    process::exit(98)
+    report::report(kernels::methods)
 }

@@ -22,14 +22,24 @@ use husillo_interp::Step;
 /// Takes a kernel's name, how many events it has, and what to run, once.
 pub type Count<'a> = &'a mut dyn FnMut(&str, u32, &mut dyn FnMut());
 
-/// Hands every kernel to `count`. The groups are not inlined: their moves would all be on the stack at once.
+/// Hands every kernel to `count`.
 pub fn all(count: Count<'_>) {
+    methods(count);
+    text(count);
+}
+
+/// Interpolation, planning and the stages behind them. The groups are not inlined: their moves would all be on the stack at once.
+pub fn methods(count: Count<'_>) {
     lines::all(count);
     arcs::all(count);
     curves::all(count);
     profiles::all(count);
     planning::all(count);
     stages::all(count);
+}
+
+/// From text to events. With the methods it is more than a microbit holds.
+pub fn text(count: Count<'_>) {
     words::all(count);
     words::line(count);
     chain::all(count);

@@ -1,0 +1,11 @@
+//! Counts what stands between a line of text and its events. Run by `check`.
+#![no_std]
+#![no_main]
+
+mod report;
+
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+fn main() -> ! {
+    report::report(kernels::text)
+}
