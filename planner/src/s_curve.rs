@@ -146,14 +146,22 @@ impl SCurve {
         if most_jerk >> 28 != 0 {
             return Err(RatesError::RampTooLong);
         }
+        if most_jerk == 0 {
+            // The acceleration is there within a tick: more than asked for.
+            return Err(RatesError::TimerOutOfRange);
+        }
         let mut limits = Limits {
             timer_hz: rates.timer_hz,
             jerk_hz_per_s2,
-            most_jerk: (most_jerk as u32).max(1),
+            most_jerk: most_jerk as u32,
             top_w: 0,
             end_w: 0,
         };
         limits.top_w = limits.doubled(rates.top_rate_hz, tick_bits);
+        if limits.top_w < 2 {
+            // The top rate is there within a tick.
+            return Err(RatesError::TimerOutOfRange);
+        }
         limits.end_w = limits.doubled(rates.end_rate_hz, tick_bits);
         let course = Course {
             w: limits.doubled(rates.start_rate_hz, tick_bits),
@@ -217,7 +225,11 @@ impl SCurve {
             return Err(RatesError::TimerOutOfRange);
         }
         let before = self.limits.top_w;
-        self.limits.top_w = self.limits.doubled(top_rate_hz, self.tick_bits);
+        let top_w = self.limits.doubled(top_rate_hz, self.tick_bits);
+        if top_w < 2 {
+            return Err(RatesError::TimerOutOfRange);
+        }
+        self.limits.top_w = top_w;
         let is_done = self.is_holding || self.look_again(self.remaining, self.limits.end_w);
         if !is_done {
             self.limits.top_w = before;
@@ -231,6 +243,9 @@ impl SCurve {
     pub fn hold(&mut self) -> Option<u32> {
         if self.is_holding {
             return Some(self.remaining);
+        }
+        if self.remaining == 0 {
+            return None;
         }
         let path = self.course(0).shortest()?;
         // Events that far away, rounded up; to_go is within one tick's path.

@@ -166,6 +166,9 @@ impl Trapezoid {
         if self.is_holding {
             return Some(self.remaining);
         }
+        if self.remaining == 0 {
+            return None;
+        }
         let gain = self.gain();
         let square = self.square();
         // Rounded up; below 2^92 + 2^94.
@@ -340,8 +343,10 @@ impl Trapezoid {
         let period = if square == self.square_of(self.top_rate_hz) {
             self.top_period()
         } else {
-            // g / 2 T.
-            divide(gain, root(square.wrapping_shl(2))).min(u64::MAX.into()) as u64
+            // g / 2 T, with 10 more bits where T has few; g is below 2^94.
+            let more = if square >> 20 == 0 { 10 } else { 0 };
+            let double = root(square.wrapping_shl(2_u32.wrapping_add(2 * more)));
+            divide(gain.wrapping_shl(more), double.max(1)).min(u64::MAX.into()) as u64
         };
         // At most 2^32 times 2^64.
         u128::from(share(left, gain))

@@ -159,3 +159,26 @@ fn refused() {
     assert_eq!(SCurve::new(&rates, 0, 126).err(), Some(RatesError::Zero));
     assert!(size_of::<SCurve>() <= 128);
 }
+
+/// A jerk that brings the acceleration, or the top rate, within a tick is refused: the limits would not be kept.
+#[test]
+fn a_jerk_too_high_for_the_timer_is_refused() {
+    for (timer_hz, top_rate_hz, acceleration_hz_per_s, jerk) in [
+        (1000, 100, 100_000, u32::MAX),
+        (1000, 1, 1860, 1_840_797),
+        (20_000, 1000, 5000, 1_000_000_000),
+        (100_000, 10_000, 100, u32::MAX),
+    ] {
+        let rates = Rates {
+            timer_hz,
+            start_rate_hz: 0,
+            top_rate_hz,
+            end_rate_hz: 0,
+            acceleration_hz_per_s,
+        };
+        assert_eq!(
+            SCurve::new(&rates, jerk, 10),
+            Err(RatesError::TimerOutOfRange)
+        );
+    }
+}

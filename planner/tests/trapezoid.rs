@@ -233,3 +233,22 @@ fn long_ramp() {
     let exact = 1e6 * (2.0 * 20e6 / 999.0_f64).sqrt();
     assert!((sum as f64 - exact).abs() < 2.0, "{sum} {exact}");
 }
+
+/// Also where the ramp to the present rate takes less than a tick, an event at that rate takes its time; and what has ended
+/// cannot be held.
+#[test]
+fn steep_ramps_take_their_time() {
+    let rates = Rates {
+        timer_hz: 20_000,
+        start_rate_hz: 5,
+        top_rate_hz: 1,
+        end_rate_hz: 1,
+        acceleration_hz_per_s: 524_818,
+    };
+    let mut profile = Trapezoid::new(&rates, 3).unwrap();
+    profile.hold();
+    assert!(profile.all(|ticks| ticks > 0));
+    let mut profile = Trapezoid::new(&rates, 1).unwrap();
+    profile.next();
+    assert_eq!(profile.hold(), None);
+}
