@@ -44,7 +44,12 @@ pub fn feed(
                 .map_err(Refused::from)
                 .and_then(|block| machine.block(&block))
                 .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
-            Ok(ControlFlow::Continue(()))
+            // What follows the end of a program may be anything.
+            Ok(if machine.has_ended() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
         },
     )?;
     if ended {

@@ -16,6 +16,7 @@ pub struct Turning {
     /// Turns at which the event given last was due.
     due: f64,
     is_following: bool,
+    is_on: bool,
 }
 
 impl Turning {
@@ -28,6 +29,7 @@ impl Turning {
             passed: 0,
             due: 0.0,
             is_following: false,
+            is_on: false,
         }
     }
 
@@ -73,6 +75,7 @@ impl Turning {
                 milli_rpm,
             }) => {
                 self.catch_up();
+                self.is_on = direction != SpindleDirection::Off && milli_rpm > 0;
                 // The encoder counts up whichever way it turns.
                 self.spindle.set_target_rpm(match direction {
                     SpindleDirection::Off => 0.0,
@@ -101,6 +104,11 @@ impl Turning {
         let longest = (self.timer_hz / 1000.0).max(1.0);
         let mut ticks = 0_u64;
         while self.spindle.turns() < self.due {
+            if !self.is_on && self.spindle.rpm() < 0.1 {
+                return Err(io::Error::other(
+                    "a move follows the spindle, and the spindle stands",
+                ));
+            }
             let ticks_a_turn = 60.0 * self.timer_hz / self.spindle.rpm().max(1e-3);
             let left = (self.due - self.spindle.turns()) * ticks_a_turn;
             let part = left.floor().clamp(1.0, longest) as u32;
@@ -108,7 +116,7 @@ impl Turning {
             ticks += u64::from(part);
             if ticks > u64::from(MAX_WAIT_TICKS) {
                 return Err(io::Error::other(
-                    "a move follows the spindle, and the spindle stands",
+                    "a move follows the spindle, which turns too slowly for it",
                 ));
             }
         }

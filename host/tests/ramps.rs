@@ -75,3 +75,19 @@ fn threads_are_where_they_were() {
         assert!((turns - turns.round()).abs() < 1e-3, "{turns} turns apart");
     }
 }
+
+#[test]
+fn what_follows_the_end_of_a_program_is_no_part_of_it() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("behind.nc");
+    std::fs::write(&file, "G0 X1\nM30\nG0 X5\nthis is text\n").unwrap();
+    let output = husillo()
+        .args(["run", "-m", "free", "--format", "json"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let run: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(run["events"], 1000);
+}

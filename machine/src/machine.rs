@@ -45,6 +45,7 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE:
     percent: u8,
     /// How moves join after the line taken last.
     mode: PathMode,
+    has_ended: bool,
     segment: Option<Segment<N>>,
     compensator: Compensator<N, L>,
     is_compensating: bool,
@@ -103,6 +104,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             is_held: false,
             percent: 100,
             mode: PathMode::Blend { tolerance: None },
+            has_ended: false,
             segment: None,
             compensator: Compensator::new(lash),
             is_compensating: true,
@@ -152,15 +154,17 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         let mut modal = self.modal.clone();
         let mut commands = Commands::new();
         modal.apply(block, &mut commands)?;
-        let (mut from, mut mode) = (self.modal.position(), self.mode);
+        let (mut from, mut mode, mut has_ended) = (self.modal.position(), self.mode, false);
         for command in commands.clone() {
             self.config.check(&from, &command)?;
             from = command.end().unwrap_or(from);
             if let Command::Path { mode: next } = command {
                 mode = next;
             }
+            has_ended = matches!(command, Command::End { .. });
         }
         self.modal = modal;
+        self.has_ended = has_ended;
         self.mode = mode;
         self.commands = Some(commands);
         self.fill();
@@ -170,6 +174,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     /// Whether [`Machine::line`] takes a line now, if it is right; otherwise it answers [`Refused::Busy`].
     pub const fn has_room(&self) -> bool {
         self.next.is_none()
+    }
+
+    /// Whether the line taken last ended its program (M2, M30): what may follow in the file is no part of it.
+    pub const fn has_ended(&self) -> bool {
+        self.has_ended
     }
 
     /// Moves commands into the queue, up to one that has to wait for all moves before it.
@@ -384,7 +393,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             // An axis with a ramp that is taken up cannot stop at once.
             let stops_at_once = self.take_up.is_none() || !self.schedule.has_ramps();
             // What follows the spindle cannot stop without it.
-            let stops_at_once = stops_at_once && !self.is_following();
+            let stops_at_once = stops_at_once && !self.is_following() && !self.goes_on_threading();
             if self.is_held && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
                 return None;
             }
@@ -463,6 +472,15 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         self.run.as_ref().is_some_and(|run| run.follows)
     }
 
+    /// Whether the next move is another one of the thread that is being cut.
+    fn goes_on_threading(&self) -> bool {
+        let next = self.schedule.moves.front();
+        next.is_some_and(|(_, work)| {
+            let is_thread = matches!(work.segment.command, Command::Thread { .. });
+            is_thread && !work.is_indexed
+        })
+    }
+
     /// The move, or the part of an arc, has ended: its place is free.
     fn finish(&mut self) {
         self.schedule.moves.pop();
@@ -527,6 +545,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         let from = self.schedule.programmed();
         self.segment = Some(Segment { from, command });
         self.ramp.stop();
+        self.schedule.end_thread();
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years: saturating is long enough.

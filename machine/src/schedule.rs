@@ -97,6 +97,11 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.mode = mode;
     }
 
+    /// Something else than a move has come: the next thread waits for the index again.
+    pub(crate) const fn end_thread(&mut self) {
+        self.is_thread = false;
+    }
+
     /// Where the last move in the queue ends.
     pub(crate) const fn programmed(&self) -> [Nm; N] {
         self.programmed
@@ -112,6 +117,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.moves.clear();
         self.arc = None;
         self.direction = None;
+        self.is_thread = false;
         self.heading = [0; N];
         self.programmed = programmed;
         self.lattice = lattice;

@@ -26,9 +26,13 @@ impl TakeUp {
                 end_rate_hz: ramp.start_rate_hz,
                 acceleration_hz_per_s: ramp.acceleration_hz_per_s,
             };
-            // Refused are ramps of a quarter of an hour: such an axis starts as it did without.
-            match ramp.jerk_hz_per_s2 {
-                Some(jerk) => SCurve::new(&rates, jerk, steps).ok().map(TakeUp::Smooth),
+            // Refused are a jerk that the timer is too slow for, and ramps of a quarter of an hour: such an axis starts
+            // as it did without.
+            let smooth = ramp
+                .jerk_hz_per_s2
+                .and_then(|jerk| SCurve::new(&rates, jerk, steps).ok());
+            match smooth {
+                Some(curve) => Some(TakeUp::Smooth(curve)),
                 None => Trapezoid::new(&rates, steps).ok().map(TakeUp::Ramp),
             }
         });

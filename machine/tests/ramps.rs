@@ -380,6 +380,21 @@ fn a_take_up_is_as_smooth_as_its_axis() {
 }
 
 #[test]
+fn a_jerk_that_the_timer_is_too_slow_for_leaves_the_ramp() {
+    let first = |jerk_hz_per_s2| {
+        let mut config = config([2000, 0, 0]);
+        config.timer_hz = 20_000;
+        config.axes[0].max_rate_hz = 6000;
+        let ramp = config.axes[0].ramp.as_mut().unwrap();
+        (ramp.acceleration_hz_per_s, ramp.jerk_hz_per_s2) = (20_000, jerk_hz_per_s2);
+        let mut machine = Mill::new(config);
+        machine.line(b"G0 X-0.1").unwrap();
+        machine.next_event()
+    };
+    assert_eq!(first(Some(2_000_000)), first(None));
+}
+
+#[test]
 fn rapids_and_outputs_stop() {
     let mut machine = Mill::new(config([0; 3]));
     let trace = run(

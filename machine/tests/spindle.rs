@@ -12,23 +12,26 @@ fn turn(program: &str) -> (u64, usize, Vec<usize>, Machine<3>) {
     config.axes.iter_mut().for_each(|axis| axis.lash_steps = 0);
     let mut machine: Machine<3> = Machine::new(config);
     let (mut counts, mut steps, mut indices) = (0, 0, Vec::new());
-    for line in program.lines() {
-        while !machine.has_room() {
-            machine.next_event();
-        }
-        machine.line(line.as_bytes()).unwrap();
-    }
-    while let Some(event) = machine.next_event() {
+    let mut take = |machine: &mut Machine<3>| {
+        let event = machine.next_event();
         match event {
-            Event::Follow(step) => {
+            Some(Event::Follow(step)) => {
                 counts += u64::from(step.wait_counts_q16);
                 steps += 1;
                 assert_eq!(machine.origin(), Origin::Feed);
             }
-            Event::Index => indices.push(steps),
+            Some(Event::Index) => indices.push(steps),
             _ => {}
         }
+        event.is_some()
+    };
+    for line in program.lines() {
+        while !machine.has_room() {
+            take(&mut machine);
+        }
+        machine.line(line.as_bytes()).unwrap();
     }
+    while take(&mut machine) {}
     (counts, steps, indices, machine)
 }
 
@@ -44,6 +47,40 @@ fn a_thread_has_its_pitch_and_waits_for_the_index_once() {
     // The next pass waits again.
     let (_, steps, indices, _) = turn("M3 S100\nG33 Z-1.4 K1.5\nG0 Z0\nG33 Z-1.4 K1.5");
     assert_eq!(indices, [0, steps / 2]);
+}
+
+#[test]
+fn a_thread_goes_on_only_where_nothing_came_between() {
+    let (_, steps, indices, _) =
+        turn("M3 S100\nG33 Z-1.4 K1.5\nM5\nG4 P0\nM4 S100\nG33 Z-2.8 K1.5");
+    assert_eq!(indices, [0, steps / 2]);
+    // After an abort, too; and a hold does not stop between two moves of one thread.
+    let mut config = config();
+    config.spindle_counts = Some(4096);
+    let mut machine: Machine<3> = Machine::new(config);
+    for line in ["M3 S100", "G33 Z-1.4 K1.5", "G33 Z-2.8 K1.5"] {
+        while !machine.has_room() {
+            // The spindle.
+            machine.next_event();
+        }
+        machine.line(line.as_bytes()).unwrap();
+    }
+    let mut follows = 0;
+    while let Some(event) = machine.next_event() {
+        if matches!(event, Event::Follow(_)) {
+            follows += 1;
+        }
+        if follows == 500 {
+            machine.hold();
+        }
+    }
+    assert_eq!(follows, 20_000);
+    machine.abort();
+    while machine.next_event().is_some() {}
+    machine.line(b"M3 S100").unwrap();
+    machine.line(b"G33 Z-1.4 K1.5").unwrap();
+    machine.next_event();
+    assert_eq!(machine.next_event(), Some(Event::Index));
 }
 
 #[test]

@@ -26,6 +26,7 @@ pub fn keep() {
         Machine::line as *const (),
         Machine::block as *const (),
         Machine::has_room as *const (),
+        Machine::has_ended as *const (),
         Machine::hold as *const (),
         Machine::resume as *const (),
         Machine::is_held as *const (),
