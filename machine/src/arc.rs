@@ -138,7 +138,8 @@ pub(crate) fn course<const N: usize>(
         centre_y.wrapping_sub(i64::from(ay) << bits),
     ];
     let mut turns = arc.turns;
-    if let Some(short) = nearly_closed(to, start, end, arc.direction) {
+    let spoke = centre.map(i64::wrapping_neg);
+    if let Some(short) = nearly_closed(spoke, to, start, end, arc.direction) {
         if short && turns == 0 {
             return Ok(Course::Straight);
         }
@@ -175,15 +176,19 @@ pub(crate) fn course<const N: usize>(
     Ok(Course::Round(round, radius_steps))
 }
 
-/// For ends within a step of each other on the grid: whether the exact arc is the short way
+/// For ends that lie within a step and a half of one spoke on the grid (the second one may be further in or out): whether the exact arc is the short way
 /// (`Some(true)`) or a whole turn (`Some(false)`); the grid alone cannot tell.
 fn nearly_closed(
+    spoke: [i64; 2],
     to: [i32; 2],
     start: [i64; 2],
     end: [i64; 2],
     direction: Direction,
 ) -> Option<bool> {
-    if to.iter().any(|step| step.unsigned_abs() > 1) {
+    // How far beside the spoke, times the spoke's length; both have the centre's fraction bits.
+    let beside = cross(spoke, to.map(i64::from)).unsigned_abs();
+    let length = u128::from(radius(spoke));
+    if beside > length.saturating_add(length / 2) {
         return None;
     }
     if start == end {

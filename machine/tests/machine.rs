@@ -298,3 +298,27 @@ fn a_command_without_an_event_makes_room() {
     assert_eq!(machine.next_event(), None);
     assert!(machine.has_room());
 }
+
+#[test]
+fn an_arc_whose_ends_differ_in_radius_alone_is_no_whole_turn() {
+    // A radius of 5 m, its ends 0.45 mm further out and 0.02 mm along: on a grid of 0.1 mm they are on one spoke.
+    let mut config = config();
+    for axis in &mut config.axes {
+        axis.scale = husillo_machine::Scale::new(100_000, 1).unwrap();
+        axis.lash_steps = 0;
+    }
+    for (line, most) in [
+        ("G2 X0.05 Y0.02 I5009.6 J0", 8),
+        ("G3 X0.05 Y-0.02 I5009.6 J0", 8),
+    ] {
+        let mut machine: Machine<3> = Machine::new(config);
+        machine.line(b"G1 X0.5 Y0 F60").unwrap();
+        machine.line(line.as_bytes()).unwrap();
+        let mut events = 0;
+        while machine.next_event().is_some() {
+            events += 1;
+            assert!(machine.position_steps()[1].abs() <= 1);
+        }
+        assert!(events <= 5 + most, "{line}: {events}");
+    }
+}
