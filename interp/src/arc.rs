@@ -3,8 +3,9 @@
 use core::fmt;
 use core::iter::FusedIterator;
 
+use crate::interpolator::{Totals, exactly};
 use crate::walk::{Spread, Start, Toward, Walk};
-use crate::{Interpolator, Step, interpolator::Totals};
+use crate::{Interpolator, Step};
 
 /// Largest distance of an end from the centre, in BLU: then every difference of two points of the
 /// arc fits `i32`.
@@ -244,8 +245,7 @@ impl Iterator for Arc {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::iter::FusedIterator;
 
-use crate::interpolator::Totals;
+use crate::interpolator::{Totals, exactly};
 use crate::{Interpolator, Step};
 
 /// Fraction bits of positions within the curve: 2^-20 BLU.
@@ -224,8 +224,7 @@ impl<const N: usize> Iterator for Bezier<N> {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 

@@ -3,7 +3,7 @@
 use core::iter::FusedIterator;
 
 use crate::conic_move::{ConicError, ConicMove, EllipseMove, Pace, Start, Toward};
-use crate::interpolator::Totals;
+use crate::interpolator::{Totals, exactly};
 use crate::{Interpolator, Step};
 
 /// What `sweep` counts a BLU of path as, where the curve is not a circle.
@@ -120,8 +120,7 @@ impl Iterator for Conic {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A walk with its events counted.
 
-use crate::interpolator::Totals;
+use crate::interpolator::{Totals, exactly};
 use crate::{ArcError, Step};
 
 /// A walk and what remains of it.
@@ -35,7 +35,6 @@ impl<W: Iterator<Item = Step> + Clone> Counted<W> {
 
     #[inline]
     pub(crate) fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }

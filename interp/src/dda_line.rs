@@ -2,6 +2,7 @@
 
 use core::iter::FusedIterator;
 
+use crate::interpolator::exactly;
 use crate::lattice::rounded_root;
 use crate::{Interpolator, Step};
 
@@ -155,8 +156,7 @@ impl<const N: usize> Iterator for LineDda<N> {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 

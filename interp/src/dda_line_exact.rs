@@ -3,6 +3,7 @@
 use core::iter::FusedIterator;
 
 use crate::dda_line::{negative, square};
+use crate::interpolator::exactly;
 use crate::{Interpolator, Step};
 
 /// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of floor(L): for
@@ -101,8 +102,7 @@ impl<const N: usize> Iterator for LineDdaExact<N> {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::iter::FusedIterator;
 
-use crate::interpolator::Totals;
+use crate::interpolator::{Totals, exactly};
 use crate::lattice::Start;
 use crate::quadrant::{Quadrant, Sides};
 use crate::{ArcError, ArcMove, Interpolator, Step};
@@ -336,8 +336,7 @@ impl Iterator for DirectSearch {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left()).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left())
     }
 }
 

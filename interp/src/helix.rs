@@ -2,6 +2,7 @@
 
 use core::iter::FusedIterator;
 
+use crate::interpolator::exactly;
 use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
 
 /// An arc in the plane of two axes while the others go a straight way, in proportion to the swept
@@ -277,8 +278,7 @@ impl<const N: usize> Iterator for Helix<N> {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.remaining()).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.remaining())
     }
 }
 

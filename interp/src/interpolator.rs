@@ -57,3 +57,11 @@ impl Totals {
         Some(totals)
     }
 }
+
+/// The size hint of an iterator that knows what remains.
+#[inline]
+pub(crate) fn exactly(left: u32) -> (usize, Option<usize>) {
+    // 2^31 at most: only a 16-bit machine could not say it.
+    let left = usize::try_from(left).ok();
+    (left.unwrap_or(usize::MAX), left)
+}

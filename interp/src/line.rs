@@ -2,6 +2,7 @@
 
 use core::iter::FusedIterator;
 
+use crate::interpolator::exactly;
 use crate::{Interpolator, Step};
 
 /// A straight line through one to eight axes: as many events as the longest axis has steps.
@@ -118,8 +119,7 @@ impl<const N: usize> Iterator for Line<N> {
 
     #[inline]
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.left).ok();
-        (left.unwrap_or(usize::MAX), left)
+        exactly(self.left)
     }
 }
 
