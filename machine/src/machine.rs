@@ -26,7 +26,7 @@ pub enum Origin {
 /// A machine of `N` axes: takes lines, gives events, never blocks.
 ///
 /// `P` is the interpolator and `L` the lash model of each axis; the defaults are the toolkit's own. `QUEUE` moves are planned
-/// ahead, the executing one included; each takes some 400 bytes.
+/// ahead, the executing one included; each takes 624 bytes on a 64-bit host (three axes, `Path`).
 /// It stands at machine zero when new, every axis engaged on its positive flank (it was pulled off its switch).
 #[derive(Clone, Debug)]
 pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {

@@ -18,8 +18,8 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root};
 /// - The top rate is exceeded by rounding, and by the error of that event where the first three reach it; the acceleration by 5 % in
 ///   the second event and by up to 25 % in the one event where two parts meet.
 ///
-/// Range: as [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: 64 bytes at most. Cost of an event on a ramp, loop included: 25 instructions on Cortex-M4F,
-/// 50 on Cortex-M0 (at 1 MHz and 100 000 steps/s^2; 113 at 32 MHz and 4000 steps/s^2: its division in software takes longer the longer the
+/// Range: as [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: 64 bytes at most. Cost of an event on a ramp, loop included: 27 instructions on Cortex-M4F,
+/// 62 on Cortex-M0 (at 1 MHz and 100 000 steps/s^2; 138 at 32 MHz and 4000 steps/s^2: its division in software takes longer the longer the
 /// quotient).
 ///
 /// ```

@@ -27,8 +27,8 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
 ///
 /// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64 bytes. Cost of an
-/// event on a ramp, loop included: 60 instructions on Cortex-M4F and 133 on Cortex-M0 (mean of the first 1000 at 1 MHz and
-/// 100 000 steps/s^2; 70 and 194 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 37 and 39. Where
+/// event on a ramp, loop included: 66 instructions on Cortex-M4F and 143 on Cortex-M0 (mean of a move of 2000 events at 1 MHz and
+/// 100 000 steps/s^2; 78 and 248 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 38 and 37. Where
 /// a part begins, two divisions by shift and subtract and up to four square roots are added.
 ///
 /// ```
