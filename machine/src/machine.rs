@@ -1,6 +1,6 @@
 //! Lines in, events out.
 
-use husillo_backlash::{Backlash, Compensator, Flank, Lash};
+use husillo_backlash::{Backlash, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode, SpindleDirection};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
@@ -45,13 +45,7 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE:
     mode: PathMode,
     has_ended: bool,
     segment: Option<Segment<N>>,
-    compensator: Compensator<N, L>,
-    is_compensating: bool,
-    /// Motor steps of take-up still to make, signed, and the tempo of the axis that makes them.
-    owed: [i32; N],
-    take_up: Option<TakeUp>,
-    /// What an abort left of a take-up: motor steps that this axis has not made, signed.
-    unfinished: Option<[i32; N]>,
+    take_up: TakeUp<N, L>,
     /// The step that waits for the take-up, or for the rest of a long wait.
     held: Option<([i8; N], u64)>,
     /// Outputs and pauses of the command begun last.
@@ -102,11 +96,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             mode: PathMode::Blend { tolerance: None },
             has_ended: false,
             segment: None,
-            compensator: Compensator::new(lash),
-            is_compensating: true,
-            owed: [0; N],
-            take_up: None,
-            unfinished: None,
+            take_up: TakeUp::new(lash),
             held: None,
             signals: [const { None }; 4],
             carried_ticks: 0,
@@ -118,7 +108,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     /// Switches the take-up of backlash on (as it is at first) or off. While nothing is queued: moves are planned with
     /// their stops for take-up or without them.
     pub fn set_compensation(&mut self, on: bool) {
-        self.is_compensating = on;
+        self.take_up.set_on(on);
     }
 
     /// Takes one block of text.
@@ -186,12 +176,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             if self.waiting.is_some() || self.schedule.is_full() {
                 return;
             }
-            let may_stop = self
-                .compensator
-                .lash()
-                .each_ref()
-                .map(|lash| !lash.is_free());
-            let has_lash = may_stop.map(|may_stop| may_stop && self.is_compensating);
+            let has_lash = self.take_up.stops();
             if !self.schedule.is_whole() {
                 self.schedule.push_part(None, has_lash);
                 continue;
@@ -247,7 +232,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                 follows: false,
                 ..
             }) if self.held.is_none()
-                && self.take_up.is_none()
+                && !self.take_up.is_under_way()
                 && !self.ramp.is_held()
                 && self.carried_ticks == 0 =>
             {
@@ -270,43 +255,14 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     #[inline]
     fn path_step(&mut self, step: Step, wait: u64) -> Event<N> {
         let delta = step.deltas();
-        let is_straight_on = self.compensator.is_straight_on(step.axes, step.negative);
-        let may_owe = self.is_compensating && (self.unfinished.is_some() || !is_straight_on);
-        if may_owe {
-            self.turn_round(&delta);
+        if self.take_up.may_owe(step) {
+            self.take_up.turn(&delta, self.load, &self.config);
             if let Some(event) = self.take_up_step() {
                 self.held = Some((delta, wait));
                 return event;
             }
         }
         self.give(delta, wait)
-    }
-
-    /// Before an axis turns round it owes its take-up.
-    #[cold]
-    fn turn_round(&mut self, delta: &[i8; N]) {
-        let lash = self.compensator.before(delta, self.load);
-        let mut unfinished = self.unfinished.take().unwrap_or([0; N]);
-        let axes = self
-            .owed
-            .iter_mut()
-            .zip(&mut unfinished)
-            .zip(delta.iter().zip(lash));
-        for ((owed, rest), (delta, lash)) in axes {
-            let direction = i32::from(*delta);
-            if direction != 0 {
-                // Back again from a take-up cut short owes only what that one had made: the rest has
-                // the other sign. Lash and rest are below 2^31.
-                let lash = i32::try_from(lash).unwrap_or(i32::MAX);
-                *owed = direction.wrapping_mul(lash).saturating_add(*rest);
-                *rest = 0;
-            }
-        }
-        self.unfinished = unfinished
-            .iter()
-            .any(|rest| *rest != 0)
-            .then_some(unfinished);
-        self.begin_take_up();
     }
 
     /// A step of the path that nothing stands before any more.
@@ -349,34 +305,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         })
     }
 
-    /// One motor step of take-up: X before Y before Z, each as fast as it goes.
+    /// One motor step of take-up, while any is owed.
     fn take_up_step(&mut self) -> Option<Event<N>> {
-        let wait = self.take_up.as_mut()?.wait().min(u64::from(MAX_WAIT_TICKS));
-        let axes = (0..N).zip(&mut self.owed);
-        let (number, owed) = axes.into_iter().find(|(_, owed)| **owed != 0)?;
-        let direction = owed.signum();
-        *owed = owed.wrapping_sub(direction);
-        if *owed == 0 {
-            self.begin_take_up();
-        }
-        let mut delta = [0; N];
-        if let Some(delta) = delta.get_mut(number) {
-            *delta = direction as i8;
-        }
+        let step = self.take_up.step(&self.config)?;
         self.origin = Origin::TakeUp;
-        Some(Event::Step(StepEvent {
-            wait_ticks: wait as u32,
-            delta,
-        }))
-    }
-
-    /// Readies the take-up of the next axis that owes one.
-    fn begin_take_up(&mut self) {
-        let axes = self.owed.iter().zip(&self.config.axes);
-        self.take_up = axes
-            .into_iter()
-            .find(|(owed, _)| **owed != 0)
-            .map(|(owed, axis)| TakeUp::new(axis, self.config.timer_hz, owed.unsigned_abs()));
+        Some(Event::Step(step))
     }
 
     /// Everything but the next step of a path at constant speed.
@@ -384,7 +317,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
             // An axis with a ramp that is taken up cannot stop at once.
-            let stops_at_once = self.take_up.is_none() || !self.schedule.has_ramps();
+            let stops_at_once = !self.take_up.is_under_way() || !self.schedule.has_ramps();
             // What follows the spindle cannot stop without it.
             let stops_at_once = stops_at_once && !self.is_following() && !self.goes_on_threading();
             if self.ramp.is_held() && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
@@ -527,9 +460,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         if self.is_following() {
             self.signal([is_indexed.then_some(Event::Index), None]);
         }
-        if self.is_compensating {
-            self.turn_round(&heading);
-        }
+        self.take_up.turn(&heading, self.load, &self.config);
         Some(())
     }
 
@@ -617,15 +548,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
         self.run = None;
         self.ramp.stop();
         self.held = None;
-        if self.owed.iter().any(|owed| *owed != 0) {
-            let mut unfinished = self.unfinished.unwrap_or([0; N]);
-            for (rest, owed) in unfinished.iter_mut().zip(self.owed) {
-                *rest = rest.saturating_add(owed);
-            }
-            self.unfinished = Some(unfinished);
-        }
-        self.owed = [0; N];
-        self.take_up = None;
+        self.take_up.abort();
         self.carried_ticks = 0;
         let mut position = [Nm(0); N];
         for (position, (load, axis)) in position

@@ -1,12 +1,134 @@
-//! The tempo of a take-up: an axis alone, as fast as it can.
+//! What axes owe before they turn round: each alone, as fast as it can.
 
+use husillo_backlash::{Compensator, Lash};
+use husillo_interp::Step;
 use husillo_planner::{Rates, SCurve, Timer, Trapezoid};
 
-use crate::Axis;
+use crate::{Axis, Config, MAX_WAIT_TICKS, StepEvent};
+
+/// The take-up of all axes: what is owed, and on its way.
+#[derive(Clone, Debug)]
+pub(crate) struct TakeUp<const N: usize, L: Lash> {
+    compensator: Compensator<N, L>,
+    is_on: bool,
+    /// Motor steps still to make, signed.
+    owed: [i32; N],
+    /// The tempo of the axis that makes them; `None` when nothing is owed.
+    pace: Option<Pace>,
+    /// What an abort left: motor steps that an axis has not made, signed.
+    unfinished: Option<[i32; N]>,
+}
+
+impl<const N: usize, L: Lash> TakeUp<N, L> {
+    pub(crate) const fn new(lash: [L; N]) -> Self {
+        TakeUp {
+            compensator: Compensator::new(lash),
+            is_on: true,
+            owed: [0; N],
+            pace: None,
+            unfinished: None,
+        }
+    }
+
+    pub(crate) const fn set_on(&mut self, on: bool) {
+        self.is_on = on;
+    }
+
+    /// The axes that must not turn round while the path moves.
+    pub(crate) fn stops(&self) -> [bool; N] {
+        let lash = self.compensator.lash().each_ref();
+        lash.map(|lash| self.is_on && !lash.is_free())
+    }
+
+    /// Whether an axis is being taken up.
+    #[inline]
+    pub(crate) const fn is_under_way(&self) -> bool {
+        self.pace.is_some()
+    }
+
+    /// Whether something may be owed before this step.
+    #[inline]
+    pub(crate) const fn may_owe(&self, step: Step) -> bool {
+        let turns = !self.compensator.is_straight_on(step.axes, step.negative);
+        self.is_on && (turns || self.unfinished.is_some())
+    }
+
+    /// Before the axes of `delta` move that way, with the load at `load`: they owe their take-up from now on.
+    #[cold]
+    pub(crate) fn turn(&mut self, delta: &[i8; N], load: [i32; N], config: &Config<N>) {
+        if !self.is_on {
+            return;
+        }
+        let lash = self.compensator.before(delta, load);
+        let mut unfinished = self.unfinished.take().unwrap_or([0; N]);
+        let axes = self
+            .owed
+            .iter_mut()
+            .zip(&mut unfinished)
+            .zip(delta.iter().zip(lash));
+        for ((owed, rest), (delta, lash)) in axes {
+            let direction = i32::from(*delta);
+            if direction != 0 {
+                // Back again from a take-up cut short owes only what that one had made: the rest has
+                // the other sign. Lash and rest are below 2^31.
+                let lash = i32::try_from(lash).unwrap_or(i32::MAX);
+                *owed = direction.wrapping_mul(lash).saturating_add(*rest);
+                *rest = 0;
+            }
+        }
+        self.unfinished = unfinished
+            .iter()
+            .any(|rest| *rest != 0)
+            .then_some(unfinished);
+        self.next_axis(config);
+    }
+
+    /// One motor step: X before Y before Z. `None` when nothing is owed.
+    pub(crate) fn step(&mut self, config: &Config<N>) -> Option<StepEvent<N>> {
+        let wait = self.pace.as_mut()?.wait().min(MAX_WAIT_TICKS.into());
+        let axes = (0..N).zip(&mut self.owed);
+        let (number, owed) = axes.into_iter().find(|(_, owed)| **owed != 0)?;
+        let direction = owed.signum();
+        *owed = owed.wrapping_sub(direction);
+        if *owed == 0 {
+            self.next_axis(config);
+        }
+        let mut delta = [0; N];
+        if let Some(delta) = delta.get_mut(number) {
+            *delta = direction as i8;
+        }
+        Some(StepEvent {
+            wait_ticks: wait as u32,
+            delta,
+        })
+    }
+
+    /// Drops what is owed; it is made, or given back, before that axis moves again.
+    pub(crate) fn abort(&mut self) {
+        if self.is_under_way() {
+            let mut unfinished = self.unfinished.unwrap_or([0; N]);
+            for (rest, owed) in unfinished.iter_mut().zip(self.owed) {
+                *rest = rest.saturating_add(owed);
+            }
+            self.unfinished = Some(unfinished);
+        }
+        self.owed = [0; N];
+        self.pace = None;
+    }
+
+    /// Readies the next axis that owes.
+    fn next_axis(&mut self, config: &Config<N>) {
+        let axes = self.owed.iter().zip(&config.axes);
+        self.pace = axes
+            .into_iter()
+            .find(|(owed, _)| **owed != 0)
+            .map(|(owed, axis)| Pace::new(axis, config.timer_hz, owed.unsigned_abs()));
+    }
+}
 
 /// Times the steps of one axis from standstill to standstill.
 #[derive(Clone, Debug)]
-pub(crate) enum TakeUp {
+enum Pace {
     /// At its highest rate from the first step on.
     Steady(Timer),
     /// Up to its highest rate and down again.
@@ -15,9 +137,9 @@ pub(crate) enum TakeUp {
     Smooth(SCurve),
 }
 
-impl TakeUp {
+impl Pace {
     /// For so many steps.
-    pub(crate) fn new(axis: &Axis, timer_hz: u32, steps: u32) -> TakeUp {
+    fn new(axis: &Axis, timer_hz: u32, steps: u32) -> Pace {
         let profile = axis.ramp.and_then(|ramp| {
             let rates = Rates {
                 timer_hz,
@@ -32,12 +154,12 @@ impl TakeUp {
                 .jerk_hz_per_s2
                 .and_then(|jerk| SCurve::new(&rates, jerk, steps).ok());
             match smooth {
-                Some(curve) => Some(TakeUp::Smooth(curve)),
-                None => Trapezoid::new(&rates, steps).ok().map(TakeUp::Ramp),
+                Some(curve) => Some(Pace::Smooth(curve)),
+                None => Trapezoid::new(&rates, steps).ok().map(Pace::Ramp),
             }
         });
         profile.unwrap_or_else(|| {
-            TakeUp::Steady(Timer::new(
+            Pace::Steady(Timer::new(
                 u64::from(timer_hz),
                 u64::from(axis.max_rate_hz),
                 1,
@@ -46,11 +168,11 @@ impl TakeUp {
     }
 
     /// Ticks before the next step.
-    pub(crate) fn wait(&mut self) -> u64 {
+    fn wait(&mut self) -> u64 {
         match self {
-            TakeUp::Steady(timer) => timer.wait(1),
-            TakeUp::Ramp(ramp) => ramp.next().unwrap_or(0).into(),
-            TakeUp::Smooth(curve) => curve.next().unwrap_or(0).into(),
+            Pace::Steady(timer) => timer.wait(1),
+            Pace::Ramp(ramp) => ramp.next().unwrap_or(0).into(),
+            Pace::Smooth(curve) => curve.next().unwrap_or(0).into(),
         }
     }
 }
