@@ -360,6 +360,15 @@ impl Code {
             ),
             Flavour::Grbl => self.in_grbl(),
             Flavour::Micromill => self.in_micromill(),
+            Flavour::Drill => matches!(
+                self,
+                Code::Inches
+                    | Code::Millimetres
+                    | Code::Home(0)
+                    | Code::Absolute
+                    | Code::Incremental
+                    | Code::Shift
+            ),
         }
     }
 

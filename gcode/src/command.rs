@@ -260,6 +260,9 @@ pub enum Command<const N: usize> {
         /// Microseconds at most; 0 does not wait.
         timeout_micros: u64,
     },
+    /// One drilling where the tool is: down to the lower end switch and up to the upper one (dialect `drill`, whose Z has
+    /// no coordinate).
+    Drill,
     /// M60: change the pallet and wait for the operator.
     Pallet,
     /// M0, or M1 when optional: wait for the operator.
@@ -445,6 +448,7 @@ impl<const N: usize> fmt::Display for Command<N> {
                 };
                 write!(f, " {until} {} s", Millionths(*timeout_micros))
             }
+            Command::Drill => f.write_str("drill"),
             Command::Pallet => f.write_str("stop pallet"),
             Command::Dwell { micros } => write!(f, "dwell {} s", Millionths(*micros)),
             Command::Spindle {

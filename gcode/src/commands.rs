@@ -42,6 +42,7 @@ pub(crate) enum Plain {
     Stop(bool),
     End(bool),
     Pallet,
+    Drill,
 }
 
 impl Plain {
@@ -72,6 +73,7 @@ impl Plain {
             Plain::Stop(optional) => Command::Stop { optional },
             Plain::End(rewind) => Command::End { rewind },
             Plain::Pallet => Command::Pallet,
+            Plain::Drill => Command::Drill,
         }
     }
 }

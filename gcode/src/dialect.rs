@@ -15,6 +15,7 @@ pub(crate) enum Flavour {
     Lathe,
     LatheA,
     Iso,
+    Drill,
 }
 
 impl Dialect {
@@ -62,17 +63,27 @@ impl Dialect {
         block_delete: true,
     };
 
+    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully, then Y, then comes one
+    /// drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`, which is not homing here, there is none. `G20` `G21` `G90` `G91` are
+    /// the usual ones, `G92` gives the present place the coordinates of its words, or zero without any. Nothing else:
+    /// no Z, no feed, no M code.
+    pub const DRILL: Dialect = Dialect {
+        flavour: Flavour::Drill,
+        block_delete: true,
+    };
+
     /// All of them.
-    pub const ALL: [Dialect; 6] = [
+    pub const ALL: [Dialect; 7] = [
         Dialect::RS274,
         Dialect::GRBL,
         Dialect::MICROMILL,
         Dialect::LATHE,
         Dialect::LATHE_A,
         Dialect::ISO,
+        Dialect::DRILL,
     ];
 
-    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a` or `iso`.
+    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso` or `drill`.
     pub fn by_name(name: &str) -> Option<Dialect> {
         Dialect::ALL
             .into_iter()
@@ -88,6 +99,7 @@ impl Dialect {
             Flavour::Lathe => "lathe",
             Flavour::LatheA => "lathe-a",
             Flavour::Iso => "iso",
+            Flavour::Drill => "drill",
         }
     }
 
@@ -131,13 +143,17 @@ impl Dialect {
             Flavour::Rs274 | Flavour::Lathe => !matches!(letter, b'O' | b'U' | b'V' | b'W'),
             Flavour::LatheA => !matches!(letter, b'V'),
             Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),
+            Flavour::Drill => matches!(letter, b'X' | b'Y'),
         }
     }
 
     /// Whether lines may have parameters `#` and expressions `[ ]`.
     #[cfg(feature = "parameters")]
     pub const fn has_parameters(&self) -> bool {
-        !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)
+        !matches!(
+            self.flavour,
+            Flavour::Grbl | Flavour::Micromill | Flavour::Drill
+        )
     }
 
     /// Whether an `O` steers the program: where it is not the number of one.

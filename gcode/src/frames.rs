@@ -198,13 +198,16 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G92: the present position gets the coordinates of the axis words.
+    /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
     pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Error> {
-        if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
-        }
         let here = self.less(self.less(self.position, self.system_offset()), self.length);
         let mut shift = self.shift;
+        if block.axes() == 0 {
+            if self.dialect.flavour != Flavour::Drill {
+                return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
+            }
+            shift = here;
+        }
         self.write_axes(block, &mut shift, Some(here))?;
         (self.shift, self.kept_shift) = (shift, shift);
         Ok(())

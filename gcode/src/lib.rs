@@ -63,6 +63,7 @@ mod modal;
 mod offset;
 
 mod canned;
+mod drill;
 mod frames;
 mod motion;
 mod settings;

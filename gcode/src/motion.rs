@@ -22,6 +22,9 @@ impl<const N: usize> Modal<N> {
     /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
     /// happens.
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+        if self.dialect.flavour == Flavour::Drill {
+            return self.drill(block, commands);
+        }
         let non_modal = block.code(Group::NonModal);
         let direct_length = block.code(Group::ToolLength) == Some(Code::DirectToolLength);
         let covets = direct_length || non_modal.is_some_and(Code::covets_axes);

@@ -116,10 +116,11 @@ Examples:
 /// Which machine and which language.
 #[derive(Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, router, lathe, or a TOML file
+    /// Machine: micromill, free, router, lathe, drill, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
-    /// Language of the program: rs274 or micromill [default: rs274; micromill for files ending in .mm]
+    /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill [default: rs274; micromill for files
+    /// ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
 }

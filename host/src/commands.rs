@@ -169,6 +169,7 @@ fn object(out: &mut Vec<u8>, line: usize, command: &Command<3>, from: [Nm; 3]) -
             text(out, "plane", plane.name());
             number(out, "radius_nm", radius.0);
         }
+        Command::Drill => start(out, "drill"),
         Command::Surface { .. }
         | Command::Orient { .. }
         | Command::Switch { .. }

@@ -9,6 +9,7 @@ const MICROMILL: &str = include_str!("../../machines/micromill.toml");
 const FREE: &str = include_str!("../../machines/free.toml");
 const ROUTER: &str = include_str!("../../machines/router.toml");
 const LATHE: &str = include_str!("../../machines/lathe.toml");
+const DRILL: &str = include_str!("../../machines/drill.toml");
 
 /// A machine as its file describes it.
 #[allow(dead_code)] // all of a file is checked; homing is not simulated yet
@@ -157,11 +158,12 @@ impl MachineFile {
             "free" => Self::parse("machines/free.toml", FREE),
             "router" => Self::parse("machines/router.toml", ROUTER),
             "lathe" => Self::parse("machines/lathe.toml", LATHE),
+            "drill" => Self::parse("machines/drill.toml", DRILL),
             path => match std::fs::read_to_string(path) {
                 Ok(text) => Self::parse(path, &text),
                 Err(error) => {
                     return Err(LoadError::File(format!(
-                        "no machine `{path}`: built in are micromill, free, router and lathe; as a file: {error}"
+                        "no machine `{path}`: built in are micromill, free, router, lathe and drill; as a file: {error}"
                     )));
                 }
             },
@@ -240,6 +242,7 @@ impl MachineFile {
             "machines/free.toml" => FREE.to_owned(),
             "machines/router.toml" => ROUTER.to_owned(),
             "machines/lathe.toml" => LATHE.to_owned(),
+            "machines/drill.toml" => DRILL.to_owned(),
             path => std::fs::read_to_string(path).ok()?,
         };
         let span = self.axes.get(axis)?.travel_span.clone();
@@ -319,6 +322,15 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
             _ => None,
         },
     );
+    if let (Some(_), Some((_, span))) = (step, table.value("steps_per_mm")) {
+        table.wrong(
+            span,
+            "`steps_per_mm` beside `step`",
+            "one of them is enough",
+        );
+    }
+    let per_mm = table.integer("steps_per_mm", 1..=1_000_000);
+    let step = step.or(per_mm.and_then(|steps| Fraction::new(1_000_000, i128::from(steps))));
     if step.is_none() {
         table.missing("step");
     }
@@ -494,6 +506,18 @@ mod tests {
         let free = MachineFile::load("free").unwrap();
         assert_eq!(free.rapid, Some(6_000_000_000));
         assert_eq!(free.timer_hz, 32_000_000);
+        let drill = MachineFile::load("drill").unwrap();
+        assert_eq!(
+            (drill.axes[0].step.num, drill.axes[0].step.den),
+            (1_000_000, 107)
+        );
+        assert_eq!(
+            drill
+                .axes
+                .each_ref()
+                .map(|axis| axis.home.map(|home| home.order)),
+            [Some(3), Some(2), Some(1)]
+        );
     }
 
     #[test]
@@ -517,5 +541,12 @@ mod tests {
             .replacen("\"pbl3717a\"", "\"pbl3717\"", 1);
         let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
         assert!(findings.len() >= 3, "{findings:#?}");
+        let text = DRILL.replacen(
+            "steps_per_mm = 107",
+            "steps_per_mm = 107\nstep = \"1 um\"",
+            1,
+        );
+        let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
+        assert_eq!(findings[0].message, "`steps_per_mm` beside `step`");
     }
 }

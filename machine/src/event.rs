@@ -63,6 +63,8 @@ pub enum Output {
         /// M8.
         flood: bool,
     },
+    /// One drilling: down to the lower end switch and up to the upper one, before anything else moves.
+    Drill,
     /// The tool that is in the spindle from here on.
     Tool {
         /// Number of the T word.

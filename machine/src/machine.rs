@@ -493,6 +493,7 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
             Command::Coolant { mist, flood } => {
                 self.signal([Some(Event::Output(Output::Coolant { mist, flood })), None]);
             }
+            Command::Drill => self.signal([Some(Event::Output(Output::Drill)), None]),
             Command::Tool { number } => self.signal([
                 Some(Event::Pause(Pause::ToolChange)),
                 Some(Event::Output(Output::Tool { number })),
