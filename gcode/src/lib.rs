@@ -71,6 +71,7 @@ mod special;
 
 mod format;
 
+pub mod drill_record;
 pub mod excellon;
 #[cfg(feature = "parameters")]
 pub mod parameters;

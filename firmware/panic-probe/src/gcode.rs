@@ -3,6 +3,7 @@
 use core::hint::black_box;
 
 use fixed::types::I32F32;
+use husillo_gcode::drill_record::{self, Bytes, Record, Records, Table};
 use husillo_gcode::excellon::{
     self, Digits, Features, Inference, Lines, Number, Reader, Settings, Tools, Units, WarningKind,
     lines,
@@ -16,6 +17,7 @@ use husillo_gcode::{
 
 /// Keeps every function in the program.
 pub fn keep() {
+    keep_drill_records();
     keep_excellon();
     keep_parameters();
     black_box([
@@ -111,6 +113,21 @@ pub fn keep() {
         <Compensated<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::size_hint as *const (),
+    ]);
+}
+
+/// The records of the drill.
+fn keep_drill_records() {
+    black_box([
+        Record::to_bytes as *const (),
+        Record::from_bytes as *const (),
+        Table::move_x as *const (),
+        Table::move_y as *const (),
+        Table::hole as *const (),
+        drill_record::bytes::<[Record; 3]> as *const (),
+        <Bytes<core::array::IntoIter<Record, 3>> as Iterator>::next as *const (),
+        drill_record::records as *const (),
+        <Records as Iterator>::next as *const (),
     ]);
 }
 

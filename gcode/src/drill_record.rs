@@ -1,0 +1,358 @@
+//! The records of the circuit-board drill: places in, three bytes each out, and back.
+//!
+//! The drill's controller keeps its program as records of three bytes: which axis, and where to, in motor steps from home. X
+//! and Y move one after the other; Z is one whole drilling, and its number is not looked at. A file of records is what its
+//! link takes in download mode: the records, then `f`.
+//!
+//! ```text
+//!   58 lo hi   `X`: to lo + 256 hi steps         59 lo hi   `Y`: likewise
+//!   5a 00 00   `Z`: drill here                   66         `f`: the end, where a record would begin
+//! ```
+//!
+//! ```
+//! use husillo_gcode::Nm;
+//! use husillo_gcode::drill_record::{Record, Table, bytes, records};
+//!
+//! let hole = Table::DRILL.hole([Nm(10_000_000), Nm(5_000_000)])?;
+//! assert_eq!(hole, [Record::X(1070), Record::Y(535), Record::Drill]);
+//! let file: Vec<u8> = bytes(hole).collect();
+//! assert_eq!(file, [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0, 0, 0x66]);
+//! let back: Result<Vec<_>, _> = records(&file).collect();
+//! assert_eq!(back, Ok(hole.to_vec()));
+//! # Ok::<(), husillo_gcode::drill_record::OffTable>(())
+//! ```
+//!
+//! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps ([`Table::DRILL`]). A place
+//! is rounded to the nearest step, so it is off by at most half of one, 4.673 um, and that does not add up. The controller's
+//! buffer holds 8192 bytes, 2730 records and two bytes of the next; a longer file is sent in pieces.
+
+use crate::nm::Nm;
+use core::fmt;
+use core::iter::FusedIterator;
+
+/// Motor steps a millimetre in X and Y: 200 a turn of a screw of 1 mm, geared 0.53499, taken as the whole number that the
+/// controller's own tables use.
+pub const STEPS_PER_MM: u16 = 107;
+
+/// The byte behind the last record.
+pub const END: u8 = b'f';
+
+/// One record.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub enum Record {
+    /// To this place in X, steps from home.
+    X(u16),
+    /// To this place in Y, steps from home.
+    Y(u16),
+    /// One drilling: down to the lower end switch and up to the upper one.
+    Drill,
+}
+
+impl Record {
+    /// Its three bytes: letter, low and high byte of the steps.
+    pub const fn to_bytes(self) -> [u8; 3] {
+        let (letter, [low, high]) = match self {
+            Record::X(steps) => (b'X', steps.to_le_bytes()),
+            Record::Y(steps) => (b'Y', steps.to_le_bytes()),
+            Record::Drill => (b'Z', [0, 0]),
+        };
+        [letter, low, high]
+    }
+
+    /// The record of three bytes; `None` when the first is none of `X`, `Y`, `Z`. The controller takes any such byte but `f`
+    /// for an X, which is refused here. The two bytes behind a `Z` may be anything.
+    pub const fn from_bytes([letter, low, high]: [u8; 3]) -> Option<Record> {
+        let steps = u16::from_le_bytes([low, high]);
+        match letter {
+            b'X' => Some(Record::X(steps)),
+            b'Y' => Some(Record::Y(steps)),
+            b'Z' => Some(Record::Drill),
+            _ => None,
+        }
+    }
+}
+
+/// `X 1070`, `Y 535` or `drill`.
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Record::X(steps) => write!(f, "X {steps}"),
+            Record::Y(steps) => write!(f, "Y {steps}"),
+            Record::Drill => f.write_str("drill"),
+        }
+    }
+}
+
+/// How far the table goes, in steps from home.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Table {
+    /// The last step of X.
+    pub x: u16,
+    /// The last step of Y.
+    pub y: u16,
+}
+
+impl Table {
+    /// The table of the machine: 220 mm by 45 mm.
+    pub const DRILL: Table = Table {
+        x: 23_540,
+        y: 4_815,
+    };
+
+    /// As far as a record can say, for boards that are larger than the table: 612.477 mm either way.
+    pub const UNBOUNDED: Table = Table {
+        x: u16::MAX,
+        y: u16::MAX,
+    };
+
+    /// The record that moves X there.
+    ///
+    /// # Errors
+    /// The place is not on the table.
+    pub const fn move_x(&self, to: Nm) -> Result<Record, OffTable> {
+        match steps(to, self.x) {
+            Some(steps) => Ok(Record::X(steps)),
+            None => Err(OffTable {
+                letter: b'X',
+                at: to,
+                last: self.x,
+            }),
+        }
+    }
+
+    /// The record that moves Y there.
+    ///
+    /// # Errors
+    /// The place is not on the table.
+    pub const fn move_y(&self, to: Nm) -> Result<Record, OffTable> {
+        match steps(to, self.y) {
+            Some(steps) => Ok(Record::Y(steps)),
+            None => Err(OffTable {
+                letter: b'Y',
+                at: to,
+                last: self.y,
+            }),
+        }
+    }
+
+    /// The records of one hole: X, Y, drill.
+    ///
+    /// # Errors
+    /// The place is not on the table; of X where both are off.
+    pub const fn hole(&self, [x, y]: [Nm; 2]) -> Result<[Record; 3], OffTable> {
+        match (self.move_x(x), self.move_y(y)) {
+            (Ok(x), Ok(y)) => Ok([x, y, Record::Drill]),
+            (Err(error), _) | (_, Err(error)) => Err(error),
+        }
+    }
+}
+
+/// The nearest step, halves away from zero, if it is on the table.
+const fn steps(at: Nm, last: u16) -> Option<u16> {
+    const NM_PER_MM: i64 = 1_000_000;
+    // Beyond the first test, at is at most 2^50 nm (of LIMIT): 2^57 after the factor.
+    if at.0 > Nm::LIMIT.0 || at.0 < -Nm::LIMIT.0 {
+        return None;
+    }
+    let scaled = at.0.wrapping_mul(STEPS_PER_MM as i64);
+    if scaled <= -NM_PER_MM / 2 {
+        return None;
+    }
+    // Not below -half: the sum is above zero, and the quotient towards zero is the nearest.
+    let steps = scaled.wrapping_add(NM_PER_MM / 2) / NM_PER_MM;
+    if steps <= last as i64 {
+        Some(steps as u16)
+    } else {
+        None
+    }
+}
+
+/// A place that is not on the table.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct OffTable {
+    /// `X` or `Y`.
+    pub letter: u8,
+    /// The place.
+    pub at: Nm,
+    /// The last step of that axis.
+    pub last: u16,
+}
+
+impl fmt::Display for OffTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // To the micrometre below: 65 535 steps are 612 476 635 nm, so the product is below 2^37.
+        let micrometres = u64::from(self.last)
+            .saturating_mul(1000)
+            .checked_div(u64::from(STEPS_PER_MM))
+            .unwrap_or(0);
+        write!(
+            f,
+            "{}{} is off the table, 0 to {} mm",
+            char::from(self.letter),
+            self.at,
+            Nm((micrometres as i64).saturating_mul(1000))
+        )
+    }
+}
+
+impl core::error::Error for OffTable {}
+
+/// The bytes of a program: its records, then [`END`]. A program without records is one that the controller cannot take: its
+/// download has no end before the first record.
+pub fn bytes<R: IntoIterator<Item = Record>>(records: R) -> Bytes<R::IntoIter> {
+    Bytes {
+        records: records.into_iter(),
+        rest: [0; 2],
+        left: 0,
+        ended: false,
+    }
+}
+
+/// Iterator over the bytes of a program; see [`bytes`].
+#[derive(Clone, Debug)]
+pub struct Bytes<R> {
+    records: R,
+    /// The second and the third byte of the present record.
+    rest: [u8; 2],
+    /// How many of them are still to come.
+    left: u8,
+    ended: bool,
+}
+
+impl<R: Iterator<Item = Record>> Iterator for Bytes<R> {
+    type Item = u8;
+
+    fn next(&mut self) -> Option<u8> {
+        let [low, high] = self.rest;
+        match self.left {
+            2 => {
+                self.left = 1;
+                return Some(low);
+            }
+            1 => {
+                self.left = 0;
+                return Some(high);
+            }
+            _ if self.ended => return None,
+            _ => {}
+        }
+        match self.records.next() {
+            Some(record) => {
+                let [letter, low, high] = record.to_bytes();
+                (self.rest, self.left) = ([low, high], 2);
+                Some(letter)
+            }
+            None => {
+                self.ended = true;
+                Some(END)
+            }
+        }
+    }
+}
+
+impl<R: Iterator<Item = Record>> FusedIterator for Bytes<R> {}
+
+/// What is wrong with bytes that should be a program.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// A record begins with this byte, which is none of `X`, `Y`, `Z` and `f`.
+    UnknownAxis(u8),
+    /// One or two bytes of a record, and no more.
+    CutOff,
+    /// No `f` behind the last record.
+    NoEnd,
+    /// `f` before the first record: the controller would take it for the first byte of one.
+    Empty,
+    /// Bytes behind the `f`.
+    AfterEnd,
+}
+
+/// Where bytes stop to be a program, and why.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct Error {
+    /// What is wrong.
+    pub kind: ErrorKind,
+    /// Offset of the first wrong byte.
+    pub at: usize,
+    /// Offset behind the last one; equal to `at` where something is missing at the end.
+    pub end: usize,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            ErrorKind::UnknownAxis(byte) => write!(f, "record of unknown axis {byte:#04x}"),
+            ErrorKind::CutOff => f.write_str("record cut off"),
+            ErrorKind::NoEnd => f.write_str("program without an end"),
+            ErrorKind::Empty => f.write_str("program without a record"),
+            ErrorKind::AfterEnd => f.write_str("bytes behind the end"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// The records of a program. The first error is the last item.
+pub fn records(bytes: &[u8]) -> Records<'_> {
+    Records {
+        rest: bytes,
+        at: 0,
+        done: false,
+    }
+}
+
+/// Iterator over the records of a program; see [`records`].
+#[derive(Clone, Debug)]
+pub struct Records<'a> {
+    rest: &'a [u8],
+    at: usize,
+    done: bool,
+}
+
+impl Iterator for Records<'_> {
+    type Item = Result<Record, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.done {
+            return None;
+        }
+        let at = self.at;
+        // All offsets are at most the length of the bytes.
+        let behind = |count: usize| at.saturating_add(count);
+        let (kind, start, end) = match *self.rest {
+            [letter, low, high, ref rest @ ..] if letter != END => {
+                match Record::from_bytes([letter, low, high]) {
+                    Some(record) => {
+                        (self.rest, self.at) = (rest, behind(3));
+                        return Some(Ok(record));
+                    }
+                    None => (ErrorKind::UnknownAxis(letter), at, behind(1)),
+                }
+            }
+            [] => (ErrorKind::NoEnd, at, at),
+            [END, ..] if at == 0 => (ErrorKind::Empty, at, behind(1)),
+            [END] => {
+                self.done = true;
+                return None;
+            }
+            [END, ref rest @ ..] => (
+                ErrorKind::AfterEnd,
+                behind(1),
+                behind(1).saturating_add(rest.len()),
+            ),
+            [letter, ..] if Record::from_bytes([letter, 0, 0]).is_none() => {
+                (ErrorKind::UnknownAxis(letter), at, behind(1))
+            }
+            [..] => (ErrorKind::CutOff, at, behind(self.rest.len())),
+        };
+        self.done = true;
+        Some(Err(Error {
+            kind,
+            at: start,
+            end,
+        }))
+    }
+}
+
+impl FusedIterator for Records<'_> {}

@@ -1,0 +1,208 @@
+//! Records of the drill: every example of its protocol, every record both ways, any bytes at all.
+
+use husillo_gcode::Nm;
+use husillo_gcode::drill_record::{
+    END, Error, ErrorKind, OffTable, Record, STEPS_PER_MM, Table, bytes, records,
+};
+use proptest::prelude::*;
+
+fn millimetres(x: i64, y: i64) -> [Nm; 2] {
+    [Nm(x * 1_000_000), Nm(y * 1_000_000)]
+}
+
+fn read(bytes: &[u8]) -> Result<Vec<Record>, Error> {
+    records(bytes).collect()
+}
+
+fn fault(bytes: &[u8]) -> (ErrorKind, usize, usize) {
+    let error = read(bytes).unwrap_err();
+    (error.kind, error.at, error.end)
+}
+
+#[test]
+fn the_examples_of_the_protocol() {
+    // A hole at 10 mm, 5 mm, and the byte that ends the download.
+    let hole = Table::DRILL.hole(millimetres(10, 5)).unwrap();
+    let file: Vec<u8> = bytes(hole).collect();
+    assert_eq!(
+        file,
+        [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0x00, 0x00, 0x66]
+    );
+    assert_eq!(read(&file), Ok(hole.to_vec()));
+    // 1070 steps are the 10 mm that homing backs off a switch.
+    assert_eq!(Table::DRILL.move_x(Nm(10_000_000)), Ok(Record::X(1070)));
+    // A step is 0.009346 mm.
+    assert_eq!(Table::DRILL.move_y(Nm(9_346)), Ok(Record::Y(1)));
+    // The buffer: 8192 = 3 * 2730 + 2, so a record straddles its end.
+    let full: Vec<u8> = bytes([Record::Drill; 2731]).collect();
+    assert_eq!((full.len() - 1, full[8190], full[8192]), (8193, b'Z', 0));
+}
+
+#[test]
+fn every_record_comes_back() {
+    for steps in 0..=u16::MAX {
+        for record in [Record::X(steps), Record::Y(steps)] {
+            let [letter, low, high] = record.to_bytes();
+            assert_eq!(u16::from(low) + 256 * u16::from(high), steps);
+            assert_eq!(Record::from_bytes([letter, low, high]), Some(record));
+        }
+        // The controller does not look at the number of a drilling.
+        let [low, high] = steps.to_le_bytes();
+        assert_eq!(Record::from_bytes([b'Z', low, high]), Some(Record::Drill));
+    }
+    for letter in 0..=u8::MAX {
+        let known = matches!(letter, b'X' | b'Y' | b'Z');
+        assert_eq!(Record::from_bytes([letter, 1, 2]).is_some(), known);
+    }
+}
+
+#[test]
+fn every_place_of_the_table_is_its_nearest_step() {
+    for steps in 0..=i64::from(u16::MAX) {
+        // The lowest and the highest nanometre that belong to the step: halves go up.
+        let lowest = (2 * steps - 1) * 1_000_000;
+        let lowest = lowest.div_euclid(214) + i64::from(lowest.rem_euclid(214) != 0);
+        let next = (2 * steps + 1) * 1_000_000;
+        let highest = next.div_euclid(214) + i64::from(next.rem_euclid(214) != 0) - 1;
+        for nm in [lowest.max(-4_672), highest] {
+            let record = Table::UNBOUNDED.move_x(Nm(nm));
+            assert_eq!(record, Ok(Record::X(steps as u16)), "{nm} nm");
+            let off_by = (nm * i64::from(STEPS_PER_MM) - steps * 1_000_000).abs();
+            assert!(2 * off_by <= 1_000_000);
+        }
+    }
+}
+
+#[test]
+fn the_table_ends_where_it_ends() {
+    let table = Table::DRILL;
+    assert_eq!(
+        table.hole(millimetres(220, 45)),
+        Ok([Record::X(23_540), Record::Y(4_815), Record::Drill])
+    );
+    let off = |letter, at: Nm, last| Err(OffTable { letter, at, last });
+    let at = Nm(220_004_673);
+    assert_eq!(table.move_x(Nm(220_004_672)), Ok(Record::X(23_540)));
+    assert_eq!(table.move_x(at), off(b'X', at, 23_540));
+    assert_eq!(
+        table.hole([at, Nm(-1_000_000)]).unwrap_err().to_string(),
+        "X220.004673 is off the table, 0 to 220 mm"
+    );
+    assert_eq!(
+        table.hole(millimetres(1, 46)).unwrap_err().to_string(),
+        "Y46 is off the table, 0 to 45 mm"
+    );
+    assert_eq!(table.move_y(Nm(-4_672)), Ok(Record::Y(0)));
+    assert_eq!(table.move_y(Nm(-4_673)), off(b'Y', Nm(-4_673), 4_815));
+    assert_eq!(
+        Table::UNBOUNDED.move_x(Nm(612_481_307)),
+        Ok(Record::X(65_535))
+    );
+    assert_eq!(
+        Table::UNBOUNDED
+            .move_x(Nm(612_481_309))
+            .unwrap_err()
+            .to_string(),
+        "X612.481309 is off the table, 0 to 612.476 mm"
+    );
+    for nm in [i64::MIN, i64::MAX, Nm::LIMIT.0] {
+        assert!(Table::UNBOUNDED.move_y(Nm(nm)).is_err());
+    }
+}
+
+#[test]
+fn faults_have_their_place() {
+    assert_eq!(fault(b""), (ErrorKind::NoEnd, 0, 0));
+    assert_eq!(fault(b"f"), (ErrorKind::Empty, 0, 1));
+    assert_eq!(fault(b"fXX"), (ErrorKind::Empty, 0, 1));
+    assert_eq!(fault(b"X\x01\x00"), (ErrorKind::NoEnd, 3, 3));
+    assert_eq!(fault(b"X\x01\x00Y\x01"), (ErrorKind::CutOff, 3, 5));
+    assert_eq!(fault(b"Z"), (ErrorKind::CutOff, 0, 1));
+    assert_eq!(fault(b"Z\0\0x\0\0f"), (ErrorKind::UnknownAxis(b'x'), 3, 4));
+    assert_eq!(fault(b"Z\0\0x"), (ErrorKind::UnknownAxis(b'x'), 3, 4));
+    assert_eq!(fault(b"Z\0\0ff\n"), (ErrorKind::AfterEnd, 4, 6));
+    // Inside of a record `f` is a number.
+    assert_eq!(
+        read(b"XffYffZfff"),
+        Ok(vec![Record::X(0x6666), Record::Y(0x6666), Record::Drill])
+    );
+    let messages: Vec<_> = [&b"Z\0\0\x07\0\0f"[..], b"Z\0", b"Z\0\0", b"f", b"Z\0\0f\0"]
+        .iter()
+        .map(|bytes| read(bytes).unwrap_err().to_string())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "record of unknown axis 0x07",
+            "record cut off",
+            "program without an end",
+            "program without a record",
+            "bytes behind the end"
+        ]
+    );
+}
+
+fn record() -> impl Strategy<Value = Record> {
+    prop_oneof![
+        any::<u16>().prop_map(Record::X),
+        any::<u16>().prop_map(Record::Y),
+        Just(Record::Drill)
+    ]
+}
+
+/// Bytes that are often those of records.
+fn anything() -> impl Strategy<Value = Vec<u8>> {
+    let byte = prop_oneof![
+        3 => prop::sample::select(b"XYZf".to_vec()),
+        1 => any::<u8>(),
+    ];
+    prop::collection::vec(byte, 0..40)
+}
+
+proptest! {
+    /// What is written is read back, and takes three bytes a record and one.
+    #[test]
+    fn programs_come_back(program in prop::collection::vec(record(), 1..200)) {
+        let file: Vec<u8> = bytes(program.iter().copied()).collect();
+        prop_assert_eq!(file.len(), 3 * program.len() + 1);
+        prop_assert_eq!(read(&file), Ok(program));
+    }
+
+    /// Any bytes are records or refused at a place inside; what is taken is written back, but for the numbers behind Z.
+    #[test]
+    fn any_bytes_are_read_or_refused(file in anything()) {
+        let mut iterator = records(&file);
+        let taken: Vec<_> = iterator.by_ref().take_while(Result::is_ok).flatten().collect();
+        prop_assert!(iterator.next().is_none());
+        let whole = match read(&file) {
+            Ok(program) => {
+                prop_assert_eq!(&program, &taken);
+                3 * taken.len() + 1
+            }
+            Err(error) => {
+                prop_assert!(error.at <= error.end && error.end <= file.len());
+                prop_assert!(3 * taken.len() <= error.at);
+                3 * taken.len()
+            }
+        };
+        let written: Vec<u8> = bytes(taken.iter().copied()).collect();
+        prop_assert_eq!(written.last(), Some(&END));
+        for (at, (byte, original)) in written.iter().zip(&file).take(whole).enumerate() {
+            let behind_z = at % 3 > 0 && file[at / 3 * 3] == b'Z';
+            prop_assert!(byte == original || behind_z);
+        }
+    }
+
+    /// A place on the table is off by at most half a step, and holes are independent of each other.
+    #[test]
+    fn places_are_off_by_half_a_step(x in -4_672_i64..=220_004_672, y in -4_672_i64..=45_004_672) {
+        let hole = Table::DRILL.hole([Nm(x), Nm(y)]).unwrap();
+        let [Record::X(x_steps), Record::Y(y_steps), Record::Drill] = hole else {
+            panic!("{hole:?}")
+        };
+        for (nm, steps) in [(x, x_steps), (y, y_steps)] {
+            let off_by = nm * 107 - i64::from(steps) * 1_000_000;
+            prop_assert!(off_by.abs() <= 500_000);
+        }
+    }
+}
