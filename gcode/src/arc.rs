@@ -26,6 +26,7 @@ impl Plane {
     }
 
     /// The axis across it.
+    #[cfg(feature = "extended")]
     pub(crate) const fn across(self) -> usize {
         match self {
             Plane::Xy => 2,
@@ -85,6 +86,7 @@ pub struct Arc<const N: usize> {
 }
 
 /// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
+#[cfg(feature = "extended")]
 pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     let magnitude = value
         .unsigned_abs()
@@ -97,65 +99,64 @@ pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     }
 }
 
-/// The largest integer whose square is at most `value`, by digits of two bits: no division.
+/// The largest integer whose square is at most `value`, which is below 2^124: a digit of the root from two bits of the
+/// value, without a division, and with nothing wider than 64 bits but the value.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn root(value: u128) -> u64 {
-    if let Ok(small) = u64::try_from(value) {
+    // Where the processor divides, its library is faster.
+    if let (true, Ok(small)) = (cfg!(target_pointer_width = "64"), u64::try_from(value)) {
         return small.isqrt();
     }
-    let (mut rest, mut result) = (value, 0u128);
-    let mut bit = 1u128.wrapping_shl(126);
-    while bit > value {
-        bit >>= 2;
-    }
-    while bit != 0 {
-        // result + bit <= rest whenever it is subtracted; both below 2^127.
-        let trial = result.wrapping_add(bit);
-        result >>= 1;
+    let skipped = value.leading_zeros() & !1;
+    let mut coming = value.wrapping_shl(skipped);
+    let (mut rest, mut root) = (0u64, 0u64);
+    for _ in 0..128u32.wrapping_sub(skipped) >> 1 {
+        // rest <= 2 root < 2^62 before the last of at most 62 digits.
+        rest = (rest << 2) | (coming >> 126) as u64;
+        coming <<= 2;
+        let trial = (root << 2) | 1;
+        root <<= 1;
         if rest >= trial {
             rest = rest.wrapping_sub(trial);
-            result = result.wrapping_add(bit);
+            root |= 1;
         }
-        bit >>= 2;
     }
-    result as u64
+    root
 }
 
-/// `value / divisor` rounded down, by shifting and subtracting where it is wide; 0 for a divisor of 0.
-pub(crate) fn divide(value: u128, divisor: u128) -> u128 {
-    if let (Ok(value), Ok(divisor)) = (u64::try_from(value), u64::try_from(divisor)) {
-        return u128::from(value.checked_div(divisor).unwrap_or(0));
-    }
-    if divisor == 0 || value < divisor {
+/// `value / divisor` rounded down, bit by bit; the divisor is below 2^63, the quotient below 2^64. 0 for a divisor of 0.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) fn divide(value: u128, divisor: u64) -> u64 {
+    if divisor == 0 {
         return 0;
     }
-    let mut shift = divisor
-        .leading_zeros()
-        .saturating_sub(value.leading_zeros());
-    let (mut rest, mut quotient) = (value, 0u128);
-    loop {
-        // divisor << shift has no more bits than value.
-        let part = divisor.wrapping_shl(shift);
+    let skipped = value.leading_zeros();
+    let mut coming = value.wrapping_shl(skipped);
+    let (mut rest, mut quotient) = (0u64, 0u64);
+    for _ in skipped..128 {
+        // rest < divisor < 2^63.
+        rest = (rest << 1) | (coming >> 127) as u64;
+        coming <<= 1;
         quotient <<= 1;
-        if rest >= part {
-            rest = rest.wrapping_sub(part);
+        if rest >= divisor {
+            rest = rest.wrapping_sub(divisor);
             quotient |= 1;
         }
-        match shift.checked_sub(1) {
-            Some(next) => shift = next,
-            None => return quotient,
-        }
     }
+    quotient
+}
+
+/// The whole product. A call costs less than the code of one, where it takes ten multiplications of 32 bits.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn product(a: u64, b: u64) -> u128 {
+    u128::from(a).wrapping_mul(u128::from(b))
 }
 
 /// `x^2 + y^2` for components below 2^53.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn square(x: i64, y: i64) -> u128 {
     let (x, y) = (x.unsigned_abs(), y.unsigned_abs());
-    if (x | y) < 1 << 31 {
-        // Two squares below 2^62.
-        return u128::from(x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)));
-    }
-    let (x, y) = (u128::from(x), u128::from(y));
-    x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y))
+    product(x, x).wrapping_add(product(y, y))
 }
 
 /// The difference of two coordinates; both lie within [`Nm::LIMIT`], or the number was too large.
@@ -168,44 +169,16 @@ fn difference(to: Nm, from: Nm) -> Result<i64, ErrorKind> {
     }
 }
 
-/// `| |start - centre| - |end - centre| |` rounded to nm, and the start radius rounded down.
-///
-/// It is the exact `|E^2 - S^2| / (e + s)`: nothing cancels, and the exact difference of squares corrects the last unit.
+/// `| |start - centre| - |end - centre| |` to the nearest nanometre (of halves, to 0.502 nm), and the start radius
+/// rounded down.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn mismatch(start: [i64; 2], end: [i64; 2]) -> (Nm, Nm) {
-    let [start, end] = [square(start[0], start[1]), square(end[0], end[1])];
-    let radius = root(start);
-    let apart = start.abs_diff(end);
-    let nearest = if apart == 0 {
-        0
-    } else {
-        let sum = u128::from(radius).wrapping_add(u128::from(root(end)));
-        // The radii are rounded down, so the estimate is at most a little high: walk down while d - 1/2 > exact.
-        let mut nearest = divide(apart, sum.max(1)).wrapping_add(1) as u64;
-        while nearest > 0 && !reaches(start.min(end), apart, nearest) {
-            nearest = nearest.wrapping_sub(1);
-        }
-        nearest
-    };
-    (Nm(nearest as i64), Nm(radius as i64))
-}
-
-/// Whether `sqrt(least + apart) - sqrt(least) >= d - 1/2` for d >= 1, exactly while it fits 128 bits.
-///
-/// With t = 2d - 1: 4 apart - t^2 >= 4 t sqrt(least), squared.
-fn reaches(least: u128, apart: u128, d: u64) -> bool {
-    let t = u128::from(d).wrapping_mul(2).wrapping_sub(1);
-    let Some(left) = apart.wrapping_mul(4).checked_sub(t.wrapping_mul(t)) else {
-        return false;
-    };
-    let exact = t
-        .checked_mul(t)
-        .and_then(|square| square.checked_mul(16))
-        .and_then(|x| x.checked_mul(least));
-    match (left.checked_mul(left), exact) {
-        (Some(left), Some(right)) => left >= right,
-        // 4 t sqrt(least) with the root rounded down, good to 4 t.
-        _ => left >= t.wrapping_mul(4).wrapping_mul(u128::from(root(least))),
-    }
+    /// Places behind the point of the two roots.
+    const BITS: u32 = 9;
+    // Squares of at most 2^105 leave room for them.
+    let [start, end] = [start, end].map(|[x, y]| root(square(x, y) << (2 * BITS)));
+    let off = start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS;
+    (Nm(off as i64), Nm((start >> BITS) as i64))
 }
 
 /// What the geometry makes of an arc with a centre: the mismatch, or the verdict against it.
@@ -253,14 +226,15 @@ pub(crate) fn with_radius(
         return Err(ErrorKind::RadiusToSamePoint);
     }
     let chord_square = square(chord[0], chord[1]);
-    let magnitude = u128::from(radius.0.unsigned_abs());
-    let four = magnitude.wrapping_mul(magnitude).wrapping_mul(4); // radius <= 2^50
+    let magnitude = radius.0.unsigned_abs();
+    let diameter = magnitude << 1;
+    let four = product(diameter, diameter); // radius <= 2^50
     let (numerator, short) = match four.checked_sub(chord_square) {
         Some(rest) => (rest, Nm(0)),
         None => {
             // Half the chord, rounded up.
-            let mut twice = u128::from(root(chord_square));
-            if twice.wrapping_mul(twice) < chord_square {
+            let mut twice = root(chord_square);
+            if product(twice, twice) < chord_square {
                 twice = twice.wrapping_add(1);
             }
             let least = twice.wrapping_add(1) >> 1;
@@ -279,13 +253,13 @@ pub(crate) fn with_radius(
     } else {
         [chord[1], chord[0].wrapping_neg()]
     };
+    let ratio = Ratio::of_roots(numerator, chord_square);
     let mut centre = from;
     for ((centre, along), across) in centre.iter_mut().zip(chord).zip(across) {
-        let side = scaled_by_root(across, numerator, chord_square);
-        // along in 2^-6 like side, and both halved: 7 bits.
-        let twice = i128::from(along).wrapping_shl(6).wrapping_add(side);
-        let offset =
-            i64::try_from(shift_rounded(twice, 7)).map_err(|_| ErrorKind::NumberTooLarge)?;
+        // Both below 2^53, in 2^-6: halved and rounded, halves away from zero.
+        let twice = (along << 6).wrapping_add(ratio.of(across));
+        let half = (twice.unsigned_abs().wrapping_add(1 << 6) >> 7) as i64;
+        let offset = if twice < 0 { half.wrapping_neg() } else { half };
         *centre = centre
             .0
             .checked_add(offset)
@@ -309,35 +283,47 @@ pub(crate) fn with_radius(
     })
 }
 
-/// `factor * sqrt(numerator / denominator)` in 2^-6, truncated; the result is below 2^52 (twice a radius).
+/// The root of a ratio, as two integers and a power of two: `above / below * 2^exponent`.
 ///
-/// Both roots are taken of numbers shifted up to 126 or 127 bits, so they have 63 bits and the product is good to
-/// 2^-61 of itself: far below the rounding that follows.
-pub(crate) fn scaled_by_root(factor: i64, numerator: u128, denominator: u128) -> i128 {
-    if factor == 0 || numerator == 0 || denominator == 0 {
-        return 0;
+/// Both roots are taken of numbers shifted up to 123 or 124 bits, so they have 62 bits and the ratio is good to 2^-60 of
+/// itself.
+#[derive(Copy, Clone)]
+pub(crate) struct Ratio {
+    above: u64,
+    below: u64,
+    exponent: i32,
+}
+
+impl Ratio {
+    /// Of two squares below 2^124.
+    pub(crate) fn of_roots(numerator: u128, denominator: u128) -> Ratio {
+        let up = |value: u128| value.leading_zeros().saturating_sub(4) & !1;
+        let (above, below) = (up(numerator), up(denominator));
+        Ratio {
+            above: root(numerator.wrapping_shl(above)),
+            below: root(denominator.wrapping_shl(below)),
+            // Both at most 124.
+            exponent: (below as i32).wrapping_sub(above as i32) >> 1,
+        }
     }
-    let up = numerator.leading_zeros().saturating_sub(1) & !1;
-    let down = denominator.leading_zeros().saturating_sub(1) & !1;
-    let product = u128::from(factor.unsigned_abs())
-        .wrapping_mul(u128::from(root(numerator.wrapping_shl(up))));
-    let divisor = u128::from(root(denominator.wrapping_shl(down)));
-    // value = product / divisor * 2^((down - up) / 2) <= 2^52, divisor < 2^64: the shifted product stays below 2^122,
-    // the shifted divisor (at most 2^53 more) below 2^117.
-    let magnitude = match down.checked_sub(up) {
-        Some(more) => divide(
-            product.wrapping_shl(more.wrapping_div(2).wrapping_add(6)),
-            divisor,
-        ),
-        None => divide(
-            product.wrapping_shl(6),
-            divisor.wrapping_shl(up.wrapping_sub(down).wrapping_div(2)),
-        ),
-    } as i128;
-    if factor < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
+
+    /// A factor below 2^53 times the ratio, in 2^-6, truncated; the result is below 2^58.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    pub(crate) fn of(self, factor: i64) -> i64 {
+        let product = product(factor.unsigned_abs(), self.above);
+        // The quotient is below 2^58 and the divisor below 2^62: so is the product below 2^120, shifted or not.
+        let shift = self.exponent.wrapping_add(6);
+        let shifted = if shift < 0 {
+            product.wrapping_shr(shift.unsigned_abs())
+        } else {
+            product.wrapping_shl(shift.unsigned_abs())
+        };
+        let magnitude = divide(shifted, self.below) as i64;
+        if factor < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        }
     }
 }
 
@@ -360,22 +346,20 @@ mod tests {
             u64::MAX as u128,
             1 << 64,
             (1 << 100) + 12345,
-            (1 << 126) - 1,
+            (1 << 124) - 1,
         ] {
             let r = u128::from(root(value));
             assert!(r * r <= value && (r + 1) * (r + 1) > value, "{value}");
         }
         for (value, divisor) in [
-            (1 << 100, 3),
-            (u128::MAX, 1 << 90),
-            ((1 << 90) - 1, 1 << 90),
+            (1 << 64, 3),
+            (u128::MAX >> 2, (1 << 63) - 1),
+            ((1 << 62) - 1, 1 << 62),
             (12345, 0),
             (77, 7),
         ] {
-            assert_eq!(
-                divide(value, divisor),
-                value.checked_div(divisor).unwrap_or(0)
-            );
+            let exact = value.checked_div(u128::from(divisor));
+            assert_eq!(u128::from(divide(value, divisor)), exact.unwrap_or(0));
         }
     }
 

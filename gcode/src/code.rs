@@ -1,8 +1,8 @@
 //! The G and M codes of the list, their modal groups, and the dialects that have them.
 
 use crate::arc::Plane;
-use crate::cycle::Kind;
 use crate::dialect::Flavour;
+use crate::kind::Kind;
 
 /// The side of the contour on which the tool is, seen along the move.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -136,6 +136,9 @@ pub(crate) enum Group {
     Io,
 }
 
+/// Whether the codes beyond Grbl's list are there.
+pub(crate) const EXTENDED: bool = cfg!(feature = "extended");
+
 impl Group {
     pub(crate) const COUNT: usize = 20;
 }
@@ -268,6 +271,15 @@ impl Code {
 
     /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for one nobody knows.
     pub(crate) const fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
+        match Code::meaning(letter, tenths, flavour) {
+            Some(code) if !EXTENDED && !code.in_grbl() && !code.in_micromill() => {
+                Some(Code::Foreign)
+            }
+            code => code,
+        }
+    }
+
+    const fn meaning(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
         if letter == b'M' {
             return Code::m(tenths);
         }

@@ -43,6 +43,7 @@ impl SpindleDirection {
     }
 
     /// The other sense; off stays off.
+    #[cfg(feature = "extended")]
     pub(crate) const fn reversed(self) -> Self {
         match self {
             SpindleDirection::Off => SpindleDirection::Off,

@@ -1,8 +1,9 @@
 //! The commands of one block, pulled one by one.
 
 use crate::arc::Plane;
-use crate::code::Side;
+use crate::code::{EXTENDED, Side};
 use crate::command::{Command, Feed, Input, PathMode, SpindleDirection, Switch, WaitFor};
+#[cfg(feature = "extended")]
 use crate::cycle::Cycle;
 use crate::nm::Nm;
 
@@ -88,6 +89,7 @@ enum Body<const N: usize> {
         feed: Option<Feed>,
     },
     One(Command<N>),
+    #[cfg(feature = "extended")]
     Cycle(Cycle<N>),
 }
 
@@ -191,6 +193,7 @@ impl<const N: usize> Commands<N> {
         (self.motion, self.pending) = (Body::Straight { to, feed }, self.pending | MOTION);
     }
 
+    #[cfg(feature = "extended")]
     pub(crate) fn cycle(&mut self, cycle: Cycle<N>) {
         (self.motion, self.pending) = (Body::Cycle(cycle), self.pending | MOTION);
     }
@@ -210,6 +213,7 @@ impl<const N: usize> Iterator for Commands<N> {
     type Item = Command<N>;
 
     fn next(&mut self) -> Option<Command<N>> {
+        #[cfg_attr(not(feature = "extended"), expect(unused_mut))]
         let mut lowest = self.pending & self.pending.wrapping_neg();
         if lowest == MOTION {
             match &mut self.motion {
@@ -225,6 +229,7 @@ impl<const N: usize> Iterator for Commands<N> {
                     self.pending &= !MOTION;
                     return Some(*command);
                 }
+                #[cfg(feature = "extended")]
                 Body::Cycle(cycle) => {
                     if let Some(command) = cycle.next() {
                         return Some(command);
@@ -236,23 +241,23 @@ impl<const N: usize> Iterator for Commands<N> {
         }
         self.pending &= !lowest;
         Some(match lowest {
-            IO => self.io.command(),
-            TOOL if self.tool_is => Command::ToolIs { number: self.tool },
+            IO if EXTENDED => self.io.command(),
+            TOOL if EXTENDED && self.tool_is => Command::ToolIs { number: self.tool },
             TOOL => Command::Tool { number: self.tool },
             SPINDLE => Command::Spindle {
                 direction: self.spindle.0,
                 milli_rpm: self.spindle.1,
             },
-            TURN => self.turn.command(),
+            TURN if EXTENDED => self.turn.command(),
             COOLANT => Command::Coolant {
                 mist: self.coolant.0,
                 flood: self.coolant.1,
             },
-            SWITCH => self.switch.command(),
+            SWITCH if EXTENDED => self.switch.command(),
             DWELL => Command::Dwell {
                 micros: self.dwell_micros,
             },
-            COMPENSATION => Command::Compensation {
+            COMPENSATION if EXTENDED => Command::Compensation {
                 side: self.compensation.0,
                 radius: self.compensation.1,
                 plane: self.compensation.2,
@@ -271,6 +276,7 @@ impl<const N: usize> Iterator for Commands<N> {
     fn size_hint(&self) -> (usize, Option<usize>) {
         let count = self.pending.count_ones() as usize;
         match self.motion {
+            #[cfg(feature = "extended")]
             Body::Cycle(_) if self.pending & MOTION != 0 => (count.saturating_sub(1), None),
             _ => (count, Some(count)),
         }

@@ -1,7 +1,7 @@
 //! Frames and tools: G10, G28 and G30, G43 and G49, G92, and the sides of G41 and G42.
 
 use crate::block::{AXES, Block, axis_letter};
-use crate::code::{Code, Group, Side};
+use crate::code::{Code, EXTENDED, Group, Side};
 use crate::command::Command;
 use crate::commands::Commands;
 use crate::dialect::Flavour;
@@ -17,7 +17,7 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Error> {
-        let (side, direct) = match block.code(Group::Compensation) {
+        let (side, direct) = match block.code(Group::Compensation).filter(|_| EXTENDED) {
             None => return Ok(()),
             Some(Code::Compensate { side, direct }) => (side, direct),
             Some(_) => {
@@ -73,7 +73,7 @@ impl<const N: usize> Modal<N> {
         let before = self.length;
         match block.code(Group::ToolLength) {
             None => return Ok(()),
-            Some(Code::ToolLength) => {
+            Some(Code::ToolLength) if EXTENDED => {
                 number = whole(block, b'H')?.unwrap_or(self.loaded);
                 // A tool that is not in the table has no length of its own: its length is in the work zero.
                 self.length = self.tools.get(number).unwrap_or_default().offset;
@@ -108,7 +108,7 @@ impl<const N: usize> Modal<N> {
         let number: u32 =
             whole(block, b'P')?.ok_or_else(|| missing(block, b'P', Group::NonModal))?;
         match kind {
-            1 | 10 | 11 if self.dialect.flavour != Flavour::Grbl => {
+            1 | 10 | 11 if EXTENDED && self.dialect.flavour != Flavour::Grbl => {
                 self.write_tool(block, kind, number)
             }
             2 | 20 => {

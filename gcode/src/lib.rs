@@ -53,20 +53,28 @@ mod block;
 
 mod arc;
 mod command;
+#[cfg(feature = "extended")]
 mod cycle;
+mod kind;
+#[cfg(feature = "extended")]
 mod thread;
 mod tools;
 
 mod commands;
+#[cfg(feature = "extended")]
 mod compensation;
 mod modal;
+#[cfg(feature = "extended")]
 mod offset;
 
+#[cfg(feature = "extended")]
 mod canned;
 mod drill;
 mod frames;
 mod motion;
+mod probe;
 mod settings;
+#[cfg(feature = "extended")]
 mod special;
 
 mod format;
@@ -81,13 +89,14 @@ pub use block::Block;
 pub use code::Side;
 pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
 pub use commands::Commands;
+#[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};
-pub use cycle::Kind as Cycle;
 pub use decimal::Decimal;
 pub use dialect::{Blocks, Dialect};
 pub use error::{Error, ErrorKind};
 pub use format::{Formatted, formatted};
 pub use framing::{Framing, FramingError, Receiver, Rule};
+pub use kind::Kind as Cycle;
 pub use line_reader::{LineReader, LineTooLong};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::Nm;

@@ -5,10 +5,10 @@ use crate::block::{Block, axis_letter};
 use crate::code::{Code, Group, Side};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::{Commands, Plain};
-use crate::cycle::Kind;
 use crate::decimal::Decimal;
 use crate::dialect::{Dialect, Flavour};
 use crate::error::{Error, ErrorKind};
+use crate::kind::Kind;
 use crate::nm::Nm;
 use crate::tools::{Tool, Tools};
 
@@ -327,10 +327,13 @@ impl<const N: usize> Modal<N> {
 
     /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another number.
     pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
-        self.offsets
-            .get_mut(usize::from(system))
-            .map(|offset| *offset = zero)
-            .is_some()
+        match self.offsets.get_mut(usize::from(system)) {
+            Some(offset) => {
+                offset.copy_from_slice(&zero);
+                true
+            }
+            None => false,
+        }
     }
 
     /// The zero of a work frame, 0 (G54) to 8 (G59.3).
@@ -340,7 +343,8 @@ impl<const N: usize> Modal<N> {
 
     /// Sets the position G28 goes to, machine frame; machine zero at the start.
     pub fn set_home(&mut self, home: [Nm; N]) {
-        self.homes = [home, self.homes[1]];
+        let [first, _] = &mut self.homes;
+        *first = home;
     }
 
     /// The position G28 goes to, machine frame.
@@ -350,7 +354,8 @@ impl<const N: usize> Modal<N> {
 
     /// Sets the position G30 goes to, machine frame; machine zero at the start.
     pub fn set_second_home(&mut self, home: [Nm; N]) {
-        self.homes = [self.homes[0], home];
+        let [_, second] = &mut self.homes;
+        *second = home;
     }
 
     /// The position G30 goes to, machine frame.

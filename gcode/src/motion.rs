@@ -1,10 +1,11 @@
 //! What moves: who gets the axis words, G0 to G3 and G53.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::Block;
-use crate::code::{Code, Group};
-use crate::command::{Command, Feed};
+use crate::block::{Block, axis_letter};
+use crate::code::{Code, EXTENDED, Group};
+use crate::command::{Command, Feed, SpindleDirection};
 use crate::commands::Commands;
+use crate::decimal::Decimal;
 use crate::dialect::Flavour;
 use crate::error::{Error, ErrorKind};
 use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
@@ -41,10 +42,10 @@ impl<const N: usize> Modal<N> {
             Some(code) => mode(code),
             None => self.motion,
         };
-        if code == Some(Code::ContourCycle) {
+        if EXTENDED && code == Some(Code::ContourCycle) {
             return Err(block.error_at_code(ErrorKind::ContourOfBlocks, Group::Motion));
         }
-        let is_series = matches!(self.motion, Some(Motion::Cycle(_) | Motion::Thread));
+        let is_series = EXTENDED && matches!(self.motion, Some(Motion::Cycle(_) | Motion::Thread));
         if is_series && self.motion != mode {
             // The level of G98 lasts for a series of whatever cycles.
             let initial = match mode {
@@ -69,7 +70,7 @@ impl<const N: usize> Modal<N> {
             _ => b"",
         };
         block.check_users(users)?;
-        if mode != Some(Motion::Cubic) {
+        if EXTENDED && mode != Some(Motion::Cubic) {
             self.tail = None;
         }
         self.check_compensation(block, if mine { mode } else { None })?;
@@ -77,8 +78,8 @@ impl<const N: usize> Modal<N> {
             Some(Code::StoreHome(0)) => self.set_home(self.position),
             Some(Code::StoreHome(_)) => self.set_second_home(self.position),
             Some(Code::CancelShift) => (self.shift, self.kept_shift) = ([Nm(0); N], [Nm(0); N]),
-            Some(Code::SuspendShift) => self.shift = [Nm(0); N],
-            Some(Code::RestoreShift) => self.shift = self.kept_shift,
+            Some(Code::SuspendShift) if EXTENDED => self.shift = [Nm(0); N],
+            Some(Code::RestoreShift) if EXTENDED => self.shift = self.kept_shift,
             Some(Code::SetData) => return self.set_data(block),
             Some(Code::Shift) => return self.set_shift(block),
             Some(Code::Home(which)) => return self.go_home(block, which, commands),
@@ -111,7 +112,7 @@ impl<const N: usize> Modal<N> {
 
     /// What cannot be done while the contour is compensated.
     fn check_compensation(&self, block: &Block, mode: Option<Motion>) -> Result<(), Error> {
-        if self.compensation.is_none() {
+        if !EXTENDED || self.compensation.is_none() {
             return Ok(());
         }
         if let Some(code) = block.code(Group::NonModal) {
@@ -135,14 +136,18 @@ impl<const N: usize> Modal<N> {
         mode: Motion,
         commands: &mut Commands<N>,
     ) -> Result<(), Error> {
-        match mode {
-            Motion::Cubic => self.cubic(block, commands),
-            Motion::Quadratic => self.quadratic(block, commands),
-            Motion::Thread => self.thread(block, commands),
-            Motion::Probe { away, must } => self.probe(block, away, must, commands),
-            Motion::Cycle(kind) => self.canned(block, kind, commands),
-            _ => Ok(()),
+        if let Motion::Probe { away, must } = mode {
+            return self.probe(block, away, must, commands);
         }
+        #[cfg(feature = "extended")]
+        match mode {
+            Motion::Cubic => return self.cubic(block, commands),
+            Motion::Quadratic => return self.quadratic(block, commands),
+            Motion::Thread => return self.thread(block, commands),
+            Motion::Cycle(kind) => return self.canned(block, kind, commands),
+            _ => {}
+        }
+        Ok(())
     }
 
     fn no_machine_frame(&self, block: &Block) -> Result<(), Error> {
@@ -243,6 +248,14 @@ impl<const N: usize> Modal<N> {
                 micro_per_minute: self.feed,
             },
         })
+    }
+
+    /// Refuses a move that needs a turning spindle when it stands.
+    pub(crate) fn check_turning(&self, block: &Block) -> Result<(), Error> {
+        if self.spindle == SpindleDirection::Off {
+            return Err(block.error_at_motion(ErrorKind::SpindleStopped));
+        }
+        Ok(())
     }
 
     /// On the micro mill Z moves alone.
@@ -385,12 +398,16 @@ impl<const N: usize> Modal<N> {
 
     /// One unit of the finest last digit of the words that shape the arc.
     fn resolution(&self, block: &Block, axes: [usize; 2], letters: [u8; 2]) -> Nm {
-        let ends = axes.into_iter().filter_map(|axis| block.axis(axis));
-        let centres = letters
-            .into_iter()
-            .chain([b'R'])
-            .filter_map(|letter| block.word(letter));
-        let finest = ends.chain(centres).max_by_key(|value| value.places());
+        let [first, second] = axes.map(axis_letter);
+        let [one, other] = letters;
+        let mut finest: Option<Decimal> = None;
+        for letter in [first, second, one, other, b'R'] {
+            if let Some(value) = block.word(letter) {
+                if finest.is_none_or(|finest| value.places() > finest.places()) {
+                    finest = Some(value);
+                }
+            }
+        }
         finest
             .and_then(|value| self.units.length(value.last_place()))
             .unwrap_or_default()

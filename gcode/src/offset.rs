@@ -1,6 +1,6 @@
 //! Plane geometry of compensated contours, in integers: unit vectors in 2^-58, points in nanometres.
 
-use crate::arc::{divide, root, scaled_by_root, shift_rounded, square};
+use crate::arc::{Ratio, divide, root, shift_rounded, square};
 
 /// A point or a vector of the plane, nm; components below 2^52.
 pub(crate) type Vector = [i64; 2];
@@ -44,7 +44,11 @@ pub(crate) fn unit(a: Vector) -> Vector {
     let whole = square(a[0], a[1]);
     a.map(|part| {
         // 2^52 in 2^-6 is 2^58.
-        let magnitude = scaled_by_root(1 << 52, square(part, 0), whole) as i64;
+        let magnitude = if part == 0 {
+            0
+        } else {
+            Ratio::of_roots(square(part, 0), whole).of(1 << 52)
+        };
         if part < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -70,13 +74,18 @@ pub(crate) fn mitre(first: Vector, second: Vector, by: i64) -> Option<Vector> {
     let (_, cosine) = turn(first, second);
     let below = (1i64 << BITS).saturating_add(cosine);
     // Farther than 2^10 times the distance: no tool gets there.
-    let divisor = u128::try_from(below)
+    let divisor = u64::try_from(below)
         .ok()
         .filter(|&below| below >> 40 != 0)?;
     let sum = plus(first, second);
     Some(sum.map(|part| {
         let product = i128::from(part).wrapping_mul(i128::from(by));
-        let magnitude = divide(product.unsigned_abs().wrapping_add(divisor >> 1), divisor) as i64;
+        let magnitude = divide(
+            product
+                .unsigned_abs()
+                .wrapping_add(u128::from(divisor >> 1)),
+            divisor,
+        ) as i64;
         if product < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -122,8 +131,11 @@ pub(crate) fn circles(first: (Vector, i64), second: (Vector, i64), near: Vector)
     // (r1^2 - r2^2 + d^2) / 2d, all squares below 2^106.
     let sum = (square(first.1, 0).wrapping_add(square(between[0], between[1]))) as i128;
     let above = sum.wrapping_sub(square(second.1, 0) as i128);
-    let below = u128::from(distance.unsigned_abs()).wrapping_mul(2);
-    let magnitude = divide(above.unsigned_abs().wrapping_add(below >> 1), below) as i64;
+    let below = distance.unsigned_abs().wrapping_mul(2);
+    let magnitude = divide(
+        above.unsigned_abs().wrapping_add(u128::from(below >> 1)),
+        below,
+    ) as i64;
     let foot = if above < 0 {
         magnitude.wrapping_neg()
     } else {

@@ -1,7 +1,7 @@
 //! What a block sets before it moves: feed, spindle, tool, outputs, modes.
 
 use crate::block::Block;
-use crate::code::{Code, Group};
+use crate::code::{Code, EXTENDED, Group};
 use crate::command::{Input, PathMode, SpindleDirection, Switch, WaitFor};
 use crate::commands::{Commands, Plain};
 use crate::decimal::Decimal;
@@ -71,11 +71,11 @@ impl<const N: usize> Modal<N> {
         if let Some(number) = whole(block, b'T')? {
             self.tool = number;
         }
-        if let Some(code) = block.code(Group::Io) {
+        if let Some(code) = block.code(Group::Io).filter(|_| EXTENDED) {
             commands.io(io(block, code)?);
         }
         match block.code(Group::Tool) {
-            Some(Code::SetTool) => {
+            Some(Code::SetTool) if EXTENDED => {
                 let number =
                     whole(block, b'Q')?.ok_or_else(|| missing(block, b'Q', Group::Tool))?;
                 self.loaded = number;
@@ -96,7 +96,7 @@ impl<const N: usize> Modal<N> {
             };
             commands.coolant(self.mist, self.flood);
         }
-        if let Some(code) = block.code(Group::Override) {
+        if let Some(code) = block.code(Group::Override).filter(|_| EXTENDED) {
             commands.switch(switch(block, code)?);
         }
         Ok(())
@@ -105,7 +105,7 @@ impl<const N: usize> Modal<N> {
     /// G96, G97 and S.
     fn set_speed(&mut self, block: &Block) -> Result<(), Error> {
         let too_large = || block.error_at(ErrorKind::NumberTooLarge, b'S');
-        match block.code(Group::SpindleMode) {
+        match block.code(Group::SpindleMode).filter(|_| EXTENDED) {
             Some(Code::SurfaceSpeed) => {
                 let most = match block.word(b'D') {
                     Some(value) => {
@@ -126,7 +126,7 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         };
         match &mut self.surface {
-            Some((speed, _)) => {
+            Some((speed, _)) if EXTENDED => {
                 // Metres or feet a minute.
                 let scaled = match self.units {
                     Units::Inches => value.scaled(3048, 5),
@@ -136,7 +136,7 @@ impl<const N: usize> Modal<N> {
                     .and_then(|nm| Nm(nm).within_limit())
                     .ok_or_else(too_large)?;
             }
-            None => self.milli_rpm = unsigned(value, 3).ok_or_else(too_large)?,
+            _ => self.milli_rpm = unsigned(value, 3).ok_or_else(too_large)?,
         }
         Ok(())
     }
@@ -149,7 +149,7 @@ impl<const N: usize> Modal<N> {
                 self.spindle = SpindleDirection::CounterClockwise
             }
             Some(Code::SpindleOff) => self.spindle = SpindleDirection::Off,
-            Some(_) => {
+            Some(_) if EXTENDED => {
                 let angle = block.word(b'R').map_or(Some(0), |value| unsigned(value, 6));
                 let angle = angle.filter(|&angle| angle < 360_000_000);
                 let angle =
@@ -162,7 +162,7 @@ impl<const N: usize> Modal<N> {
                 commands.turn(Plain::Orient(angle, way));
                 return Ok(());
             }
-            None => {}
+            _ => {}
         }
         let runs = self.spindle != SpindleDirection::Off;
         let changed = block.word(b'S').is_some() || block.code(Group::SpindleMode).is_some();
@@ -170,7 +170,7 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         }
         match self.surface {
-            Some((speed, most)) if runs => {
+            Some((speed, most)) if EXTENDED && runs => {
                 commands.turn(Plain::Surface(self.spindle, speed, most));
             }
             _ => commands.spindle(self.spindle, if runs { self.milli_rpm } else { 0 }),
@@ -255,13 +255,14 @@ impl<const N: usize> Modal<N> {
             None => return Ok(()),
             Some(Code::ExactPath) => PathMode::ExactPath,
             Some(Code::ExactStop) => PathMode::ExactStop,
-            Some(_) => {
+            Some(_) if EXTENDED => {
                 let tolerance = self.length_of(block, b'P')?;
                 if tolerance.is_some_and(|tolerance| tolerance < Nm(0)) {
                     return Err(block.error_at(ErrorKind::Negative(b'P'), b'P'));
                 }
                 PathMode::Blend { tolerance }
             }
+            Some(_) => return Ok(()),
         };
         commands.path(self.path);
         Ok(())

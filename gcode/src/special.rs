@@ -1,24 +1,16 @@
-//! Splines, synchronised moves and probing: G5, G5.1, G33, G38.
+//! Splines and synchronised moves: G5, G5.1, G33.
 
 use crate::arc::Plane;
 use crate::block::Block;
 use crate::code::Group;
-use crate::command::{Command, SpindleDirection, Spline};
+use crate::command::{Command, Spline};
 use crate::commands::Commands;
 use crate::dialect::Flavour;
 use crate::error::{Error, ErrorKind};
-use crate::modal::{FeedMode, Modal};
+use crate::modal::Modal;
 use crate::nm::Nm;
 
 impl<const N: usize> Modal<N> {
-    /// Refuses a move that needs a turning spindle when it stands.
-    pub(crate) fn check_turning(&self, block: &Block) -> Result<(), Error> {
-        if self.spindle == SpindleDirection::Off {
-            return Err(block.error_at_motion(ErrorKind::SpindleStopped));
-        }
-        Ok(())
-    }
-
     /// X and Y of a point.
     fn plane_point(point: &[Nm; N]) -> [Nm; 2] {
         [0, 1].map(|axis| point.get(axis).copied().unwrap_or_default())
@@ -157,35 +149,6 @@ impl<const N: usize> Modal<N> {
         }
         self.sticky.lead = lead;
         Ok(lead)
-    }
-
-    /// G38.2 to G38.5.
-    pub(crate) fn probe(
-        &mut self,
-        block: &Block,
-        away: bool,
-        must: bool,
-        commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
-        if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
-        }
-        let to = self.target(block, self.frame())?;
-        if to == self.position {
-            return Err(block.error_at_axes(ErrorKind::NoProbeMove));
-        }
-        if self.feed_mode != FeedMode::PerMinute && self.dialect.flavour != Flavour::Grbl {
-            return Err(block.error_at_motion(ErrorKind::WrongFeedMode));
-        }
-        let feed = self.feed_of(block)?;
-        self.position = to;
-        commands.motion(Command::Probe {
-            to,
-            feed,
-            away,
-            must,
-        });
-        Ok(())
     }
 }
 

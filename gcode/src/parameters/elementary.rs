@@ -402,10 +402,11 @@ fn leg(value: Value) -> Option<Float> {
     // unit <= 10^18 < 2^60: sum below 2^61, product below 2^121.
     let square =
         u128::from(unit.wrapping_sub(digits)).wrapping_mul(u128::from(unit.wrapping_add(digits)));
-    let shift = square.leading_zeros() & !1;
     if square == 0 {
         return Some(Float::ZERO);
     }
+    // Room for a root of 62 bits; the square is below 2^122.
+    let shift = square.leading_zeros().saturating_sub(4) & !1;
     let scaled = root(square.wrapping_shl(shift));
     let half = (shift >> 1) as i16;
     let inverse = INVERSE_POWERS.get(usize::from(value.places())).copied();
@@ -447,11 +448,11 @@ pub(super) fn square_root(value: Value) -> Option<Value> {
         let scaled = digits
             .checked_mul(u128::from(power(low)))
             .and_then(|scaled| scaled.checked_mul(u128::from(power(high))))
-            .filter(|&scaled| scaled >> 126 == 0);
+            .filter(|&scaled| scaled >> 124 == 0);
         if let Some(scaled) = scaled {
             let floor = root(scaled);
             let rest = scaled.wrapping_sub(u128::from(floor).wrapping_mul(u128::from(floor)));
-            // Above the half where the rest exceeds the root; floor < 2^63.
+            // Above the half where the rest exceeds the root; floor < 2^62.
             let nearest = u128::from(floor).wrapping_add(u128::from(rest > u128::from(floor)));
             let result = Value::fitted(nearest, places, false, !value.is_exact() || rest != 0)?;
             return Some(if rest == 0 { result.stripped() } else { result });
