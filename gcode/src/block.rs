@@ -29,7 +29,8 @@ const INCREMENTS: u8 = 21;
 pub(crate) const AXES: usize = 6;
 
 /// The letters that must have a code that uses them.
-const CLAIMED: &[u8] = b"IJKRPDEHLQ";
+const CLAIMED_IN_ORDER: &[u8] = b"IJKRPDEHLQ";
+const CLAIMED: Letters = Letters::new(CLAIMED_IN_ORDER);
 
 /// The letter of an axis; `?` beyond the sixth.
 pub(crate) fn axis_letter(axis: usize) -> u8 {
@@ -334,21 +335,21 @@ impl Block {
 
     /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
     /// of what is in effect without a code of its own in the block.
-    pub(crate) fn check_users(&self, more: &[u8]) -> Result<(), Error> {
-        let given = self.present & const { mask(CLAIMED) };
+    pub(crate) fn check_users(&self, more: Letters) -> Result<(), Error> {
+        let given = self.present & CLAIMED.0;
         if given == 0 {
             return Ok(());
         }
-        let (mut once, mut twice) = (mask(more), 0);
+        let (mut once, mut twice) = (more.0, 0);
         let codes = (0..Group::COUNT as u32).zip(&self.codes);
         let given_codes = codes.filter(|&(group, _)| self.groups & 1u32.wrapping_shl(group) != 0);
         for code in given_codes.filter_map(|(_, code)| code.as_ref()) {
-            let claim = mask(code.letters());
+            let claim = code.letters().0;
             twice |= once & claim;
             once |= claim;
         }
         let find = |wrong: u32| {
-            CLAIMED
+            CLAIMED_IN_ORDER
                 .iter()
                 .find(|&&letter| wrong & bit(letter) != 0)
                 .copied()
@@ -369,7 +370,6 @@ impl Block {
             .and_then(|number| u32::try_from(number).ok())
     }
 
-    #[inline]
     pub(crate) fn code(&self, group: Group) -> Option<Code> {
         if self.groups & 1u32.wrapping_shl(group as u32) == 0 {
             return None;
@@ -379,7 +379,7 @@ impl Block {
 
     /// Whether there is nothing but one of G0 to G3 at the most, the words of a move, `F` and `N`.
     pub(crate) fn is_move(&self) -> bool {
-        const OF_MOVES: u32 = mask(b"XYZABCUVWIJKRPFN");
+        const OF_MOVES: u32 = Letters::new(b"XYZABCUVWIJKRPFN").0;
         let others = self.groups & !1u32.wrapping_shl(Group::Motion as u32);
         others == 0
             && self.present & !OF_MOVES == 0
@@ -461,14 +461,21 @@ const fn bit(letter: u8) -> u32 {
     }
 }
 
-/// The bits of several letters.
-const fn mask(mut letters: &[u8]) -> u32 {
-    let mut mask = 0;
-    while let Some((&letter, rest)) = letters.split_first() {
-        mask |= bit(letter);
-        letters = rest;
+/// A set of letters of words.
+#[derive(Copy, Clone)]
+pub(crate) struct Letters(u32);
+
+impl Letters {
+    pub(crate) const NONE: Letters = Letters(0);
+
+    pub(crate) const fn new(mut letters: &[u8]) -> Letters {
+        let mut mask = 0;
+        while let Some((&letter, rest)) = letters.split_first() {
+            mask |= bit(letter);
+            letters = rest;
+        }
+        Letters(mask)
     }
-    mask
 }
 
 fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {

@@ -1,8 +1,10 @@
 //! The G and M codes of the list, their modal groups, and the dialects that have them.
 
 use crate::arc::Plane;
+use crate::block::Letters;
 use crate::dialect::Flavour;
 use crate::kind::Kind;
+use crate::number::of_number;
 
 /// The side of the contour on which the tool is, seen along the move.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -144,147 +146,14 @@ impl Group {
 }
 
 impl Code {
-    /// The G code of this number in tenths, with the meaning it has in most dialects.
-    const fn g(tenths: u16) -> Option<Code> {
-        Some(match tenths {
-            0 => Code::Rapid,
-            10 => Code::Linear,
-            20 => Code::Clockwise,
-            30 => Code::CounterClockwise,
-            40 => Code::Dwell,
-            50 => Code::Cubic,
-            51 => Code::Quadratic,
-            70 => Code::Diameter(true),
-            80 => Code::Diameter(false),
-            100 => Code::SetData,
-            170 => Code::Plane(Plane::Xy),
-            180 => Code::Plane(Plane::Zx),
-            190 => Code::Plane(Plane::Yz),
-            200 => Code::Inches,
-            210 => Code::Millimetres,
-            280 => Code::Home(0),
-            281 => Code::StoreHome(0),
-            300 => Code::Home(1),
-            301 => Code::StoreHome(1),
-            330 => Code::Thread,
-            382 => probe(false, true),
-            383 => probe(false, false),
-            384 => probe(true, true),
-            385 => probe(true, false),
-            400 => Code::CancelCompensation,
-            410 => compensate(Side::Left, false),
-            411 => compensate(Side::Left, true),
-            420 => compensate(Side::Right, false),
-            421 => compensate(Side::Right, true),
-            430 => Code::ToolLength,
-            431 => Code::DirectToolLength,
-            490 => Code::CancelToolLength,
-            530 => Code::MachineFrame,
-            540 => Code::System(0),
-            550 => Code::System(1),
-            560 => Code::System(2),
-            570 => Code::System(3),
-            580 => Code::System(4),
-            590 => Code::System(5),
-            591 => Code::System(6),
-            592 => Code::System(7),
-            593 => Code::System(8),
-            610 => Code::ExactPath,
-            611 => Code::ExactStop,
-            640 => Code::Blend,
-            700 | 710 | 711 | 712 | 720 | 721 | 722 => Code::ContourCycle,
-            730 => Code::Cycle(Kind::ChipBreak),
-            740 => Code::Cycle(Kind::LeftTap),
-            760 => Code::Cycle(Kind::Thread),
-            770 => Code::Cycle(Kind::TurnBox),
-            780 => Code::Cycle(Kind::ThreadBox),
-            790 => Code::Cycle(Kind::FaceBox),
-            800 => Code::CancelMotion,
-            810 => Code::Cycle(Kind::Drill),
-            820 => Code::Cycle(Kind::DrillDwell),
-            830 => Code::Cycle(Kind::Peck),
-            840 => Code::Cycle(Kind::Tap),
-            850 => Code::Cycle(Kind::Bore),
-            860 => Code::Cycle(Kind::BoreStop),
-            870 => Code::Cycle(Kind::BackBore),
-            880 => Code::Cycle(Kind::BoreManual),
-            890 => Code::Cycle(Kind::BoreDwell),
-            900 => Code::Absolute,
-            901 => Code::AbsoluteCentres,
-            910 => Code::Incremental,
-            911 => Code::IncrementalCentres,
-            920 => Code::Shift,
-            921 => Code::CancelShift,
-            922 => Code::SuspendShift,
-            923 => Code::RestoreShift,
-            930 => Code::InverseTime,
-            940 => Code::PerMinute,
-            950 => Code::PerRevolution,
-            960 => Code::SurfaceSpeed,
-            970 => Code::SpindleSpeed,
-            980 => Code::ReturnToInitial,
-            990 => Code::ReturnToRetract,
-            // NURBS, plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling, macros, ...
-            52 | 53 | 60 | 62 | 90 | 150 | 160 | 270 | 282 | 283 | 290 | 310 | 331 | 432 | 500
-            | 510 | 520 | 541 | 600 | 620 | 630 | 650 | 660 | 670 | 680 | 690 | 750 => {
-                Code::Foreign
-            }
-            _ => return None,
-        })
-    }
-
-    /// The M code of this number in tenths.
-    const fn m(tenths: u16) -> Option<Code> {
-        Some(match tenths {
-            0 => Code::Stop,
-            10 => Code::OptionalStop,
-            20 => Code::End,
-            30 => Code::SpindleClockwise,
-            40 => Code::SpindleCounterClockwise,
-            50 => Code::SpindleOff,
-            60 => Code::ChangeTool,
-            70 => Code::Mist,
-            80 => Code::Flood,
-            90 => Code::CoolantOff,
-            190 => Code::Orient,
-            300 => Code::EndAndRewind,
-            480 => Code::EnableOverrides(true),
-            490 => Code::EnableOverrides(false),
-            500 => Code::FeedOverride,
-            510 => Code::SpindleOverride,
-            520 => Code::AdaptiveFeed,
-            530 => Code::FeedHold,
-            600 => Code::PalletStop,
-            610 => Code::SetTool,
-            620 => output(true, true),
-            630 => output(false, true),
-            640 => output(true, false),
-            650 => output(false, false),
-            660 => Code::WaitInput,
-            670 => Code::Analog { with_motion: true },
-            680 => Code::Analog { with_motion: false },
-            // Clamps, tapping modes, parking, saved modes, subprograms.
-            100 | 110 | 290 | 560 | 700 | 710 | 720 | 730 | 980 | 990 => Code::Foreign,
-            _ => return None,
-        })
-    }
-
     /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for one nobody knows.
-    pub(crate) const fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
-        match Code::meaning(letter, tenths, flavour) {
-            Some(code) if !EXTENDED && !code.in_grbl() && !code.in_micromill() => {
-                Some(Code::Foreign)
-            }
-            code => code,
-        }
-    }
-
-    const fn meaning(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
-        if letter == b'M' {
-            return Code::m(tenths);
+    pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
+        let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
+        if !lathe || letter == b'M' {
+            return of_number(letter, tenths);
         }
         match (flavour, tenths) {
-            (Flavour::Lathe | Flavour::LatheA, 740) => Some(Code::Cycle(Kind::LathePeck)),
+            (_, 740) => Some(Code::Cycle(Kind::LathePeck)),
             // Code system A of turning machines.
             (Flavour::LatheA, 900) => Some(Code::Cycle(Kind::TurnBox)),
             (Flavour::LatheA, 920) => Some(Code::Cycle(Kind::ThreadBox)),
@@ -298,7 +167,7 @@ impl Code {
                 Flavour::LatheA,
                 770 | 780 | 790 | 910 | 921 | 922 | 923 | 930 | 950 | 330 | 70 | 80,
             ) => Some(Code::Foreign),
-            _ => Code::g(tenths),
+            _ => of_number(letter, tenths),
         }
     }
 
@@ -384,6 +253,11 @@ impl Code {
         }
     }
 
+    /// Whether this code is there without the extended ones.
+    pub(crate) const fn is_basic(self) -> bool {
+        self.in_grbl() || self.in_micromill()
+    }
+
     /// Whether the micromill's link protocol has this code.
     const fn in_micromill(self) -> bool {
         matches!(
@@ -448,28 +322,28 @@ impl Code {
     }
 
     /// Letters beside the axes that this code uses, without those of arcs; F, S, T and N need no code.
-    pub(crate) const fn letters(self) -> &'static [u8] {
+    pub(crate) const fn letters(self) -> Letters {
         match self {
-            Code::Dwell => b"P",
-            Code::SetData => b"LPRIJQ",
-            Code::Cubic => b"IJPQ",
-            Code::Quadratic => b"IJ",
-            Code::Thread => b"K",
-            Code::Blend => b"PQ",
-            Code::Compensate { .. } => b"D",
-            Code::ToolLength => b"H",
-            Code::SurfaceSpeed => b"D",
-            Code::Orient => b"RPQ",
-            Code::SetTool => b"Q",
+            Code::Dwell => const { Letters::new(b"P") },
+            Code::SetData => const { Letters::new(b"LPRIJQ") },
+            Code::Cubic => const { Letters::new(b"IJPQ") },
+            Code::Quadratic => const { Letters::new(b"IJ") },
+            Code::Thread => const { Letters::new(b"K") },
+            Code::Blend => const { Letters::new(b"PQ") },
+            Code::Compensate { .. } => const { Letters::new(b"D") },
+            Code::ToolLength => const { Letters::new(b"H") },
+            Code::SurfaceSpeed => const { Letters::new(b"D") },
+            Code::Orient => const { Letters::new(b"RPQ") },
+            Code::SetTool => const { Letters::new(b"Q") },
             Code::FeedOverride
             | Code::SpindleOverride
             | Code::AdaptiveFeed
             | Code::FeedHold
-            | Code::Output { .. } => b"P",
-            Code::WaitInput => b"PELQ",
-            Code::Analog { .. } => b"EQ",
+            | Code::Output { .. } => const { Letters::new(b"P") },
+            Code::WaitInput => const { Letters::new(b"PELQ") },
+            Code::Analog { .. } => const { Letters::new(b"EQ") },
             Code::Cycle(kind) => kind.letters(),
-            _ => b"",
+            _ => Letters::NONE,
         }
     }
 
@@ -480,18 +354,6 @@ impl Code {
             Code::Home(_) | Code::Shift | Code::SetData | Code::DirectToolLength
         )
     }
-}
-
-const fn probe(away: bool, must: bool) -> Code {
-    Code::Probe { away, must }
-}
-
-const fn compensate(side: Side, direct: bool) -> Code {
-    Code::Compensate { side, direct }
-}
-
-const fn output(on: bool, with_motion: bool) -> Code {
-    Code::Output { on, with_motion }
 }
 
 #[cfg(test)]

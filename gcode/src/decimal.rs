@@ -1,6 +1,7 @@
 //! Exact decimal numbers, as they are written in a program.
 
 use crate::error::ErrorKind;
+use crate::wide::{divide, product};
 use core::fmt;
 use fixed::traits::Fixed;
 
@@ -23,6 +24,9 @@ const POWERS: [i64; 19] = {
     powers
 };
 
+/// The largest power of ten that an `i64` holds.
+const MOST: u8 = 18;
+
 /// `10^n`, or `None` beyond 10^18. The access is guarded by the length: no panic is left of it.
 const fn power(n: u8) -> Option<i64> {
     if (n as usize) < POWERS.len() {
@@ -40,37 +44,6 @@ const fn small_power(n: u8) -> Option<i32> {
     } else {
         None
     }
-}
-
-/// Quotient and rest; zeros for a divisor of 0, which is never given.
-const fn divide(value: u64, divisor: u64) -> (u64, u64) {
-    match (value.checked_div(divisor), value.checked_rem(divisor)) {
-        (Some(quotient), Some(rest)) => (quotient, rest),
-        _ => (0, 0),
-    }
-}
-
-/// `value / 10^k` rounded down, by limbs of 32 bits: no 128-bit division is linked in.
-const fn divide_by_power(mut value: u128, mut k: u8) -> u128 {
-    while k > 0 {
-        let part = if k < 9 { k } else { 9 };
-        let divisor = match power(part) {
-            Some(divisor) => divisor as u64,
-            None => 1,
-        };
-        let (mut quotient, mut rest, mut shift) = (0u128, 0u64, 128u32);
-        while shift > 0 {
-            shift = shift.wrapping_sub(32);
-            // rest < 10^9 < 2^30, so the 62-bit dividend fits.
-            let limb = (rest << 32) | (value.wrapping_shr(shift) as u64 & 0xffff_ffff);
-            let (part, left) = divide(limb, divisor);
-            quotient = (quotient << 32) | part as u128;
-            rest = left;
-        }
-        value = quotient;
-        k = k.wrapping_sub(part);
-    }
-    value
 }
 
 impl Decimal {
@@ -126,50 +99,45 @@ impl Decimal {
                 return Some((self.digits as i32 as i64).wrapping_mul(scale as i64));
             }
         }
-        let product = self.digits.checked_mul(factor);
-        if self.places <= exponent {
-            return match (product, power(exponent.wrapping_sub(self.places))) {
-                (Some(0), _) => Some(0),
-                (Some(product), Some(scale)) => product.checked_mul(scale),
-                _ => None,
-            };
+        match self.magnitude_scaled(factor.unsigned_abs(), exponent) {
+            Some(magnitude) if (self.digits < 0) != (factor < 0) => Some(magnitude.wrapping_neg()),
+            magnitude => magnitude,
         }
-        let excess = self.places.wrapping_sub(exponent);
-        let rounded = match (product, power(excess)) {
-            (Some(product), Some(divisor)) => {
-                let (quotient, rest) = divide(product.unsigned_abs(), divisor.unsigned_abs());
-                // 10^excess is even, so the half is exact; quotient <= 2^63 / 10 leaves room for the one.
-                let up = rest >= divisor.unsigned_abs() >> 1;
-                quotient.wrapping_add(up as u64) as i64
-            }
-            _ => match self.rounded_wide(factor, excess) {
-                Some(rounded) => rounded,
-                None => return None,
-            },
-        };
-        Some(if (self.digits < 0) != (factor < 0) {
-            rounded.wrapping_neg()
-        } else {
-            rounded
-        })
     }
 
-    /// The magnitude of `digits * factor / 10^excess`, rounded, where 64 bits do not hold what is between.
-    const fn rounded_wide(self, factor: i64, excess: u8) -> Option<i64> {
-        let (digits, factor) = (self.digits.unsigned_abs(), factor.unsigned_abs());
-        let magnitude = (digits as u128).wrapping_mul(factor as u128);
-        let mut half = 5u128;
-        let mut k = 1u8;
-        while k < excess {
-            half = half.wrapping_mul(10);
-            k = k.wrapping_add(1);
+    /// Without signs: where there are many digits, or places to round away.
+    #[inline(never)]
+    const fn magnitude_scaled(self, factor: u64, exponent: u8) -> Option<i64> {
+        // Below 2^127.
+        let mut scaled = product(self.digits.unsigned_abs(), factor);
+        if scaled == 0 {
+            return Some(0);
         }
-        // magnitude <= 2^126 and half <= 10^30 / 2 < 2^99: the sum fits.
-        let rounded = divide_by_power(magnitude.wrapping_add(half), excess);
-        if rounded > i64::MAX as u128 {
+        let excess = self.places.saturating_sub(exponent);
+        let missing = exponent.saturating_sub(self.places);
+        let scale = match power(missing) {
+            Some(scale) if scaled >> 64 == 0 => scale as u64,
+            // Too large already, or 10^19 and more of it; without a scale there is nothing to be done.
+            _ if missing > 0 => return None,
+            _ => 1,
+        };
+        if scale != 1 {
+            scaled = product(scaled as u64, scale);
+        }
+        // In two steps where it is more than 18 places: what the first one drops does not change the rounding.
+        let first = excess.saturating_sub(MOST);
+        let last = excess.wrapping_sub(first);
+        if let (1.., Some(divisor)) = (first, power(first)) {
+            scaled = divide(scaled, divisor as u64);
+        }
+        if let (1.., Some(divisor)) = (last, power(last)) {
+            // The power is even.
+            scaled = divide(scaled.wrapping_add(divisor as u128 >> 1), divisor as u64);
+        }
+        if scaled > i64::MAX as u128 {
             None
         } else {
-            Some(rounded as i64)
+            Some(scaled as i64)
         }
     }
 
@@ -187,8 +155,9 @@ impl Decimal {
             // Fewer than 20 digits cannot be a multiple of 10^19.
             return if self.digits == 0 { Some(0) } else { None };
         };
-        let (quotient, rest) = divide(self.digits.unsigned_abs(), divisor.unsigned_abs());
-        if rest != 0 {
+        let magnitude = self.digits.unsigned_abs();
+        let quotient = divide(magnitude as u128, divisor as u64) as u64;
+        if quotient.wrapping_mul(divisor as u64) != magnitude {
             return None;
         }
         // At most 2^63 / 10.

@@ -127,14 +127,11 @@ impl<const N: usize> Modal<N> {
                 let system = system
                     .filter(|&system| system < most)
                     .ok_or_else(|| block.error_at(ErrorKind::OutOfRange(b'P'), b'P'))?;
-                let mut zero = self
-                    .offsets
-                    .get(usize::from(system))
-                    .copied()
-                    .unwrap_or([Nm(0); N]);
                 let here = self.less(self.less(self.position, self.shift), self.length);
-                self.write_axes(block, &mut zero, (kind == 20).then_some(here))?;
-                self.set_work_zero(system, zero);
+                let words = self.axes_of(block, (kind == 20).then_some(here))?;
+                if let Some(zero) = self.offsets.get_mut(usize::from(system)) {
+                    write(zero, words);
+                }
                 Ok(())
             }
             _ => Err(block.error_at(ErrorKind::OutOfRange(b'L'), b'L')),
@@ -156,7 +153,7 @@ impl<const N: usize> Modal<N> {
                 self.offsets.last().copied().unwrap_or([Nm(0); N]),
             )),
         };
-        self.write_axes(block, &mut tool.offset, frame)?;
+        write(&mut tool.offset, self.axes_of(block, frame)?);
         if let Some(radius) = self.length_of(block, b'R')? {
             tool.radius = radius;
         }
@@ -177,39 +174,35 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The axis words of a block: as they are, or as what `here` shall read.
-    fn write_axes(
-        &self,
-        block: &Block,
-        to: &mut [Nm; N],
-        here: Option<[Nm; N]>,
-    ) -> Result<(), Error> {
-        for (axis, entry) in (0..N).zip(to.iter_mut()) {
+    fn axes_of(&self, block: &Block, here: Option<[Nm; N]>) -> Result<[Option<Nm>; N], Error> {
+        let mut words = [None; N];
+        for (axis, entry) in (0..N).zip(words.iter_mut()) {
             let letter = block.letter_of(axis);
             if let Some(value) = self.length_of(block, letter)? {
                 let wanted = match here.and_then(|here| here.get(axis).copied()) {
-                    Some(here) => here.0.saturating_sub(value.0),
-                    None => value.0,
+                    Some(here) => Nm(here.0.saturating_sub(value.0)),
+                    None => value,
                 };
-                *entry = Nm(wanted)
-                    .within_limit()
-                    .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+                let within = wanted.within_limit();
+                *entry =
+                    Some(within.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?);
             }
         }
-        Ok(())
+        Ok(words)
     }
 
     /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
     pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Error> {
         let here = self.less(self.less(self.position, self.system_offset()), self.length);
-        let mut shift = self.shift;
         if block.axes() == 0 {
             if self.dialect.flavour != Flavour::Drill {
                 return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
             }
-            shift = here;
+            self.shift = here;
         }
-        self.write_axes(block, &mut shift, Some(here))?;
-        (self.shift, self.kept_shift) = (shift, shift);
+        let words = self.axes_of(block, Some(here))?;
+        write(&mut self.shift, words);
+        self.kept_shift = self.shift;
         Ok(())
     }
 
@@ -250,6 +243,15 @@ impl<const N: usize> Modal<N> {
         self.position = to;
         commands.motion(Command::Rapid { to });
         Ok(())
+    }
+}
+
+/// Replaces what is given.
+fn write<const N: usize>(to: &mut [Nm; N], words: [Option<Nm>; N]) {
+    for (entry, word) in to.iter_mut().zip(words) {
+        if let Some(word) = word {
+            *entry = word;
+        }
     }
 }
 

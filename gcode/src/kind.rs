@@ -1,5 +1,7 @@
 //! Which canned cycles there are.
 
+use crate::block::Letters;
+
 /// Which cycle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[non_exhaustive]
@@ -40,17 +42,19 @@ pub enum Kind {
 
 impl Kind {
     /// Letters beside the axes that the cycle uses.
-    pub(crate) const fn letters(self) -> &'static [u8] {
+    pub(crate) const fn letters(self) -> Letters {
         match self {
-            Kind::Drill | Kind::Bore => b"RL",
-            Kind::ChipBreak | Kind::Peck => b"RLQ",
-            Kind::DrillDwell | Kind::BoreStop | Kind::BoreManual | Kind::BoreDwell => b"RLP",
-            Kind::Tap | Kind::LeftTap => b"RLP",
-            Kind::BackBore => b"RLIJK",
-            Kind::Thread => b"PIJRKQHEL",
-            Kind::TurnBox | Kind::FaceBox => b"R",
-            Kind::ThreadBox => b"RK",
-            Kind::LathePeck => b"RQ",
+            Kind::Drill | Kind::Bore => const { Letters::new(b"RL") },
+            Kind::ChipBreak | Kind::Peck => const { Letters::new(b"RLQ") },
+            Kind::DrillDwell | Kind::BoreStop | Kind::BoreManual | Kind::BoreDwell => {
+                const { Letters::new(b"RLP") }
+            }
+            Kind::Tap | Kind::LeftTap => const { Letters::new(b"RLP") },
+            Kind::BackBore => const { Letters::new(b"RLIJK") },
+            Kind::Thread => const { Letters::new(b"PIJRKQHEL") },
+            Kind::TurnBox | Kind::FaceBox => const { Letters::new(b"R") },
+            Kind::ThreadBox => const { Letters::new(b"RK") },
+            Kind::LathePeck => const { Letters::new(b"RQ") },
         }
     }
 }

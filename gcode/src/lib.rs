@@ -37,6 +37,7 @@
 #![deny(missing_docs)]
 
 mod nm;
+mod wide;
 
 mod decimal;
 mod error;
@@ -48,6 +49,7 @@ mod line_reader;
 
 mod code;
 mod dialect;
+mod number;
 
 mod block;
 

@@ -329,7 +329,10 @@ impl<const N: usize> Modal<N> {
     pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
         match self.offsets.get_mut(usize::from(system)) {
             Some(offset) => {
-                offset.copy_from_slice(&zero);
+                // As a whole it is moved by a function that nothing else needs.
+                for (offset, zero) in offset.iter_mut().zip(zero) {
+                    offset.0 = zero.0;
+                }
                 true
             }
             None => false,

@@ -1,7 +1,7 @@
 //! What moves: who gets the axis words, G0 to G3 and G53.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::{Block, axis_letter};
+use crate::block::{Block, Letters, axis_letter};
 use crate::code::{Code, EXTENDED, Group};
 use crate::command::{Command, Feed, SpindleDirection};
 use crate::commands::Commands;
@@ -64,10 +64,10 @@ impl<const N: usize> Modal<N> {
             mode
         };
         let mine = !covets && (block.axes() != 0 || code.is_some());
-        let users: &[u8] = match mode {
+        let users = match mode {
             Some(mode) if mine && code.is_none() => letters(mode, self.plane),
             Some(Motion::Clockwise | Motion::CounterClockwise) if mine => arc_letters(self.plane),
-            _ => b"",
+            _ => Letters::NONE,
         };
         block.check_users(users)?;
         if EXTENDED && mode != Some(Motion::Cubic) {
@@ -431,9 +431,9 @@ const fn mode(code: Code) -> Option<Motion> {
 }
 
 /// Letters beside the axes that a mode uses when its code is not in the block.
-const fn letters(mode: Motion, plane: Plane) -> &'static [u8] {
+const fn letters(mode: Motion, plane: Plane) -> Letters {
     match mode {
-        Motion::Rapid | Motion::Linear | Motion::Probe { .. } => b"",
+        Motion::Rapid | Motion::Linear | Motion::Probe { .. } => Letters::NONE,
         Motion::Clockwise | Motion::CounterClockwise => arc_letters(plane),
         Motion::Cubic => Code::Cubic.letters(),
         Motion::Quadratic => Code::Quadratic.letters(),
@@ -442,10 +442,10 @@ const fn letters(mode: Motion, plane: Plane) -> &'static [u8] {
     }
 }
 
-const fn arc_letters(plane: Plane) -> &'static [u8] {
+const fn arc_letters(plane: Plane) -> Letters {
     match plane {
-        Plane::Xy => b"IJRP",
-        Plane::Zx => b"IKRP",
-        Plane::Yz => b"JKRP",
+        Plane::Xy => const { Letters::new(b"IJRP") },
+        Plane::Zx => const { Letters::new(b"IKRP") },
+        Plane::Yz => const { Letters::new(b"JKRP") },
     }
 }

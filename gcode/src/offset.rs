@@ -1,6 +1,6 @@
 //! Plane geometry of compensated contours, in integers: unit vectors in 2^-58, points in nanometres.
 
-use crate::arc::{Ratio, divide, root, shift_rounded, square};
+use crate::wide::{Ratio, divide, root, shift_rounded, square};
 
 /// A point or a vector of the plane, nm; components below 2^52.
 pub(crate) type Vector = [i64; 2];

@@ -4,7 +4,7 @@
 //! quarter turns is taken off exactly, in decimals, before anything is rounded.
 
 use super::value::{Value, power};
-use crate::arc::root;
+use crate::wide::root;
 use core::cmp::Ordering;
 
 /// 1 in Q62.

@@ -1,0 +1,159 @@
+//! Squares, roots and quotients of 128 bits, for machines that multiply 32.
+//!
+//! Each is one function that is called, not inlined, where it would take more code than the call; none divides.
+
+/// The whole product. A call costs less than the code of one, where it takes ten multiplications of 32 bits.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) const fn product(a: u64, b: u64) -> u128 {
+    (a as u128).wrapping_mul(b as u128)
+}
+
+/// `x^2 + y^2` for components below 2^53.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) fn square(x: i64, y: i64) -> u128 {
+    let (x, y) = (x.unsigned_abs(), y.unsigned_abs());
+    product(x, x).wrapping_add(product(y, y))
+}
+
+/// The largest integer whose square is at most `value`, which is below 2^124: a digit of the root from two bits of the
+/// value, without a division, and with nothing wider than 64 bits but the value.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) fn root(value: u128) -> u64 {
+    // Where the processor divides, its library is faster.
+    if let (true, Ok(small)) = (cfg!(target_pointer_width = "64"), u64::try_from(value)) {
+        return small.isqrt();
+    }
+    let skipped = value.leading_zeros() & !1;
+    let mut coming = value.wrapping_shl(skipped);
+    let (mut rest, mut root) = (0u64, 0u64);
+    for _ in 0..128u32.wrapping_sub(skipped) >> 1 {
+        // rest <= 2 root < 2^62 before the last of at most 62 digits.
+        rest = (rest << 2) | (coming >> 126) as u64;
+        coming <<= 2;
+        let trial = (root << 2) | 1;
+        root <<= 1;
+        if rest >= trial {
+            rest = rest.wrapping_sub(trial);
+            root |= 1;
+        }
+    }
+    root
+}
+
+/// `value / divisor` rounded down, bit by bit; the divisor is below 2^63. 0 for a divisor of 0.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
+    if divisor == 0 {
+        return 0;
+    }
+    let mut left = 128u32.wrapping_sub(value.leading_zeros());
+    // The bits still to come from the left, and the quotient behind them.
+    let mut turning = value.wrapping_shl(value.leading_zeros());
+    let mut rest = 0u64;
+    if left == 0 {
+        return 0;
+    }
+    let mask = u128::MAX.wrapping_shr(value.leading_zeros());
+    while left > 0 {
+        // rest < divisor < 2^63.
+        rest = (rest << 1) | (turning >> 127) as u64;
+        turning <<= 1;
+        if rest >= divisor {
+            rest = rest.wrapping_sub(divisor);
+            turning |= 1;
+        }
+        left = left.wrapping_sub(1);
+    }
+    turning & mask
+}
+
+/// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
+#[cfg(feature = "extended")]
+pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
+    let magnitude = value
+        .unsigned_abs()
+        .wrapping_add(1u128.wrapping_shl(bits.wrapping_sub(1)))
+        .wrapping_shr(bits) as i128;
+    if value < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }
+}
+
+/// The root of a ratio, as two integers and a power of two: `above / below * 2^exponent`.
+///
+/// Both roots are taken of numbers shifted up to 123 or 124 bits, so they have 62 bits and the ratio is good to 2^-60 of
+/// itself.
+#[derive(Copy, Clone)]
+pub(crate) struct Ratio {
+    above: u64,
+    below: u64,
+    exponent: i32,
+}
+
+impl Ratio {
+    /// Of two squares below 2^124.
+    pub(crate) fn of_roots(numerator: u128, denominator: u128) -> Ratio {
+        let up = |value: u128| value.leading_zeros().saturating_sub(4) & !1;
+        let (above, below) = (up(numerator), up(denominator));
+        Ratio {
+            above: root(numerator.wrapping_shl(above)),
+            below: root(denominator.wrapping_shl(below)),
+            // Both at most 124.
+            exponent: (below as i32).wrapping_sub(above as i32) >> 1,
+        }
+    }
+
+    /// A factor below 2^53 times the ratio, in 2^-6, truncated; the result is below 2^58.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    pub(crate) fn of(self, factor: i64) -> i64 {
+        let product = product(factor.unsigned_abs(), self.above);
+        // The quotient is below 2^58 and the divisor below 2^62: so is the product below 2^120, shifted or not.
+        let shift = self.exponent.wrapping_add(6);
+        let shifted = if shift < 0 {
+            product.wrapping_shr(shift.unsigned_abs())
+        } else {
+            product.wrapping_shl(shift.unsigned_abs())
+        };
+        let magnitude = divide(shifted, self.below) as i64;
+        if factor < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_and_quotients() {
+        for value in [
+            0u128,
+            1,
+            2,
+            3,
+            4,
+            u64::MAX as u128,
+            1 << 64,
+            (1 << 100) + 12345,
+            (1 << 124) - 1,
+        ] {
+            let r = u128::from(root(value));
+            assert!(r * r <= value && (r + 1) * (r + 1) > value, "{value}");
+        }
+        for (value, divisor) in [
+            (1 << 100, 3),
+            (u128::MAX >> 2, (1 << 63) - 1),
+            ((1 << 62) - 1, 1 << 62),
+            (12345, 0),
+            (77, 7),
+        ] {
+            let exact = value.checked_div(u128::from(divisor));
+            assert_eq!(divide(value, divisor), exact.unwrap_or(0));
+        }
+    }
+}
