@@ -9,6 +9,7 @@ use crate::compare::{self, Bench};
 use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
 use crate::drill_code::Work;
+use crate::drill_file::{Compiler, Refusal};
 use crate::format;
 use crate::holes;
 use crate::machine_file::{LoadError, MachineFile, Travel};
@@ -179,17 +180,7 @@ struct Job {
 impl Job {
     fn new(file: &str, target: &Target, default_machine: &str) -> Result<Self, Failure> {
         let name = target.machine.as_deref().unwrap_or(default_machine);
-        let machine = match MachineFile::load(name) {
-            Ok(machine) => machine,
-            Err(LoadError::File(message)) => return Err(Failure::Usage(message)),
-            Err(LoadError::Findings(found)) => {
-                let mut findings = to_stderr(Format::Text);
-                for finding in &found {
-                    findings.add(finding)?;
-                }
-                return Err(Failure::Usage(format!("{name}: {} errors", found.len())));
-            }
-        };
+        let machine = load(name)?;
         let dialect = setup::dialect(target.dialect.as_deref(), file)?;
         let config = setup::config(&machine, dialect)?;
         Ok(Self {
@@ -261,34 +252,75 @@ fn whole(file: &str) -> Result<Vec<u8>, Failure> {
     Ok(text)
 }
 
+fn load(machine: &str) -> Result<MachineFile, Failure> {
+    match MachineFile::load(machine) {
+        Ok(machine) => Ok(machine),
+        Err(LoadError::File(message)) => Err(Failure::Usage(message)),
+        Err(LoadError::Findings(found)) => {
+            let mut findings = to_stderr(Format::Text);
+            for finding in &found {
+                findings.add(finding)?;
+            }
+            Err(Failure::Usage(format!("{machine}: {} errors", found.len())))
+        }
+    }
+}
+
 fn list_holes(args: &Holes) -> Result<u8, Failure> {
     let options = holes::Options::new(args)?;
     let work = match args.make {
         DrillOutput::Gcode => Some(Work::new(args)?),
-        DrillOutput::List => None,
+        DrillOutput::List | DrillOutput::Drill => None,
     };
+    let is_drill = args.make == DrillOutput::Drill;
+    let to_file = args.output.as_ref().is_some_and(|path| path != "-");
+    if is_drill && args.format == Output::Text && !to_file && io::stdout().is_terminal() {
+        let message = "records are bytes, nothing for a screen: see -o and --format json";
+        return Err(Failure::Usage(message.into()));
+    }
     let name = displayed(&args.file);
     let text = whole(&args.file)?;
     let mut findings = to_stderr(Format::Text);
     let mut board = holes::read(&text, name, &options, &mut findings)?;
     let (errors, warnings) = (findings.errors, findings.warnings);
-    if errors > 0 && work.is_some() {
+    if errors > 0 && args.make != DrillOutput::List {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
         return Ok(ERRORS);
     }
+    board.apply(&options)?;
     if args.order == DrillOrder::Shortest {
         board.sort_shortest();
     }
-    let mut out: Box<dyn Write> = match &args.output {
-        Some(path) if path != "-" => Box::new(BufWriter::with_capacity(1 << 18, create(path)?)),
-        _ => Box::new(BufWriter::with_capacity(1 << 18, io::stdout().lock())),
-    };
+    // All of it is made before the file is touched.
+    let mut made = Vec::new();
     match (work, args.format) {
-        (Some(work), _) => work.write(&board, name, &mut out)??,
-        (None, Output::Text) => board.print(name, &mut out)?,
-        (None, Output::Json) => board.print_json(errors, warnings, &mut out)?,
+        (Some(work), _) => work.write(&board, name, &mut made)??,
+        (None, format) if is_drill => {
+            let compiler = Compiler::new(args);
+            let tools = match compiler.compile(&board, name) {
+                Ok(tools) => tools,
+                Err(Refusal::Usage(message)) => return Err(Failure::Usage(message)),
+                Err(Refusal::Finding(finding)) => {
+                    findings.add(&finding)?;
+                    return Ok(ERRORS);
+                }
+            };
+            match format {
+                Output::Text => made = compiler.bytes(&tools, name)?,
+                Output::Json => compiler.print_json(&tools, &mut made)?,
+            }
+        }
+        (None, Output::Text) => board.print(name, &mut made)?,
+        (None, Output::Json) => board.print_json(errors, warnings, &mut made)?,
     }
-    out.flush()?;
+    match &args.output {
+        Some(path) if path != "-" => create(path)?.write_all(&made)?,
+        _ => {
+            let mut out = io::stdout().lock();
+            out.write_all(&made)?;
+            out.flush()?;
+        }
+    }
     if errors > 0 {
         eprintln!("{name}: {}", verdict(errors, warnings));
         return Ok(ERRORS);
@@ -314,7 +346,10 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
         let name = displayed(file);
         if holes::is_drill_file(args.target.dialect.as_deref(), file) {
             let text = whole(file)?;
-            holes::read(&text, name, &holes::Options::default(), &mut findings)?;
+            let board = holes::read(&text, name, &holes::Options::default(), &mut findings)?;
+            if let Some(machine) = &args.target.machine {
+                board.check_travel(name, &load(machine)?, &mut findings)?;
+            }
         } else {
             Job::new(file, &args.target, "free")?.check(&mut findings)?;
         }

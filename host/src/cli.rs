@@ -49,11 +49,12 @@ pub enum Command {
     #[command(after_help = "Example:\n  \
         husillo steps examples/circles.nc -o circles.csv")]
     Steps(Steps),
-    /// List the holes of a drill file (Excellon), or make G-code of them
+    /// List the holes of a drill file (Excellon), or make G-code or drill records of them
     #[command(after_help = "Examples:\n  \
         husillo holes board.drl\n  \
         husillo holes board.drl --order shortest --format json\n  \
-        husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc")]
+        husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc\n  \
+        husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
@@ -248,6 +249,12 @@ pub struct Holes {
     /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour and 2-opt)
     #[arg(long, value_enum, default_value = "file")]
     pub order: DrillOrder,
+    /// Only the holes and slots of this tool; may be repeated
+    #[arg(long, value_name = "N")]
+    pub only: Vec<u16>,
+    /// Move the board by X,Y millimetres; `corner` puts its least X and Y at 0,0
+    #[arg(long, value_name = "X,Y|corner", allow_hyphen_values = true)]
+    pub shift: Option<String>,
     /// Depth of the holes below the surface, which is Z0
     #[arg(long, value_name = "MM")]
     pub depth: Option<String>,
@@ -272,9 +279,12 @@ pub struct Holes {
     /// Depth of one peck of --cycle g83
     #[arg(long, value_name = "MM", default_value = "0.5")]
     pub peck: String,
-    /// How a slot is made
-    #[arg(long, value_enum, default_value = "rout")]
-    pub slots: SlotHandling,
+    /// How a slot is made [default: rout; drill with --as drill]
+    #[arg(long, value_enum)]
+    pub slots: Option<SlotHandling>,
+    /// Let --as drill go beyond the table of 220 x 45 mm, up to 612 mm
+    #[arg(long)]
+    pub unbounded: bool,
 }
 
 /// What to make of a drill file.
@@ -284,6 +294,8 @@ pub enum DrillOutput {
     List,
     /// A G-code program.
     Gcode,
+    /// The program of the circuit-board drill: three-byte records, one tool a file.
+    Drill,
 }
 
 /// Unit of a drill file.

@@ -56,7 +56,7 @@ impl Work {
             },
             speed: args.speed,
             cycle: args.cycle,
-            slots: args.slots,
+            slots: args.slots.unwrap_or(SlotHandling::Rout),
         })
     }
 
@@ -221,7 +221,7 @@ impl Work {
 }
 
 /// The two ends of a straight slot and holes between them, no further apart than 0.7 of its width.
-fn overlapping(slot: &Slot) -> Vec<Hole> {
+pub fn overlapping(slot: &Slot) -> Vec<Hole> {
     let [dx, dy] = [0, 1].map(|axis: usize| i128::from(slot.to[axis].0 - slot.from[axis].0));
     let width = slot
         .tool

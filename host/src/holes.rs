@@ -2,6 +2,7 @@
 
 use crate::cli::{self, Holes};
 use crate::diagnostics::{Finding, Findings, Place, Severity};
+use crate::machine_file::{MachineFile, Travel};
 use crate::order;
 use crate::quantity::{self, Quantity};
 use husillo_gcode::Nm;
@@ -46,6 +47,15 @@ pub struct Board {
 pub struct Options {
     overrides: Overrides,
     tools: Vec<(u16, Nm)>,
+    only: Vec<u16>,
+    shift: Option<Shift>,
+}
+
+/// Where a board is moved.
+#[derive(Clone, Copy, Debug)]
+enum Shift {
+    By([Nm; 2]),
+    Corner,
 }
 
 impl Options {
@@ -81,6 +91,8 @@ impl Options {
                 .iter()
                 .map(|text| tool(text))
                 .collect::<Result<_, _>>()?,
+            only: args.only.clone(),
+            shift: args.shift.as_deref().map(shift).transpose()?,
         })
     }
 }
@@ -99,6 +111,17 @@ fn tool(text: &str) -> Result<(u16, Nm), String> {
         Some(diameter) if diameter.0 > 0 => Ok((number, diameter)),
         _ => Err(refused()),
     }
+}
+
+fn shift(text: &str) -> Result<Shift, String> {
+    if text == "corner" {
+        return Ok(Shift::Corner);
+    }
+    let by = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([length(x)?, length(y)?]));
+    by.map(Shift::By)
+        .ok_or_else(|| format!("--shift {text}: two lengths as in 5,-2.5 or 0.1in,0, or corner"))
 }
 
 /// A length of the command line: millimetres, unless it has a unit.
@@ -295,6 +318,104 @@ fn because(reason: Reason) -> String {
 }
 
 impl Board {
+    /// Leaves the tools that were asked for, and moves the board.
+    ///
+    /// # Errors
+    ///
+    /// A tool without holes and slots, or a place that is out of reach.
+    pub fn apply(&mut self, options: &Options) -> Result<(), String> {
+        let in_use = self.tools_in_use();
+        if let Some(tool) = options.only.iter().find(|tool| !in_use.contains(tool)) {
+            return Err(format!(
+                "--only {tool}: the file makes nothing with that tool"
+            ));
+        }
+        if !options.only.is_empty() {
+            self.holes
+                .retain(|hole| options.only.contains(&hole.tool.number));
+            self.slots
+                .retain(|slot| options.only.contains(&slot.tool.number));
+            self.tools
+                .retain(|tool| options.only.contains(&tool.number));
+        }
+        let by = match options.shift {
+            None => return Ok(()),
+            Some(Shift::By(by)) => by,
+            Some(Shift::Corner) => match self.extent() {
+                Some([low, _]) => low.map(|nm| Nm(-nm.0)),
+                None => return Ok(()),
+            },
+        };
+        // All of them are within 2^50 nm before and, as far as they are used, after.
+        let shift = |at: &mut [Nm; 2]| {
+            for (at, by) in at.iter_mut().zip(by) {
+                at.0 += by.0;
+            }
+        };
+        self.holes.iter_mut().for_each(|hole| shift(&mut hole.at));
+        for slot in &mut self.slots {
+            shift(&mut slot.from);
+            shift(&mut slot.to);
+            if let Path::Centre(_, centre) = &mut slot.path {
+                shift(centre);
+            }
+        }
+        match self.extent() {
+            Some(ends) if ends.iter().flatten().any(|nm| nm.0.abs() > Nm::LIMIT.0) => {
+                Err("--shift moves holes out of reach".into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Says what is beyond the travel of a machine whose zero is that of the file.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn check_travel<W: Write>(
+        &self,
+        file: &str,
+        machine: &MachineFile,
+        findings: &mut Findings<W>,
+    ) -> io::Result<()> {
+        let Some([low, high]) = self.extent() else {
+            return Ok(());
+        };
+        for (axis, name) in ["X", "Y"].into_iter().enumerate() {
+            let Travel::Range([from, to]) = machine.axes[axis].travel else {
+                continue;
+            };
+            let is_off = |at: &[Nm; 2]| !(from..=to).contains(&at[axis].0);
+            let holes = self.holes.iter().filter(|hole| is_off(&hole.at)).count();
+            let ends = |slot: &&Slot| is_off(&slot.from) || is_off(&slot.to);
+            let slots = self.slots.iter().filter(ends).count();
+            let off = match (holes, slots) {
+                (0, 0) => continue,
+                (_, 0) => count(holes, "hole"),
+                (0, _) => count(slots, "slot"),
+                _ => format!("{} and {}", count(holes, "hole"), count(slots, "slot")),
+            };
+            let message = format!("{off} of {file} beyond the travel of {name}");
+            let note = format!(
+                "{name} {} to {} mm; {} goes from {} to {} mm",
+                low[axis],
+                high[axis],
+                machine.name,
+                Nm(from),
+                Nm(to)
+            );
+            let finding = Finding::general(Severity::Error, "E0401", message).note(note);
+            let fits = high[axis].0 - low[axis].0 <= to - from;
+            findings.add(&finding.help(if fits {
+                "it fits when it is moved: see --shift of `husillo holes`"
+            } else {
+                "it cannot fit by moving it"
+            }))?;
+        }
+        Ok(())
+    }
+
     /// Puts the holes of each tool into the order of a short path, tool after tool.
     pub fn sort_shortest(&mut self) {
         let mut sorted = Vec::with_capacity(self.holes.len());
@@ -504,7 +625,8 @@ fn diameter(tool: &Tool) -> String {
     tool.diameter.map_or("null".to_owned(), |nm| nm.to_string())
 }
 
-fn count(number: usize, name: &str) -> String {
+/// `1 hole`, `2 holes`.
+pub fn count(number: usize, name: &str) -> String {
     match number {
         1 => format!("1 {name}"),
         _ => format!("{number} {name}s"),

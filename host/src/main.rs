@@ -26,6 +26,7 @@ mod deviation;
 mod diagnostics;
 mod drawing;
 mod drill_code;
+mod drill_file;
 mod explain;
 mod explain_flow;
 mod feeder;

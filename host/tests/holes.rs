@@ -1,6 +1,8 @@
 //! `husillo holes` and `husillo check` on drill files, as a user calls them.
 
 use assert_cmd::Command;
+use husillo_gcode::Nm;
+use husillo_gcode::drill_record::{Record, Table, records};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -398,4 +400,218 @@ fn every_hole_of_real_files_within_four_micrometres() {
         let slots = board["slots"].as_array().unwrap().len() as u64;
         assert_eq!(Some(slots), wanted["slots"].as_u64(), "{}", file.display());
     }
+}
+
+fn bytes(args: &[&str]) -> Vec<u8> {
+    let output = husillo().arg("holes").args(args).output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output.stdout
+}
+
+/// The places of the records of a program, in steps.
+fn drilled(program: &[u8]) -> Vec<[u16; 2]> {
+    let (mut at, mut places) = ([0; 2], Vec::new());
+    for record in records(program) {
+        match record.unwrap() {
+            Record::X(steps) => at[0] = steps,
+            Record::Y(steps) => at[1] = steps,
+            Record::Drill => places.push(at),
+        }
+    }
+    places
+}
+
+#[test]
+fn records_of_one_tool() {
+    let board = "../examples/board.drl";
+    let program = bytes(&[board, "--as", "drill", "--only", "2"]);
+    // 5 mm are 535 steps; 12.54 mm are 1341.78, 15.08 mm 1613.56, 34.5 mm 3691.5 and away from zero.
+    assert_eq!(
+        drilled(&program),
+        [[535, 1342], [535, 1614], [3692, 1614], [3692, 1342]]
+    );
+    assert_eq!(program.len(), 4 * 9 + 1);
+    assert_eq!(program[..9], *b"X\x17\x02Y\x3e\x05Z\0\0");
+    // Slots become holes, tools stay in their order, the order of holes is free.
+    let args = [
+        board,
+        "--as=drill",
+        "--only=4",
+        "--only=1",
+        "--order=shortest",
+    ];
+    let both = drilled(&bytes(&args));
+    assert_eq!(both.len(), 16 + 7);
+    assert_eq!(both[16..18], [[1819, 321], [2461, 321]]);
+    // The same by tool, for programs.
+    let listed: Value =
+        serde_json::from_slice(&bytes(&[board, "--as=drill", "--format=json"])).unwrap();
+    let tools = listed["tools"].as_array().unwrap();
+    assert_eq!(tools.len(), 4);
+    assert_eq!(tools[1]["holes"], 4);
+    assert_eq!(tools[1]["records"][0], json!(["X", 535]));
+    assert_eq!(tools[1]["records"][2], json!(["Z", 0]));
+    assert_eq!(tools[3]["holes"], 7);
+}
+
+#[test]
+fn records_that_cannot_be_are_refused_and_nothing_is_written() {
+    let file = scratch("refused.cod");
+    let _ = std::fs::remove_file(&file);
+    for (args, code, message) in [
+        (&["--as=drill"][..], 2, "T3 (3.2 mm, 2 holes)"),
+        (&["--as=drill", "--only=7"], 2, "--only 7"),
+        (
+            &["--as=drill", "--only=4", "--slots=rout"],
+            2,
+            "cannot rout",
+        ),
+        (&["--as=drill", "--only=4", "--slots=refuse"], 2, "1 slot"),
+        (
+            &["--as=drill", "--only=3", "--shift=0,20"],
+            1,
+            "2 holes of ../examples/board.drl off the table",
+        ),
+        (
+            &["--as=drill", "--only=3", "--shift=0,600", "--unbounded"],
+            1,
+            "Y626.5 is off the table, 0 to 612.476 mm",
+        ),
+        (&["--shift=1"], 2, "as in 5,-2.5"),
+        (&["--shift=1e,2"], 2, "as in 5,-2.5"),
+    ] {
+        husillo()
+            .args(["holes", "../examples/board.drl"])
+            .args(args)
+            .arg("-o")
+            .arg(&file)
+            .assert()
+            .code(code)
+            .stderr(contains(message));
+        assert!(!file.exists(), "{args:?}");
+    }
+    husillo()
+        .args(["holes", "tests/data/drill/faults.drl", "--as=drill", "-o"])
+        .arg(&file)
+        .assert()
+        .code(1)
+        .stderr(contains("nothing written"));
+    husillo()
+        .args(["holes", "-", "--as=drill", "-o"])
+        .arg(&file)
+        .write_stdin("METRIC\n%\nM30\n")
+        .assert()
+        .code(2)
+        .stderr(contains("no hole"));
+    assert!(!file.exists());
+    let far = bytes(&[
+        "../examples/board.drl",
+        "--as=drill",
+        "--only=3",
+        "--shift=0,20",
+        "--unbounded",
+    ]);
+    assert_eq!(drilled(&far), [[375, 4976], [3906, 4976]]);
+}
+
+#[test]
+fn a_board_is_moved_and_checked_against_a_machine() {
+    let board = list(&["../examples/board.drl", "--shift", "corner"]);
+    assert_eq!(board["holes"][0], json!([6.5, 7, 0.8]));
+    assert_eq!(board["slots"], json!([[13.5, 0, 19.5, 0, 1.5]]));
+    let board = list(&[
+        "../examples/board.drl",
+        "--only",
+        "3",
+        "--shift",
+        "-3.5mm,0.1in",
+    ]);
+    assert_eq!(board["holes"], json!([[0, 29.04, 3.2], [33, 29.04, 3.2]]));
+    assert_eq!(board["tools"].as_array().unwrap().len(), 1);
+    husillo()
+        .args([
+            "check",
+            "../examples/board.drl",
+            "-m",
+            "drill",
+            "--deny-warnings",
+        ])
+        .assert()
+        .success();
+    husillo()
+        .args(["check", "-", "--dialect", "excellon", "-m", "drill"])
+        .write_stdin("METRIC\nT1C1\n%\nT1\nX1.Y-2.\nX230.Y40.\nX231.Y50.\nM30\n")
+        .assert()
+        .code(1)
+        .stdout(contains("2 holes of <input> beyond the travel of X"))
+        .stdout(contains("X 1 to 231 mm; drill goes from 0 to 220 mm"))
+        .stdout(contains("it cannot fit by moving it"))
+        .stdout(contains("2 holes of <input> beyond the travel of Y"))
+        .stdout(contains("2 errors"));
+}
+
+/// The program of the drill's own language means the same places as the records.
+#[test]
+fn the_drill_reads_the_places_of_a_board() {
+    let holes = points(&list(&["../examples/board.drl", "--only", "1"]));
+    let mut text = "%\nG21 G90 ; a board\n".to_owned();
+    for [x, y, _] in &holes {
+        text.push_str(&format!("X{x} Y{y}\n"));
+    }
+    let file = scratch("board.pcb");
+    std::fs::write(&file, text + "G28 X0 Y0\n%\n").unwrap();
+    for command in ["check", "run"] {
+        husillo()
+            .arg(command)
+            .arg(&file)
+            .args(["--dialect", "drill", "-m", "drill"])
+            .args(if command == "run" {
+                &["--format", "json"][..]
+            } else {
+                &[]
+            })
+            .assert()
+            .success();
+    }
+    let output = husillo()
+        .arg("commands")
+        .arg(&file)
+        .args(["--dialect", "drill", "-m", "drill", "--format", "json"])
+        .output()
+        .unwrap();
+    let (mut at, mut found) = ([0; 2], Vec::new());
+    for line in String::from_utf8(output.stdout).unwrap().lines() {
+        let command: Value = serde_json::from_str(line).unwrap();
+        match command["kind"].as_str().unwrap() {
+            "rapid" => at = [0, 1].map(|axis: usize| command["to_nm"][axis].as_i64().unwrap()),
+            "drill" => {
+                let [x, y, _] = Table::DRILL.hole(at.map(Nm)).unwrap();
+                let (Record::X(x), Record::Y(y)) = (x, y) else {
+                    panic!("{x} {y}")
+                };
+                found.push([x, y]);
+            }
+            other => panic!("{other}"),
+        }
+    }
+    let args = ["../examples/board.drl", "--as=drill", "--only=1"];
+    assert_eq!(found, drilled(&bytes(&args)));
+    husillo()
+        .arg("check")
+        .arg("-")
+        .args(["--dialect", "drill"])
+        .write_stdin("G1 X1 F100\nX1 M3\nZ1\n")
+        .assert()
+        .code(1)
+        .stdout(contains(
+            "error[E0212]: known code `G1`, not of this dialect",
+        ))
+        .stdout(contains(
+            "error[E0212]: known code `M3`, not of this dialect",
+        ))
+        .stdout(contains("error[E0201]: unknown word `Z`"));
 }
