@@ -226,13 +226,15 @@ impl Decimal {
     /// Up to nine digits, `places` of them behind the point.
     #[inline(always)]
     pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
-        let digits = i64::from(digits);
+        // Below 10^9 < 2^31: the sign is a matter of 32 bits.
+        let digits = digits as i32;
+        let digits = if negative {
+            digits.wrapping_neg()
+        } else {
+            digits
+        };
         Decimal {
-            digits: if negative {
-                digits.wrapping_neg()
-            } else {
-                digits
-            },
+            digits: i64::from(digits),
             places,
         }
     }

@@ -172,7 +172,7 @@ fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u32) {
     }
 }
 
-const ZERO: u32 = b'0' as u32;
+pub(crate) const ZERO: u32 = b'0' as u32;
 const POINT: u32 = b'.' as u32;
 const PLUS: u32 = b'+' as u32;
 const MINUS: u32 = b'-' as u32;
