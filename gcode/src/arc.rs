@@ -1,7 +1,7 @@
 //! Arcs: their centre, and how far the end is off the circle through the start. All in integers.
 
 use crate::error::ErrorKind;
-use crate::nm::Nm;
+use crate::nm::{Measure, Nm};
 use crate::wide::{Ratio, product, root, square};
 
 /// A plane of arcs.
@@ -86,14 +86,17 @@ pub struct Arc<const N: usize> {
     pub resolution: Nm,
 }
 
-/// The difference of two coordinates; both lie within [`Nm::LIMIT`], or the number was too large.
-fn difference(to: Nm, from: Nm) -> Result<i64, ErrorKind> {
-    let delta = to.0.checked_sub(from.0).ok_or(ErrorKind::NumberTooLarge)?;
-    if delta.unsigned_abs() > 1 << 52 {
-        Err(ErrorKind::NumberTooLarge)
-    } else {
-        Ok(delta)
+/// From one point to another; both lie within [`Nm::LIMIT`], or a number was too large.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn between(from: [Nm; 2], to: [Nm; 2]) -> Result<[i64; 2], ErrorKind> {
+    let mut delta = [0; 2];
+    for (delta, (to, from)) in delta.iter_mut().zip(to.into_iter().zip(from)) {
+        *delta = to.0.checked_sub(from.0).ok_or(ErrorKind::NumberTooLarge)?;
+        if delta.unsigned_abs() > 1 << 52 {
+            return Err(ErrorKind::NumberTooLarge);
+        }
     }
+    Ok(delta)
 }
 
 /// `| |start - centre| - |end - centre| |` to the nearest nanometre (of halves, to 0.502 nm), and the start radius
@@ -113,11 +116,7 @@ fn mismatch(start: [i64; 2], end: [i64; 2]) -> (Nm, Nm) {
 /// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius: what other
 /// controllers accept is accepted.
 pub(crate) fn with_centre(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> Result<Nm, ErrorKind> {
-    let start = [
-        difference(from[0], centre[0])?,
-        difference(from[1], centre[1])?,
-    ];
-    let end = [difference(to[0], centre[0])?, difference(to[1], centre[1])?];
+    let (start, end) = (between(centre, from)?, between(centre, to)?);
     let (off, radius) = mismatch(start, end);
     if start == [0, 0] {
         return Err(ErrorKind::NoCentre);
@@ -125,7 +124,7 @@ pub(crate) fn with_centre(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> Result
     // radius < 2^53, off < 2^53: no overflow.
     let refused = off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius.0);
     if refused {
-        Err(ErrorKind::EndOffArc(off))
+        Err(ErrorKind::EndOffArc(Measure::of(off)))
     } else {
         Ok(off)
     }
@@ -148,7 +147,7 @@ pub(crate) fn with_radius(
     radius: Nm,
     direction: Direction,
 ) -> Result<ByRadius, ErrorKind> {
-    let chord = [difference(to[0], from[0])?, difference(to[1], from[1])?];
+    let chord = between(from, to)?;
     if chord == [0, 0] {
         return Err(ErrorKind::RadiusToSamePoint);
     }
@@ -168,7 +167,7 @@ pub(crate) fn with_radius(
             let missing = least.wrapping_sub(magnitude) as i64;
             // missing <= 5000 where it is multiplied.
             if missing > 5_000 || missing.wrapping_mul(100) > radius.0.saturating_abs() {
-                return Err(ErrorKind::RadiusTooSmall(Nm(least as i64)));
+                return Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(least as i64))));
             }
             (0, Nm(missing))
         }
@@ -193,11 +192,7 @@ pub(crate) fn with_radius(
             .and_then(|sum| Nm(sum).within_limit())
             .ok_or(ErrorKind::NumberTooLarge)?;
     }
-    let start = [
-        difference(from[0], centre[0])?,
-        difference(from[1], centre[1])?,
-    ];
-    let end = [difference(to[0], centre[0])?, difference(to[1], centre[1])?];
+    let (start, end) = (between(centre, from)?, between(centre, to)?);
     let off = if short.0 > 0 {
         short
     } else {
@@ -233,7 +228,7 @@ mod tests {
         );
         assert_eq!(
             with_centre(point(0, 0), point(2_600_001, 0), point(1_000_000, 0)),
-            Err(ErrorKind::EndOffArc(Nm(600_001)))
+            Err(ErrorKind::EndOffArc(Measure::of(Nm(600_001))))
         );
         // 100 m radius, 0.4 mm off: within 0.1 %.
         let far = 100_000_000_000;
@@ -291,8 +286,14 @@ mod tests {
                 Direction::Clockwise,
             )
         };
-        assert_eq!(arc(900_000), Err(ErrorKind::RadiusTooSmall(Nm(1_000_000))));
-        assert_eq!(arc(0), Err(ErrorKind::RadiusTooSmall(Nm(1_000_000))));
+        assert_eq!(
+            arc(900_000),
+            Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(1_000_000))))
+        );
+        assert_eq!(
+            arc(0),
+            Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(1_000_000))))
+        );
         assert_eq!(
             arc(999_000),
             Ok(ByRadius {

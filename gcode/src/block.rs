@@ -4,6 +4,7 @@ use crate::code::{Code, Group};
 use crate::decimal::Decimal;
 use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
+use crate::fault::{Fault, Place};
 use crate::word::{Word, words};
 
 /// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
@@ -142,7 +143,7 @@ impl Block {
             self.push(word?, dialect)?;
         }
         self.deleted = words.is_deleted();
-        self.check()
+        self.check().map_err(|fault| self.error(fault))
     }
 
     /// A block of words that were read elsewhere, in their order: those of a line with expressions.
@@ -157,7 +158,7 @@ impl Block {
         for word in words {
             block.push(word?, dialect)?;
         }
-        block.check()?;
+        block.check().map_err(|fault| block.error(fault))?;
         Ok(block)
     }
 
@@ -175,30 +176,30 @@ impl Block {
     }
 
     /// What can only be told when all words are there.
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<(), Fault> {
         self.check_negative_p()?;
         self.check_program_number()?;
         if self.code(Group::NonModal) == Some(Code::Dwell) && self.word(b'P').is_none() {
-            return Err(self.error_at_code(ErrorKind::NoDwellTime, Group::NonModal));
+            return Err(Fault::at_code(ErrorKind::NoDwellTime, Group::NonModal));
         }
         Ok(())
     }
 
     /// `P` may be negative only where it is a coordinate: in G5.
-    fn check_negative_p(&self) -> Result<(), Error> {
+    fn check_negative_p(&self) -> Result<(), Fault> {
         let negative = self.word(b'P').is_some_and(Decimal::is_negative);
         if negative && !matches!(self.code(Group::Motion), None | Some(Code::Cubic)) {
-            return Err(self.error_at(ErrorKind::Negative(b'P'), b'P'));
+            return Err(Fault::at(ErrorKind::Negative(b'P'), b'P'));
         }
         Ok(())
     }
 
     /// `O1234` is the number of a program and stands alone, or with `N`.
-    fn check_program_number(&self) -> Result<(), Error> {
+    fn check_program_number(&self) -> Result<(), Fault> {
         let alone = bit(b'O') | bit(b'N');
         let others = self.present & !alone != 0 || self.groups != 0;
         if self.present & bit(b'O') != 0 && others {
-            return Err(self.error_at(ErrorKind::NumberNotAlone, b'O'));
+            return Err(Fault::at(ErrorKind::NumberNotAlone, b'O'));
         }
         Ok(())
     }
@@ -335,7 +336,7 @@ impl Block {
 
     /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
     /// of what is in effect without a code of its own in the block.
-    pub(crate) fn check_users(&self, more: Letters) -> Result<(), Error> {
+    pub(crate) fn check_users(&self, more: Letters) -> Result<(), Fault> {
         let given = self.present & CLAIMED.0;
         if given == 0 {
             return Ok(());
@@ -355,10 +356,10 @@ impl Block {
                 .copied()
         };
         if let Some(letter) = find(given & !once) {
-            return Err(self.error_at(ErrorKind::UnusedWord(letter), letter));
+            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
         }
         match find(given & twice) {
-            Some(letter) => Err(self.error_at(ErrorKind::TwoUsersOfWords, letter)),
+            Some(letter) => Err(Fault::at(ErrorKind::TwoUsersOfWords, letter)),
             None => Ok(()),
         }
     }
@@ -389,51 +390,46 @@ impl Block {
             )
     }
 
-    /// The same kind of error at the word of this letter.
-    pub(crate) fn error_at(&self, kind: ErrorKind, letter: u8) -> Error {
-        let given = slot_of(letter).filter(|_| self.present & bit(letter) != 0);
-        let slot = given.map_or(SLOTS, usize::from);
-        let span = self.word_spans.get(slot).copied().unwrap_or_default();
-        span.error(kind)
-    }
-
-    pub(crate) fn error_at_code(&self, kind: ErrorKind, group: Group) -> Error {
-        let given = self.code(group).and(self.code_spans.get(group as usize));
-        given.copied().unwrap_or_default().error(kind)
-    }
-
-    /// At all axis words: from the first to the last of them.
-    pub(crate) fn error_at_axes(&self, kind: ErrorKind) -> Error {
-        let mut given = (0..AXES)
-            .filter(|&axis| self.axis(axis).is_some())
-            .filter_map(|axis| self.word_spans.get(axis));
-        let Some(first) = given.next() else {
-            return Error {
-                kind,
-                at: 0,
-                end: 0,
-            };
+    /// The error of a fault: where its words stand.
+    #[cold]
+    pub(crate) fn error(&self, fault: Fault) -> Error {
+        let span = match fault.place {
+            Place::Word(letter) => self.span_of(letter),
+            Place::Code(group) => self.span_of_code(group),
+            Place::Axes => self.span_of_axes(),
+            Place::Motion => self
+                .span_of_code(Group::Motion)
+                .or_else(|| self.first_axis()),
         };
-        let whole = given.fold(*first, |all, span| Span {
+        span.unwrap_or_default().error(fault.kind)
+    }
+
+    fn span_of(&self, letter: u8) -> Option<Span> {
+        let slot = slot_of(letter).filter(|_| self.present & bit(letter) != 0)?;
+        self.word_spans.get(usize::from(slot)).copied()
+    }
+
+    fn span_of_code(&self, group: Group) -> Option<Span> {
+        self.code(group)?;
+        self.code_spans.get(group as usize).copied()
+    }
+
+    fn spans_of_axes(&self) -> impl Iterator<Item = Span> {
+        LETTERS
+            .into_iter()
+            .take(AXES)
+            .filter_map(|letter| self.span_of(letter))
+    }
+
+    fn span_of_axes(&self) -> Option<Span> {
+        self.spans_of_axes().reduce(|all, span| Span {
             at: all.at.min(span.at),
             end: all.end.max(span.end),
-        });
-        whole.error(kind)
+        })
     }
 
-    /// At the motion code, or where it is modal at the first axis word.
-    pub(crate) fn error_at_motion(&self, kind: ErrorKind) -> Error {
-        if self.code(Group::Motion).is_some() {
-            return self.error_at_code(kind, Group::Motion);
-        }
-        let given = (0..AXES)
-            .filter(|&axis| self.axis(axis).is_some())
-            .filter_map(|axis| self.word_spans.get(axis));
-        let span = given
-            .min_by_key(|span| span.at)
-            .copied()
-            .unwrap_or_default();
-        span.error(kind)
+    fn first_axis(&self) -> Option<Span> {
+        self.spans_of_axes().min_by_key(|span| span.at)
     }
 }
 

@@ -6,9 +6,10 @@ use crate::command::{PathMode, SpindleDirection};
 use crate::commands::Commands;
 use crate::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle, State};
 use crate::dialect::Flavour;
-use crate::error::{Error, ErrorKind};
+use crate::error::ErrorKind;
+use crate::fault::Fault;
 use crate::kind::Kind;
-use crate::modal::{Distance, FeedMode, Modal};
+use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
 use crate::nm::Nm;
 use crate::settings::{unsigned, whole};
 use crate::thread::{MOST_PASSES, Passes, tangent};
@@ -17,21 +18,36 @@ use crate::thread::{MOST_PASSES, Passes, tangent};
 const MOST_PECKS: u64 = 1 << 16;
 
 impl<const N: usize> Modal<N> {
+    /// What a series of cycles keeps is forgotten behind it, the level of G98 behind a series of whatever cycles.
+    pub(crate) fn leave_series(&mut self, mode: Option<Motion>) {
+        let before = self.modes.motion;
+        if matches!(before, Some(Motion::Cycle(_) | Motion::Thread)) && before != mode {
+            let initial = match mode {
+                Some(Motion::Cycle(_)) => self.modes.sticky.initial,
+                _ => None,
+            };
+            self.modes.sticky = Sticky {
+                initial,
+                ..Sticky::default()
+            };
+        }
+    }
+
     pub(crate) fn canned(
         &mut self,
         block: &Block,
         kind: Kind,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         if block.axes() & 0b111 == 0 {
-            return Err(block.error_at_motion(ErrorKind::NoAxisWords));
+            return Err(Fault::at_motion(ErrorKind::NoAxisWords));
         }
         if let Some(axis) = (3..6).find(|&axis| block.axis(axis).is_some()) {
             let letter = axis_letter(axis);
-            return Err(block.error_at(ErrorKind::RotaryInCycle(letter), letter));
+            return Err(Fault::at(ErrorKind::RotaryInCycle(letter), letter));
         }
         if N < 3 {
-            return Err(block.error_at_motion(ErrorKind::NoAxisWords));
+            return Err(Fault::at_motion(ErrorKind::NoAxisWords));
         }
         match kind {
             Kind::Thread => self.passes(block, commands),
@@ -43,10 +59,10 @@ impl<const N: usize> Modal<N> {
     }
 
     /// A length that stays for the series, or the error that it is missing.
-    fn kept(&self, block: &Block, letter: u8, before: Option<Nm>) -> Result<Nm, Error> {
+    fn kept(&self, block: &Block, letter: u8, before: Option<Nm>) -> Result<Nm, Fault> {
         match self.length_of(block, letter)? {
             Some(length) => Ok(length),
-            None => before.ok_or_else(|| block.error_at_motion(ErrorKind::MissingWord(letter))),
+            None => before.ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(letter))),
         }
     }
 
@@ -56,78 +72,80 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         kind: Kind,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
-        if self.feed_mode == FeedMode::InverseTime {
-            return Err(block.error_at_motion(ErrorKind::WrongFeedMode));
+    ) -> Result<(), Fault> {
+        if self.modes.feed_mode == FeedMode::InverseTime {
+            return Err(Fault::at_motion(ErrorKind::WrongFeedMode));
         }
         // A lathe drills along Z, whatever the plane of its arcs.
         let plane = if self.dialect.is_lathe() {
             Plane::Xy
         } else {
-            self.plane
+            self.modes.plane
         };
         let across = plane.across();
         let part = |point: &[Nm; N], axis: usize| point.get(axis).copied().unwrap_or_default();
-        let height = part(&self.position, across);
-        let incremental = self.distance == Distance::Incremental;
+        let height = part(&self.modes.position, across);
+        let incremental = self.modes.distance == Distance::Incremental;
         let sum = |letter: u8, a: Nm, b: Nm| {
             a.0.checked_add(b.0)
                 .and_then(|sum| Nm(sum).within_limit())
-                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))
+                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
         };
         let zero = part(&self.zero(), across);
         let peck_on_lathe = kind == Kind::LathePeck;
         if peck_on_lathe && block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
-            return Err(block.error_at(ErrorKind::UnusedWord(letter), letter));
+            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
         }
 
         // The retract plane, or on a lathe how far a peck retracts.
         let given = if peck_on_lathe {
             let plain = self.length_of(block, b'R')?;
-            plain.or(self.sticky.retract).unwrap_or(PECK_CLEARANCE)
+            plain
+                .or(self.modes.sticky.retract)
+                .unwrap_or(PECK_CLEARANCE)
         } else {
-            self.kept(block, b'R', self.sticky.retract)?
+            self.kept(block, b'R', self.modes.sticky.retract)?
         };
         // Incremental retract planes count from the level before the series.
-        let initial = *self.sticky.initial.get_or_insert(height);
+        let initial = *self.modes.sticky.initial.get_or_insert(height);
         let retract = match (peck_on_lathe, incremental) {
             (true, _) => height,
             (false, true) => sum(b'R', initial, given)?,
             (false, false) => sum(b'R', zero, given)?,
         };
-        self.sticky.retract = Some(given);
+        self.modes.sticky.retract = Some(given);
 
         let depth_letter = block.letter_of(across);
-        let depth = self.kept(block, depth_letter, self.sticky.bottom)?;
+        let depth = self.kept(block, depth_letter, self.modes.sticky.bottom)?;
         let bottom = match incremental || block.increment(across).is_some() {
             true => sum(depth_letter, retract, depth)?,
             false => sum(depth_letter, zero, depth)?,
         };
-        self.sticky.bottom = Some(depth);
+        self.modes.sticky.bottom = Some(depth);
         if retract < bottom || (peck_on_lathe && retract == bottom) {
             let letter = if peck_on_lathe { depth_letter } else { b'R' };
             return Err(match block.word(letter) {
-                Some(_) => block.error_at(ErrorKind::RetractBelowBottom, letter),
-                None => block.error_at_motion(ErrorKind::RetractBelowBottom),
+                Some(_) => Fault::at(ErrorKind::RetractBelowBottom, letter),
+                None => Fault::at_motion(ErrorKind::RetractBelowBottom),
             });
         }
 
         let left = match whole::<u32>(block, b'L')? {
             None => 1,
             Some(0) if self.dialect.flavour != Flavour::Iso => {
-                return Err(block.error_at(ErrorKind::OutOfRange(b'L'), b'L'));
+                return Err(Fault::at(ErrorKind::OutOfRange(b'L'), b'L'));
             }
             Some(count) => count,
         };
         let peck = self.peck(block, kind, retract, bottom, left)?;
         let (offset, middle) = self.back_bore(block, kind, plane, [zero, bottom], incremental)?;
         if let Some(value) = block.word(b'P') {
-            self.sticky.dwell_micros = unsigned(value, 6)
-                .ok_or_else(|| block.error_at(ErrorKind::OutOfRange(b'P'), b'P'))?;
+            self.modes.sticky.dwell_micros =
+                unsigned(value, 6).ok_or_else(|| Fault::at(ErrorKind::OutOfRange(b'P'), b'P'))?;
         }
-        self.check_cycle_spindle(block, kind)?;
-        let feed = self.feed_of(block)?;
+        self.check_cycle_spindle(kind)?;
+        let feed = self.feed_of()?;
 
         let target = self.target(block, self.frame())?;
         let axes = plane.axes();
@@ -135,7 +153,7 @@ impl<const N: usize> Modal<N> {
         let mut pitch = [Nm(0); 2];
         let mut last = hole;
         for ((axis, pitch), last) in axes.into_iter().zip(&mut pitch).zip(&mut last) {
-            let here = part(&self.position, axis);
+            let here = part(&self.modes.position, axis);
             if incremental || block.increment(axis).is_some() {
                 // Both within 2^50.
                 pitch.0 = last.0.saturating_sub(here.0);
@@ -144,10 +162,10 @@ impl<const N: usize> Modal<N> {
             let more = pitch
                 .0
                 .checked_mul(i64::from(left.max(1)).saturating_sub(1))
-                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
             *last = sum(letter, *last, Nm(more))?;
         }
-        let clear = if self.to_retract {
+        let clear = if self.modes.to_retract {
             retract
         } else {
             retract.max(initial)
@@ -155,9 +173,9 @@ impl<const N: usize> Modal<N> {
         if left == 0 {
             return Ok(());
         }
-        let at = self.position;
+        let at = self.modes.position;
         for (axis, value) in axes.into_iter().zip(last).chain([(across, clear)]) {
-            if let Some(entry) = self.position.get_mut(axis) {
+            if let Some(entry) = self.modes.position.get_mut(axis) {
                 *entry = value;
             }
         }
@@ -174,10 +192,10 @@ impl<const N: usize> Modal<N> {
             clearance: if peck_on_lathe { given } else { PECK_CLEARANCE },
             offset,
             middle,
-            dwell_micros: self.sticky.dwell_micros,
+            dwell_micros: self.modes.sticky.dwell_micros,
             feed,
-            spindle: (self.spindle, self.milli_rpm),
-            path: Some(self.path).filter(|path| matches!(path, PathMode::Blend { .. })),
+            spindle: (self.modes.spindle, self.modes.milli_rpm),
+            path: Some(self.modes.path).filter(|path| matches!(path, PathMode::Blend { .. })),
             left,
             state: State::Begin,
         }));
@@ -192,18 +210,18 @@ impl<const N: usize> Modal<N> {
         retract: Nm,
         bottom: Nm,
         left: u32,
-    ) -> Result<Nm, Error> {
+    ) -> Result<Nm, Fault> {
         if !matches!(kind, Kind::Peck | Kind::ChipBreak | Kind::LathePeck) {
             if u64::from(left) > MOST_PECKS {
-                return Err(block.error_at(ErrorKind::TooManyPasses, b'L'));
+                return Err(Fault::at(ErrorKind::TooManyPasses, b'L'));
             }
             return Ok(Nm(0));
         }
-        let peck = self.kept(block, b'Q', self.sticky.peck)?;
+        let peck = self.kept(block, b'Q', self.modes.sticky.peck)?;
         if peck <= Nm(0) {
-            return Err(block.error_at(ErrorKind::OutOfRange(b'Q'), b'Q'));
+            return Err(Fault::at(ErrorKind::OutOfRange(b'Q'), b'Q'));
         }
-        self.sticky.peck = Some(peck);
+        self.modes.sticky.peck = Some(peck);
         // bottom <= retract, both within 2^51.
         let deep = retract.0.saturating_sub(bottom.0).unsigned_abs();
         let pecks = deep
@@ -211,7 +229,7 @@ impl<const N: usize> Modal<N> {
             .unwrap_or(0)
             .saturating_add(1);
         if pecks.saturating_mul(u64::from(left)) > MOST_PECKS {
-            return Err(block.error_at_motion(ErrorKind::TooManyPasses));
+            return Err(Fault::at_motion(ErrorKind::TooManyPasses));
         }
         Ok(peck)
     }
@@ -224,7 +242,7 @@ impl<const N: usize> Modal<N> {
         plane: Plane,
         [zero, bottom]: [Nm; 2],
         incremental: bool,
-    ) -> Result<([Nm; 2], Nm), Error> {
+    ) -> Result<([Nm; 2], Nm), Fault> {
         if kind != Kind::BackBore {
             return Ok(([Nm(0); 2], Nm(0)));
         }
@@ -234,37 +252,37 @@ impl<const N: usize> Modal<N> {
             Plane::Zx => b'J',
             Plane::Yz => b'I',
         };
-        let before = self.sticky.back_bore;
+        let before = self.modes.sticky.back_bore;
         let [i, j, k] = [0, 1, 2].map(|place| before.and_then(|kept| kept.get(place).copied()));
         let kept = [
             self.kept(block, letters[0], i)?,
             self.kept(block, letters[1], j)?,
             self.kept(block, across, k)?,
         ];
-        self.sticky.back_bore = Some(kept);
+        self.modes.sticky.back_bore = Some(kept);
         let from = if incremental { bottom } else { zero };
         let middle = from
             .0
             .checked_add(kept[2].0)
             .and_then(|sum| Nm(sum).within_limit())
-            .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, across))?;
+            .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, across))?;
         Ok(([kept[0], kept[1]], middle))
     }
 
     /// Taps turn their own way; bores that stop the spindle need it to turn.
-    fn check_cycle_spindle(&self, block: &Block, kind: Kind) -> Result<(), Error> {
+    fn check_cycle_spindle(&self, kind: Kind) -> Result<(), Fault> {
         let right = match kind {
-            Kind::Tap => self.spindle == SpindleDirection::Clockwise,
-            Kind::LeftTap => self.spindle == SpindleDirection::CounterClockwise,
+            Kind::Tap => self.modes.spindle == SpindleDirection::Clockwise,
+            Kind::LeftTap => self.modes.spindle == SpindleDirection::CounterClockwise,
             Kind::BoreStop | Kind::BackBore | Kind::BoreManual => {
-                self.spindle != SpindleDirection::Off
+                self.modes.spindle != SpindleDirection::Off
             }
             _ => true,
         };
         if right {
             Ok(())
         } else {
-            Err(block.error_at_motion(ErrorKind::SpindleStopped))
+            Err(Fault::at_motion(ErrorKind::SpindleStopped))
         }
     }
 
@@ -274,9 +292,9 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         kind: Kind,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let lead = if kind == Kind::ThreadBox {
-            self.check_turning(block)?;
+            self.check_turning()?;
             Some(self.lead(block)?)
         } else {
             None
@@ -284,30 +302,30 @@ impl<const N: usize> Modal<N> {
         let feed = match lead {
             // Not used: both cuts are synchronised or rapid.
             Some(lead) => crate::command::Feed::PerRevolution(lead),
-            None => self.feed_of(block)?,
+            None => self.feed_of()?,
         };
         if let Some(taper) = self.length_of(block, b'R')? {
-            self.sticky.taper = taper;
+            self.modes.sticky.taper = taper;
         }
-        let start = self.position;
+        let start = self.modes.position;
         let target = self.target(block, self.frame())?;
         let given = block.axes();
         let mut far = start;
-        let kept = self.sticky.corner;
+        let kept = self.modes.sticky.corner;
         for (place, axis) in [(0usize, 0usize), (1, 2)] {
             let value = if given & 1u16.wrapping_shl(axis as u32) != 0 {
                 target.get(axis).copied()
             } else {
                 kept.and_then(|kept| kept.get(place).copied())
             };
-            let value = value
-                .ok_or_else(|| block.error_at_motion(ErrorKind::MissingWord(axis_letter(axis))))?;
+            let value =
+                value.ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(axis_letter(axis))))?;
             if let Some(entry) = far.get_mut(axis) {
                 *entry = value;
             }
         }
         let part = |point: &[Nm; N], axis: usize| point.get(axis).copied().unwrap_or_default();
-        self.sticky.corner = Some([part(&far, 0), part(&far, 2)]);
+        self.modes.sticky.corner = Some([part(&far, 0), part(&far, 2)]);
         let place = |x: Nm, z: Nm| {
             let mut point = start;
             for (axis, value) in [(0, x), (2, z)] {
@@ -318,7 +336,7 @@ impl<const N: usize> Modal<N> {
             point
         };
         // All within a few times 2^50.
-        let taper = |at: Nm| Nm(at.0.saturating_add(self.sticky.taper.0));
+        let taper = |at: Nm| Nm(at.0.saturating_add(self.modes.sticky.taper.0));
         let corners = if kind == Kind::FaceBox {
             [
                 place(part(&start, 0), taper(part(&far, 2))),
@@ -344,22 +362,22 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G76, with the words of LinuxCNC; I, J and K are diameters under G7.
-    fn passes(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        self.check_turning(block)?;
-        let needs = |letter| block.error_at_motion(ErrorKind::MissingWord(letter));
-        let range = |letter| block.error_at(ErrorKind::OutOfRange(letter), letter);
+    fn passes(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        self.check_turning()?;
+        let needs = |letter| Fault::at_motion(ErrorKind::MissingWord(letter));
+        let range = |letter| Fault::at(ErrorKind::OutOfRange(letter), letter);
         if block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
-            return Err(block.error_at(ErrorKind::UnusedWord(letter), letter));
+            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
         }
         let radial = |letter: u8| {
             let value = block.word(letter).ok_or_else(|| needs(letter))?;
-            let length = if self.diameter {
-                self.units.half(value)
+            let length = if self.modes.diameter {
+                self.modes.units.half(value)
             } else {
-                self.units.length(value)
+                self.modes.units.length(value)
             };
-            length.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))
+            length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
         };
         let (peak, first, full) = (radial(b'I')?, radial(b'J')?, radial(b'K')?);
         let lead = self.length_of(block, b'P')?.ok_or_else(|| needs(b'P'))?;
@@ -392,10 +410,10 @@ impl<const N: usize> Modal<N> {
         };
         let to = self.target(block, self.frame())?;
         let end_z = to.get(2).copied().unwrap_or_default();
-        let start_z = self.position.get(2).copied().unwrap_or_default();
+        let start_z = self.modes.position.get(2).copied().unwrap_or_default();
         let slope = tangent(angle);
         let passes = Passes {
-            start: self.position,
+            start: self.modes.position,
             end_z,
             lead,
             peak,
@@ -411,13 +429,13 @@ impl<const N: usize> Modal<N> {
             taper,
             taper_ends,
             pass: 1,
-            at: self.position,
+            at: self.modes.position,
             state: 0,
         };
         if passes.depth(MOST_PASSES) < full {
-            return Err(block.error_at(ErrorKind::TooManyPasses, b'J'));
+            return Err(Fault::at(ErrorKind::TooManyPasses, b'J'));
         }
-        self.position = to;
+        self.modes.position = to;
         commands.cycle(Cycle::Passes(passes));
         Ok(())
     }

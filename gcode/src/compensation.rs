@@ -10,7 +10,7 @@ use crate::code::Side;
 use crate::command::{Command, Feed};
 use crate::commands::Commands;
 use crate::error::ErrorKind;
-use crate::nm::Nm;
+use crate::nm::{Measure, Nm};
 use crate::offset::{
     Vector, along, circles, is_between, left, length, line_and_circle, minus, mitre, opposite,
     plus, turn, unit,
@@ -339,7 +339,7 @@ impl<const N: usize> Compensation<N> {
             }
             let radius = active.by.saturating_abs();
             if length(minus(to, corner)) <= radius {
-                return Err(ErrorKind::EntryTooShort(Nm(radius)));
+                return Err(ErrorKind::EntryTooShort(Measure::of(Nm(radius))));
             }
             self.is_entering = false;
         } else if let Some(before) = self.pending.clone() {
@@ -470,9 +470,8 @@ fn course<const N: usize>(
             };
             let radius = length(begin).min(length(end)).saturating_sub(inward);
             if radius <= 0 {
-                return Err(ErrorKind::ArcSmallerThanTool(Nm(active
-                    .by
-                    .saturating_abs())));
+                let radius = Measure::of(Nm(active.by));
+                return Err(ErrorKind::ArcSmallerThanTool(radius));
             }
             let tangent = |radial: Vector| {
                 let tangent = left(unit(radial));

@@ -1,6 +1,6 @@
 //! What can be wrong with a line, and where.
 
-use crate::nm::Nm;
+use crate::nm::Measure;
 #[cfg(feature = "parameters")]
 use crate::parameters::Fault;
 use core::fmt;
@@ -75,11 +75,11 @@ pub enum ErrorKind {
     /// One word of a centre given in absolute coordinates (G90.1, micromill dialect), which takes both.
     HalfCentre,
     /// An arc whose end is not on it: radii differ by so much.
-    EndOffArc(Nm),
+    EndOffArc(Measure),
     /// An arc with a radius and a centre.
     RadiusAndCentre,
     /// A radius smaller than half the distance to the end; the least radius that reaches it.
-    RadiusTooSmall(Nm),
+    RadiusTooSmall(Measure),
     /// An arc given by its radius that ends where it starts.
     RadiusToSamePoint,
     /// An arc given by its radius without an end in its plane.
@@ -119,11 +119,11 @@ pub enum ErrorKind {
     /// An arc or a rapid as the first or the last move of cutter compensation.
     CompensationEntry,
     /// A first move of cutter compensation that is not longer than the tool's radius.
-    EntryTooShort(Nm),
+    EntryTooShort(Measure),
     /// A corner of the contour that the tool cannot reach without cutting into it.
     Gouge,
     /// An inside arc of the contour smaller than the tool.
-    ArcSmallerThanTool(Nm),
+    ArcSmallerThanTool(Measure),
     /// A fault of parameters, expressions or the flow of a program.
     #[cfg(feature = "parameters")]
     Program(Fault),

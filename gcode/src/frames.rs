@@ -5,7 +5,8 @@ use crate::code::{Code, EXTENDED, Group, Side};
 use crate::command::Command;
 use crate::commands::Commands;
 use crate::dialect::Flavour;
-use crate::error::{Error, ErrorKind};
+use crate::error::ErrorKind;
+use crate::fault::Fault;
 use crate::modal::Modal;
 use crate::nm::Nm;
 use crate::settings::{missing, whole};
@@ -16,39 +17,42 @@ impl<const N: usize> Modal<N> {
         &mut self,
         block: &Block,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let (side, direct) = match block.code(Group::Compensation).filter(|_| EXTENDED) {
             None => return Ok(()),
             Some(Code::Compensate { side, direct }) => (side, direct),
             Some(_) => {
-                if self.compensation.take().is_some() {
-                    commands.compensation(None, Nm(0), self.plane);
+                if self.modes.compensation.take().is_some() {
+                    commands.compensation(None, Nm(0), self.modes.plane);
                 }
                 return Ok(());
             }
         };
-        if self.compensation.is_some() {
-            return Err(block.error_at_code(ErrorKind::UnderCompensation, Group::Compensation));
+        if self.modes.compensation.is_some() {
+            return Err(Fault::at_code(
+                ErrorKind::UnderCompensation,
+                Group::Compensation,
+            ));
         }
         let radius = if direct {
             let value = block
                 .word(b'D')
-                .ok_or_else(|| missing(block, b'D', Group::Compensation))?;
-            self.units
+                .ok_or_else(|| missing(b'D', Group::Compensation))?;
+            self.modes
+                .units
                 .half(value)
-                .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, b'D'))?
+                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, b'D'))?
         } else {
             match whole::<u32>(block, b'D')? {
                 Some(0) => Nm(0),
                 Some(number) => {
                     let tool = self.tools.get(number);
-                    tool.ok_or_else(|| block.error_at(ErrorKind::UnknownTool, b'D'))?
+                    tool.ok_or_else(|| Fault::at(ErrorKind::UnknownTool, b'D'))?
                         .radius
                 }
                 None => {
-                    let tool = self.tools.get(self.loaded);
-                    let unknown =
-                        || block.error_at_code(ErrorKind::UnknownTool, Group::Compensation);
+                    let tool = self.tools.get(self.modes.loaded);
+                    let unknown = || Fault::at_code(ErrorKind::UnknownTool, Group::Compensation);
                     tool.ok_or_else(unknown)?.radius
                 }
             }
@@ -59,8 +63,8 @@ impl<const N: usize> Modal<N> {
             (Side::Right, true) => Side::Left,
             (side, false) => side,
         };
-        self.compensation = Some(side);
-        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.plane);
+        self.modes.compensation = Some(side);
+        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.modes.plane);
         Ok(())
     }
 
@@ -68,55 +72,54 @@ impl<const N: usize> Modal<N> {
         &mut self,
         block: &Block,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let mut number = 0;
-        let before = self.length;
+        let before = self.modes.length;
         match block.code(Group::ToolLength) {
             None => return Ok(()),
             Some(Code::ToolLength) if EXTENDED => {
-                number = whole(block, b'H')?.unwrap_or(self.loaded);
+                number = whole(block, b'H')?.unwrap_or(self.modes.loaded);
                 // A tool that is not in the table has no length of its own: its length is in the work zero.
-                self.length = self.tools.get(number).unwrap_or_default().offset;
+                self.modes.length = self.tools.get(number).unwrap_or_default().offset;
             }
             Some(Code::DirectToolLength) => {
                 if block.axes() == 0 {
-                    return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::ToolLength));
+                    return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::ToolLength));
                 }
-                let mut length = self.length;
+                let mut length = self.modes.length;
                 for (axis, length) in (0..N).zip(length.iter_mut()) {
                     if let Some(value) = self.length_of(block, axis_letter(axis))? {
                         *length = value;
                     }
                 }
-                self.length = length;
+                self.modes.length = length;
             }
             Some(_) => {
-                self.length = [Nm(0); N];
+                self.modes.length = [Nm(0); N];
                 // G49 in the first line of many a program.
-                if before == self.length {
+                if before == self.modes.length {
                     return Ok(());
                 }
             }
         }
-        commands.length(number, self.length);
+        commands.length(number, self.modes.length);
         Ok(())
     }
 
     /// G10 and its `L`.
-    pub(crate) fn set_data(&mut self, block: &Block) -> Result<(), Error> {
-        let kind: u8 = whole(block, b'L')?.ok_or_else(|| missing(block, b'L', Group::NonModal))?;
-        let number: u32 =
-            whole(block, b'P')?.ok_or_else(|| missing(block, b'P', Group::NonModal))?;
+    pub(crate) fn set_data(&mut self, block: &Block) -> Result<(), Fault> {
+        let kind: u8 = whole(block, b'L')?.ok_or_else(|| missing(b'L', Group::NonModal))?;
+        let number: u32 = whole(block, b'P')?.ok_or_else(|| missing(b'P', Group::NonModal))?;
         match kind {
             1 | 10 | 11 if EXTENDED && self.dialect.flavour != Flavour::Grbl => {
                 self.write_tool(block, kind, number)
             }
             2 | 20 => {
                 if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
-                    return Err(block.error_at(ErrorKind::OutOfRange(b'R'), b'R'));
+                    return Err(Fault::at(ErrorKind::OutOfRange(b'R'), b'R'));
                 }
                 let system = match number.checked_sub(1) {
-                    None => Some(self.system),
+                    None => Some(self.modes.system),
                     Some(system) => u8::try_from(system).ok(),
                 };
                 let most = if self.dialect.flavour == Flavour::Grbl {
@@ -126,30 +129,33 @@ impl<const N: usize> Modal<N> {
                 };
                 let system = system
                     .filter(|&system| system < most)
-                    .ok_or_else(|| block.error_at(ErrorKind::OutOfRange(b'P'), b'P'))?;
-                let here = self.less(self.less(self.position, self.shift), self.length);
+                    .ok_or_else(|| Fault::at(ErrorKind::OutOfRange(b'P'), b'P'))?;
+                let here = self.less(
+                    self.less(self.modes.position, self.modes.shift),
+                    self.modes.length,
+                );
                 let words = self.axes_of(block, (kind == 20).then_some(here))?;
                 if let Some(zero) = self.offsets.get_mut(usize::from(system)) {
                     write(zero, words);
                 }
                 Ok(())
             }
-            _ => Err(block.error_at(ErrorKind::OutOfRange(b'L'), b'L')),
+            _ => Err(Fault::at(ErrorKind::OutOfRange(b'L'), b'L')),
         }
     }
 
     /// G10 L1, L10, L11: the length and the radius of a tool.
-    fn write_tool(&mut self, block: &Block, kind: u8, number: u32) -> Result<(), Error> {
+    fn write_tool(&mut self, block: &Block, kind: u8, number: u32) -> Result<(), Fault> {
         if number == 0 {
-            return Err(block.error_at(ErrorKind::OutOfRange(b'P'), b'P'));
+            return Err(Fault::at(ErrorKind::OutOfRange(b'P'), b'P'));
         }
         let mut tool = self.tools.get(number).unwrap_or_default();
         let frame = match kind {
             1 => None,
-            10 => Some(self.less(self.position, self.work_offset())),
+            10 => Some(self.less(self.modes.position, self.work_offset())),
             // Relative to the fixture of G59.3, whatever shifts the others.
             _ => Some(self.less(
-                self.position,
+                self.modes.position,
                 self.offsets.last().copied().unwrap_or([Nm(0); N]),
             )),
         };
@@ -160,7 +166,7 @@ impl<const N: usize> Modal<N> {
         if self.tools.set(number, tool) {
             Ok(())
         } else {
-            Err(block.error_at(ErrorKind::ToolTableFull, b'P'))
+            Err(Fault::at(ErrorKind::ToolTableFull, b'P'))
         }
     }
 
@@ -174,7 +180,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The axis words of a block: as they are, or as what `here` shall read.
-    fn axes_of(&self, block: &Block, here: Option<[Nm; N]>) -> Result<[Option<Nm>; N], Error> {
+    fn axes_of(&self, block: &Block, here: Option<[Nm; N]>) -> Result<[Option<Nm>; N], Fault> {
         let mut words = [None; N];
         for (axis, entry) in (0..N).zip(words.iter_mut()) {
             let letter = block.letter_of(axis);
@@ -184,25 +190,27 @@ impl<const N: usize> Modal<N> {
                     None => value,
                 };
                 let within = wanted.within_limit();
-                *entry =
-                    Some(within.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?);
+                *entry = Some(within.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?);
             }
         }
         Ok(words)
     }
 
     /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
-    pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Error> {
-        let here = self.less(self.less(self.position, self.system_offset()), self.length);
+    pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Fault> {
+        let here = self.less(
+            self.less(self.modes.position, self.system_offset()),
+            self.modes.length,
+        );
         if block.axes() == 0 {
             if self.dialect.flavour != Flavour::Drill {
-                return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
+                return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal));
             }
-            self.shift = here;
+            self.modes.shift = here;
         }
         let words = self.axes_of(block, Some(here))?;
-        write(&mut self.shift, words);
-        self.kept_shift = self.shift;
+        write(&mut self.modes.shift, words);
+        self.modes.kept_shift = self.modes.shift;
         Ok(())
     }
 
@@ -213,14 +221,14 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         which: u8,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let home = if which == 0 {
             self.homes[0]
         } else {
             self.homes[1]
         };
         let given = block.axes();
-        let mut to = self.position;
+        let mut to = self.modes.position;
         for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(home)) {
             if given == 0 || given & 1u16.wrapping_shl(axis as u32) != 0 {
                 *to = home;
@@ -228,19 +236,19 @@ impl<const N: usize> Modal<N> {
         }
         if self.dialect.flavour == Flavour::Micromill {
             if given == 0 {
-                return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::NonModal));
+                return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal));
             }
             self.check_z_alone(block)?;
             for axis in 0..AXES {
                 if block.axis(axis).is_some_and(|value| !value.is_zero()) {
                     let letter = axis_letter(axis);
-                    return Err(block.error_at(ErrorKind::NotZero(letter), letter));
+                    return Err(Fault::at(ErrorKind::NotZero(letter), letter));
                 }
             }
         } else if given != 0 {
             commands.via(self.target(block, self.frame())?);
         }
-        self.position = to;
+        self.modes.position = to;
         commands.motion(Command::Rapid { to });
         Ok(())
     }

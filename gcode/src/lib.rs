@@ -41,6 +41,7 @@ mod wide;
 
 mod decimal;
 mod error;
+mod fault;
 mod word;
 mod word_reader;
 
@@ -101,7 +102,7 @@ pub use framing::{Framing, FramingError, Receiver, Rule};
 pub use kind::Kind as Cycle;
 pub use line_reader::{LineReader, LineTooLong};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
-pub use nm::Nm;
+pub use nm::{Measure, Nm};
 pub use tools::Tool;
 pub use word::{Token, Tokens, Word, Words, tokens, words};
 pub use word_reader::WordReader;

@@ -8,6 +8,7 @@ use crate::commands::{Commands, Plain};
 use crate::decimal::Decimal;
 use crate::dialect::{Dialect, Flavour};
 use crate::error::{Error, ErrorKind};
+use crate::fault::Fault;
 use crate::kind::Kind;
 use crate::nm::Nm;
 use crate::tools::{Tool, Tools};
@@ -102,6 +103,7 @@ pub enum FeedMode {
 /// How many work frames there are: G54 to G59.3.
 const SYSTEMS: usize = 9;
 
+#[cfg(feature = "extended")]
 /// What a canned cycle keeps for the next block of its series, lengths as they were programmed.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 pub(crate) struct Sticky {
@@ -129,15 +131,22 @@ pub(crate) struct Sticky {
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Modal<const N: usize> {
     pub(crate) dialect: Dialect,
-    pub(crate) position: [Nm; N],
+    pub(crate) modes: Modes<N>,
+    // What is below changes only as the last thing a block does: it need not be kept aside.
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
+    /// The positions G28 and G30 go to.
+    pub(crate) homes: [[Nm; N]; 2],
+    pub(crate) tools: Tools<N>,
+}
+
+/// What a refused block must leave as it was, small enough to be kept aside meanwhile.
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+pub(crate) struct Modes<const N: usize> {
+    pub(crate) position: [Nm; N],
     /// The shift of all work frames by G92.
     pub(crate) shift: [Nm; N],
     /// The shift G92.3 brings back.
     pub(crate) kept_shift: [Nm; N],
-    /// The positions G28 and G30 go to.
-    pub(crate) homes: [[Nm; N]; 2],
-    pub(crate) tools: Tools<N>,
     /// The tool length in effect.
     pub(crate) length: [Nm; N],
     /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
@@ -148,6 +157,7 @@ pub struct Modal<const N: usize> {
     pub(crate) tool: u32,
     /// The tool in the spindle: by M6 or M61.
     pub(crate) loaded: u32,
+    #[cfg(feature = "extended")]
     pub(crate) sticky: Sticky,
     /// G5: from the end of the curve back to its second control point, turned round.
     pub(crate) tail: Option<[Nm; 2]>,
@@ -173,50 +183,53 @@ impl<const N: usize> Modal<N> {
         let micromill = dialect.flavour == Flavour::Micromill;
         Modal {
             dialect,
-            position: [Nm(0); N],
+            modes: Modes {
+                position: [Nm(0); N],
+                shift: [Nm(0); N],
+                kept_shift: [Nm(0); N],
+                length: [Nm(0); N],
+                feed: 0,
+                milli_rpm: 0,
+                surface: None,
+                tool: 0,
+                loaded: 0,
+                #[cfg(feature = "extended")]
+                sticky: Sticky::default(),
+                tail: None,
+                compensation: None,
+                diameter: dialect.is_lathe(),
+                to_retract: false,
+                system: 0,
+                motion: if dialect.flavour == Flavour::Grbl {
+                    Some(Motion::Rapid)
+                } else {
+                    None
+                },
+                plane: if dialect.is_lathe() {
+                    Plane::Zx
+                } else {
+                    Plane::Xy
+                },
+                units: if micromill {
+                    Units::Micrometres
+                } else {
+                    Units::Millimetres
+                },
+                distance: Distance::Absolute,
+                centres: if micromill {
+                    Distance::Absolute
+                } else {
+                    Distance::Incremental
+                },
+                feed_mode: FeedMode::PerMinute,
+                spindle: SpindleDirection::Off,
+                mist: false,
+                flood: false,
+                path: PathMode::ExactPath,
+            },
             offsets: [[Nm(0); N]; SYSTEMS],
-            shift: [Nm(0); N],
-            kept_shift: [Nm(0); N],
             homes: [[Nm(0); N]; 2],
             tools: Tools::new(),
-            length: [Nm(0); N],
-            feed: 0,
-            milli_rpm: 0,
-            surface: None,
-            tool: 0,
-            loaded: 0,
-            sticky: Sticky::default(),
-            tail: None,
-            compensation: None,
-            diameter: dialect.is_lathe(),
-            to_retract: false,
-            system: 0,
-            motion: if dialect.flavour == Flavour::Grbl {
-                Some(Motion::Rapid)
-            } else {
-                None
-            },
-            plane: if dialect.is_lathe() {
-                Plane::Zx
-            } else {
-                Plane::Xy
-            },
-            units: if micromill {
-                Units::Micrometres
-            } else {
-                Units::Millimetres
-            },
-            distance: Distance::Absolute,
-            centres: if micromill {
-                Distance::Absolute
-            } else {
-                Distance::Incremental
-            },
-            feed_mode: FeedMode::PerMinute,
-            spindle: SpindleDirection::Off,
-            mist: false,
-            flood: false,
-            path: PathMode::ExactPath,
         }
     }
 
@@ -234,36 +247,56 @@ impl<const N: usize> Modal<N> {
     pub fn plan(&self, block: &Block) -> Result<(Modal<N>, Commands<N>), Error> {
         let mut next = self.clone();
         let mut commands = Commands::new();
-        next.execute(block, &mut commands)?;
+        next.apply(block, &mut commands)?;
         Ok((next, commands))
     }
 
-    /// As [`Modal::plan`], in place: nothing is moved, and for G0 to G3 with axis words, `F` and `N` nothing but what they
-    /// change is kept aside. `commands` are replaced. With an error there are none, and the state is as it was.
+    /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3 with axis words, `F` and
+    /// `N` what these change) is kept aside. `commands` are replaced. With an error there are none, and the state is as it was.
     ///
     /// # Errors
     /// Those of [`Modal::plan`].
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         commands.clear();
         let done = if block.is_move() && self.is_moving(block) {
-            let before = (self.position, self.feed, self.motion, self.tail);
-            let done = self.execute_move(block, commands);
-            if done.is_err() {
-                (self.position, self.feed, self.motion, self.tail) = before;
-            }
-            done
+            self.apply_move(block, commands)
         } else {
             self.apply_any(block, commands)
         };
-        if done.is_err() {
+        done.map_err(|fault| {
             commands.clear();
+            block.error(fault)
+        })
+    }
+
+    /// The stages of [`Modal::execute`] that a block with nothing but a move has.
+    fn apply_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let modes = &self.modes;
+        let before = (modes.position, modes.feed, modes.motion, modes.tail);
+        let done = self
+            .check_axes(block)
+            .and_then(|()| self.set_feed(block))
+            .and_then(|()| self.moves(block, commands));
+        if done.is_err() {
+            let modes = &mut self.modes;
+            (modes.position, modes.feed, modes.motion, modes.tail) = before;
+        }
+        done
+    }
+
+    #[inline(never)]
+    fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let before = self.modes;
+        let done = self.execute(block, commands);
+        if done.is_err() {
+            self.modes = before;
         }
         done
     }
 
     /// Whether the motion in effect is one of G0 to G3, or none and the block names it.
     fn is_moving(&self, block: &Block) -> bool {
-        match self.motion {
+        match self.modes.motion {
             None => block.code(Group::Motion).is_some(),
             Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
                 true
@@ -272,37 +305,21 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The stages of [`Modal::execute`] that a block with nothing but a move has.
-    #[inline]
-    fn execute_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        self.check_axes(block)?;
-        self.set_feed(block)?;
-        self.moves(block, commands)
-    }
-
-    #[inline(never)]
-    fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        let mut next = self.clone();
-        next.execute(block, commands)?;
-        *self = next;
-        Ok(())
-    }
-
     /// The programmed position, machine frame.
     pub fn position(&self) -> [Nm; N] {
-        self.position
+        self.modes.position
     }
 
     /// Says where the tool really is, machine frame: after homing, probing, or an abort.
     pub fn set_position(&mut self, at: [Nm; N]) {
-        self.position = at;
+        self.modes.position = at;
     }
 
     /// The active work zero in the machine frame: the offset of G54 to G59.3 and the shift of G92,
     /// without the tool length.
     pub fn work_offset(&self) -> [Nm; N] {
         let mut sum = self.system_offset();
-        for (sum, shift) in sum.iter_mut().zip(self.shift) {
+        for (sum, shift) in sum.iter_mut().zip(self.modes.shift) {
             sum.0 = sum.0.saturating_add(shift.0);
         }
         sum
@@ -311,7 +328,7 @@ impl<const N: usize> Modal<N> {
     /// The work zero of the programmed point: with the tool length.
     pub(crate) fn zero(&self) -> [Nm; N] {
         let mut zero = self.work_offset();
-        for (zero, length) in zero.iter_mut().zip(self.length) {
+        for (zero, length) in zero.iter_mut().zip(self.modes.length) {
             zero.0 = zero.0.saturating_add(length.0);
         }
         zero
@@ -320,7 +337,7 @@ impl<const N: usize> Modal<N> {
     /// The zero of the active work frame, without G92.
     pub(crate) fn system_offset(&self) -> [Nm; N] {
         self.offsets
-            .get(usize::from(self.system))
+            .get(usize::from(self.modes.system))
             .copied()
             .unwrap_or([Nm(0); N])
     }
@@ -378,27 +395,27 @@ impl<const N: usize> Modal<N> {
 
     /// The tool length in effect (G43, G43.1), part of the position.
     pub fn tool_length(&self) -> [Nm; N] {
-        self.length
+        self.modes.length
     }
 
     /// The tool in the spindle: the one of the last M6 or M61.
     pub fn loaded_tool(&self) -> u32 {
-        self.loaded
+        self.modes.loaded
     }
 
     /// The side of cutter compensation; `None` under G40.
     pub fn compensation(&self) -> Option<Side> {
-        self.compensation
+        self.modes.compensation
     }
 
     /// Whether X is a diameter (G7).
     pub fn is_diameter(&self) -> bool {
-        self.diameter
+        self.modes.diameter
     }
 
     /// The active work frame: 0 (G54) to 8 (G59.3).
     pub fn work_system(&self) -> u8 {
-        self.system
+        self.modes.system
     }
 
     /// The dialect it was made for.
@@ -408,70 +425,71 @@ impl<const N: usize> Modal<N> {
 
     /// The motion mode; `None` at the start, after G80 and in the micromill dialect.
     pub fn motion(&self) -> Option<Motion> {
-        self.motion
+        self.modes.motion
     }
 
     /// The plane of arcs.
     pub fn plane(&self) -> Plane {
-        self.plane
+        self.modes.plane
     }
 
     /// The unit of lengths.
     pub fn units(&self) -> Units {
-        self.units
+        self.modes.units
     }
 
     /// How coordinates are meant.
     pub fn distance(&self) -> Distance {
-        self.distance
+        self.modes.distance
     }
 
     /// How arc centres are meant.
     pub fn centre_distance(&self) -> Distance {
-        self.centres
+        self.modes.centres
     }
 
     /// What `F` means.
     pub fn feed_mode(&self) -> FeedMode {
-        self.feed_mode
+        self.modes.feed_mode
     }
 
     /// The feed of G94 in nm/min; `None` when none was given, and under G93 and G95.
     pub fn feed(&self) -> Option<Nm> {
-        let rate = i64::try_from(self.feed)
+        let rate = i64::try_from(self.modes.feed)
             .ok()
-            .filter(|&rate| rate > 0 && self.feed_mode == FeedMode::PerMinute);
+            .filter(|&rate| rate > 0 && self.modes.feed_mode == FeedMode::PerMinute);
         rate.map(Nm)
     }
 
     /// Spindle and coolant off, as after M5 and M9: for an abort outside of the program.
     pub fn stop_outputs(&mut self) {
-        self.spindle = SpindleDirection::Off;
-        self.mist = false;
-        self.flood = false;
+        self.modes.spindle = SpindleDirection::Off;
+        self.modes.mist = false;
+        self.modes.flood = false;
     }
 
     /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while it is off).
     pub fn spindle(&self) -> (SpindleDirection, u64) {
-        (self.spindle, self.milli_rpm)
+        (self.modes.spindle, self.modes.milli_rpm)
     }
 
     /// Mist (M7) and flood (M8).
     pub fn coolant(&self) -> (bool, bool) {
-        (self.mist, self.flood)
+        (self.modes.mist, self.modes.flood)
     }
 
     /// The tool selected last.
     pub fn tool(&self) -> u32 {
-        self.tool
+        self.modes.tool
     }
 
     /// How moves may be joined.
     pub fn path(&self) -> PathMode {
-        self.path
+        self.modes.path
     }
 
-    fn execute(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+    fn execute(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let here = self.modes.position;
         self.check_axes(block)?;
         self.set_feed(block)?;
         self.set_outputs(block, commands)?;
@@ -482,12 +500,25 @@ impl<const N: usize> Modal<N> {
         self.set_frames(block)?;
         self.set_path(block, commands)?;
         self.moves(block, commands)?;
+        self.store(block, here);
         self.stop(block, commands);
         Ok(())
     }
 
+    /// What G28.1, G30.1 and the micro mill's G54 keep of the position before the block, when it can no longer fail.
+    fn store(&mut self, block: &Block, here: [Nm; N]) {
+        match block.code(Group::NonModal) {
+            Some(Code::StoreHome(0)) => self.set_home(here),
+            Some(Code::StoreHome(_)) => self.set_second_home(here),
+            _ => {}
+        }
+        if self.dialect.flavour == Flavour::Micromill && block.code(Group::System).is_some() {
+            self.set_work_zero(0, here);
+        }
+    }
+
     /// The axes of the block, as far as this machine has them.
-    fn check_axes(&self, block: &Block) -> Result<(), Error> {
+    fn check_axes(&self, block: &Block) -> Result<(), Fault> {
         let mine = if N < 16 {
             1u16.wrapping_shl(N as u32).wrapping_sub(1)
         } else {
@@ -498,7 +529,7 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         }
         let letter = axis_letter(foreign.trailing_zeros() as usize);
-        Err(block.error_at(ErrorKind::UnknownWord(letter), letter))
+        Err(Fault::at(ErrorKind::UnknownWord(letter), letter))
     }
 
     fn stop(&mut self, block: &Block, commands: &mut Commands<N>) {
@@ -520,46 +551,49 @@ impl<const N: usize> Modal<N> {
     /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1, G40, M5, M9. Work
     /// zeros, tool length, units and the feed stay.
     fn end(&mut self) {
-        self.system = 0;
+        self.modes.system = 0;
         if self.dialect.flavour != Flavour::Grbl {
-            self.shift = [Nm(0); N];
+            self.modes.shift = [Nm(0); N];
         }
-        self.plane = if self.dialect.is_lathe() {
+        self.modes.plane = if self.dialect.is_lathe() {
             Plane::Zx
         } else {
             Plane::Xy
         };
-        self.distance = Distance::Absolute;
-        if self.feed_mode != FeedMode::PerMinute {
-            self.feed = 0;
+        self.modes.distance = Distance::Absolute;
+        if self.modes.feed_mode != FeedMode::PerMinute {
+            self.modes.feed = 0;
         }
-        self.feed_mode = FeedMode::PerMinute;
-        self.motion = if self.dialect.flavour == Flavour::Micromill {
+        self.modes.feed_mode = FeedMode::PerMinute;
+        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
             None
         } else {
             Some(Motion::Linear)
         };
-        self.compensation = None;
-        self.sticky = Sticky::default();
-        self.tail = None;
+        self.modes.compensation = None;
+        #[cfg(feature = "extended")]
+        {
+            self.modes.sticky = Sticky::default();
+        }
+        self.modes.tail = None;
         self.stop_outputs();
     }
 
     /// A word as a length, or the error at that word.
-    pub(crate) fn length(&self, block: &Block, letter: u8, value: Decimal) -> Result<Nm, Error> {
+    pub(crate) fn length(&self, letter: u8, value: Decimal) -> Result<Nm, Fault> {
         let length = match letter {
             // Degrees, in millionths.
             b'A' | b'B' | b'C' => Units::Millimetres.length(value),
-            b'X' | b'U' if self.diameter => self.units.half(value),
-            _ => self.units.length(value),
+            b'X' | b'U' if self.modes.diameter => self.modes.units.half(value),
+            _ => self.modes.units.length(value),
         };
-        length.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))
+        length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
     }
 
     /// A word as a length, if the block has it.
-    pub(crate) fn length_of(&self, block: &Block, letter: u8) -> Result<Option<Nm>, Error> {
+    pub(crate) fn length_of(&self, block: &Block, letter: u8) -> Result<Option<Nm>, Fault> {
         match block.word(letter) {
-            Some(value) => self.length(block, letter, value).map(Some),
+            Some(value) => self.length(letter, value).map(Some),
             None => Ok(None),
         }
     }

@@ -7,8 +7,9 @@ use crate::command::{Command, Feed, SpindleDirection};
 use crate::commands::Commands;
 use crate::decimal::Decimal;
 use crate::dialect::Flavour;
-use crate::error::{Error, ErrorKind};
-use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
+use crate::error::ErrorKind;
+use crate::fault::Fault;
+use crate::modal::{Distance, FeedMode, Modal, Motion};
 use crate::nm::Nm;
 
 /// The frame and sense of target words.
@@ -22,7 +23,7 @@ pub(crate) enum Frame {
 impl<const N: usize> Modal<N> {
     /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
     /// happens.
-    pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+    pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         if self.dialect.flavour == Flavour::Drill {
             return self.drill(block, commands);
         }
@@ -36,50 +37,42 @@ impl<const N: usize> Modal<N> {
             } else {
                 Group::NonModal
             };
-            return Err(block.error_at_code(ErrorKind::TwoUsersOfWords, group));
+            return Err(Fault::at_code(ErrorKind::TwoUsersOfWords, group));
         }
         let mode = match code {
             Some(code) => mode(code),
-            None => self.motion,
+            None => self.modes.motion,
         };
         if EXTENDED && code == Some(Code::ContourCycle) {
-            return Err(block.error_at_code(ErrorKind::ContourOfBlocks, Group::Motion));
+            return Err(Fault::at_code(ErrorKind::ContourOfBlocks, Group::Motion));
         }
-        let is_series = EXTENDED && matches!(self.motion, Some(Motion::Cycle(_) | Motion::Thread));
-        if is_series && self.motion != mode {
-            // The level of G98 lasts for a series of whatever cycles.
-            let initial = match mode {
-                Some(Motion::Cycle(_)) => self.sticky.initial,
-                _ => None,
-            };
-            self.sticky = Sticky {
-                initial,
-                ..Sticky::default()
-            };
-        }
+        #[cfg(feature = "extended")]
+        self.leave_series(mode);
         // Motion is not modal on the micro mill's link.
-        self.motion = if self.dialect.flavour == Flavour::Micromill {
+        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
             None
         } else {
             mode
         };
         let mine = !covets && (block.axes() != 0 || code.is_some());
         let users = match mode {
-            Some(mode) if mine && code.is_none() => letters(mode, self.plane),
-            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => arc_letters(self.plane),
+            Some(mode) if mine && code.is_none() => letters(mode, self.modes.plane),
+            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => {
+                arc_letters(self.modes.plane)
+            }
             _ => Letters::NONE,
         };
         block.check_users(users)?;
         if EXTENDED && mode != Some(Motion::Cubic) {
-            self.tail = None;
+            self.modes.tail = None;
         }
         self.check_compensation(block, if mine { mode } else { None })?;
         match non_modal {
-            Some(Code::StoreHome(0)) => self.set_home(self.position),
-            Some(Code::StoreHome(_)) => self.set_second_home(self.position),
-            Some(Code::CancelShift) => (self.shift, self.kept_shift) = ([Nm(0); N], [Nm(0); N]),
-            Some(Code::SuspendShift) if EXTENDED => self.shift = [Nm(0); N],
-            Some(Code::RestoreShift) if EXTENDED => self.shift = self.kept_shift,
+            Some(Code::CancelShift) => {
+                (self.modes.shift, self.modes.kept_shift) = ([Nm(0); N], [Nm(0); N])
+            }
+            Some(Code::SuspendShift) if EXTENDED => self.modes.shift = [Nm(0); N],
+            Some(Code::RestoreShift) if EXTENDED => self.modes.shift = self.modes.kept_shift,
             Some(Code::SetData) => return self.set_data(block),
             Some(Code::Shift) => return self.set_shift(block),
             Some(Code::Home(which)) => return self.go_home(block, which, commands),
@@ -111,13 +104,16 @@ impl<const N: usize> Modal<N> {
     }
 
     /// What cannot be done while the contour is compensated.
-    fn check_compensation(&self, block: &Block, mode: Option<Motion>) -> Result<(), Error> {
-        if !EXTENDED || self.compensation.is_none() {
+    fn check_compensation(&self, block: &Block, mode: Option<Motion>) -> Result<(), Fault> {
+        if !EXTENDED || self.modes.compensation.is_none() {
             return Ok(());
         }
         if let Some(code) = block.code(Group::NonModal) {
             if code != Code::Dwell {
-                return Err(block.error_at_code(ErrorKind::UnderCompensation, Group::NonModal));
+                return Err(Fault::at_code(
+                    ErrorKind::UnderCompensation,
+                    Group::NonModal,
+                ));
             }
         }
         match mode {
@@ -125,7 +121,7 @@ impl<const N: usize> Modal<N> {
             | Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
                 Ok(())
             }
-            Some(_) => Err(block.error_at_motion(ErrorKind::UnderCompensation)),
+            Some(_) => Err(Fault::at_motion(ErrorKind::UnderCompensation)),
         }
     }
 
@@ -135,7 +131,7 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         mode: Motion,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         if let Motion::Probe { away, must } = mode {
             return self.probe(block, away, must, commands);
         }
@@ -150,31 +146,31 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    fn no_machine_frame(&self, block: &Block) -> Result<(), Error> {
+    fn no_machine_frame(&self, block: &Block) -> Result<(), Fault> {
         match block.code(Group::NonModal) {
             Some(Code::MachineFrame) => {
-                Err(block.error_at_code(ErrorKind::MachineFrame, Group::NonModal))
+                Err(Fault::at_code(ErrorKind::MachineFrame, Group::NonModal))
             }
             _ => Ok(()),
         }
     }
 
     pub(crate) fn frame(&self) -> Frame {
-        match self.distance {
+        match self.modes.distance {
             Distance::Absolute => Frame::Work,
             Distance::Incremental => Frame::WorkIncremental,
         }
     }
 
     /// The position with the axis words of the block applied.
-    pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Error> {
+    pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Fault> {
         let zero = match frame {
             Frame::Work => self.zero(),
-            Frame::WorkIncremental => self.position,
+            Frame::WorkIncremental => self.modes.position,
             Frame::Machine => [Nm(0); N],
         };
-        let mut target = self.position;
-        let places = target.iter_mut().zip(zero.iter().zip(self.position));
+        let mut target = self.modes.position;
+        let places = target.iter_mut().zip(zero.iter().zip(self.modes.position));
         for (axis, (target, (zero, here))) in (0..N).zip(places) {
             let (value, zero) = match (block.axis(axis), block.increment(axis)) {
                 (Some(value), None) => (value, zero.0),
@@ -182,15 +178,15 @@ impl<const N: usize> Modal<N> {
                 (None, None) => continue,
                 (Some(_), Some(_)) => {
                     let letter = block.letter_of(axis);
-                    return Err(block.error_at(ErrorKind::TwoUsersOfWords, letter));
+                    return Err(Fault::at(ErrorKind::TwoUsersOfWords, letter));
                 }
             };
             let letter = block.letter_of(axis);
-            let length = self.length(block, letter, value)?;
+            let length = self.length(letter, value)?;
             let sum = zero
                 .checked_add(length.0)
                 .and_then(|sum| Nm(sum).within_limit());
-            *target = sum.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+            *target = sum.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
         }
         Ok(target)
     }
@@ -201,16 +197,16 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         mode: Option<Motion>,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let machine_frame = block.code(Group::NonModal) == Some(Code::MachineFrame);
-        if machine_frame && (mode.is_none() || self.distance == Distance::Incremental) {
+        if machine_frame && (mode.is_none() || self.modes.distance == Distance::Incremental) {
             return self.no_machine_frame(block);
         }
         if block.axes() == 0 {
             return Ok(());
         }
         let Some(mode) = mode else {
-            return Err(block.error_at_axes(ErrorKind::AxisWordsWithoutMotion));
+            return Err(Fault::at_axes(ErrorKind::AxisWordsWithoutMotion));
         };
         self.check_z_alone(block)?;
         let to = self.target(
@@ -223,47 +219,47 @@ impl<const N: usize> Modal<N> {
         )?;
         let feed = match mode {
             Motion::Rapid => None,
-            _ => Some(self.feed_of(block)?),
+            _ => Some(self.feed_of()?),
         };
-        self.position = to;
+        self.modes.position = to;
         commands.straight(to, feed);
         Ok(())
     }
 
     /// The feed in effect for a feed move of this block.
-    pub(crate) fn feed_of(&self, block: &Block) -> Result<Feed, Error> {
-        let rate = i64::try_from(self.feed).ok().filter(|&rate| rate > 0);
-        let missing = match self.feed_mode {
+    pub(crate) fn feed_of(&self) -> Result<Feed, Fault> {
+        let rate = i64::try_from(self.modes.feed).ok().filter(|&rate| rate > 0);
+        let missing = match self.modes.feed_mode {
             FeedMode::PerMinute | FeedMode::PerRevolution => ErrorKind::NoFeed,
             FeedMode::InverseTime => ErrorKind::NoInverseTime,
         };
-        let rate = rate.ok_or_else(|| block.error_at_motion(missing))?;
-        Ok(match self.feed_mode {
+        let rate = rate.ok_or_else(|| Fault::at_motion(missing))?;
+        Ok(match self.modes.feed_mode {
             FeedMode::PerMinute => Feed::PerMinute(Nm(rate)),
             FeedMode::PerRevolution => {
-                self.check_turning(block)?;
+                self.check_turning()?;
                 Feed::PerRevolution(Nm(rate))
             }
             FeedMode::InverseTime => Feed::InverseTime {
-                micro_per_minute: self.feed,
+                micro_per_minute: self.modes.feed,
             },
         })
     }
 
     /// Refuses a move that needs a turning spindle when it stands.
-    pub(crate) fn check_turning(&self, block: &Block) -> Result<(), Error> {
-        if self.spindle == SpindleDirection::Off {
-            return Err(block.error_at_motion(ErrorKind::SpindleStopped));
+    pub(crate) fn check_turning(&self) -> Result<(), Fault> {
+        if self.modes.spindle == SpindleDirection::Off {
+            return Err(Fault::at_motion(ErrorKind::SpindleStopped));
         }
         Ok(())
     }
 
     /// On the micro mill Z moves alone.
-    pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Error> {
+    pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Fault> {
         const Z: u16 = 0b100;
         let axes = block.axes();
         if self.dialect.flavour == Flavour::Micromill && axes & Z != 0 && axes != Z {
-            return Err(block.error_at(ErrorKind::ZNotAlone, b'Z'));
+            return Err(Fault::at(ErrorKind::ZNotAlone, b'Z'));
         }
         Ok(())
     }
@@ -274,9 +270,9 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         direction: Direction,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
-        let axes = self.plane.axes();
-        let letters = self.plane.centre_letters();
+    ) -> Result<(), Fault> {
+        let axes = self.modes.plane.axes();
+        let letters = self.modes.plane.centre_letters();
         let given = block.axes();
         let plane_words = axes
             .iter()
@@ -285,30 +281,30 @@ impl<const N: usize> Modal<N> {
         let any_centre = centre_words.contains(&true);
         let radius_word = block.word(b'R');
         if block.axes() == 0 && !any_centre && radius_word.is_none() {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
         }
         // Two axes make a plane; a machine without them has no such arc.
         if axes.iter().any(|&axis| axis >= N) {
-            return Err(block.error_at_motion(ErrorKind::NoCentre));
+            return Err(Fault::at_motion(ErrorKind::NoCentre));
         }
         if self.dialect.flavour == Flavour::Micromill && block.axis(2).is_some() {
-            return Err(block.error_at(ErrorKind::ZNotAlone, b'Z'));
+            return Err(Fault::at(ErrorKind::ZNotAlone, b'Z'));
         }
         let to = self.target(block, self.frame())?;
         let plane_of =
             |point: &[Nm; N]| axes.map(|axis| point.get(axis).copied().unwrap_or_default());
-        let (from, end) = (plane_of(&self.position), plane_of(&to));
+        let (from, end) = (plane_of(&self.modes.position), plane_of(&to));
         let (centre, radius, mismatch) = match radius_word {
             Some(_) if any_centre => {
-                return Err(block.error_at(ErrorKind::RadiusAndCentre, b'R'));
+                return Err(Fault::at(ErrorKind::RadiusAndCentre, b'R'));
             }
-            Some(_) if !plane_words => return Err(block.error_at_motion(ErrorKind::NoEnd)),
+            Some(_) if !plane_words => return Err(Fault::at_motion(ErrorKind::NoEnd)),
             Some(value) => {
-                let radius = self.length(block, b'R', value)?;
+                let radius = self.length(b'R', value)?;
                 let by_radius = arc::with_radius(from, end, radius, direction);
                 let by_radius = by_radius.map_err(|kind| match kind {
-                    ErrorKind::RadiusToSamePoint => block.error_at_motion(kind),
-                    _ => block.error_at(kind, b'R'),
+                    ErrorKind::RadiusToSamePoint => Fault::at_motion(kind),
+                    _ => Fault::at(kind, b'R'),
                 })?;
                 let radius = if by_radius.short {
                     None
@@ -320,8 +316,8 @@ impl<const N: usize> Modal<N> {
             None => {
                 let centre = self.centre(block, letters, centre_words, from)?;
                 let mismatch = arc::with_centre(from, end, centre).map_err(|kind| match kind {
-                    ErrorKind::EndOffArc(_) if plane_words => block.error_at_axes(kind),
-                    _ => block.error_at_motion(kind),
+                    ErrorKind::EndOffArc(_) if plane_words => Fault::at_axes(kind),
+                    _ => Fault::at_motion(kind),
                 })?;
                 (centre, None, mismatch)
             }
@@ -333,11 +329,11 @@ impl<const N: usize> Modal<N> {
                     .whole()
                     .and_then(|whole| u32::try_from(whole).ok())
                     .and_then(|turns| turns.checked_sub(1));
-                turns.ok_or_else(|| block.error_at(ErrorKind::NotWhole(b'P'), b'P'))?
+                turns.ok_or_else(|| Fault::at(ErrorKind::NotWhole(b'P'), b'P'))?
             }
         };
-        let feed = self.feed_of(block)?;
-        let mut around = self.position;
+        let feed = self.feed_of()?;
+        let mut around = self.modes.position;
         for (axis, centre) in axes.into_iter().zip(centre) {
             if let Some(entry) = around.get_mut(axis) {
                 *entry = centre;
@@ -347,14 +343,14 @@ impl<const N: usize> Modal<N> {
         let arc = Arc {
             to,
             centre: around,
-            plane: self.plane,
+            plane: self.modes.plane,
             direction,
             turns,
             radius,
             mismatch,
             resolution,
         };
-        self.position = to;
+        self.modes.position = to;
         commands.motion(Command::Arc { arc, feed });
         Ok(())
     }
@@ -366,17 +362,18 @@ impl<const N: usize> Modal<N> {
         letters: [u8; 2],
         given: [bool; 2],
         from: [Nm; 2],
-    ) -> Result<[Nm; 2], Error> {
-        let absolute = self.centres == Distance::Absolute;
+    ) -> Result<[Nm; 2], Fault> {
+        let absolute = self.modes.centres == Distance::Absolute;
         if !given.contains(&true) {
-            return Err(block.error_at_motion(ErrorKind::NoCentre));
+            return Err(Fault::at_motion(ErrorKind::NoCentre));
         }
         if absolute && given.contains(&false) {
-            return Err(block.error_at_motion(ErrorKind::HalfCentre));
+            return Err(Fault::at_motion(ErrorKind::HalfCentre));
         }
         let offset = self.zero();
         let zero = if absolute {
-            self.plane
+            self.modes
+                .plane
                 .axes()
                 .map(|axis| offset.get(axis).copied().unwrap_or_default())
         } else {
@@ -385,12 +382,12 @@ impl<const N: usize> Modal<N> {
         let mut centre = zero;
         for (centre, letter) in centre.iter_mut().zip(letters) {
             if let Some(value) = block.word(letter) {
-                let length = self.length(block, letter, value)?;
+                let length = self.length(letter, value)?;
                 let sum = centre
                     .0
                     .checked_add(length.0)
                     .and_then(|sum| Nm(sum).within_limit());
-                *centre = sum.ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+                *centre = sum.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
             }
         }
         Ok(centre)
@@ -409,7 +406,7 @@ impl<const N: usize> Modal<N> {
             }
         }
         finest
-            .and_then(|value| self.units.length(value.last_place()))
+            .and_then(|value| self.modes.units.length(value.last_place()))
             .unwrap_or_default()
     }
 }

@@ -23,6 +23,32 @@ impl Nm {
     }
 }
 
+/// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes eight.
+#[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug)]
+pub struct Measure(u32);
+
+impl Measure {
+    /// The magnitude of a length; 2^32 - 1 nm for that and more.
+    pub const fn of(length: Nm) -> Measure {
+        let nm = length.0.unsigned_abs();
+        Measure(if nm >> 32 == 0 { nm as u32 } else { u32::MAX })
+    }
+
+    /// The length again.
+    pub const fn length(self) -> Nm {
+        Nm(self.0 as i64)
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 == u32::MAX {
+            f.write_str("more than ")?;
+        }
+        self.length().fmt(f)
+    }
+}
+
 impl fmt::Display for Nm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.unsigned_abs();

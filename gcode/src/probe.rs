@@ -5,7 +5,8 @@ use crate::code::Group;
 use crate::command::Command;
 use crate::commands::Commands;
 use crate::dialect::Flavour;
-use crate::error::{Error, ErrorKind};
+use crate::error::ErrorKind;
+use crate::fault::Fault;
 use crate::modal::{FeedMode, Modal};
 
 impl<const N: usize> Modal<N> {
@@ -16,19 +17,19 @@ impl<const N: usize> Modal<N> {
         away: bool,
         must: bool,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
         }
         let to = self.target(block, self.frame())?;
-        if to == self.position {
-            return Err(block.error_at_axes(ErrorKind::NoProbeMove));
+        if to == self.modes.position {
+            return Err(Fault::at_axes(ErrorKind::NoProbeMove));
         }
-        if self.feed_mode != FeedMode::PerMinute && self.dialect.flavour != Flavour::Grbl {
-            return Err(block.error_at_motion(ErrorKind::WrongFeedMode));
+        if self.modes.feed_mode != FeedMode::PerMinute && self.dialect.flavour != Flavour::Grbl {
+            return Err(Fault::at_motion(ErrorKind::WrongFeedMode));
         }
-        let feed = self.feed_of(block)?;
-        self.position = to;
+        let feed = self.feed_of()?;
+        self.modes.position = to;
         commands.motion(Command::Probe {
             to,
             feed,

@@ -6,7 +6,8 @@ use crate::code::Group;
 use crate::command::{Command, Spline};
 use crate::commands::Commands;
 use crate::dialect::Flavour;
-use crate::error::{Error, ErrorKind};
+use crate::error::ErrorKind;
+use crate::fault::Fault;
 use crate::modal::Modal;
 use crate::nm::Nm;
 
@@ -22,7 +23,7 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         letters: [u8; 2],
         from: [Nm; 2],
-    ) -> Result<Option<[Nm; 2]>, Error> {
+    ) -> Result<Option<[Nm; 2]>, Fault> {
         if letters.iter().all(|&letter| block.word(letter).is_none()) {
             return Ok(None);
         }
@@ -33,29 +34,29 @@ impl<const N: usize> Modal<N> {
                     .0
                     .checked_add(length.0)
                     .and_then(|sum| Nm(sum).within_limit())
-                    .ok_or_else(|| block.error_at(ErrorKind::NumberTooLarge, letter))?;
+                    .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
             }
         }
         Ok(Some(point))
     }
 
     /// Start and end of a spline, which is in XY only.
-    fn spline_ends(&self, block: &Block) -> Result<([Nm; 2], [Nm; N]), Error> {
+    fn spline_ends(&self, block: &Block) -> Result<([Nm; 2], [Nm; N]), Fault> {
         if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
         }
-        if self.plane != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
-            return Err(block.error_at_motion(ErrorKind::SplinePlane));
+        if self.modes.plane != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
+            return Err(Fault::at_motion(ErrorKind::SplinePlane));
         }
         let to = self.target(block, self.frame())?;
-        Ok((Self::plane_point(&self.position), to))
+        Ok((Self::plane_point(&self.modes.position), to))
     }
 
     /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a smooth join.
-    pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
+    pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let (from, to) = self.spline_ends(block)?;
         let end = Self::plane_point(&to);
-        let first = match (self.offset(block, [b'I', b'J'], from)?, self.tail) {
+        let first = match (self.offset(block, [b'I', b'J'], from)?, self.modes.tail) {
             (Some(first), _) => first,
             (None, Some(tail)) => {
                 let mut first = from;
@@ -65,11 +66,11 @@ impl<const N: usize> Modal<N> {
                 }
                 first
             }
-            (None, None) => return Err(block.error_at_motion(ErrorKind::MissingWord(b'I'))),
+            (None, None) => return Err(Fault::at_motion(ErrorKind::MissingWord(b'I'))),
         };
         for letter in [b'P', b'Q'] {
             if block.word(letter).is_none() {
-                return Err(block.error_at_motion(ErrorKind::MissingWord(letter)));
+                return Err(Fault::at_motion(ErrorKind::MissingWord(letter)));
             }
         }
         let second = self.offset(block, [b'P', b'Q'], end)?.unwrap_or(end);
@@ -77,8 +78,8 @@ impl<const N: usize> Modal<N> {
         for (tail, second) in tail.iter_mut().zip(second) {
             tail.0 = tail.0.saturating_sub(second.0);
         }
-        self.tail = Some(tail);
-        self.spline(block, to, [from, first, second, end], commands)
+        self.modes.tail = Some(tail);
+        self.spline(to, [from, first, second, end], commands)
     }
 
     /// G5.1: I J from the start to the only control point.
@@ -86,26 +87,25 @@ impl<const N: usize> Modal<N> {
         &mut self,
         block: &Block,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         let (from, to) = self.spline_ends(block)?;
         let end = Self::plane_point(&to);
         let control = self
             .offset(block, [b'I', b'J'], from)?
             .filter(|&control| control != from)
-            .ok_or_else(|| block.error_at_motion(ErrorKind::MissingWord(b'I')))?;
+            .ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(b'I')))?;
         let points = [from, toward(from, control), toward(end, control), end];
-        self.spline(block, to, points, commands)
+        self.spline(to, points, commands)
     }
 
     fn spline(
         &mut self,
-        block: &Block,
         to: [Nm; N],
         points: [[Nm; 2]; 4],
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
-        let feed = self.feed_of(block)?;
-        self.position = to;
+    ) -> Result<(), Fault> {
+        let feed = self.feed_of()?;
+        self.modes.position = to;
         commands.motion(Command::Spline {
             spline: Spline { to, points },
             feed,
@@ -118,20 +118,20 @@ impl<const N: usize> Modal<N> {
         &mut self,
         block: &Block,
         commands: &mut Commands<N>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Fault> {
         if block.axes() == 0 {
-            return Err(block.error_at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
         }
         let lead = self.lead(block)?;
-        self.check_turning(block)?;
+        self.check_turning()?;
         let to = self.target(block, self.frame())?;
-        self.position = to;
+        self.modes.position = to;
         commands.motion(Command::Thread { to, lead });
         Ok(())
     }
 
     /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a series.
-    pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Error> {
+    pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Fault> {
         let letter = if self.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none() {
             b'F'
         } else {
@@ -139,15 +139,15 @@ impl<const N: usize> Modal<N> {
         };
         let lead = match self.length_of(block, letter)? {
             Some(lead) => lead,
-            None => self.sticky.lead,
+            None => self.modes.sticky.lead,
         };
         if lead == Nm(0) && block.word(letter).is_none() {
-            return Err(block.error_at_motion(ErrorKind::MissingWord(letter)));
+            return Err(Fault::at_motion(ErrorKind::MissingWord(letter)));
         }
         if lead <= Nm(0) {
-            return Err(block.error_at(ErrorKind::OutOfRange(letter), letter));
+            return Err(Fault::at(ErrorKind::OutOfRange(letter), letter));
         }
-        self.sticky.lead = lead;
+        self.modes.sticky.lead = lead;
         Ok(lead)
     }
 }

@@ -92,16 +92,22 @@ pub(crate) struct Ratio {
     exponent: i32,
 }
 
+/// A root of 62 bits, and by how many bits it is too long.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn long_root(value: u128) -> (u64, u32) {
+    let up = value.leading_zeros().saturating_sub(4) & !1;
+    (root(value.wrapping_shl(up)), up >> 1)
+}
+
 impl Ratio {
     /// Of two squares below 2^124.
     pub(crate) fn of_roots(numerator: u128, denominator: u128) -> Ratio {
-        let up = |value: u128| value.leading_zeros().saturating_sub(4) & !1;
-        let (above, below) = (up(numerator), up(denominator));
+        let ((above, up), (below, down)) = (long_root(numerator), long_root(denominator));
         Ratio {
-            above: root(numerator.wrapping_shl(above)),
-            below: root(denominator.wrapping_shl(below)),
-            // Both at most 124.
-            exponent: (below as i32).wrapping_sub(above as i32) >> 1,
+            above,
+            below,
+            // Both at most 62.
+            exponent: (down as i32).wrapping_sub(up as i32),
         }
     }
 

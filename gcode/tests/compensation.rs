@@ -1,6 +1,6 @@
 //! Cutter compensation: the tool's path against LinuxCNC's, and invariants in words.
 
-use husillo_gcode::{Block, Command, Compensation, Dialect, Error, ErrorKind, Modal, Nm};
+use husillo_gcode::{Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm};
 use proptest::prelude::*;
 
 /// Compensated commands of a program; the first error of either stage.
@@ -93,7 +93,7 @@ fn refuses_what_the_tool_cannot_do() {
     let start = "G21 F100 G41.1 D0.25";
     assert_eq!(
         fault(&[start, "G1 X0.1"]),
-        ErrorKind::EntryTooShort(Nm(125_000))
+        ErrorKind::EntryTooShort(Measure::of(Nm(125_000)))
     );
     assert_eq!(fault(&[start, "G2 X1 I0.5"]), ErrorKind::CompensationEntry);
     // LinuxCNC's own example: a slot narrower than the tool.
@@ -103,7 +103,7 @@ fn refuses_what_the_tool_cannot_do() {
     );
     assert_eq!(
         fault(&[start, "G1 X1", "G3 Y0.2 J0.1"]),
-        ErrorKind::ArcSmallerThanTool(Nm(125_000))
+        ErrorKind::ArcSmallerThanTool(Measure::of(Nm(125_000)))
     );
     assert_eq!(fault(&[start, "G93 G1 X1 F1"]), ErrorKind::WrongFeedMode);
     assert_eq!(
