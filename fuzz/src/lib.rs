@@ -4,9 +4,12 @@
 mod backlash;
 mod bytes;
 mod excellon;
+mod expressions;
+mod format;
 mod gcode;
 mod interp;
 mod machine;
+mod mutation;
 mod parameters;
 mod planner;
 mod reader;
@@ -14,9 +17,12 @@ mod stepper;
 
 pub use backlash::backlash;
 pub use excellon::excellon;
+pub use expressions::expressions;
+pub use format::format;
 pub use gcode::gcode;
 pub use interp::interp;
 pub use machine::machine;
+pub use mutation::mutate;
 pub use parameters::parameters;
 pub use planner::planner;
 pub use reader::reader;
@@ -26,9 +32,11 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 9] = [
+pub const TARGETS: [(&str, Target); 11] = [
     ("gcode", gcode),
     ("reader", reader),
+    ("format", format),
+    ("expressions", expressions),
     ("parameters", parameters),
     ("excellon", excellon),
     ("interp", interp),

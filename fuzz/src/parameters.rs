@@ -1,77 +1,103 @@
 //! Any program with parameters and O-words.
 
-use husillo_gcode::parameters::{NoMachine, Program, Value};
-use husillo_gcode::{Dialect, Modal};
+use husillo_gcode::parameters::{Line, Program, Value};
+use husillo_gcode::{Dialect, ErrorKind, Modal};
 
 /// Steps every program is given.
-const STEPS: u64 = 2000;
+const STEPS: u64 = 600;
 
-/// Any text as an expression, and as a program: every program ends within its steps, every line is one of the text, every
-/// place of an error lies inside its line, a value printed and read again is the same, and a machine beside it changes no
-/// line but those that ask for it.
+/// Parameters that are compared.
+const NUMBERS: [u16; 6] = [1, 2, 3, 4, 30, 31];
+const NAMES: [&[u8]; 3] = [b"a", b"_a", b"_value"];
+
+type Small<'t> = Program<'t, 8, 16, 4>;
+
+/// Any text as a program: it ends within its steps; every line is one of the text, every place of an error lies inside its line;
+/// a wrong line assigns nothing; calls stay within their depth; what is over stays over; with CR LF for LF the same lines
+/// come, with the same meaning.
 pub fn parameters(data: &[u8]) {
-    check_value(data);
     for dialect in [Dialect::RS274, Dialect::LATHE_A] {
-        let mut program: Program<'_, 8, 16, 4> = Program::new(data, dialect).with_steps(STEPS);
-        let mut modal = Modal::<3>::new(dialect);
-        let (mut lines, mut last) = (0, STEPS);
-        while let Some(line) = program.next_line(&modal) {
-            lines += 1;
-            assert!(lines <= STEPS + 2, "more lines than steps");
-            assert!(program.steps_left() <= last, "steps come back");
-            last = program.steps_left();
-            assert!(program.call_level() <= 4);
-            let end = line.at + line.text.len();
-            assert_eq!(
-                data.get(line.at..end),
-                Some(line.text),
-                "a line of the text"
-            );
-            assert_eq!(
-                data[..line.at]
-                    .iter()
-                    .filter(|byte| **byte == b'\n')
-                    .count()
-                    + 1,
-                line.number
-            );
-            match line.block.and_then(|block| modal.plan(&block)) {
-                Ok((next, _)) => modal = next,
-                Err(error) => {
-                    assert!(
-                        error.at <= error.end && error.end <= line.text.len(),
-                        "{error:?} in {} bytes",
-                        line.text.len()
-                    );
-                    assert!(!error.to_string().is_empty());
-                }
+        let lines = run(data, dialect);
+        if !data.contains(&b'\r') {
+            let mut other = Vec::with_capacity(data.len());
+            for byte in data {
+                other.extend((*byte == b'\n').then_some(b'\r'));
+                other.push(*byte);
             }
+            assert_eq!(run(&other, dialect), lines, "line ends do not matter");
         }
-        assert!(
-            program.next_line(&modal).is_none(),
-            "what is over stays over"
-        );
     }
 }
 
-/// The value of the first line as an expression.
-fn value(expression: &[u8]) -> Option<Value> {
-    let text = [b"#1=", expression].concat();
-    let mut program: Program<'_, 4, 4, 1> = Program::new(&text, Dialect::RS274);
-    let line = program.next_line(&NoMachine)?;
-    line.block.ok()?;
-    Some(program.parameter(1))
+/// The number of each line in the order of execution, and where the machine then is or what is wrong.
+type Trace = Vec<(usize, Result<[i64; 3], ErrorKind>)>;
+
+fn run(text: &[u8], dialect: Dialect) -> Trace {
+    let mut program = Small::new(text, dialect).with_steps(STEPS);
+    let mut modal = Modal::<3>::new(dialect);
+    let mut trace = Vec::new();
+    let mut last = STEPS;
+    loop {
+        let before = parameters_of(&program);
+        let level = program.call_level();
+        let Some(line) = program.next_line(&modal) else {
+            break;
+        };
+        check_line(text, &line);
+        assert!(trace.len() as u64 <= STEPS + 2, "more lines than steps");
+        assert!(program.steps_left() <= last, "steps come back");
+        assert!(program.call_level() <= 4);
+        last = program.steps_left();
+        let number = line.number;
+        let is_read = line.block.is_ok();
+        let planned = line.block.and_then(|block| modal.plan(&block));
+        if !is_read && program.call_level() == level {
+            assert_eq!(
+                parameters_of(&program),
+                before,
+                "a wrong line assigns nothing"
+            );
+        }
+        match planned {
+            Ok((next, _)) => {
+                modal = next;
+                trace.push((number, Ok(modal.position().map(|nm| nm.0))));
+            }
+            Err(error) => {
+                assert!(
+                    error.at <= error.end && error.end <= line.text.len(),
+                    "{error:?} in {} bytes",
+                    line.text.len()
+                );
+                assert!(!error.to_string().is_empty());
+                trace.push((number, Err(error.kind)));
+            }
+        }
+    }
+    assert!(
+        program.next_line(&modal).is_none(),
+        "what is over stays over"
+    );
+    trace
 }
 
-fn check_value(data: &[u8]) {
-    let line = data.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let Some(first) = value(line) else { return };
-    assert!(first.places() <= Value::MAX_PLACES);
-    let printed = first.to_string();
-    let again = value(printed.as_bytes()).unwrap_or_else(|| panic!("{printed} is not read"));
+fn check_line(text: &[u8], line: &Line<'_>) {
     assert_eq!(
-        (first.digits(), first.places()),
-        (again.digits(), again.places()),
-        "{printed}"
+        text.get(line.at..line.at + line.text.len()),
+        Some(line.text),
+        "a line of the text"
     );
+    let ends = text[..line.at].iter().filter(|byte| **byte == b'\n');
+    assert_eq!(ends.count() + 1, line.number);
+}
+
+type Parts = (i64, u8);
+
+/// Digits and places of the parameters that are compared.
+fn parameters_of(program: &Small<'_>) -> ([Parts; 6], [Option<Parts>; 3]) {
+    let parts = |value: Value| (value.digits(), value.places());
+    (
+        NUMBERS.map(|number| parts(program.parameter(number))),
+        NAMES.map(|name| program.named_parameter(name).map(parts)),
+    )
 }

@@ -195,7 +195,7 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 256 }))]
 
     /// Along any polygon that the stage takes, each straight move stays one radius from its own side, each corner arc
     /// one radius from its corner, to 2 nm; and a refusal changes nothing.

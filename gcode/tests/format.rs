@@ -221,7 +221,7 @@ fn line() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 3000 }))]
 
     /// The form of a form is itself, a line has one or an error inside of it, and its block is the same.
     #[test]

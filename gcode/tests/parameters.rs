@@ -287,7 +287,7 @@ fn fraction(text: &str) -> (i128, i128) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 512 }))]
 
     /// Sums and products of short decimals are exact, also nested; quotients are the nearest number of 18 places.
     #[test]

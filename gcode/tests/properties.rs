@@ -95,7 +95,7 @@ fn scaled_wide(digits: i64, places: u8, factor: i64, exponent: u8) -> i128 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 512 }))]
 
     /// No bytes make it panic; every error lies inside its block; an error changes nothing.
     #[test]

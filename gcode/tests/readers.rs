@@ -73,7 +73,7 @@ fn pushed(text: &[u8]) -> Vec<(Vec<Result<Word, Error>>, bool)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 2000 }))]
 
     /// Byte by byte the same words and errors come, at the same places, as from each line alone.
     #[test]
@@ -220,7 +220,7 @@ fn line() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 4000 }))]
 
     /// Reading into one block and applying in place gives the same states, commands and errors as `parse` and `plan`.
     #[test]

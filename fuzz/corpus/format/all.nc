@@ -1,0 +1,9 @@
+N10 G21 G17 G90 G94 ; comment
+G0 X1.5 Y-2.25 (inline) Z.5
+G1 X10 F120
+G2 X0 I-5 J0
+G3 X1 Y1 R5
+G4 P0.5
+M3 S1000
+/G0 X0
+M30

@@ -1,0 +1,20 @@
+#!/bin/bash
+# Builds every target for OSS-Fuzz: programs, seeds and dictionaries go to $OUT. Also runs alone, with nightly, cargo-fuzz and
+# zip at hand: SRC=.. OUT=/somewhere fuzz/oss-fuzz/build.sh, where SRC holds the checkout as `husillo`.
+set -euxo pipefail
+cd "$SRC/husillo/fuzz"
+mkdir -p "$OUT"
+# Checks of overflow and assertions stay on: fuzz/Cargo.toml asks for them in releases too.
+cargo +nightly fuzz build -O --fuzz-dir .
+programs=${CARGO_TARGET_DIR:-target}/$(rustc -vV | sed -n 's/^host: //p')/release
+
+for file in fuzz_targets/*.rs; do
+    target=$(basename "$file" .rs)
+    cp "$programs/$target" "$OUT/"
+    zip -qj "$OUT/${target}_seed_corpus.zip" "corpus/$target"/*
+    printf '[libfuzzer]\nmax_len = 512\n' >"$OUT/$target.options"
+    case $target in
+    gcode | reader | format | expressions | parameters | machine) cp gcode.dict "$OUT/$target.dict" ;;
+    excellon) cp excellon.dict "$OUT/" ;;
+    esac
+done

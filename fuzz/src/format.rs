@@ -1,0 +1,106 @@
+//! Programs written back in one form.
+
+use husillo_gcode::parameters::{Program, needs_program};
+use husillo_gcode::{Block, Command, Dialect, Error, ErrorKind, Modal, formatted};
+
+/// Lines of a program that are looked at.
+const LINES: usize = 200;
+
+/// Any text in its one form, in every dialect: the form of a form is itself; a line without a form has an error inside of it;
+/// words, places of decimals and deletion of each block stay, and so does every byte that is neither blank, sign nor digit;
+/// the program means the same commands and errors.
+pub fn format(data: &[u8]) {
+    for dialect in Dialect::ALL {
+        // Ends behind all lines: one of blanks at the end is a line too.
+        let (mut plain, mut formed) = (Vec::new(), Vec::new());
+        for line in data.split(|byte| *byte == b'\n') {
+            plain.extend([line, b"\n"].concat());
+            formed.extend([&form(line, &dialect)[..], b"\n"].concat());
+        }
+        let meant = run(&plain, dialect);
+        assert_eq!(run(&formed, dialect), meant, "{}", dialect.name());
+    }
+}
+
+/// A line in its form, or as it is where it has none.
+fn form(line: &[u8], dialect: &Dialect) -> Vec<u8> {
+    match formatted(line, dialect) {
+        Ok(pieces) => {
+            let once = pieces.collect::<Vec<_>>().concat();
+            let again = formatted(&once, dialect).map(|pieces| pieces.collect::<Vec<_>>().concat());
+            assert_eq!(again.as_ref(), Ok(&once), "the form of a form");
+            assert_eq!(marks(line), marks(&once), "nothing is lost");
+            if !needs_program(line, dialect) {
+                assert_eq!(blocks(line, dialect), blocks(&once, dialect));
+            }
+            once
+        }
+        Err(error) => {
+            assert!(
+                error.at <= error.end && error.end <= line.len(),
+                "{error:?}"
+            );
+            line.to_vec()
+        }
+    }
+}
+
+/// All that formatting may neither add nor drop, in capitals.
+fn marks(line: &[u8]) -> Vec<u8> {
+    line.iter()
+        .filter(|byte| !byte.is_ascii_whitespace())
+        .filter(|byte| !matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.'))
+        .map(u8::to_ascii_uppercase)
+        .collect()
+}
+
+/// The words of each block of a line but its codes, and whether it is deleted.
+fn blocks(line: &[u8], dialect: &Dialect) -> Vec<Result<(String, bool), ErrorKind>> {
+    let meaning = |text| {
+        let block = Block::parse(text, dialect).map_err(|error| error.kind)?;
+        let words = (b'A'..=b'Z').filter_map(|letter| {
+            let value = block.word(letter)?;
+            Some(format!("{}{value}", char::from(letter)))
+        });
+        Ok((words.collect(), block.is_deleted()))
+    };
+    dialect
+        .blocks(line)
+        .map(|(_, text)| meaning(text))
+        .collect()
+}
+
+/// The first commands and the error of each line; places are not compared.
+fn run(text: &[u8], dialect: Dialect) -> Vec<Result<Vec<Command<3>>, (usize, u16)>> {
+    let mut modal = Modal::<3>::new(dialect);
+    let mut made = Vec::new();
+    let add = |made: &mut Vec<_>, modal: &mut Modal<3>, number, block: Result<Block, Error>| {
+        let planned = block.and_then(|block| modal.plan(&block));
+        made.push(match planned {
+            Ok((next, commands)) => {
+                *modal = next;
+                Ok(commands.take(40).collect())
+            }
+            Err(error) => Err((number, error.kind.code())),
+        });
+    };
+    let is_program = text
+        .split(|byte| *byte == b'\n')
+        .any(|line| needs_program(line, &dialect));
+    if is_program {
+        let mut program: Box<Program<'_, 64, 64, 8>> = Box::new(Program::new(text, dialect));
+        for _ in 0..LINES {
+            let Some(line) = program.next_line(&modal) else {
+                break;
+            };
+            add(&mut made, &mut modal, line.number, line.block);
+        }
+    } else {
+        for (number, line) in (1..=LINES).zip(text.split(|byte| *byte == b'\n')) {
+            for (_, text) in dialect.blocks(line) {
+                add(&mut made, &mut modal, number, Block::parse(text, &dialect));
+            }
+        }
+    }
+    made
+}
