@@ -1,5 +1,5 @@
 (A thread of 1.5 mm lead, three passes; for the machine lathe)
-G21 G90 G18 G94
+G21 G90 G18 G94 G8
 M3 S600
 G0 X10 Z5
 G4 P1

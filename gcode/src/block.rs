@@ -325,6 +325,34 @@ impl Block {
         }
     }
 
+    /// Refuses increments (U, V, W) beside anything but a contour cycle.
+    pub(crate) fn check_increments(&self) -> Result<(), Fault> {
+        let given = (0..3).find(|&axis| self.increment(axis).is_some());
+        match (given, self.code(Group::Motion)) {
+            (None, _) | (_, Some(Code::ContourCycle(_))) => Ok(()),
+            (Some(axis), _) => {
+                let letter = self.letter_of(axis);
+                Err(Fault::at(ErrorKind::UnknownWord(letter), letter))
+            }
+        }
+    }
+
+    /// Refuses all codes but the motion, and all words but these and N.
+    #[cfg(feature = "extended")]
+    pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {
+        if self.groups & !1u32.wrapping_shl(Group::Motion as u32) != 0 {
+            return Err(Fault::at_motion(ErrorKind::TwoUsersOfWords));
+        }
+        let foreign = |letter: u8| letter != b'N' && !letters.contains(&letter);
+        let mut given = LETTERS
+            .into_iter()
+            .filter(|&letter| self.present & bit(letter) != 0);
+        match given.find(|&letter| foreign(letter)) {
+            Some(letter) => Err(Fault::at(ErrorKind::UnusedWord(letter), letter)),
+            None => Ok(()),
+        }
+    }
+
     /// The letter by which an axis is given here: U, V or W, or its own.
     pub(crate) fn letter_of(&self, axis: usize) -> u8 {
         let increments = *b"UVW";

@@ -34,8 +34,8 @@ pub(crate) enum Code {
         must: bool,
     },
     Cycle(Kind),
-    /// G70 to G72: they cut a contour of several blocks.
-    ContourCycle,
+    /// G70 to G72 and their variants, in tenths above G70: they cut a contour of several blocks.
+    ContourCycle(u8),
     CancelMotion,
     Dwell,
     /// G10.
@@ -182,7 +182,7 @@ impl Code {
             | Code::Thread
             | Code::Probe { .. }
             | Code::Cycle(_)
-            | Code::ContourCycle
+            | Code::ContourCycle(_)
             | Code::CancelMotion => Group::Motion,
             Code::Dwell
             | Code::SetData
@@ -233,7 +233,7 @@ impl Code {
                     | Code::Cycle(
                         Kind::TurnBox | Kind::ThreadBox | Kind::FaceBox | Kind::LathePeck
                     )
-                    | Code::ContourCycle
+                    | Code::ContourCycle(_)
             ),
             Flavour::Lathe | Flavour::LatheA => !matches!(
                 self,

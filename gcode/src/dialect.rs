@@ -1,5 +1,7 @@
 //! What differs between the programs of different machines.
 
+use crate::code::EXTENDED;
+
 /// A dialect of G-code: plain data, compared and copied freely.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub struct Dialect {
@@ -140,6 +142,8 @@ impl Dialect {
                 letter,
                 b'D' | b'E' | b'H' | b'Q' | b'O' | b'U' | b'V' | b'W'
             ),
+            // U and W are words of the contour cycles only: `Modal::check_axes`.
+            Flavour::Lathe if EXTENDED => !matches!(letter, b'O' | b'V'),
             Flavour::Rs274 | Flavour::Lathe => !matches!(letter, b'O' | b'U' | b'V' | b'W'),
             Flavour::LatheA => !matches!(letter, b'V'),
             Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),

@@ -106,8 +106,18 @@ pub enum ErrorKind {
     RetractBelowBottom,
     /// A cycle with more passes or pecks than are ever made: 2^16.
     TooManyPasses,
-    /// A turning cycle along a contour of several blocks.
+    /// A turning cycle along a contour of several blocks, where only one block is known.
     ContourOfBlocks,
+    /// No block with the number in `P` or `Q` where the contour of a turning cycle must be.
+    NoContour(u8),
+    /// Something else than straight moves and arcs of X and Z in the contour of a turning cycle.
+    NotOfContour,
+    /// The contour of a roughing cycle goes back along this axis.
+    Pocket(u8),
+    /// The contour of a roughing cycle has more moves than there is room for.
+    ContourTooLong,
+    /// A roughing cycle whose contour does not lie beside and before its start.
+    ContourStart,
     /// A rotary axis in a canned cycle.
     RotaryInCycle(u8),
     /// A spline outside of G17, or with words of other axes.
@@ -158,6 +168,8 @@ impl ErrorKind {
             ErrorKind::RotaryInCycle(_) => 215,
             ErrorKind::ContourOfBlocks => 216,
             ErrorKind::UnderCompensation => 217,
+            ErrorKind::NoContour(_) => 218,
+            ErrorKind::NotOfContour => 219,
             ErrorKind::NoCentre | ErrorKind::HalfCentre => 301,
             ErrorKind::EndOffArc(_) => 302,
             ErrorKind::RadiusAndCentre => 303,
@@ -178,6 +190,9 @@ impl ErrorKind {
             ErrorKind::EntryTooShort(_) => 321,
             ErrorKind::Gouge => 322,
             ErrorKind::ArcSmallerThanTool(_) => 323,
+            ErrorKind::Pocket(_) => 330,
+            ErrorKind::ContourTooLong => 331,
+            ErrorKind::ContourStart => 332,
             #[cfg(feature = "parameters")]
             ErrorKind::Program(fault) => fault.code(),
         }
@@ -238,6 +253,12 @@ impl fmt::Display for ErrorKind {
             }
             ErrorKind::RotaryInCycle(letter) => {
                 return write!(f, "rotary axis `{}` in a canned cycle", char::from(letter));
+            }
+            ErrorKind::NoContour(letter) => {
+                return write!(f, "no block with the number in `{}`", char::from(letter));
+            }
+            ErrorKind::Pocket(letter) => {
+                return write!(f, "contour goes back in {}", char::from(letter));
             }
             ErrorKind::EntryTooShort(least) => {
                 return write!(
@@ -302,8 +323,11 @@ impl fmt::Display for ErrorKind {
             ErrorKind::RetractBelowBottom => "retract plane is below the bottom",
             ErrorKind::TooManyPasses => "too many passes",
             ErrorKind::ContourOfBlocks => {
-                "cycle along a contour of several blocks is not supported"
+                "cycle along a contour of several blocks needs the whole program"
             }
+            ErrorKind::NotOfContour => "not in a contour of a turning cycle",
+            ErrorKind::ContourTooLong => "contour with too many moves",
+            ErrorKind::ContourStart => "contour is not beside the start of the cycle",
             ErrorKind::SplinePlane => "spline outside of the XY plane",
             ErrorKind::NoProbeMove => "probe move without length",
             ErrorKind::UnderCompensation => "not while cutter compensation is on",

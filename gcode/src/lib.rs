@@ -81,7 +81,10 @@ mod settings;
 mod special;
 
 mod format;
+mod line;
 
+#[cfg(feature = "extended")]
+pub mod contour;
 pub mod drill_record;
 pub mod excellon;
 #[cfg(feature = "parameters")]
@@ -100,6 +103,7 @@ pub use error::{Error, ErrorKind};
 pub use format::{Formatted, formatted};
 pub use framing::{Framing, FramingError, Receiver, Rule};
 pub use kind::Kind as Cycle;
+pub use line::Line;
 pub use line_reader::{LineReader, LineTooLong};
 pub use modal::{Distance, FeedMode, Modal, Motion, Units};
 pub use nm::{Measure, Nm};

@@ -2,7 +2,7 @@
 
 use crate::arc::Plane;
 use crate::block::{Block, axis_letter};
-use crate::code::{Code, Group, Side};
+use crate::code::{Code, EXTENDED, Group, Side};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::{Commands, Plain};
 use crate::decimal::Decimal;
@@ -525,6 +525,9 @@ impl<const N: usize> Modal<N> {
             u16::MAX
         };
         let foreign = block.axes() & !mine;
+        if EXTENDED && self.dialect.flavour == Flavour::Lathe {
+            block.check_increments()?;
+        }
         if foreign == 0 {
             return Ok(());
         }

@@ -43,7 +43,7 @@ impl<const N: usize> Modal<N> {
             Some(code) => mode(code),
             None => self.modes.motion,
         };
-        if EXTENDED && code == Some(Code::ContourCycle) {
+        if EXTENDED && matches!(code, Some(Code::ContourCycle(_))) {
             return Err(Fault::at_code(ErrorKind::ContourOfBlocks, Group::Motion));
         }
         #[cfg(feature = "extended")]

@@ -181,7 +181,7 @@ impl Job {
     fn new(file: &str, target: &Target, default_machine: &str) -> Result<Self, Failure> {
         let name = target.machine.as_deref().unwrap_or(default_machine);
         let machine = load(name)?;
-        let dialect = setup::dialect(target.dialect.as_deref(), file)?;
+        let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
         let config = setup::config(&machine, dialect)?;
         Ok(Self {
             file: file.to_owned(),
@@ -396,7 +396,7 @@ fn format_files(args: &FormatArgs) -> Result<u8, Failure> {
 /// Whether a program has errors or, where it is only looked at, another form.
 fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
     let form = format::Form {
-        dialect: setup::dialect(args.dialect.as_deref(), file)?,
+        dialect: setup::dialect(args.dialect.as_deref(), file, None)?,
         line_end: if args.crlf { b"\r\n" } else { b"\n" },
     };
     let name = displayed(file);

@@ -1,6 +1,7 @@
 //! The blocks of a program in the order of execution.
 
 use crate::source::Source;
+use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, Modal};
 use std::io;
@@ -8,6 +9,9 @@ use std::ops::ControlFlow;
 
 /// Room for parameters and calls: far more than a controller has.
 type Whole<'t> = Program<'t, 4096, 2048, 128>;
+
+/// Room for the contour of a turning cycle.
+type Turned<'t> = Contours<'t, 1024>;
 
 /// A block's place in the file.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +32,8 @@ pub struct Given<'a> {
 
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
-/// Lines are read one at a time until one has a parameter, an expression or an O-word; from that line on the program is kept
-/// in memory, and `modal` tells the state of the machine that its expressions may ask for.
+/// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle along a contour; from that line
+/// on the program is kept in memory, and `modal` tells the state of the machine that its expressions may ask for.
 ///
 /// # Errors
 ///
@@ -45,7 +49,7 @@ pub fn each_block<C>(
         let Some(line) = source.next_line()? else {
             return Ok(());
         };
-        if needs_program(line.bytes, &dialect) {
+        if needs_program(line.bytes, &dialect) || needs_contours(line.bytes, &dialect) {
             break line.number;
         }
         let mut blocks = dialect.blocks(line.bytes).peekable();
@@ -65,7 +69,22 @@ pub fn each_block<C>(
     };
     let text = source.rest()?;
     let mut program = Box::new(Whole::new(&text, dialect).with_first_line(first));
-    while let Some(line) = program.next_line(modal(context)) {
+    let mut contours = Box::new(Turned::new(&text, dialect));
+    loop {
+        let state = modal(context);
+        let line = match contours.next_of_cycle(state) {
+            Some(line) => line,
+            None => {
+                let Some(line) = program.next_line(state) else {
+                    return Ok(());
+                };
+                let line = contours.take(line, state);
+                if let Some((at, number)) = contours.resume() {
+                    program.go_to(at, number);
+                }
+                line
+            }
+        };
         let given = Given {
             number: line.number,
             bytes: line.text,
@@ -78,5 +97,4 @@ pub fn each_block<C>(
             return Ok(());
         }
     }
-    Ok(())
 }

@@ -209,9 +209,22 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label("`R` lies below the bottom of the hole")
             .note("LinuxCNC: \"R value less than Z value in canned cycle\""),
         ErrorKind::RotaryInCycle(_) => finding.label("move this axis on a line of its own"),
-        ErrorKind::ContourOfBlocks => finding
-            .label("the contour stands on other lines")
-            .help("let the post-processor write the passes"),
+        ErrorKind::ContourOfBlocks => finding.label("the contour stands on other lines"),
+        ErrorKind::NoContour(_) => finding
+            .label("the contour is not found")
+            .note("G71 and G72: it begins right behind the cycle; G70 takes the last one before it")
+            .help("write N and this number at the start of its first (P) and its last (Q) block"),
+        ErrorKind::NotOfContour => finding
+            .label("lines and arcs of X and Z under G18, and first of all a straight move")
+            .note("F, S, M3 to M9 and G40 to G42 may stand there too"),
+        ErrorKind::Pocket(_) => finding
+            .label("goes back here")
+            .note("roughing cycles cut contours that rise all the way in both axes (type I)")
+            .help("turn the pocket in a cycle of its own"),
+        ErrorKind::ContourTooLong => finding.label("1024 moves at most"),
+        ErrorKind::ContourStart => finding
+            .label("the first move of the contour goes down from the start of the cycle, its end lies along the cut")
+            .note("G71 goes down in X and cuts along Z, G72 the other way round"),
         ErrorKind::SplinePlane => finding.label("needs G17, and only X and Y"),
         ErrorKind::NoProbeMove => finding.label("ends where it starts"),
         ErrorKind::UnderCompensation => finding.help("end the compensation with G40 before"),

@@ -3,6 +3,7 @@
 use crate::diagnostics::{Finding, Place};
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::Table;
+use husillo_gcode::Dialect;
 use std::ops::Range;
 
 const MICROMILL: &str = include_str!("../../machines/micromill.toml");
@@ -21,6 +22,8 @@ pub struct MachineFile {
     pub name: String,
     /// One line for people.
     pub title: String,
+    /// The language of its programs; `None`: RS-274.
+    pub dialect: Option<Dialect>,
     /// Ticks a second of the timer that counts the waits.
     pub timer_hz: u32,
     /// The axes X, Y, Z.
@@ -199,6 +202,8 @@ impl MachineFile {
         let timer_hz = root
             .integer("timer_hz", 1_000..=1_000_000_000)
             .unwrap_or(1_000_000);
+        let dialects = Dialect::ALL.map(|dialect| (dialect.name(), dialect));
+        let dialect = root.choice("dialect", &dialects);
         let axes = root.table("axis", |axes| {
             let mut read =
                 |key: &str, letter| axes.table(key, |axis| read_axis(axis, letter)).flatten();
@@ -221,6 +226,7 @@ impl MachineFile {
                 path: path.to_owned(),
                 name,
                 title,
+                dialect,
                 timer_hz: u32::try_from(timer_hz).unwrap_or(1_000_000),
                 axes: [x, y, z],
                 rapid: motion.rapid,

@@ -6,12 +6,16 @@ use husillo_machine::{Axis, AxisRamp, Config, Motors, Scale};
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
 
-/// The language of a program: what was asked for, or what the name of the file says.
+/// The language of a program: what was asked for, or what the name of the file says, or the machine's own.
 ///
 /// # Errors
 ///
 /// A sentence about the name.
-pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
+pub fn dialect(
+    name: Option<&str>,
+    file: &str,
+    machine: Option<&MachineFile>,
+) -> Result<Dialect, String> {
     let lower = file.to_ascii_lowercase();
     let name = match name {
         Some(name) => name,
@@ -21,7 +25,10 @@ pub fn dialect(name: Option<&str>, file: &str) -> Result<Dialect, String> {
                 "{file}: a drill file; `husillo holes` makes a program of it"
             ));
         }
-        None => "rs274",
+        None => match machine.and_then(|machine| machine.dialect) {
+            Some(dialect) => return Ok(dialect),
+            None => "rs274",
+        },
     };
     Dialect::by_name(name).ok_or_else(|| {
         let names = Dialect::ALL.map(|dialect| dialect.name()).join(", ");

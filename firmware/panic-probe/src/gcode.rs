@@ -3,6 +3,7 @@
 use core::hint::black_box;
 
 use fixed::types::I32F32;
+use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::drill_record::{self, Bytes, Record, Records, Table};
 use husillo_gcode::excellon::{
     self, Digits, Features, Inference, Lines, Number, Reader, Settings, Tools, Units, WarningKind,
@@ -61,6 +62,12 @@ pub fn keep() {
         Dialect::blocks as *const (),
         Dialect::has_parameters as *const (),
         <Blocks as Iterator>::next as *const (),
+        needs_contours as *const (),
+        Contours::<64>::new as *const (),
+        Contours::<64>::next_line::<3> as *const (),
+        Contours::<64>::next_of_cycle::<3> as *const (),
+        Contours::<64>::take::<3> as *const (),
+        Contours::<64>::resume as *const (),
         formatted as *const (),
         <Formatted as Iterator>::next as *const (),
         Block::parse as *const (),

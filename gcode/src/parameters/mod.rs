@@ -47,9 +47,10 @@ mod statement;
 
 mod program;
 
+pub use crate::line::Line;
 pub(crate) use extent::{extent, is_plain, program_words};
 pub use fault::Fault;
-pub use program::{Line, Program};
+pub use program::Program;
 pub(crate) use statement::is_flow;
 pub use statement::needs_program;
 pub use system::{NoMachine, System};

@@ -10,26 +10,13 @@ use super::value::Value;
 use crate::block::Block;
 use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
+use crate::line::Line;
 
 /// The most arguments of a call.
 const ARGUMENTS: usize = 30;
 
 /// How many subroutines are remembered by their place; others are looked for in the text at each call.
 const REMEMBERED: usize = 16;
-
-/// One line of a [`Program`], in the order of execution.
-#[derive(Clone, Debug)]
-pub struct Line<'t> {
-    /// Its number in the text, from 1.
-    pub number: usize,
-    /// Its first byte in the text.
-    pub at: usize,
-    /// The line, without its end.
-    pub text: &'t [u8],
-    /// The line as a block of plain numbers (empty where an O-word steers), or what is wrong with it; columns are those
-    /// of the line.
-    pub block: Result<Block, Error>,
-}
 
 /// A place between two lines.
 #[derive(Copy, Clone, Debug)]
@@ -191,6 +178,12 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self.first.number = number;
         self.next.number = number;
         self
+    }
+
+    /// Goes on with another line: the byte where it begins, and its number. For who has given the lines between itself,
+    /// as [`Contours`](crate::contour::Contours) does; loops and calls under way stay.
+    pub fn go_to(&mut self, at: usize, number: usize) {
+        self.next = Place { at, number };
     }
 
     /// How many steps are left.

@@ -1,0 +1,122 @@
+//! Moves of a cycle as blocks of the program's own words.
+
+use super::passes::Move;
+use super::reading::point;
+use crate::block::Block;
+use crate::decimal::Decimal;
+use crate::error::{Error, ErrorKind};
+use crate::fault::Fault;
+use crate::modal::{Distance, Modal, Units};
+use crate::nm::Nm;
+use crate::offset::{Vector, minus};
+use crate::wide::divide;
+use crate::word::Word;
+
+/// The block that makes this move from the present state, to the nanometre; its words stand at `at..end`.
+pub(super) fn block<const N: usize>(
+    wanted: Move,
+    modal: &Modal<N>,
+    (at, end): (usize, usize),
+) -> Result<Block, Error> {
+    let (code, to, centre) = match wanted {
+        Move::Rapid(to) => (0, to, None),
+        Move::Feed(to) => (1, to, None),
+        Move::Arc {
+            to,
+            centre,
+            clockwise,
+        } => (if clockwise { 2 } else { 3 }, to, Some(centre)),
+    };
+    let here = point(&modal.position());
+    let zero = point(&modal.zero());
+    let origin = |distance| match distance {
+        Distance::Absolute => zero,
+        Distance::Incremental => here,
+    };
+    let [x, z] = minus(to, origin(modal.distance()));
+    // A coordinate is at most 2^50, the difference of two 2^51.
+    let across = if modal.is_diameter() {
+        x.saturating_mul(2)
+    } else {
+        x
+    };
+    let centre = centre.map(|centre: Vector| minus(centre, origin(modal.centre_distance())));
+    let [i, k] = centre.unwrap_or_default();
+    let word = |letter, value: Option<Decimal>| match value {
+        Some(value) => Ok(Word {
+            letter,
+            value,
+            at,
+            end,
+        }),
+        None => Err(Error {
+            kind: ErrorKind::NumberTooLarge,
+            at,
+            end,
+        }),
+    };
+    let units = modal.units();
+    let words = [
+        Some(word(b'G', Decimal::new(code, 0))),
+        Some(word(b'X', number(across, units))),
+        Some(word(b'Z', number(z, units))),
+        centre.map(|_| word(b'I', number(i, units))),
+        centre.map(|_| word(b'K', number(k, units))),
+    ];
+    Block::from_words(words.into_iter().flatten(), modal.dialect())
+}
+
+/// A length below 2^52 as a number that is read as the same nanometres: exact in millimetres, within 0.002 nm in inches.
+fn number(length: i64, units: Units) -> Option<Decimal> {
+    match units {
+        Units::Millimetres => Decimal::new(length, 6),
+        Units::Micrometres => Decimal::new(length, 3),
+        Units::Inches => {
+            // 10^10 / 25.4e6 is 50000 / 127; the product is below 2^68.
+            let above = u128::from(length.unsigned_abs()).wrapping_mul(50_000);
+            let digits = i64::try_from(divide(above.wrapping_add(63), 127)).ok()?;
+            let signed = if length < 0 {
+                digits.wrapping_neg()
+            } else {
+                digits
+            };
+            Decimal::new(signed, 10)
+        }
+    }
+}
+
+/// The words of a block with these letters as a block of their own.
+pub(super) fn part<const N: usize>(
+    block: &Block,
+    letters: &[u8],
+    modal: &Modal<N>,
+) -> Result<Block, Error> {
+    let words = letters.iter().filter_map(|&letter| {
+        let value = block.word(letter)?;
+        // An error there has the place of the word.
+        let place = block.error(Fault::at(ErrorKind::NoEnd, letter));
+        Some(Ok(Word {
+            letter,
+            value,
+            at: place.at,
+            end: place.end,
+        }))
+    });
+    Block::from_words(words, modal.dialect())
+}
+
+/// A length of a word that is never a diameter.
+pub(super) fn plain_length<const N: usize>(
+    block: &Block,
+    letter: u8,
+    modal: &Modal<N>,
+) -> Result<Option<Nm>, Fault> {
+    match block.word(letter) {
+        None => Ok(None),
+        Some(value) => {
+            let length = modal.units().length(value);
+            let length = length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            Ok(Some(length))
+        }
+    }
+}

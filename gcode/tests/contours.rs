@@ -1,0 +1,507 @@
+//! Contour cycles against a geometry of their own, in floats.
+
+#![cfg(feature = "extended")]
+
+use husillo_gcode::contour::{Contours, needs_contours};
+use husillo_gcode::{Command, Dialect, Direction, ErrorKind, Modal, Nm};
+use proptest::prelude::*;
+
+/// With line numbers.
+type Numbered<T> = Vec<(usize, T)>;
+
+/// The commands of a program with their line numbers, and its errors; a wrong line changes nothing.
+fn run(text: &str, dialect: Dialect) -> (Numbered<Command<3>>, Numbered<ErrorKind>) {
+    let mut contours: Contours = Contours::new(text.as_bytes(), dialect);
+    let mut modal = Modal::<3>::new(dialect);
+    let (mut commands, mut errors) = (Vec::new(), Vec::new());
+    while let Some(line) = contours.next_line(&modal) {
+        let planned = line.block.and_then(|block| modal.plan(&block));
+        match planned {
+            Ok((next, made)) => {
+                modal = next;
+                commands.extend(made.map(|command| (line.number, command)));
+            }
+            Err(error) => errors.push((line.number, error.kind)),
+        }
+        assert!(commands.len() < 1_000_000, "endless");
+    }
+    (commands, errors)
+}
+
+/// One move of a contour: its end, and the centre of an arc; far and up, in units.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    end: [i64; 2],
+    centre: Option<[i64; 2]>,
+}
+
+/// Kinds of moves: a line, a fillet, a rounding; whole quarters or parts of them.
+fn pieces() -> impl Strategy<Value = Vec<(u8, i64, i64)>> {
+    prop::collection::vec((0u8..6, 0i64..60, 0i64..60), 1..9)
+}
+
+fn contour(steps: &[(u8, i64, i64)]) -> Vec<Piece> {
+    let [mut far, mut up] = [0i64, 0i64];
+    let mut pieces = Vec::new();
+    for &(kind, a, b) in steps {
+        let r = 50 * (a + 1);
+        let (end, centre) = match kind {
+            0 => ([far + 100 * a, up + 70 * b], None),
+            1 => ([far + 100 * a, up], None),
+            2 => ([far, up + 70 * b], None),
+            3 => ([far + r, up + r], Some([far, up + r])),
+            4 => ([far + r, up + r], Some([far + r, up])),
+            // The first part of a fillet, by 3, 4, 5.
+            _ => ([far + 4 * r / 5, up + 2 * r / 5], Some([far, up + r])),
+        };
+        if end != [far, up] {
+            pieces.push(Piece { end, centre });
+        }
+        [far, up] = end;
+    }
+    pieces
+}
+
+/// Where a case lies: the mapping from far and up (in units) to X (radius) and Z.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    facing: bool,
+    far_sign: i64,
+    up_sign: i64,
+    bottom: [i64; 2],
+}
+
+impl Frame {
+    /// X and Z.
+    fn point(self, [far, up]: [i64; 2]) -> [i64; 2] {
+        let (far, up) = (far * self.far_sign, up * self.up_sign);
+        let [x, z] = if self.facing { [far, up] } else { [up, far] };
+        [x + self.bottom[0], z + self.bottom[1]]
+    }
+
+    /// Far and up of nanometres.
+    fn course(self, at: [Nm; 3], unit: f64) -> [f64; 2] {
+        let x = at[0].0 as f64 - self.bottom[0] as f64 * unit;
+        let z = at[2].0 as f64 - self.bottom[1] as f64 * unit;
+        let [far, up] = if self.facing { [x, z] } else { [z, x] };
+        [far * self.far_sign as f64, up * self.up_sign as f64]
+    }
+}
+
+fn number(units: i64, places: usize) -> String {
+    let scale = 10i64.pow(places as u32);
+    let sign = if units < 0 { "-" } else { "" };
+    let magnitude = units.abs();
+    format!("{sign}{}.{:0places$}", magnitude / scale, magnitude % scale)
+}
+
+/// How high the material begins at `far`, in nanometres: the lowest point of the contour there.
+fn height(pieces: &[Piece], far: f64, unit: f64) -> f64 {
+    let mut start = [0.0, 0.0];
+    if far <= 0.0 {
+        return 0.0;
+    }
+    for piece in pieces {
+        let end = piece.end.map(|part| part as f64 * unit);
+        if far <= end[0] && end[0] > start[0] {
+            return match piece.centre {
+                None => start[1] + (end[1] - start[1]) * (far - start[0]) / (end[0] - start[0]),
+                Some(centre) => {
+                    let centre = centre.map(|part| part as f64 * unit);
+                    let r = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+                    let half = (r * r - (far - centre[0]).powi(2)).max(0.0).sqrt();
+                    // A fillet lies below its centre, a rounding above.
+                    if centre[1] >= end[1] {
+                        centre[1] - half
+                    } else {
+                        centre[1] + half
+                    }
+                }
+            };
+        }
+        start = end;
+    }
+    start[1]
+}
+
+/// Points of a move, its end included.
+fn points(from: [Nm; 3], command: &Command<3>) -> Vec<[Nm; 3]> {
+    let Some(to) = command.end() else {
+        return Vec::new();
+    };
+    let at = |x: f64, z: f64| [Nm(x.round() as i64), Nm(0), Nm(z.round() as i64)];
+    let mut all = Vec::new();
+    for step in 1..16 {
+        let part = f64::from(step) / 16.0;
+        if let Command::Arc { arc, .. } = command {
+            let centre = [arc.centre[0].0 as f64, arc.centre[2].0 as f64];
+            let angle = |p: [Nm; 3]| (p[0].0 as f64 - centre[0]).atan2(p[2].0 as f64 - centre[1]);
+            let (start, mut turn) = (angle(from), angle(to) - angle(from));
+            let full = std::f64::consts::TAU;
+            match arc.direction {
+                Direction::CounterClockwise if turn < 0.0 => turn += full,
+                Direction::Clockwise if turn > 0.0 => turn -= full,
+                _ => {}
+            }
+            let r = (from[0].0 as f64 - centre[0]).hypot(from[2].0 as f64 - centre[1]);
+            let angle = start + turn * part;
+            all.push(at(centre[0] + r * angle.sin(), centre[1] + r * angle.cos()));
+        } else {
+            let between =
+                |axis: usize| from[axis].0 as f64 + (to[axis].0 - from[axis].0) as f64 * part;
+            all.push(at(between(0), between(2)));
+        }
+    }
+    all.push(to);
+    all
+}
+
+#[derive(Debug)]
+struct Case {
+    text: String,
+    pieces: Vec<Piece>,
+    frame: Frame,
+    dialect: Dialect,
+    unit: f64,
+    /// Height of the start above the bottom, allowances and depth in units.
+    top: i64,
+    shift: [i64; 2],
+    depth: i64,
+}
+
+prop_compose! {
+    fn cases()(
+        steps in pieces(),
+        (facing, inches, system_a, feeds_in, is_incremental) in any::<(bool, bool, bool, bool, bool)>(),
+        signs in any::<(bool, bool)>(),
+        bottom in (-20_000i64..20_000, -20_000i64..20_000),
+        (clear, before, entry) in (0i64..3_000, 0i64..3_000, 0i64..800),
+        (allow_up, allow_far) in (0i64..500, 0i64..500),
+        depth in 30i64..4_000,
+        retract in 0i64..900,
+    ) -> Case {
+        let sign = |up: bool| if up { 1 } else { -1 };
+        let frame = Frame {
+            facing,
+            far_sign: sign(signs.0),
+            up_sign: sign(signs.1),
+            bottom: [bottom.0, bottom.1],
+        };
+        let pieces = contour(&steps);
+        let end = pieces.last().map_or([0, 0], |piece| piece.end);
+        let top = end[1] + clear + 1;
+        let dialect = if system_a { Dialect::LATHE_A } else { Dialect::LATHE };
+        let (unit, places) = if inches { (2540.0, 4) } else { (1000.0, 3) };
+        let start = [-before - entry, top];
+        let [x, z] = frame.point(start);
+        let say = |value| number(value, places);
+        let mut text = format!("{}\n", if inches { "G20" } else { "G21" });
+        text += &format!("G0 X{} Z{}\nF100\n", say(2 * x), say(z));
+        let moved = |by: [i64; 2]| {
+            let [x, z] = Frame { bottom: [0, 0], ..frame }.point(by);
+            format!("U{} W{}", say(2 * x), say(z))
+        };
+        let shift = [-allow_far, allow_up];
+        let code = if facing { "G72" } else { "G71" };
+        if is_incremental && !system_a {
+            text += "G91\n";
+        }
+        text += &format!(
+            "{code} P10 Q900 {} D{} R{}\n", moved(shift), say(depth), say(retract)
+        );
+        let mut from = start;
+        let mut line = 10;
+        let mut add = |text: &mut String, piece: Piece, entry: Option<bool>| {
+            let [x, z] = frame.point(piece.end);
+            let [fx, fz] = frame.point(from);
+            let code = match (piece.centre, entry) {
+                (None, Some(false)) => "G0".to_owned(),
+                (None, _) => "G1".to_owned(),
+                (Some(centre), _) => {
+                    let [cx, cz] = frame.point(centre);
+                    let (a, b) = ([fz - cz, fx - cx], [z - cz, x - cx]);
+                    let turn = a[0] * b[1] - a[1] * b[0];
+                    let code = if turn > 0 { "G3" } else { "G2" };
+                    format!("{code} I{} K{}", say(cx - fx), say(cz - fz))
+                }
+            };
+            let [tx, tz] = if is_incremental && !system_a { [x - fx, z - fz] } else { [x, z] };
+            *text += &format!("N{line} {code} X{} Z{}\n", say(2 * tx), say(tz));
+            line += 10;
+            from = piece.end;
+        };
+        // In along up only, or at a slant.
+        if entry > 0 {
+            add(&mut text, Piece { end: [-entry, 0], centre: None }, Some(feeds_in));
+        }
+        add(&mut text, Piece { end: [0, 0], centre: None }, (entry == 0).then_some(feeds_in));
+        for &piece in &pieces {
+            add(&mut text, piece, None);
+        }
+        text += "N900 (the end)\n";
+        text += "G70 P10 Q900\nM2\n";
+        Case { text, pieces, frame, dialect, unit, top, shift, depth }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    /// No point of a roughing pass lies below the contour with its allowance, by another geometry; cuts are at most as deep
+    /// as said and the last one is at the bottom; the number of commands is bounded; the tool ends where it began.
+    #[test]
+    fn roughing_keeps_off_the_contour(case in cases()) {
+        let Case { text, pieces, frame, dialect, unit, top, shift, depth } = case;
+        let far = pieces.last().map_or(0, |piece| piece.end[0]);
+        let (commands, errors) = run(&text, dialect);
+        if far == 0 || pieces.is_empty() {
+            // All of it a wall: nothing to cut along.
+            return Ok(());
+        }
+        if top <= shift[1] {
+            // The start lies within the allowance.
+            prop_assert_eq!(errors.len(), 1);
+            return Ok(());
+        }
+        prop_assert!(errors.is_empty(), "{errors:?}\n{text}");
+        let cycle = text.lines().position(|line| line.starts_with("G7")).unwrap() + 1;
+        let [low_far, low_up] = shift.map(|part| part as f64 * unit);
+        let mut from = [Nm(0); 3];
+        let mut cuts = Vec::new();
+        let mut count = 0;
+        let (mut start, mut end) = (None, None);
+        for (line, command) in &commands {
+            let Some(to) = command.end() else { continue };
+            if *line == cycle {
+                start = start.or(Some(from));
+                end = Some(to);
+                count += 1;
+                let is_cut = matches!(command, Command::Linear { .. });
+                for at in points(from, command) {
+                    let [far, up] = frame.course(at, unit);
+                    let least = height(&pieces, far - low_far - 3.0, unit) + low_up;
+                    prop_assert!(up >= least - 3.0, "{far} {up} {least} of {command}\n{text}");
+                }
+                let level = frame.course(to, unit)[1];
+                if is_cut && (frame.course(from, unit)[1] - level).abs() < 0.1 {
+                    cuts.push(level);
+                }
+            }
+            from = to;
+        }
+        prop_assert_eq!(start, end, "{}", text);
+        let deep = top - shift[1];
+        let passes = (deep + depth - 1) / depth;
+        prop_assert!(count <= 5 * passes + pieces.len() as i64 + 9, "{count}\n{text}");
+        // From the start down, none deeper than said, down to the bottom where there is anything to cut.
+        let mut before = top as f64 * unit;
+        let mut levels = cuts;
+        levels.retain(|level| *level <= before);
+        for level in &levels {
+            let step = before - level;
+            prop_assert!(step <= depth as f64 * unit + 0.1 || step < 0.1, "{step}\n{text}");
+            before = before.min(*level);
+        }
+        // What is left between the last cut and the bottom is a slope without length.
+        let bottom = low_up;
+        prop_assert!(before - bottom <= depth as f64 * unit + 0.1, "{before}\n{text}");
+    }
+
+    /// G70 is the contour itself, to the nanometre: the commands are those of its lines.
+    #[test]
+    fn finishing_is_the_contour(case in cases()) {
+        let (commands, errors) = run(&case.text, case.dialect);
+        prop_assume!(errors.is_empty());
+        let first = case.text.lines().position(|line| line.starts_with("N10 ")).unwrap() + 1;
+        let made: Vec<_> = commands
+            .iter()
+            .filter(|(line, _)| *line >= first && case.text.lines().nth(line - 1).unwrap().starts_with('N'))
+            .map(|(_, command)| *command)
+            .collect();
+        let plain: String = case
+            .text
+            .lines()
+            .filter(|line| !line.starts_with("G7"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let (expected, errors) = run(&plain, case.dialect);
+        prop_assert!(errors.is_empty());
+        let expected: Vec<_> = expected
+            .iter()
+            .filter(|(line, _)| plain.lines().nth(line - 1).unwrap().starts_with('N'))
+            .map(|(_, command)| *command)
+            .collect();
+        prop_assert_eq!(made, expected);
+    }
+
+    /// Whatever stands in a program, it ends, and nothing overflows.
+    #[test]
+    fn any_program_ends(
+        lines in prop::collection::vec(
+            prop_oneof![
+                "N[0-9] G[0123] X-?[0-9]{1,3} Z-?[0-9]{1,3}( I-?[0-9]{1,2} K-?[0-9]{1,2})?",
+                "N[0-9] [XZUW]-?[0-9]{1,3}",
+                "G7[012] P[0-9] Q[0-9] U-?[0-9] W-?[0-9] D[0-9]{1,2} R[0-9]",
+                "G7[012](.1)? [PQUWDRFS][0-9]{1,9} [PQUWDRXZ]-?[0-9]{1,9}",
+                "(G9[01]|G2[01]|G1[789]|G[78]|G42.1 D1|G40|M3 S100|G9[459] F1|F100|M2|N[0-9]|/N[0-9])",
+                "\\PC{0,20}",
+            ],
+            0..14,
+        ),
+        system_a in any::<bool>(),
+    ) {
+        let dialect = if system_a { Dialect::LATHE_A } else { Dialect::LATHE };
+        run(&lines.join("\n"), dialect);
+    }
+}
+
+fn only_error(text: &str) -> (usize, ErrorKind) {
+    let (_, errors) = run(text, Dialect::LATHE);
+    assert!(!errors.is_empty(), "{text}");
+    errors[0]
+}
+
+/// A shaft: `lines` is its contour behind N1.
+fn shaft(cycle: &str, lines: &str) -> String {
+    format!("G0 X40 Z2\nF100\n{cycle}\nN1 G0 X10\n{lines}\n")
+}
+
+#[test]
+fn what_cannot_be_cut_is_refused_at_its_line() {
+    let cycle = "G71 P1 Q9 D1";
+    for (text, line, kind) in [
+        (
+            shaft(cycle, "G1 Z-5\nX8 Z-9\nN9 X40"),
+            6,
+            ErrorKind::Pocket(b'X'),
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nX20 Z-4\nN9 X40 Z-9"),
+            6,
+            ErrorKind::Pocket(b'Z'),
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nG2 X10 Z-15 R8\nN9 G1 X40"),
+            6,
+            ErrorKind::Pocket(b'X'),
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nG4 P1\nN9 X40"),
+            6,
+            ErrorKind::NotOfContour,
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nN8 X40"),
+            3,
+            ErrorKind::NoContour(b'Q'),
+        ),
+        (
+            shaft("G71 P2 Q9 D1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::NoContour(b'P'),
+        ),
+        (
+            shaft("G71 P1 D1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::MissingWord(b'Q'),
+        ),
+        (
+            shaft("G71 P1 Q9", "N9 G1 Z-5"),
+            3,
+            ErrorKind::MissingWord(b'D'),
+        ),
+        (
+            shaft("G71 P1 Q9 D0", "N9 G1 Z-5"),
+            3,
+            ErrorKind::OutOfRange(b'D'),
+        ),
+        (
+            shaft("G71 P1 Q9 D1 U-1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::OutOfRange(b'U'),
+        ),
+        (
+            shaft("G71 P1 Q9 D1 W-1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::OutOfRange(b'W'),
+        ),
+        (
+            shaft("G71 P1 Q9 D1 X3", "N9 G1 Z-5"),
+            3,
+            ErrorKind::UnusedWord(b'X'),
+        ),
+        (
+            shaft("G71 P1 Q9 D0.0001", "N9 G1 Z-5"),
+            3,
+            ErrorKind::TooManyPasses,
+        ),
+        (
+            shaft("G71.1 Q9 D1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::NotOfDialect(b'G', 711),
+        ),
+        (shaft(cycle, "N9 G1 X12"), 3, ErrorKind::ContourStart),
+        (
+            shaft("G17 G71 P1 Q9 D1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::TwoUsersOfWords,
+        ),
+        ("G0 U1".to_owned(), 1, ErrorKind::UnknownWord(b'U')),
+        ("G70 P1 Q2".to_owned(), 1, ErrorKind::NoContour(b'P')),
+    ] {
+        assert_eq!(only_error(&text), (line, kind), "{text}");
+    }
+    let long: String = (0..65).map(|z| format!("G1 Z-{z}\n")).collect();
+    let text = shaft(cycle, &format!("{long}N9 X40"));
+    assert_eq!(only_error(&text), (69, ErrorKind::ContourTooLong));
+}
+
+#[test]
+fn a_refused_cycle_is_passed_by_with_its_contour() {
+    let text = shaft("G71 P1 Q9 D1", "G1 Z-5\nX8 Z-9\nN9 X40") + "G0 X50";
+    let (commands, errors) = run(&text, Dialect::LATHE);
+    assert_eq!(errors.len(), 1);
+    let text: Vec<_> = commands
+        .iter()
+        .map(|(_, command)| command.to_string())
+        .collect();
+    assert_eq!(text, ["rapid X20 Y0 Z2", "rapid X25 Y0 Z2"]);
+}
+
+#[test]
+fn two_lines_say_what_one_says() {
+    let contour = "G1 Z-5\nG2 X20 Z-10 R5\nN9 G1 X42";
+    let one = shaft("\nG71 P1 Q9 D1.5 R0.3 U0.4 W0.1 F80", contour);
+    let two = shaft("G71 U1.5 R0.3\nG71 P1 Q9 U0.4 W0.1 F80", contour);
+    for dialect in [Dialect::LATHE, Dialect::LATHE_A] {
+        let (one, two) = (run(&one, dialect), run(&two, dialect));
+        assert!(one.1.is_empty() && one.0.len() > 30, "{one:?}");
+        assert_eq!(one, two);
+    }
+}
+
+#[test]
+fn a_numbered_contour_is_found_where_it_is() {
+    // Twice the same numbers: each G70 takes the ones before it.
+    let text = "G0 X20 Z1\nF100\nG71 U1\nG71 P1 Q2\nN1 G0 X10\nN2 G1 Z-5\nG70 P1 Q2\n\
+                G71 P1 Q2\n(behind it)\nN1 G0 X8\nN2 G1 Z-9\nG70 P1 Q2\n";
+    let (commands, errors) = run(text, Dialect::LATHE_A);
+    assert!(errors.is_empty(), "{errors:?}");
+    let finishing: Vec<_> = commands
+        .iter()
+        .filter(|(line, _)| matches!(line, 5 | 6 | 10 | 11))
+        .map(|(line, command)| format!("{line}: {command}"))
+        .collect();
+    assert_eq!(
+        finishing,
+        [
+            "5: rapid X5 Y0 Z1",
+            "6: linear X5 Y0 Z-5 F100",
+            "10: rapid X4 Y0 Z1",
+            "11: linear X4 Y0 Z-9 F100"
+        ]
+    );
+    assert!(needs_contours(b"N5 g71 P1 Q2", &Dialect::LATHE));
+    assert!(!needs_contours(b"G71 P1 Q2", &Dialect::RS274));
+    assert!(!needs_contours(b"G7 (G71)", &Dialect::LATHE));
+}
