@@ -10,7 +10,7 @@
 //! G70 P10 Q40                                                      ──►  N10 to N40, G0 to the start
 //! ```
 //!
-//! A cycle becomes lines like others: blocks of plain moves, which [`Modal`](crate::Modal) and all behind it take as
+//! A cycle becomes lines like others: blocks of plain moves, which [`Modal`] and all behind it take as
 //! they take any. [`Contours`] works over the whole text, borrowed.
 
 mod passes;
