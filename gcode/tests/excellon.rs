@@ -1,8 +1,8 @@
 //! Excellon: what each kind of line means, and properties, each in words.
 
 use husillo_gcode::excellon::{
-    Digits, Error, ErrorKind, Feature, Format, Inference, Overrides, Path, Reader, Settings, Units,
-    Warning, WarningKind, Zeros, lines,
+    Digits, Error, ErrorKind, Feature, Format, Inference, Overrides, Path, Pattern, Reader, Repeat,
+    Settings, Units, Warning, WarningKind, Zeros, lines,
 };
 use husillo_gcode::{Direction, Nm};
 use proptest::prelude::*;
@@ -440,5 +440,200 @@ proptest! {
             };
             prop_assert!(at.iter().all(|nm| nm.0.abs() <= Nm::LIMIT.0));
         }
+    }
+}
+
+/// The holes of a file with patterns, copies made, in um; and the errors.
+fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
+    let settings = settings(text.as_bytes(), &Overrides::default());
+    let mut reader = Reader::<8>::new(&settings).with_patterns();
+    let (mut features, mut errors) = (Vec::new(), Vec::new());
+    let (mut before, mut with, mut by) = (0, 0, [Nm(0); 2]);
+    for (number, line) in lines(text.as_bytes()) {
+        match reader.read(line) {
+            Ok(made) => features.extend(made),
+            Err(error) => {
+                assert!(error.at <= error.end && error.end <= line.len());
+                assert_eq!(reader.pattern(), None);
+                errors.push((number, error.kind));
+            }
+        }
+        match reader.pattern() {
+            Some(Pattern::Begin) => before = features.len(),
+            Some(Pattern::EndOfSet) => (with, by) = (features.len(), [Nm(0); 2]),
+            Some(Pattern::Repeat(repeat)) => {
+                for _ in 0..repeat.count {
+                    for (by, step) in by.iter_mut().zip(repeat.step) {
+                        by.0 += step.0;
+                    }
+                    for index in before..with {
+                        let copy = repeat.copy(&features[index], by).expect("within reach");
+                        features.push(copy);
+                    }
+                }
+            }
+            Some(Pattern::End) | None => {}
+        }
+    }
+    let places = features.iter().map(|feature| match feature {
+        Feature::Hole(hole) => hole.at.map(|nm| nm.0 / 1000),
+        Feature::Slot(slot) => slot.from.map(|nm| nm.0 / 1000),
+    });
+    (places.collect(), errors)
+}
+
+#[test]
+fn eight_corners_of_a_frame() {
+    // The sample program of the CNC-7's manual: 13 holes of a corner, mirrored and turned to eight, 104 in all.
+    let text = "M48\nINCH,LZ\nT4C.052\n%\nT4\nM25\nX01Y018\nR8Y-001\nR4X001\nM01\nM02X002Y002M70\nM02X043M90M70\n\
+                M02X002Y-002M80\nM02X-002Y038M80M90M70\nM02X002Y002M80M90\nM02X-047M90\nM02X002Y-002M80M70\nM02\nM08\nM30\n";
+    let (places, errors) = panel(text);
+    assert_eq!((places.len(), errors), (104, vec![]));
+    let mut all = places.clone();
+    all.sort();
+    // The frame is symmetrical about its middle at 2.35, 2 inches, both ways.
+    for mirror in [
+        |[x, y]: [i64; 2]| [119_380 - x, y],
+        |[x, y]: [i64; 2]| [x, 101_600 - y],
+    ] {
+        let mut mirrored: Vec<_> = places.iter().copied().map(mirror).collect();
+        mirrored.sort();
+        assert_eq!(mirrored, all);
+    }
+    // The first copy is the corner itself, X and Y changed, 0.2 inch further in.
+    for (original, copy) in places.iter().zip(&places[13..26]) {
+        assert_eq!([copy[0] - 5080, copy[1] - 5080], [original[1], original[0]]);
+    }
+}
+
+#[test]
+fn sets_of_copies_are_copied() {
+    let text = "METRIC\nT1C1\n%\nT1\nX50.Y50.\nM25\nX1.Y2.\nM01\nR2M02XY10.\nM01\nR2M02X20.Y\nM02\nM08\nX60.\n";
+    let (places, errors) = panel(text);
+    assert_eq!(errors, []);
+    let mut grid: Vec<_> = (0..9)
+        .map(|at| [1000 + at / 3 * 20_000, 2000 + at % 3 * 10_000])
+        .collect();
+    grid.insert(0, [50_000, 50_000]);
+    grid.push([60_000, 2000]);
+    assert_eq!(places, grid);
+    // Incremental coordinates begin anew behind the pattern.
+    let text =
+        "METRIC\nT1C1\nG91\nM25\nX1.Y1.\nX1.\nM01\nM02X0.Y5.\nM08\nX3.\nM25\nX1.\nM01\nM08M30\n";
+    assert_eq!(
+        panel(text),
+        (
+            vec![
+                [1000, 1000],
+                [2000, 1000],
+                [1000, 6000],
+                [2000, 6000],
+                [3000, 0],
+                [4000, 0]
+            ],
+            vec![]
+        )
+    );
+    // Arcs turn the other way when they are mirrored, and back when they are mirrored twice.
+    let text = "METRIC\nT1C1\nT1\nM25\nG00X0.Y0.\nM15\nG02X2.Y0.I1.J0.\nM17\nM01\n";
+    let settings = settings(text.as_bytes(), &Overrides::default());
+    let mut reader = Reader::<8>::new(&settings).with_patterns();
+    let mut slot = None;
+    for (_, line) in lines(text.as_bytes()) {
+        slot = reader.read(line).unwrap().next().or(slot);
+    }
+    let slot = slot.unwrap();
+    let mut repeat = Repeat {
+        count: 1,
+        step: [Nm(0); 2],
+        mirror_x: true,
+        mirror_y: false,
+        swap: false,
+    };
+    let path = |feature: Option<Feature>| match feature {
+        Some(Feature::Slot(slot)) => slot.path,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(
+        path(repeat.copy(&slot, [Nm(0), Nm(7)])),
+        Path::Centre(Direction::CounterClockwise, [Nm(-1_000_000), Nm(7)])
+    );
+    repeat.swap = true;
+    assert_eq!(
+        path(repeat.copy(&slot, [Nm(0); 2])),
+        Path::Centre(Direction::Clockwise, [Nm(0), Nm(-1_000_000)])
+    );
+    assert_eq!(repeat.copy(&slot, [Nm(Nm::LIMIT.0 + 1), Nm(1)]), None);
+    assert_eq!(repeat.copy(&slot, [Nm(i64::MAX), Nm(i64::MIN)]), None);
+}
+
+#[test]
+fn patterns_out_of_order() {
+    use ErrorKind::{MissingNumber, PatternOrder, RepeatedWord, StepAndRepeat, UnknownWord};
+    for (lines, at, kind) in [
+        ("M01", 4, PatternOrder),
+        ("M02X1.", 4, PatternOrder),
+        ("M08", 4, PatternOrder),
+        ("M25\nX1.\nM02X1.", 6, PatternOrder),
+        ("M25\nM25", 5, PatternOrder),
+        ("M25\nX1.\nM01\nX2.", 7, PatternOrder),
+        ("M25\nX1.\nM01\nR3", 7, PatternOrder),
+        ("M25\nX1.\nM01\nX1.M02", 7, PatternOrder),
+        ("M25\nX1.\nM01\nR0M02X1.", 7, PatternOrder),
+        ("M25\nX1.\nM01\nM02X1.M02", 7, PatternOrder),
+        ("M25\nX1.\nM01\nM02X1.M08", 7, PatternOrder),
+        ("M25\nX1.\nM01\nM02X1.R2", 7, PatternOrder),
+        ("M25\nX1.\nM01\nM02X1.M80M80", 7, RepeatedWord(b'M')),
+        ("M25\nX1.\nM01\nM02X1.I3.", 7, UnknownWord(b'I')),
+        ("M25\nX1.\nM01\nM80", 7, StepAndRepeat),
+        ("X", 4, MissingNumber(b'X')),
+    ] {
+        let (_, errors) = panel(&format!("METRIC\nT1C1\nT1\n{lines}\n"));
+        assert_eq!(errors, [(at, kind)], "{lines}");
+    }
+}
+
+/// Lines of patterns in any order, some of them wrong.
+fn pattern_line() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(vec![
+        "M25",
+        "M01",
+        "M02",
+        "M08",
+        "M02X1.Y2.",
+        "R2M02XY3.",
+        "M02X1.M80",
+        "M02XYM90M70",
+        "X1.Y1.",
+        "X-3.",
+        "R2X0.5",
+        "X0Y0G85X2.",
+        "G91",
+        "G90",
+        "M02Q",
+        "M25M01",
+        "M08M25",
+        "R0M02X1.",
+        "T2",
+        "%",
+    ])
+}
+
+proptest! {
+    /// A line with an error changes nothing: without it the same features come out.
+    #[test]
+    fn wrong_lines_of_patterns_change_nothing(program in prop::collection::vec(pattern_line(), 0..24)) {
+        // At most seven sets, so that copies of copies stay few.
+        let mut sets = 0;
+        let few = program.iter().filter(|line| {
+            sets += usize::from(line.contains("M02"));
+            !line.contains("M02") || sets <= 7
+        });
+        let head = ["METRIC", "T1C1", "T2C2", "T1"];
+        let lines: Vec<&str> = head.iter().chain(few).copied().collect();
+        let (places, errors) = panel(&lines.join("\n"));
+        let wrong: Vec<_> = errors.iter().map(|(line, _)| *line).collect();
+        let right: Vec<_> = (1..).zip(&lines).filter(|(number, _)| !wrong.contains(number)).map(|(_, line)| *line).collect();
+        prop_assert_eq!(panel(&right.join("\n")), (places, vec![]));
     }
 }

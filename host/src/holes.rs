@@ -4,6 +4,7 @@ use crate::cli::{self, Holes};
 use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machine_file::{MachineFile, Travel};
 use crate::order;
+use crate::panel::{Panel, Refused};
 use crate::quantity::{self, Quantity};
 use husillo_gcode::Nm;
 use husillo_gcode::excellon::{
@@ -150,11 +151,12 @@ pub fn read<W: Write>(
         inference.observe(line);
     }
     let settings = inference.settle(&options.overrides);
-    let mut reader = Reader::<MOST_TOOLS>::new(&settings);
+    let mut reader = Reader::<MOST_TOOLS>::new(&settings).with_patterns();
     for (number, diameter) in &options.tools {
         reader.set_tool(*number, *diameter);
     }
     let (mut holes, mut slots) = (Vec::new(), Vec::new());
+    let mut panel = Panel::default();
     let errors_before = findings.errors;
     let mut told_diameters = Vec::new();
     for (number, line) in lines(text) {
@@ -189,6 +191,18 @@ pub fn read<W: Write>(
                 Feature::Hole(hole) => holes.push(hole),
                 Feature::Slot(slot) => slots.push(slot),
             }
+        }
+        let Some(pattern) = reader.pattern() else {
+            continue;
+        };
+        if let Err(why) = panel.take(&pattern, &mut holes, &mut slots, MOST_FEATURES) {
+            let place = Place::new(file, number, line, 0..line.len());
+            let (code, message) = match why {
+                Refused::Reach => ("E0103", "the copy is out of reach".to_owned()),
+                Refused::Many => ("E0910", format!("more than {MOST_FEATURES} holes")),
+            };
+            findings.add(&Finding::error(code, message, place))?;
+            break;
         }
     }
     let board = Board {
@@ -234,8 +248,13 @@ fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding {
             .help("choose a tool before, as in `T1`"),
         ErrorKind::NoDiameter => finding.label("must be above zero"),
         ErrorKind::StepAndRepeat => finding
-            .label("a panel of repeated patterns")
-            .help("let the layout program write the panel without step and repeat"),
+            .label("a pattern is repeated by M02 between M01 and M08")
+            .help(
+                "see the order of step and repeat: M25, holes, M01, M02X..Y.. for each copy, M08",
+            ),
+        ErrorKind::PatternOrder => finding
+            .label("not here")
+            .help("the order is M25, the pattern, M01, M02X..Y.. for each copy, M08"),
         ErrorKind::TooManyTools => finding.label(format!("at most {MOST_TOOLS}")),
         ErrorKind::HalfSlot => finding.label("needs a point before it and one behind it"),
         ErrorKind::Origin => finding.help("let the layout program write absolute coordinates"),

@@ -38,6 +38,7 @@ mod machine_file;
 mod measure;
 mod method;
 mod order;
+mod panel;
 mod program;
 mod quantity;
 mod report;

@@ -6,8 +6,8 @@ use fixed::types::I32F32;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::drill_record::{self, Bytes, Record, Records, Table};
 use husillo_gcode::excellon::{
-    self, Digits, Features, Inference, Lines, Number, Reader, Settings, Tools, Units, WarningKind,
-    lines,
+    self, Digits, Features, Inference, Lines, Number, Reader, Repeat, Settings, Tools, Units,
+    WarningKind, lines,
 };
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
@@ -154,6 +154,9 @@ fn keep_excellon() {
         Reader::<8>::is_ended as *const (),
         Reader::<8>::format as *const (),
         Reader::<8>::read as *const (),
+        Reader::<8>::with_patterns as *const (),
+        Reader::<8>::pattern as *const (),
+        Repeat::copy as *const (),
         Tools::<8>::get as *const (),
         Tools::<8>::iter as *const (),
         <Features as Iterator>::next as *const (),

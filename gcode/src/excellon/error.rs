@@ -46,8 +46,10 @@ pub enum ErrorKind {
     NoTool,
     /// A tool with a diameter that is not above zero.
     NoDiameter,
-    /// Step and repeat: M01, M02, M08, M25 and what belongs to them.
+    /// Step and repeat: M01, M02, M08, M25 and what belongs to them, for a reader without patterns.
     StepAndRepeat,
+    /// Step and repeat out of its order: M25, the pattern, M01, an M02 for each copy, M08. Or `R0` with M02.
+    PatternOrder,
     /// `R` without a hole before it.
     NothingToRepeat,
     /// `R` beside a slot or in a rout.
@@ -78,6 +80,7 @@ impl ErrorKind {
             ErrorKind::Gerber => 902,
             ErrorKind::NoTool => 903,
             ErrorKind::StepAndRepeat => 904,
+            ErrorKind::PatternOrder => 911,
             ErrorKind::NothingToRepeat | ErrorKind::RepeatOfSlot => 905,
             ErrorKind::TooManyTools => 906,
             ErrorKind::HalfSlot => 907,
@@ -124,6 +127,7 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NoTool => "hole before any tool",
             ErrorKind::NoDiameter => "tool diameter is not above zero",
             ErrorKind::StepAndRepeat => "step and repeat is not taken",
+            ErrorKind::PatternOrder => "step and repeat out of order",
             ErrorKind::NothingToRepeat => "`R` without a hole before it",
             ErrorKind::RepeatOfSlot => "`R` repeats holes, not slots",
             ErrorKind::TooManyTools => "too many tools",

@@ -30,8 +30,9 @@
 //! assert_eq!(printed, ["39.64178 17.78", "7:4: `Y` without a number"]);
 //! ```
 //!
-//! The grammar is that of Excellon format 2 as layout programs write it. Not taken, and refused by name: step and repeat
-//! (M01, M02, M08, M25), hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than
+//! The grammar is that of Excellon format 2 as layout programs write it. Step and repeat (M25, M01, M02, M08) needs the features
+//! of the pattern again, and a reader keeps none: it is refused, unless the caller keeps them ([`Reader::with_patterns`]).
+//! Not taken, and refused by name: hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than
 //! zero (G92, G93).
 
 mod error;
@@ -42,6 +43,7 @@ mod inference;
 mod lines;
 mod number;
 mod operands;
+mod pattern;
 mod reader;
 mod scanner;
 mod state;
@@ -54,5 +56,6 @@ pub use format::{Digits, Format, Units, Zeros};
 pub use inference::{Doubt, Inference, Overrides, Profile, Reason, Settings, Settled};
 pub use lines::{Lines, lines};
 pub use number::Number;
+pub use pattern::{Pattern, Repeat};
 pub use reader::Reader;
 pub use tool::{Tool, Tools};

@@ -7,8 +7,9 @@ use super::hint::Hint;
 use super::inference::{Reason, Settings};
 use super::number::length;
 use super::operands::Operands;
+use super::pattern::{Pattern, Stage};
 use super::scanner::{Scanner, Word};
-use super::state::{Mode, Pinned, State};
+use super::state::{Copies, Mode, Pinned, State};
 use super::statement::Statement;
 use super::tool::{Source, Tool, Tools};
 use crate::arc::Direction;
@@ -23,6 +24,8 @@ pub struct Reader<const TOOLS: usize> {
     tools: Tools<TOOLS>,
     pinned: Pinned,
     warning: Option<Warning>,
+    takes_patterns: bool,
+    pattern: Option<Pattern>,
 }
 
 /// What a line asks for so far.
@@ -38,6 +41,9 @@ struct Request {
     /// The coordinates have been used: what comes later is of no use.
     used: bool,
     features: Option<Features>,
+    /// `M02`.
+    copies: Option<Copies>,
+    pattern: Option<Pattern>,
 }
 
 impl<const TOOLS: usize> Reader<TOOLS> {
@@ -61,6 +67,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                 tool: None,
                 plated: None,
                 ended: false,
+                stage: Stage::Outside,
                 told_after_end: false,
             },
             tools: Tools::EMPTY,
@@ -70,7 +77,21 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                 digits: matches!(digits, Reason::Given),
             },
             warning: None,
+            takes_patterns: false,
+            pattern: None,
         }
+    }
+
+    /// The same reader, which takes step and repeat: its caller keeps the features and makes the copies that
+    /// [`Reader::pattern`] asks for.
+    pub const fn with_patterns(mut self) -> Reader<TOOLS> {
+        self.takes_patterns = true;
+        self
+    }
+
+    /// What the line read last says about step and repeat; always `None` without [`Reader::with_patterns`].
+    pub const fn pattern(&self) -> Option<Pattern> {
+        self.pattern
     }
 
     /// Sets the diameter of a tool, whatever the file says; to be called before the first line. `false` when there is
@@ -111,6 +132,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
     /// The first thing that is wrong with the line; the reader is then as it was before.
     pub fn read(&mut self, line: &[u8]) -> Result<Features, Error> {
         self.warning = None;
+        self.pattern = None;
         if self.state.ended {
             self.behind_the_end(line);
             return Ok(Features::NONE);
@@ -197,7 +219,11 @@ impl<const TOOLS: usize> Reader<TOOLS> {
     fn words(&mut self, mut scanner: Scanner<'_>) -> Result<Features, Error> {
         let mut state = self.state;
         let mut request = Request::default();
-        while let Some(word) = scanner.word() {
+        loop {
+            if let Some(copies) = &mut request.copies {
+                copies.bare |= take_bare(&mut scanner);
+            }
+            let Some(word) = scanner.word() else { break };
             let word = word?;
             match word.letter {
                 b'X' | b'Y' | b'A' | b'I' | b'J' => {
@@ -237,6 +263,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                         break;
                     }
                 }
+                b'M' if self.takes_patterns
+                    && self.step_and_repeat(&mut state, &mut request, &word)? => {}
                 b'M' => {
                     self.apply(&mut state, &mut request)?;
                     if self.miscellaneous(&mut state, &word)? {
@@ -259,6 +287,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             }
         }
         self.state = state;
+        self.pattern = request.pattern;
         Ok(request.features.unwrap_or(Features::NONE))
     }
 
@@ -299,6 +328,65 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             _ => return Err(word.error(ErrorKind::UnknownCode(b'G', code))),
         }
         Ok(false)
+    }
+
+    /// An M code of step and repeat; `false` when it is none.
+    fn step_and_repeat(
+        &mut self,
+        state: &mut State,
+        request: &mut Request,
+        word: &Word,
+    ) -> Result<bool, Error> {
+        let code = word.whole(u16::MAX)?;
+        if let Some(copies) = &mut request.copies {
+            let [swap, mirror_x, mirror_y] = &mut copies.flags;
+            let flag = match code {
+                70 => Some(swap),
+                80 => Some(mirror_x),
+                90 => Some(mirror_y),
+                _ => None,
+            };
+            if let Some(flag) = flag {
+                if core::mem::replace(flag, true) {
+                    return Err(word.error(ErrorKind::RepeatedWord(b'M')));
+                }
+                return Ok(true);
+            }
+        }
+        let (from, to, pattern) = match code {
+            25 => (Stage::Outside, Stage::Set, Some(Pattern::Begin)),
+            1 if state.stage == Stage::Outside => (Stage::Set, Stage::Set, None),
+            1 => (state.stage, Stage::Copies, Some(Pattern::EndOfSet)),
+            2 => (Stage::Copies, Stage::Copies, None),
+            8 => (Stage::Copies, Stage::Outside, Some(Pattern::End)),
+            _ => return Ok(false),
+        };
+        let order = word.error(ErrorKind::PatternOrder);
+        if code == 2 {
+            let alone = request.operands.first().is_none() && request.copies.is_none();
+            if state.stage != from || request.used || !alone {
+                return Err(order);
+            }
+            request.copies = Some(Copies {
+                word: *word,
+                repeat: request.repeat.take(),
+                flags: [false; 3],
+                bare: false,
+            });
+            return Ok(true);
+        }
+        self.apply(state, request)?;
+        if state.stage != from || request.pattern.is_some() {
+            return Err(order);
+        }
+        state.stage = to;
+        request.pattern = pattern;
+        state.hole_before = false;
+        if code == 1 && state.incremental {
+            // The manual: the accumulators are cleared at the end of a pattern.
+            state.at = [Nm(0); 2];
+        }
+        Ok(true)
     }
 
     /// An M code; `true` when the rest of the line is text.
@@ -380,12 +468,24 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             }
         }
         let operands = request.operands;
+        if let (Some(copies), false) = (&request.copies, request.used) {
+            request.used = true;
+            if request.pattern.is_some() || request.slot.is_some() || request.repeat.is_some() {
+                return Err(copies.word.error(ErrorKind::PatternOrder));
+            }
+            request.pattern = state.copies(copies, &operands)?.map(Pattern::Repeat);
+            return Ok(());
+        }
         if request.used
             || (operands.first().is_none() && request.slot.is_none() && request.repeat.is_none())
         {
             return Ok(());
         }
         request.used = true;
+        if state.stage == Stage::Copies {
+            // What would be copied is not said: such a hole belongs before M01 or behind M08.
+            return Err(operands.error(ErrorKind::PatternOrder));
+        }
         if state.header {
             state.header = false;
             if let Some(word) = operands.first() {
@@ -445,5 +545,19 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             tool,
         };
         Ok(Features::one(Feature::Slot(slot)))
+    }
+}
+
+/// Steps over `X` and `Y` without a number: `M02XY007`. Whether there was one.
+fn take_bare(scanner: &mut Scanner<'_>) -> bool {
+    let mut any = false;
+    loop {
+        let mut ahead = *scanner;
+        let axis = matches!(ahead.next(), Some(b'X' | b'Y'));
+        if !axis || matches!(ahead.peek(), Some(b'0'..=b'9' | b'+' | b'-' | b'.')) {
+            return any;
+        }
+        *scanner = ahead;
+        any = true;
     }
 }

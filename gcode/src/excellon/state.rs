@@ -4,6 +4,7 @@ use super::error::{Error, ErrorKind};
 use super::feature::{Feature, Features, Hole, Path, Slot};
 use super::format::{Format, Units};
 use super::operands::Operands;
+use super::pattern::{Repeat, Stage};
 use super::scanner::Word;
 use super::tool::Tool;
 use crate::arc::Direction;
@@ -36,7 +37,20 @@ pub(super) struct State {
     pub tool: Option<Tool>,
     pub plated: Option<bool>,
     pub ended: bool,
+    pub stage: Stage,
     pub told_after_end: bool,
+}
+
+/// An `M02` and what stands beside it.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Copies {
+    pub word: Word,
+    /// `R` before it.
+    pub repeat: Option<Word>,
+    /// M70, M80, M90.
+    pub flags: [bool; 3],
+    /// An `X` or `Y` without a number, which is zero.
+    pub bare: bool,
 }
 
 /// What a coordinate does.
@@ -165,6 +179,40 @@ impl State {
         self.at = last;
         let hole = Hole { at: first, tool };
         Ok(Features::repeated(hole, steps, count))
+    }
+
+    /// What `M02` with these coordinates asks for; `flags` are M70, M80, M90.
+    pub(super) fn copies(
+        &self,
+        copy: &Copies,
+        operands: &Operands,
+    ) -> Result<Option<Repeat>, Error> {
+        if let Some(odd) = operands.of_arc() {
+            return Err(odd.error(ErrorKind::UnknownWord(odd.letter)));
+        }
+        let [swap, mirror_x, mirror_y] = copy.flags;
+        let says_more = copy.bare || swap || mirror_x || mirror_y || copy.repeat.is_some();
+        if !operands.has_point() && !says_more {
+            // Alone it only clears a counter of the machine.
+            return Ok(None);
+        }
+        let count = match copy.repeat {
+            Some(repeat) => repeat.whole(MOST_REPEATS)?,
+            None => 1,
+        };
+        if count == 0 {
+            return Err(copy.word.error(ErrorKind::PatternOrder));
+        }
+        Ok(Some(Repeat {
+            count,
+            step: [
+                self.offset(operands.x.as_ref())?,
+                self.offset(operands.y.as_ref())?,
+            ],
+            mirror_x,
+            mirror_y,
+            swap,
+        }))
     }
 
     pub(super) fn origin(&mut self, operands: &Operands) -> Result<Features, Error> {
