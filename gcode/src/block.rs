@@ -33,6 +33,10 @@ pub(crate) const AXES: usize = 6;
 const CLAIMED_IN_ORDER: &[u8] = b"IJKRPDEHLQ";
 const CLAIMED: Letters = Letters::new(CLAIMED_IN_ORDER);
 
+/// The letters that are never negative, and those of them that are numbers of something.
+const PLAIN: Letters = Letters::new(b"FSTHNO");
+const NUMBERS: Letters = Letters::new(b"THO");
+
 /// The letter of an axis; `?` beyond the sixth.
 pub(crate) fn axis_letter(axis: usize) -> u8 {
     LETTERS
@@ -250,16 +254,12 @@ impl Block {
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));
         }
-        if value.is_negative() && matches!(letter, b'F' | b'S' | b'T' | b'H' | b'N' | b'O') {
+        if bit & PLAIN.0 != 0 && value.is_negative() {
             return Err(ErrorKind::Negative(letter));
         }
-        if matches!(letter, b'T' | b'H' | b'O')
-            && value
-                .whole()
-                .and_then(|number| u32::try_from(number).ok())
-                .is_none()
-        {
-            return Err(ErrorKind::NotWhole(letter));
+        if bit & NUMBERS.0 != 0 {
+            let whole = value.whole().and_then(|whole| u32::try_from(whole).ok());
+            whole.ok_or(ErrorKind::NotWhole(letter))?;
         }
         self.present |= bit;
         let slot = usize::from(slot);
@@ -360,6 +360,12 @@ impl Block {
             Some(&letter) if self.increment(axis).is_some() => letter,
             _ => axis_letter(axis),
         }
+    }
+
+    /// Whether there is a word that some code must use.
+    #[inline]
+    pub(crate) fn has_claims(&self) -> bool {
+        self.present & CLAIMED.0 != 0
     }
 
     /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters

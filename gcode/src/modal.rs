@@ -56,23 +56,25 @@ pub enum Units {
 impl Units {
     /// This many units in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
     pub(crate) const fn length(self, value: Decimal) -> Option<Nm> {
-        self.within(value, 1)
+        let (factor, exponent) = match self {
+            Units::Millimetres => (1, 6),
+            Units::Inches => (254, 5),
+            Units::Micrometres => (1, 3),
+        };
+        Units::within(value.scaled(factor, exponent))
     }
 
     /// Half of it, rounded once: a diameter as a radius.
     pub(crate) const fn half(self, value: Decimal) -> Option<Nm> {
-        self.within(value, 2)
+        let (factor, exponent) = match self {
+            Units::Millimetres => (5, 5),
+            Units::Inches => (127, 5),
+            Units::Micrometres => (5, 2),
+        };
+        Units::within(value.scaled(factor, exponent))
     }
 
-    const fn within(self, value: Decimal, parts: u8) -> Option<Nm> {
-        let scaled = match (self, parts) {
-            (Units::Millimetres, 2) => value.scaled(5, 5),
-            (Units::Inches, 2) => value.scaled(127, 5),
-            (Units::Micrometres, 2) => value.scaled(5, 2),
-            (Units::Millimetres, _) => value.scaled(1, 6),
-            (Units::Inches, _) => value.scaled(254, 5),
-            (Units::Micrometres, _) => value.scaled(1, 3),
-        };
+    const fn within(scaled: Option<i64>) -> Option<Nm> {
         match scaled {
             Some(nm) => Nm(nm).within_limit(),
             None => None,
@@ -271,15 +273,16 @@ impl<const N: usize> Modal<N> {
 
     /// The stages of [`Modal::execute`] that a block with nothing but a move has.
     fn apply_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        // The position changes as the last thing.
         let modes = &self.modes;
-        let before = (modes.position, modes.feed, modes.motion, modes.tail);
+        let before = (modes.feed, modes.motion, modes.tail);
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
-            .and_then(|()| self.moves(block, commands));
+            .and_then(|()| self.moves_only(block, commands));
         if done.is_err() {
             let modes = &mut self.modes;
-            (modes.position, modes.feed, modes.motion, modes.tail) = before;
+            (modes.feed, modes.motion, modes.tail) = before;
         }
         done
     }

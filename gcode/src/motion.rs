@@ -48,24 +48,8 @@ impl<const N: usize> Modal<N> {
         }
         #[cfg(feature = "extended")]
         self.leave_series(mode);
-        // Motion is not modal on the micro mill's link.
-        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
-            None
-        } else {
-            mode
-        };
         let mine = !covets && (block.axes() != 0 || code.is_some());
-        let users = match mode {
-            Some(mode) if mine && code.is_none() => letters(mode, self.modes.plane),
-            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => {
-                arc_letters(self.modes.plane)
-            }
-            _ => Letters::NONE,
-        };
-        block.check_users(users)?;
-        if EXTENDED && mode != Some(Motion::Cubic) {
-            self.modes.tail = None;
-        }
+        self.enter(block, mode, mine)?;
         self.check_compensation(block, if mine { mode } else { None })?;
         match non_modal {
             Some(Code::CancelShift) => {
@@ -81,6 +65,58 @@ impl<const N: usize> Modal<N> {
         if covets {
             return Ok(());
         }
+        self.travel(block, mode, mine, commands)
+    }
+
+    /// As [`Modal::moves`], of a block with nothing but a move, which is most of them.
+    #[inline]
+    pub(crate) fn moves_only(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let code = block.code(Group::Motion);
+        let mode = code.map_or(self.modes.motion, mode);
+        let mine = block.axes() != 0 || code.is_some();
+        self.enter(block, mode, mine)?;
+        self.travel(block, mode, mine, commands)
+    }
+
+    /// Sets the mode, and refuses words without a user; `mine` is whether the motion has the axis words, or its code.
+    #[inline]
+    fn enter(&mut self, block: &Block, mode: Option<Motion>, mine: bool) -> Result<(), Fault> {
+        // Motion is not modal on the micro mill's link.
+        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
+            None
+        } else {
+            mode
+        };
+        if EXTENDED && mode != Some(Motion::Cubic) {
+            self.modes.tail = None;
+        }
+        if !block.has_claims() {
+            return Ok(());
+        }
+        let modal = block.code(Group::Motion).is_none();
+        let users = match mode {
+            Some(mode) if mine && modal => letters(mode, self.modes.plane),
+            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => {
+                arc_letters(self.modes.plane)
+            }
+            _ => Letters::NONE,
+        };
+        block.check_users(users)
+    }
+
+    /// The motion itself.
+    #[inline]
+    fn travel(
+        &mut self,
+        block: &Block,
+        mode: Option<Motion>,
+        mine: bool,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         let direction = match mode {
             Some(Motion::Clockwise) => Direction::Clockwise,
             Some(Motion::CounterClockwise) => Direction::CounterClockwise,
@@ -169,24 +205,23 @@ impl<const N: usize> Modal<N> {
             Frame::WorkIncremental => self.modes.position,
             Frame::Machine => [Nm(0); N],
         };
+        let given = block.axes();
         let mut target = self.modes.position;
-        let places = target.iter_mut().zip(zero.iter().zip(self.modes.position));
-        for (axis, (target, (zero, here))) in (0..N).zip(places) {
+        for (axis, (target, zero)) in (0..N).zip(target.iter_mut().zip(zero)) {
+            if given & 1u16.wrapping_shl(axis as u32) == 0 {
+                continue;
+            }
+            let letter = block.letter_of(axis);
             let (value, zero) = match (block.axis(axis), block.increment(axis)) {
                 (Some(value), None) => (value, zero.0),
-                (None, Some(value)) => (value, here.0),
-                (None, None) => continue,
-                (Some(_), Some(_)) => {
-                    let letter = block.letter_of(axis);
-                    return Err(Fault::at(ErrorKind::TwoUsersOfWords, letter));
-                }
+                (None, Some(value)) => (value, target.0),
+                _ => return Err(Fault::at(ErrorKind::TwoUsersOfWords, letter)),
             };
-            let letter = block.letter_of(axis);
             let length = self.length(letter, value)?;
             let sum = zero
                 .checked_add(length.0)
                 .and_then(|sum| Nm(sum).within_limit());
-            *target = sum.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            *target = sum.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?;
         }
         Ok(target)
     }
