@@ -131,8 +131,10 @@ pub(crate) enum Before {
 /// The scanner of one line, or (`LINES`) of all lines of a text.
 #[derive(Clone, Debug)]
 struct Scanner<'a, const LINES: bool> {
-    text: &'a [u8],
-    at: usize,
+    /// What was not read yet.
+    rest: &'a [u8],
+    /// The length of the whole text: with the rest it tells the place.
+    length: usize,
     before: Before,
     deleted: bool,
 }
@@ -173,6 +175,7 @@ fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u32) {
 }
 
 pub(crate) const ZERO: u32 = b'0' as u32;
+const NINE: u32 = b'9' as u32;
 const POINT: u32 = b'.' as u32;
 const PLUS: u32 = b'+' as u32;
 const MINUS: u32 = b'-' as u32;
@@ -185,8 +188,83 @@ fn alphabet(byte: u32) -> u32 {
     (byte & !0x20).wrapping_sub(b'A' as u32)
 }
 
-/// A number of one to nine digits without blanks inside, as all programs write them: its value, the place behind it
-/// and the place behind the blanks that follow. `None` for everything else, right or wrong, which is [`number`]'s.
+/// Bytes of a word and of what follows it, enough for the words that most programs consist of.
+const WINDOW: usize = 16;
+
+/// The most digits of a number within the window before its point.
+const WHOLE: usize = 4;
+
+/// The most digits behind it. Together nine: below 10^9 < 2^30.
+const PLACES: usize = 5;
+
+/// A byte of the window. All places asked for are below `1 + 1 + WHOLE + 1 + PLACES + 2 = 14`.
+#[inline(always)]
+fn window_at(window: &[u8; WINDOW], at: usize) -> u32 {
+    match window.get(at) {
+        Some(&byte) => u32::from(byte),
+        None => 0,
+    }
+}
+
+/// The number of a word whose letter is the first byte of the window, if it has few digits and no blank inside: its
+/// value, the place behind it and the place behind a blank. `None` for everything else, right or wrong. The loops have fixed
+/// lengths, so that no place is counted where they are unrolled.
+#[inline(always)]
+fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decimal, usize, usize)> {
+    let (mut at, mut negative) = (1, false);
+    let sign = window_at(window, 1);
+    if sign.wrapping_sub(ZERO) > 9 {
+        negative = sign == MINUS;
+        if negative || sign == PLUS {
+            at = 2;
+        }
+    }
+    let (mut low, mut whole) = (0_u32, 0);
+    let mut byte = window_at(window, at);
+    while whole < WHOLE {
+        let digit = byte.wrapping_sub(ZERO);
+        if digit > 9 {
+            break;
+        }
+        low = low.wrapping_mul(10).wrapping_add(digit);
+        whole = whole.wrapping_add(1);
+        byte = window_at(window, at.wrapping_add(whole));
+    }
+    at = at.wrapping_add(whole);
+    let mut places = 0;
+    if byte == POINT {
+        at = at.wrapping_add(1);
+        byte = window_at(window, at);
+        while places < PLACES {
+            let digit = byte.wrapping_sub(ZERO);
+            if digit > 9 {
+                break;
+            }
+            low = low.wrapping_mul(10).wrapping_add(digit);
+            places = places.wrapping_add(1);
+            byte = window_at(window, at.wrapping_add(places));
+        }
+        if places | whole == 0 {
+            return None;
+        }
+        at = at.wrapping_add(places);
+    } else if whole == 0 {
+        return None;
+    }
+    let end = at;
+    if byte == SPACE {
+        at = at.wrapping_add(1);
+        byte = window_at(window, at);
+    }
+    // Digits, and below them points, signs, commas and blanks: what may go on with a number or be wrong in it.
+    if byte > NINE || (lines && byte == LINE_FEED) {
+        return Some((Decimal::short(low, places as u8, negative), end, at));
+    }
+    None
+}
+
+/// A number of one to nine digits without blanks inside: its value, the place behind it and the place behind the blanks
+/// that follow. `None` for everything else, right or wrong, which is [`number`]'s.
 #[inline(always)]
 fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, usize)> {
     let sign = byte_at(text, at);
@@ -233,18 +311,13 @@ fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
     Some(at)
 }
 
-/// The number behind a letter: `[+-] digits [. digits]` with at least one digit, blanks anywhere; and the place behind
-/// it. An error covers the rest of what looks like this number.
+/// The number behind the letter that the text starts with: `[+-] digits [. digits]` with at least one digit, blanks
+/// anywhere; and twice the place behind it. An error covers the rest of what looks like this number.
 #[cold]
 #[inline(never)]
-fn number(
-    text: &[u8],
-    letter: u8,
-    letter_at: usize,
-    lines: bool,
-) -> Result<(Decimal, usize), Error> {
+fn number(text: &[u8], letter: u8, lines: bool) -> Result<(Decimal, usize, usize), Error> {
     let mut value = Decimal::default();
-    let mut at = letter_at.wrapping_add(1);
+    let mut at = 1_usize;
     let mut end = at;
     while text.get(at).is_some_and(|&byte| is_blank(byte, lines)) {
         at = at.wrapping_add(1);
@@ -296,18 +369,15 @@ fn number(
     }
     if !digits {
         let kind = ErrorKind::MissingNumber(letter);
-        return Err(Error {
-            kind,
-            at: letter_at,
-            end,
-        });
+        return Err(Error { kind, at: 0, end });
     }
-    Ok((if negative { value.negated() } else { value }, end))
+    let value = if negative { value.negated() } else { value };
+    Ok((value, end, end))
 }
 
-/// The place behind the comment that starts at a place.
-fn comment(text: &[u8], start: usize, lines: bool) -> Result<usize, Error> {
-    let mut at = start;
+/// The place behind the comment that the text starts with.
+fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
+    let mut at = 0_usize;
     loop {
         at = at.wrapping_add(1);
         let kind = match text.get(at) {
@@ -324,7 +394,7 @@ fn comment(text: &[u8], start: usize, lines: bool) -> Result<usize, Error> {
             },
             _ => Error {
                 kind,
-                at: start,
+                at: 0,
                 end: at,
             },
         });
@@ -335,39 +405,52 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
     #[inline]
     fn new(text: &'a [u8]) -> Self {
         Scanner {
-            text,
-            at: 0,
+            rest: text,
+            length: text.len(),
             before: Before::Nothing,
             deleted: false,
         }
     }
 
+    /// The place of what was not read yet.
+    #[inline(always)]
+    fn at(&self) -> usize {
+        self.length.wrapping_sub(self.rest.len())
+    }
+
+    /// Passes bytes; there are at least as many.
+    #[inline(always)]
+    fn skip(&mut self, bytes: usize) {
+        self.rest = self.rest.get(bytes..).unwrap_or_default();
+    }
+
     #[inline(always)]
     fn next(&mut self) -> Option<Result<Token, Error>> {
         loop {
-            let at = self.at;
-            let byte = byte_at(self.text, at);
-            if alphabet(byte) < 26 && self.before < Before::Percent {
-                // The place of a letter is below the length of the text.
-                let number = short_number(self.text, at.wrapping_add(1), LINES);
-                if let Some((value, end, next)) = number {
-                    let letter = (byte & !0x20) as u8;
-                    self.at = next;
-                    if self.before != Before::Words {
-                        self.enter(letter);
+            if let Some(window) = self.rest.first_chunk::<WINDOW>() {
+                let byte = window_at(window, 0);
+                if alphabet(byte) < 26 {
+                    if let Some(number) = window_number(window, LINES) {
+                        if let Some(word) = self.take(byte, number) {
+                            return Some(Ok(Token::Word(word)));
+                        }
                     }
-                    return Some(Ok(Token::Word(Word {
-                        letter,
-                        value,
-                        at,
-                        end,
-                    })));
+                } else if LINES && byte == LINE_FEED {
+                    self.skip(1);
+                    self.end_line();
+                    return Some(Ok(Token::EndOfLine));
                 }
             }
-            if LINES && byte == LINE_FEED {
-                self.at = at.wrapping_add(1);
-                self.end_line();
-                return Some(Ok(Token::EndOfLine));
+            if !LINES {
+                // Half the words of one line are too near to its end.
+                let byte = byte_at(self.rest, 0);
+                if alphabet(byte) < 26 {
+                    if let Some(number) = short_number(self.rest, 1, LINES) {
+                        if let Some(word) = self.take(byte, number) {
+                            return Some(Ok(Token::Word(word)));
+                        }
+                    }
+                }
             }
             if let ControlFlow::Break(found) = self.other() {
                 return found;
@@ -375,9 +458,29 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         }
     }
 
-    /// A word was read.
+    /// The word of a letter and a number with the places behind it and behind what follows it, unless none may stand here.
     #[inline(always)]
-    fn enter(&mut self, letter: u8) {
+    fn take(&mut self, letter: u32, (value, end, next): (Decimal, usize, usize)) -> Option<Word> {
+        let letter = (letter & !0x20) as u8;
+        if self.before != Before::Words && !self.enter(letter) {
+            return None;
+        }
+        let at = self.at();
+        self.skip(next);
+        Some(Word {
+            letter,
+            value,
+            at,
+            end: at.wrapping_add(end),
+        })
+    }
+
+    /// The first word of a line begins, or the one behind its `N` word; false behind a `%` or an error.
+    #[inline(always)]
+    fn enter(&mut self, letter: u8) -> bool {
+        if self.before >= Before::Percent {
+            return false;
+        }
         if self.before == Before::Nothing {
             self.deleted = false;
         }
@@ -386,6 +489,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         } else {
             Before::Words
         };
+        true
     }
 
     /// The next line begins. Whether the last one is deleted is known until its first word is.
@@ -397,21 +501,20 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         self.before = Before::Nothing;
     }
 
-    /// Passes what stands here and is no short word, or gives what it is.
+    /// Passes what stands here and is none of the usual words, or gives what it is.
     #[inline(never)]
     fn other(&mut self) -> ControlFlow<Option<Result<Token, Error>>> {
-        let at = self.at;
-        let Some(&byte) = self.text.get(at) else {
+        let (at, rest) = (self.at(), self.rest);
+        let Some(&byte) = rest.first() else {
             if LINES && self.before != Before::Nothing {
                 self.before = Before::Nothing;
                 return ControlFlow::Break(Some(Ok(Token::EndOfLine)));
             }
             return ControlFlow::Break(None);
         };
-        let next = at.wrapping_add(1);
         if LINES && is_end(byte) {
-            let both = byte == b'\r' && self.text.get(next) == Some(&b'\n');
-            self.at = next.wrapping_add(usize::from(both));
+            let both = byte == b'\r' && rest.get(1) == Some(&b'\n');
+            self.skip(if both { 2 } else { 1 });
             self.end_line();
             return ControlFlow::Break(Some(Ok(Token::EndOfLine)));
         }
@@ -420,39 +523,43 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             self.deleted = false;
         }
         let fault = match byte {
-            b';' => {
-                self.at = self.line_end();
-                return ControlFlow::Continue(());
-            }
-            _ if self.before == Before::Fault => {
-                self.at = self.line_end();
+            _ if byte == b';' || self.before == Before::Fault => {
+                self.skip_line();
                 return ControlFlow::Continue(());
             }
             _ if is_blank(byte, LINES) => {
-                self.at = next;
+                self.skip(1);
                 return ControlFlow::Continue(());
             }
-            b'(' => match comment(self.text, at, LINES) {
+            b'(' => match comment(rest, LINES) {
                 Ok(behind) => {
-                    self.at = behind;
+                    self.skip(behind);
                     return ControlFlow::Continue(());
                 }
                 Err(error) => error,
             },
             b'/' if self.before == Before::Blanks => {
-                (self.before, self.deleted, self.at) = (Before::Words, true, next);
+                (self.before, self.deleted) = (Before::Words, true);
+                self.skip(1);
                 return ControlFlow::Continue(());
             }
             b'%' if self.before < Before::Words => {
-                (self.before, self.at) = (Before::Percent, next);
+                self.before = Before::Percent;
+                self.skip(1);
                 return ControlFlow::Continue(());
             }
             b'A'..=b'Z' | b'a'..=b'z' if self.before < Before::Percent => {
                 let letter = byte.to_ascii_uppercase();
-                match number(self.text, letter, at, LINES) {
-                    Ok((value, end)) => {
-                        self.at = end;
+                let short = if LINES {
+                    short_number(rest, 1, LINES)
+                } else {
+                    None // was tried
+                };
+                match short.map_or_else(|| number(rest, letter, LINES), Ok) {
+                    Ok((value, end, next)) => {
                         self.enter(letter);
+                        self.skip(next);
+                        let end = at.wrapping_add(end);
                         return ControlFlow::Break(Some(Ok(Token::Word(Word {
                             letter,
                             value,
@@ -468,23 +575,27 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                     b'#' | b'[' => ErrorKind::Expression,
                     _ => ErrorKind::NotALetter(byte),
                 },
-                at,
-                end: next,
+                at: 0,
+                end: 1,
             },
         };
-        (self.before, self.at) = (Before::Fault, next);
-        ControlFlow::Break(Some(Err(fault)))
+        self.before = Before::Fault;
+        self.skip(1);
+        ControlFlow::Break(Some(Err(Error {
+            kind: fault.kind,
+            at: at.wrapping_add(fault.at),
+            end: at.wrapping_add(fault.end),
+        })))
     }
 
-    /// The place of the end of this line.
-    fn line_end(&self) -> usize {
-        let rest = self.text.get(self.at..).unwrap_or_default();
+    /// Passes the rest of this line.
+    fn skip_line(&mut self) {
         let left = if LINES {
-            rest.iter().position(|&byte| is_end(byte))
+            self.rest.iter().position(|&byte| is_end(byte))
         } else {
             None
         };
-        self.at.wrapping_add(left.unwrap_or(rest.len()))
+        self.skip(left.unwrap_or(self.rest.len()));
     }
 }
 
