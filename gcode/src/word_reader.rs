@@ -251,16 +251,16 @@ impl WordReader {
     /// A byte inside a word, behind its letter.
     #[inline(always)]
     fn in_number(&mut self, byte: u8) -> Step {
-        if byte == b' ' {
+        if byte > b' ' {
+            if byte == b'.' && self.number.point == NOWHERE {
+                return self.point();
+            }
+            if byte == b'-' && !self.number.is_begun() {
+                return self.sign(Sign::Minus);
+            }
+        } else if byte == b' ' {
             return self.blank();
-        }
-        if byte == b'.' && self.number.point == NOWHERE {
-            return self.point();
-        }
-        if byte == b'-' && !self.number.is_begun() {
-            return self.sign(Sign::Minus);
-        }
-        if byte == b'\n' && self.number.room != ROOM {
+        } else if byte == b'\n' && self.number.room != ROOM {
             return Step::Word;
         }
         self.other_in_number(byte)
