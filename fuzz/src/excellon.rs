@@ -2,7 +2,8 @@
 
 use husillo_gcode::Nm;
 use husillo_gcode::excellon::{
-    Digits, Feature, Hole, Inference, Overrides, Profile, Reader, Slot, Units, Zeros, lines,
+    Digits, Feature, Hole, Inference, Overrides, Pattern, Profile, Reader, Slot, Units, Zeros,
+    lines,
 };
 
 /// Room for tools: small, so that it is used up.
@@ -35,7 +36,8 @@ pub fn excellon(data: &[u8]) {
         },
     };
     check_lines(text);
-    let features = read(text, &overrides);
+    let patterns = chosen & 64 != 0;
+    let features = read(text, &overrides, patterns);
     // CR LF for LF, as long as no CR is there already.
     if !text.contains(&b'\r') {
         let mut other = Vec::with_capacity(text.len());
@@ -44,7 +46,7 @@ pub fn excellon(data: &[u8]) {
             other.push(*byte);
         }
         assert_eq!(
-            read(&other, &overrides),
+            read(&other, &overrides, patterns),
             features,
             "line ends do not matter"
         );
@@ -72,13 +74,16 @@ fn check_lines(text: &[u8]) {
     );
 }
 
-fn read(text: &[u8], overrides: &Overrides) -> Vec<Feature> {
+fn read(text: &[u8], overrides: &Overrides, patterns: bool) -> Vec<Feature> {
     let mut inference = Inference::new();
     for (_, line) in lines(text) {
         inference.observe(line);
     }
     let settings = inference.settle(overrides);
     let mut reader = Small::new(&settings);
+    if patterns {
+        reader = reader.with_patterns();
+    }
     let mut features = Vec::new();
     for (_, line) in lines(text) {
         let before = reader.clone();
@@ -106,8 +111,15 @@ fn read(text: &[u8], overrides: &Overrides) -> Vec<Feature> {
                     "{error:?}"
                 );
                 assert!(!error.to_string().is_empty());
+                assert_eq!(reader.pattern(), None);
                 assert_same(&before, &reader);
             }
+        }
+        if let Some(Pattern::Repeat(repeat)) = reader.pattern() {
+            assert!(patterns && repeat.count > 0);
+            let first = features.iter().take(100);
+            let copies = first.filter_map(|feature| repeat.copy(feature, repeat.step));
+            copies.for_each(|copy| check_feature(&copy));
         }
         if let Some(warning) = reader.warning() {
             assert!(
