@@ -1,0 +1,155 @@
+//! Numbers at the ends of what they hold, each case against arithmetic of 128 bits.
+
+use fixed::traits::Fixed;
+use fixed::types::{I0F32, I16F16, I40F24, I64F64, U32F32};
+use husillo_gcode::Decimal;
+
+const DIGITS: [i64; 12] = [
+    0,
+    1,
+    -1,
+    7,
+    -25,
+    2_147,
+    99_999,
+    2_147_483_647,
+    -2_147_483_648,
+    2_147_483_648,
+    i64::MAX,
+    -i64::MAX,
+];
+
+/// `number * factor * 10^power`, to the nearest, halves away from zero; `None` beyond 63 bits.
+fn scaled(digits: i64, factor: i64, power: i32) -> Option<i64> {
+    let product = i128::from(digits) * i128::from(factor);
+    let ten = 10i128.checked_pow(power.unsigned_abs());
+    let result = match (ten, power < 0) {
+        _ if product == 0 => 0,
+        (Some(ten), false) => product.checked_mul(ten)?,
+        (Some(ten), true) => (product + product.signum() * (ten / 2)) / ten,
+        (None, below) => {
+            assert!(!below, "at most 30 places");
+            return None;
+        }
+    };
+    i64::try_from(result)
+        .ok()
+        .filter(|result| *result != i64::MIN)
+}
+
+/// Every power of ten, also those that no integer of 32 or 64 bits holds, on every way through the arithmetic.
+#[test]
+fn numbers_are_scaled_by_every_power() {
+    for digits in DIGITS {
+        for places in 0..=Decimal::MAX_PLACES {
+            let number = Decimal::new(digits, places).expect("within range");
+            for exponent in 0..=40 {
+                for factor in [1, 5, 127, 254, 2_147, 2_148, i64::from(i32::MAX), i64::MAX] {
+                    for factor in [factor, -factor] {
+                        let power = i32::from(exponent) - i32::from(places);
+                        assert_eq!(
+                            number.scaled(factor, exponent),
+                            scaled(digits, factor, power),
+                            "{number} * {factor} * 10^{exponent}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A number is whole when nothing but zeros stands behind its point, however many.
+#[test]
+fn whole_numbers_are_told_from_others() {
+    for digits in [0, 10, -10, 1_000_000, 10_i64.pow(18), 5, -105]
+        .into_iter()
+        .chain(DIGITS)
+    {
+        for places in 0..=Decimal::MAX_PLACES {
+            let number = Decimal::new(digits, places).expect("within range");
+            let ten = 10i128.pow(u32::from(places));
+            let whole = (i128::from(digits) % ten == 0).then(|| (i128::from(digits) / ten) as i64);
+            assert_eq!(number.whole(), whole, "{number}");
+        }
+    }
+}
+
+/// The nearest value of a binary type, halves away from zero; `None` where the type ends before.
+fn nearest<F: Fixed>(digits: i64, places: u8) -> Option<F>
+where
+    F::Bits: TryFrom<i128>,
+{
+    // 2^63 * 2^64 is as much as 128 bits hold.
+    let ten = 10u128.pow(u32::from(places));
+    let magnitude = u128::from(digits.unsigned_abs()) << F::FRAC_NBITS;
+    let (bits, rest) = (magnitude / ten, magnitude % ten);
+    let bits = i128::try_from(bits + u128::from(rest >= ten - rest)).ok()?;
+    let bits = if digits < 0 { -bits } else { bits };
+    F::Bits::try_from(bits).ok().map(F::from_bits)
+}
+
+/// Conversions to binary types round once and give up where the type ends.
+#[test]
+fn fixed_types_end_where_they_end() {
+    let ends = [
+        (1 << 15, 0),
+        (327_675, 1),
+        (-32_768, 0),
+        (499_999, 6),
+        (5, 1),
+        (-5, 1),
+    ];
+    for (digits, places) in DIGITS
+        .into_iter()
+        .flat_map(|digits| (0..=Decimal::MAX_PLACES).map(move |places| (digits, places)))
+        .chain(ends)
+    {
+        let number = Decimal::new(digits, places).expect("within range");
+        assert_eq!(
+            number.to_fixed(),
+            nearest::<I16F16>(digits, places),
+            "{number}"
+        );
+        assert_eq!(
+            number.to_fixed(),
+            nearest::<I40F24>(digits, places),
+            "{number}"
+        );
+        assert_eq!(
+            number.to_fixed(),
+            nearest::<I0F32>(digits, places),
+            "{number}"
+        );
+        assert_eq!(
+            number.to_fixed(),
+            nearest::<U32F32>(digits, places),
+            "{number}"
+        );
+        assert_eq!(
+            number.to_fixed(),
+            nearest::<I64F64>(digits, places),
+            "{number}"
+        );
+    }
+}
+
+/// What a number says of itself, in numbers that are nothing, less and more.
+#[test]
+fn signs_and_places_are_told() {
+    for (digits, sign) in [(0, 0), (3, 1), (-3, -1)] {
+        for places in [0, 1, 18, 19, 20, 30] {
+            let number = Decimal::new(digits, places).expect("within range");
+            assert_eq!(
+                (number.is_zero(), number.is_negative()),
+                (sign == 0, sign < 0)
+            );
+            assert_eq!(
+                number.last_place(),
+                Decimal::new(1, places).expect("within range")
+            );
+        }
+    }
+    assert_eq!(Decimal::new(i64::MIN, 0), None);
+    assert_eq!(Decimal::new(1, 31), None);
+}
