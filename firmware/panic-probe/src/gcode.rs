@@ -202,6 +202,7 @@ fn keep_parameters() {
         Program::<'_, 64, 96, 10>::call_level as *const (),
         Program::<'_, 64, 96, 10>::parameter as *const (),
         Program::<'_, 64, 96, 10>::named_parameter as *const (),
+        Program::<'_, 64, 96, 10>::go_to as *const (),
         Program::<'_, 64, 96, 10>::set_parameter as *const (),
         Program::<'_, 64, 96, 10>::set_named_parameter as *const (),
         Program::<'_, 64, 96, 10>::next_line::<Modal<3>> as *const (),
