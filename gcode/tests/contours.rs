@@ -344,6 +344,8 @@ proptest! {
                 "G7[012] P[0-9] Q[0-9] U-?[0-9] W-?[0-9] D[0-9]{1,2} R[0-9]",
                 "G7[012](.1)? [PQUWDRFS][0-9]{1,9} [PQUWDRXZ]-?[0-9]{1,9}",
                 "(G9[01]|G2[01]|G1[789]|G[78]|G42.1 D1|G40|M3 S100|G9[459] F1|F100|M2|N[0-9]|/N[0-9])",
+                "G76 P[0-9]{1,6} Q[0-9]{1,4}( R0.1)?",
+                "G76 X-?[0-9]{1,2} Z-?[0-9]{1,2} P[0-9]{2,5} Q[0-9]{2,5} F[0-9]( R-?[0-9])?",
                 "\\PC{0,20}",
             ],
             0..14,
@@ -504,4 +506,86 @@ fn a_numbered_contour_is_found_where_it_is() {
     assert!(needs_contours(b"N5 g71 P1 Q2", &Dialect::LATHE));
     assert!(!needs_contours(b"G71 P1 Q2", &Dialect::RS274));
     assert!(!needs_contours(b"G7 (G71)", &Dialect::LATHE));
+}
+
+#[test]
+fn a_thread_is_told_in_two_lines() {
+    let program = |first: &str, second: &str| {
+        format!("M3 S500\nG0 X20 Z5\nG76 {first}\nG76 {second}\nG0 Z9\n")
+    };
+    let text = program("P020060 Q100 R0.05", "X17.4 Z-20 P1300 Q500 F2");
+    let (commands, errors) = run(&text, Dialect::LATHE_A);
+    assert!(errors.is_empty(), "{errors:?}");
+    let mut depths = Vec::new();
+    let mut at = [Nm(0); 3];
+    for (_, command) in &commands {
+        if let Command::Thread { to, lead } = command {
+            assert_eq!((lead.0, to[2].0), (2_000_000, -20_000_000));
+            let depth = 10_000_000 - to[0].0;
+            depths.push(depth);
+            // Half the angle aside: the flank is the line of the thread's.
+            let aside = (5_000_000 - at[2].0) as f64 - depth as f64 * 30f64.to_radians().tan();
+            assert!(aside.abs() < 2.0, "{aside}");
+        }
+        at = command.end().unwrap_or(at);
+    }
+    assert_eq!(at[0], Nm(10_000_000));
+    // The root of the number, at least 0.1 mm more, 0.05 mm for the last, and that twice.
+    let mut expected: Vec<i64> = Vec::new();
+    let mut last = 0;
+    for n in 1.. {
+        let by_root = (500_000.0 * f64::from(n).sqrt()) as i64;
+        last = by_root.max(last + 100_000).min(1_250_000);
+        expected.push(last);
+        if last == 1_250_000 {
+            break;
+        }
+    }
+    expected.extend([1_300_000, 1_300_000]);
+    assert_eq!(depths, expected);
+    let (commands, _) = run(
+        &program("P011000", "X14.4 Z-20 P1300 Q1300 F2 R-1"),
+        Dialect::LATHE_A,
+    );
+    let text: Vec<_> = commands
+        .iter()
+        .map(|(_, command)| command.to_string())
+        .collect();
+    assert_eq!(
+        text[2..],
+        [
+            "rapid X10 Y0 Z5",
+            "rapid X6.2 Y0 Z5",
+            "thread X7.14 Y0 Z-18.5 lead 2.001599",
+            "thread X8.7 Y0 Z-20 lead 2.001599",
+            "rapid X10 Y0 Z-20",
+            "rapid X10 Y0 Z5",
+            "rapid X10 Y0 Z9"
+        ]
+    );
+    for (first, second, line, kind) in [
+        (
+            "P010099",
+            "X17 Z-9 P1 Q1 F1",
+            3,
+            ErrorKind::OutOfRange(b'P'),
+        ),
+        (
+            "P010060",
+            "X17 Z-9 Q100 F1",
+            4,
+            ErrorKind::MissingWord(b'P'),
+        ),
+        ("P010060", "X17 Z5 P900 Q100 F1", 4, ErrorKind::ContourStart),
+        (
+            "P010060",
+            "X19 Z-9 P900 Q100 F1",
+            4,
+            ErrorKind::ContourStart,
+        ),
+        ("P010060", "X17 Z-9 P900 Q1 F1", 4, ErrorKind::TooManyPasses),
+    ] {
+        let (_, errors) = run(&program(first, second), Dialect::LATHE_A);
+        assert_eq!(errors, [(line, kind)], "{first} {second}");
+    }
 }

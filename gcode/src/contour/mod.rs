@@ -17,15 +17,17 @@ mod passes;
 mod reading;
 mod shape;
 mod text;
+mod thread;
 mod written;
 
 use crate::arc::Plane;
 use crate::block::Block;
 use crate::code::{Code, Group};
 use crate::commands::Commands;
-use crate::dialect::Dialect;
+use crate::dialect::{Dialect, Flavour};
 use crate::error::{Error, ErrorKind};
 use crate::fault::Fault;
+use crate::kind::Kind;
 use crate::line::Line;
 use crate::modal::{FeedMode, Modal};
 use crate::nm::Nm;
@@ -35,11 +37,15 @@ use passes::{MOST_PASSES, Passes, Return};
 use reading::{Read, Refused, point, read};
 use shape::{Shape, Ways};
 use text::{Place, find, line_at, number_of};
+use thread::{Habits, Thread};
 
 /// The retract where no `R` says another: LinuxCNC's.
 const RETRACT: Nm = Nm(500_000);
 
-/// Whether a line has a contour cycle in it, so that its program must be given as a whole. Cost: one pass over the line,
+/// The code of G76 beside those of contour cycles.
+const THREAD: u8 = 60;
+
+/// Whether a line has a contour cycle in it, or a G76 of code system A, so that its program must be given as a whole. Cost: one pass over the line,
 /// none in dialects without such cycles.
 pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
     if !dialect.is_lathe() {
@@ -48,7 +54,14 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
     let mut words = words(line);
     words.any(|word| {
         word.is_ok_and(|word| {
-            word.letter == b'G' && matches!(word.value.exactly(1), Some(700..=729))
+            let code = (word.letter == b'G')
+                .then(|| word.value.exactly(1))
+                .flatten();
+            match code {
+                Some(700..=729) => true,
+                Some(760) => dialect.flavour == Flavour::LatheA,
+                _ => false,
+            }
         })
     })
 }
@@ -72,6 +85,12 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
 /// shorter) and goes back in rapid. Then one pass along the contour with its allowance; all of it at the feed. At the end the
 /// tool is where it began.
 /// Contours rise all the way in both axes (type I): a pocket is refused.
+///
+/// **Threading.** In code system A G76 is told in two lines: `P` with two digits each for the passes at full depth, the run-out at
+/// 45 degrees in tenths of the lead and the angle of the thread, `Q` the least step, `R` what is left for the passes at full
+/// depth; then X and Z of the root at the end, `R` how much more its radius is at the start, `P` the height, `Q` the first depth,
+/// `F` the lead along Z. `P` and `Q` without a decimal point count thousandths of a millimetre. Pass n goes to the first depth times
+/// the root of n. With `I`, `J` or `K` it is the one-line cycle of the other dialects.
 ///
 /// **Finishing.** G70 gives the lines of the contour as they are, the last ones before it with these numbers, and goes back
 /// to where it began, out of the material first.
@@ -112,6 +131,7 @@ pub struct Contours<'t, const CAPACITY: usize = 64> {
     /// Depth of a cut and retract, as the last cycle had them.
     depth: Option<Nm>,
     retract: Nm,
+    habits: Habits,
     /// The line of the cycle, its code in it, and where it goes on.
     line: (Place, &'t [u8], Span),
     resume: Option<Place>,
@@ -129,6 +149,7 @@ enum Work<const CAPACITY: usize> {
     /// The lines from one place to another, then back.
     Finish(Place, Place, Return),
     Back(Return),
+    Thread(Thread),
 }
 
 impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
@@ -140,6 +161,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             next: Place { at: 0, number: 1 },
             depth: None,
             retract: RETRACT,
+            habits: Habits::new(),
             line: (Place { at: 0, number: 1 }, b"", (0, 0)),
             resume: None,
             work: Work::None,
@@ -179,6 +201,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             Work::None => None,
             Work::Rough(passes) => passes.next(),
             Work::Back(back) => back.next(),
+            Work::Thread(thread) => thread.next(),
             Work::Finish(place, last, back) => {
                 let here = *place;
                 let found = line_at(self.text, here).filter(|_| here.at <= last.at);
@@ -214,8 +237,10 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
         let Ok(block) = &line.block else { return line };
-        let Some(Code::ContourCycle(code)) = block.code(Group::Motion) else {
-            return line;
+        let code = match block.code(Group::Motion) {
+            Some(Code::ContourCycle(code)) => code,
+            Some(Code::Cycle(Kind::Thread)) if self.is_thread(block) => THREAD,
+            _ => return line,
         };
         let place = block.error(Fault::at_motion(ErrorKind::ContourOfBlocks));
         self.line = (
@@ -260,6 +285,10 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             0 => None,
             10 => Some(false),
             20 => Some(true),
+            THREAD => {
+                self.thread(block, modal).map_err(refused)?;
+                return Block::from_words([], &self.dialect).map_err(wrong);
+            }
             // LinuxCNC's, along a subroutine.
             _ => {
                 return Err(refused(Fault::at_motion(ErrorKind::NotOfDialect(
@@ -291,6 +320,24 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             }
         }
         Ok(outputs)
+    }
+
+    /// Whether a G76 is one that two lines tell.
+    fn is_thread(&self, block: &Block) -> bool {
+        self.dialect.flavour == Flavour::LatheA && thread::is_two_line(block)
+    }
+
+    /// G76 of code system A: the first line, or the second.
+    fn thread<const N: usize>(&mut self, block: &Block, modal: &Modal<N>) -> Result<(), Fault> {
+        if modal.compensation().is_some() {
+            return Err(Fault::at_motion(ErrorKind::UnderCompensation));
+        }
+        if thread::is_first(block) {
+            self.habits = self.habits.read(block, modal)?;
+        } else {
+            self.work = Work::Thread(Thread::read(self.habits, block, modal)?);
+        }
+        Ok(())
     }
 
     /// Depth of a cut and retract, where they are given.

@@ -11,6 +11,11 @@ pub(super) const MOST_PASSES: i64 = 1 << 16;
 pub(super) enum Move {
     Rapid(Vector),
     Feed(Vector),
+    /// G33, by system A's number G32.
+    Thread {
+        to: Vector,
+        lead: i64,
+    },
     Arc {
         to: Vector,
         centre: Vector,

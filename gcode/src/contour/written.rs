@@ -21,6 +21,7 @@ pub(super) fn block<const N: usize>(
     let (code, to, centre) = match wanted {
         Move::Rapid(to) => (0, to, None),
         Move::Feed(to) => (1, to, None),
+        Move::Thread { to, .. } => (32, to, None),
         Move::Arc {
             to,
             centre,
@@ -62,6 +63,10 @@ pub(super) fn block<const N: usize>(
         Some(word(b'Z', number(z, units))),
         centre.map(|_| word(b'I', number(i, units))),
         centre.map(|_| word(b'K', number(k, units))),
+        match wanted {
+            Move::Thread { lead, .. } => Some(word(b'K', number(lead, units))),
+            _ => None,
+        },
     ];
     Block::from_words(words.into_iter().flatten(), modal.dialect())
 }
@@ -103,6 +108,28 @@ pub(super) fn part<const N: usize>(
         }))
     });
     Block::from_words(words, modal.dialect())
+}
+
+/// A length of a word that is never a diameter; without a decimal point in thousandths of a millimetre, or ten-thousandths
+/// of an inch.
+pub(super) fn counted_length<const N: usize>(
+    block: &Block,
+    letter: u8,
+    modal: &Modal<N>,
+) -> Result<Option<Nm>, Fault> {
+    match block.word(letter).filter(|value| value.places() == 0) {
+        None => plain_length(block, letter, modal),
+        Some(value) => {
+            let places = match modal.units() {
+                Units::Inches => 4,
+                _ => 3,
+            };
+            let small = Decimal::new(value.digits(), places);
+            let length = small.and_then(|small| modal.units().length(small));
+            let length = length.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            Ok(Some(length))
+        }
+    }
 }
 
 /// A length of a word that is never a diameter.
