@@ -33,6 +33,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
+    #[inline(never)]
     pub(crate) fn canned(
         &mut self,
         block: &Block,

@@ -13,6 +13,7 @@ use crate::settings::{missing, whole};
 use crate::tools::Tool;
 
 impl<const N: usize> Modal<N> {
+    #[inline(never)]
     pub(crate) fn set_compensation(
         &mut self,
         block: &Block,
@@ -68,6 +69,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
+    #[inline(never)]
     pub(crate) fn set_tool_length(
         &mut self,
         block: &Block,
@@ -107,6 +109,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G10 and its `L`.
+    #[inline(never)]
     pub(crate) fn set_data(&mut self, block: &Block) -> Result<(), Fault> {
         let kind: u8 = whole(block, b'L')?.ok_or_else(|| missing(b'L', Group::NonModal))?;
         let number: u32 = whole(block, b'P')?.ok_or_else(|| missing(b'P', Group::NonModal))?;
@@ -197,6 +200,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
+    #[inline(never)]
     pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Fault> {
         let here = self.less(
             self.less(self.modes.position, self.system_offset()),
@@ -216,6 +220,7 @@ impl<const N: usize> Modal<N> {
 
     /// G28 and G30: through the given point to the stored position, only the axes named; all axes straight where none
     /// is.
+    #[inline(never)]
     pub(crate) fn go_home(
         &mut self,
         block: &Block,

@@ -102,8 +102,8 @@ pub enum FeedMode {
     PerRevolution,
 }
 
-/// How many work frames there are: G54 to G59.3.
-const SYSTEMS: usize = 9;
+/// How many work frames there are: G54 to G59, with the extended codes to G59.3.
+const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 
 #[cfg(feature = "extended")]
 /// What a canned cycle keeps for the next block of its series, lengths as they were programmed.

@@ -23,6 +23,7 @@ pub(crate) enum Frame {
 impl<const N: usize> Modal<N> {
     /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
     /// happens.
+    #[inline(never)]
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         if self.dialect.flavour == Flavour::Drill {
             return self.drill(block, commands);
@@ -162,6 +163,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The modes that are not lines or arcs.
+    #[inline(never)]
     fn special(
         &mut self,
         block: &Block,
@@ -300,6 +302,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G2 and G3.
+    #[inline(never)]
     fn arc(
         &mut self,
         block: &Block,
@@ -391,6 +394,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The centre by its words: offsets from the start, or (both needed) coordinates in the work frame.
+    #[inline(never)]
     fn centre(
         &self,
         block: &Block,

@@ -11,6 +11,7 @@ use crate::modal::{FeedMode, Modal};
 
 impl<const N: usize> Modal<N> {
     /// G38.2 to G38.5.
+    #[inline(never)]
     pub(crate) fn probe(
         &mut self,
         block: &Block,

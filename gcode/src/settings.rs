@@ -63,6 +63,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
+    #[inline(never)]
     pub(crate) fn set_outputs(
         &mut self,
         block: &Block,

@@ -53,6 +53,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a smooth join.
+    #[inline(never)]
     pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let (from, to) = self.spline_ends(block)?;
         let end = Self::plane_point(&to);
@@ -83,6 +84,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G5.1: I J from the start to the only control point.
+    #[inline(never)]
     pub(crate) fn quadratic(
         &mut self,
         block: &Block,
@@ -114,6 +116,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G33: `K` is the lead; in code system A of lathes (G32) `F` is.
+    #[inline(never)]
     pub(crate) fn thread(
         &mut self,
         block: &Block,

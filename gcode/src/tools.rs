@@ -1,5 +1,6 @@
 //! The tool table: lengths and radii by number.
 
+use crate::code::EXTENDED;
 use crate::nm::Nm;
 
 /// One tool.
@@ -20,8 +21,8 @@ impl<const N: usize> Default for Tool<N> {
     }
 }
 
-/// How many tools the table holds.
-const CAPACITY: usize = 8;
+/// How many tools the table holds; none where no code uses it.
+const CAPACITY: usize = if EXTENDED { 8 } else { 0 };
 
 /// At most eight tools of any number. Tool 0 is no tool: it has no entry.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]

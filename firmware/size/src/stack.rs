@@ -1,0 +1,98 @@
+//! How deep the stack is below a call, seen from what it overwrites. Run by `check`.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use core::ptr::{read_volatile, write_volatile};
+use husillo_gcode::{Block, Commands, Dialect, Modal, words};
+use semihosting::{println, process};
+
+/// How much is looked at, and left alone next to the caller.
+const DEPTH: usize = 4096;
+const MARGIN: usize = 64;
+const PAINT: u32 = 0xa5a5_5a5a;
+
+/// Bytes of stack below this function that `work` uses.
+#[inline(never)]
+fn depth(work: &mut dyn FnMut()) -> usize {
+    let top = cortex_m::register::msp::read() as usize - MARGIN;
+    let places = || (top - DEPTH..top).step_by(4);
+    for place in places() {
+        // SAFETY: below the stack pointer, which a margin keeps away from, and within the RAM of the board (16 kB, of
+        // which nothing else is in use); interrupts are off.
+        unsafe { write_volatile(place as *mut u32, PAINT) };
+    }
+    work();
+    // SAFETY: as above.
+    let untouched =
+        places().take_while(|&place| unsafe { read_volatile(place as *const u32) } == PAINT);
+    DEPTH + MARGIN - 4 * untouched.count()
+}
+
+/// Lines of every kind, good and bad.
+const LINES: &[&str] = &[
+    "G1 X12.345 Y-6.789 F600",
+    "G0 X1.234567891 Y0.1234567895",
+    "G2 X10 Y10 I5 J5 F100",
+    "G3 X20 Y20 R-8.5",
+    "G2 X30 Y20 R1",
+    "G17 G20 G90 G94 G54 M3 S1000",
+    "G10 L2 P1 X1 Y2 Z3",
+    "G10 L20 P0 X0 Y0",
+    "G92 X0 Y0 Z0",
+    "G92.1",
+    "G28 X0 Y0",
+    "G28.1",
+    "G53 G0 X0 Y0",
+    "G38.2 Z-5 F10",
+    "G43.1 Z5.5",
+    "G93 G1 X5 F2",
+    "G4 P0.5",
+    "G81 X1 Y1 Z-3 R2 F100",
+    "G83 X1 Y1 Z-3 R2 Q0.5 L2",
+    "G76 P1 Z-5 I-0.5 J0.1 K0.6 R1.5 Q29 H1 L2 E0.5",
+    "G1 X1 X2",
+    "G1 Q5",
+    "G2 X1 Y1",
+    "M2",
+];
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let dialect = Dialect::RS274;
+    let (mut block, mut modal, mut commands) =
+        (Block::new(), Modal::<3>::new(dialect), Commands::new());
+    let frame = depth(&mut || ());
+    let (mut of_words, mut of_blocks, mut of_modal, mut of_commands) = (0, 0, 0, 0);
+    for line in LINES {
+        let line = black_box(line.as_bytes());
+        of_words = of_words.max(depth(&mut || {
+            black_box(words(line).last());
+        }));
+        let mut read = Ok(());
+        of_blocks = of_blocks.max(depth(&mut || read = block.read(line, &dialect)));
+        if read.is_err() {
+            continue;
+        }
+        of_modal = of_modal.max(depth(&mut || {
+            let _ = black_box(modal.apply(&block, &mut commands));
+        }));
+        of_commands = of_commands.max(depth(&mut || {
+            for command in &mut commands {
+                let _ = black_box(command);
+            }
+        }));
+    }
+    for (call, depth) in [
+        ("words", of_words),
+        ("Block::read", of_blocks),
+        ("Modal::apply", of_modal),
+        ("Commands::next", of_commands),
+    ] {
+        println!("stack {call} {}", depth - frame);
+    }
+    println!("bytes Block {}", size_of::<Block>());
+    println!("bytes Modal<3> {}", size_of::<Modal<3>>());
+    println!("bytes Commands<3> {}", size_of::<Commands<3>>());
+    process::exit(0)
+}
