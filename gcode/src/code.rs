@@ -356,7 +356,7 @@ impl Code {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "extended"))]
 mod tests {
     use super::*;
 

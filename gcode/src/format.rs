@@ -308,6 +308,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "extended")]
     fn words_have_one_form() {
         for (line, expected) in [
             ("", ""),

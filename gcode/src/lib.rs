@@ -112,6 +112,6 @@ pub use word::{Token, Tokens, Word, Words, tokens, words};
 pub use word_reader::WordReader;
 
 /// The example of the README, compiled.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "extended"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

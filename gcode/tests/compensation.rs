@@ -1,4 +1,5 @@
 //! Cutter compensation: the tool's path against LinuxCNC's, and invariants in words.
+#![cfg(feature = "extended")]
 
 use husillo_gcode::{Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm};
 use proptest::prelude::*;

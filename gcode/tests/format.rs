@@ -1,4 +1,5 @@
 //! Lines written back in their one form: the same meaning, nothing lost, and the same again.
+#![cfg(feature = "extended")]
 
 use husillo_gcode::{Block, Command, Compensation, Dialect, Error, Modal, formatted};
 use proptest::prelude::*;

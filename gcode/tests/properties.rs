@@ -1,4 +1,5 @@
 //! Properties, each in words.
+#![cfg(feature = "extended")]
 
 use fixed::types::{I16F16, I40F24};
 use husillo_gcode::{Block, Command, Decimal, Dialect, Error, Modal, Nm, words};
