@@ -12,8 +12,8 @@ use husillo_gcode::excellon::{
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
     Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
-    ErrorKind, Formatted, LineReader, LineTooLong, Modal, Plane, Receiver, SpindleDirection,
-    Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
+    ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane, Receiver,
+    SpindleDirection, Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
 };
 
 /// Keeps every function in the program.
@@ -44,6 +44,8 @@ pub fn keep() {
         Block::read as *const (),
         Modal::<3>::apply as *const (),
         Commands::<3>::new as *const (),
+        Measure::of as *const (),
+        Measure::length as *const (),
         Decimal::new as *const (),
         Decimal::digits as *const (),
         Decimal::places as *const (),
