@@ -8,8 +8,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, process};
 
-const CRATES: [&str; 6] = [
-    "gcode", "interp", "planner", "stepper", "backlash", "machine",
+const CRATES: [&str; 10] = [
+    "gcode",
+    "interp",
+    "planner",
+    "stepper",
+    "backlash",
+    "encoder",
+    "pid",
+    "probe",
+    "transports",
+    "machine",
 ];
 
 /// Traits whose implementations need not be in the probe: derived, or made of calls of functions that are, or text output.

@@ -7,11 +7,15 @@
 #![no_main]
 
 mod backlash;
+mod encoder;
 mod gcode;
 mod interp;
 mod machine;
+mod pid;
 mod planner;
+mod probe;
 mod stepper;
+mod transports;
 
 /// Where the linker starts to look for what is used. Never run.
 #[unsafe(no_mangle)]
@@ -21,6 +25,10 @@ extern "C" fn _start() -> ! {
     planner::keep();
     stepper::keep();
     backlash::keep();
+    encoder::keep();
+    pid::keep();
+    probe::keep();
+    transports::keep();
     machine::keep();
     loop {
         core::hint::spin_loop();

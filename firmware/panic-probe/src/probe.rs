@@ -1,0 +1,4 @@
+//! The public functions of `husillo-probe`.
+
+/// Keeps every function in the program.
+pub fn keep() {}

@@ -1,0 +1,4 @@
+//! The public functions of `husillo-transports`.
+
+/// Keeps every function in the program.
+pub fn keep() {}
