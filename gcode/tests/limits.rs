@@ -2,7 +2,7 @@
 
 use fixed::traits::Fixed;
 use fixed::types::{I0F32, I16F16, I40F24, I64F64, U32F32};
-use husillo_gcode::Decimal;
+use husillo_gcode::{Decimal, ErrorKind, WordReader, words};
 
 const DIGITS: [i64; 12] = [
     0,
@@ -152,4 +152,50 @@ fn signs_and_places_are_told() {
     }
     assert_eq!(Decimal::new(i64::MIN, 0), None);
     assert_eq!(Decimal::new(1, 31), None);
+}
+
+/// The only word of a line, read from the line and byte by byte.
+fn number(text: &str) -> Result<Decimal, ErrorKind> {
+    let line = format!("X{text}");
+    let read = words(line.as_bytes()).next().expect("a word");
+    let mut reader = WordReader::new();
+    let mut pushed: Vec<_> = line.bytes().filter_map(|byte| reader.push(byte)).collect();
+    pushed.extend(reader.finish());
+    assert_eq!(pushed, [read], "{text}");
+    read.map(|word| word.value).map_err(|error| error.kind)
+}
+
+/// Digits and places end where they are said to; only zeros may stand behind the last place, and they are dropped.
+#[test]
+fn written_numbers_end_where_they_end() {
+    let number_of = |digits, places| Ok(Decimal::new(digits, places).expect("within range"));
+    let zeros = |count| "0".repeat(count);
+    assert_eq!(number("9223372036854775807"), number_of(i64::MAX, 0));
+    assert_eq!(number("-9223372036854775807"), number_of(-i64::MAX, 0));
+    assert_eq!(
+        number("9223372036854775808"),
+        Err(ErrorKind::NumberTooLarge)
+    );
+    assert_eq!(number("9.223372036854775807"), number_of(i64::MAX, 18));
+    assert_eq!(
+        number("9.223372036854775808"),
+        Err(ErrorKind::TooManyDigits)
+    );
+    assert_eq!(
+        number(&format!("1.{}", zeros(40))),
+        number_of(10_i64.pow(18), 18)
+    );
+    assert_eq!(number(&format!("0.{}7", zeros(29))), number_of(7, 30));
+    assert_eq!(number(&format!("0.{}70", zeros(29))), number_of(7, 30));
+    assert_eq!(
+        number(&format!("0.{}7", zeros(30))),
+        Err(ErrorKind::TooManyDigits)
+    );
+    assert_eq!(number(&format!("0.{}", zeros(30))), number_of(0, 30));
+    assert_eq!(number(&format!("0.{}", zeros(31))), number_of(0, 30));
+    // Behind what was dropped nothing but zeros either.
+    assert_eq!(
+        number(&format!("1.{}1", zeros(40))),
+        Err(ErrorKind::TooManyDigits)
+    );
 }
