@@ -2,7 +2,7 @@
 
 use fixed::traits::Fixed;
 use fixed::types::{I0F32, I16F16, I40F24, I64F64, U32F32};
-use husillo_gcode::{Decimal, ErrorKind, WordReader, words};
+use husillo_gcode::{Decimal, Error, ErrorKind, Token, Word, WordReader, tokens, words};
 
 const DIGITS: [i64; 12] = [
     0,
@@ -198,4 +198,65 @@ fn written_numbers_end_where_they_end() {
         number(&format!("1.{}1", zeros(40))),
         Err(ErrorKind::TooManyDigits)
     );
+}
+
+type Found = Vec<Result<(u8, Decimal, usize), ErrorKind>>;
+
+fn found(words: impl Iterator<Item = Result<Word, Error>>) -> Found {
+    words
+        .map(|word| {
+            word.map(|word| (word.letter, word.value, word.at))
+                .map_err(|error| error.kind)
+        })
+        .collect()
+}
+
+fn check_ways(line: &[u8]) {
+    let shown = String::from_utf8_lossy(line);
+    let expected = found(words(line));
+    let mut reader = WordReader::new();
+    let mut pushed: Vec<_> = line.iter().filter_map(|&byte| reader.push(byte)).collect();
+    pushed.extend(reader.finish());
+    assert_eq!(found(pushed.into_iter()), expected, "{shown}");
+    assert_eq!(reader.is_deleted(), is_deleted(line), "{shown}");
+    for behind in [&[b' '; 20], b"\n;                  "] {
+        let long = [line, behind].concat();
+        let whole = tokens(&long).filter_map(|token| match token {
+            Ok(Token::Word(word)) => Some(Ok(word)),
+            Ok(Token::EndOfLine) => None,
+            Err(error) => Some(Err(error)),
+        });
+        assert_eq!(found(whole), expected, "{shown} in a text");
+        if behind[0] == b' ' {
+            assert_eq!(found(words(&long)), expected, "{shown} and blanks");
+        }
+    }
+}
+
+fn is_deleted(line: &[u8]) -> bool {
+    let mut words = words(line);
+    words.by_ref().for_each(drop);
+    words.is_deleted()
+}
+
+/// All lines of up to five bytes of those that matter read the same by all ways: near the end of the text and far from it,
+/// alone and in a text, whole and byte by byte.
+#[test]
+fn every_short_line_is_read_the_same_in_every_way() {
+    if cfg!(miri) {
+        return;
+    }
+    const BYTES: &[u8] = b"Xn1. -,(/%";
+    for length in 0..=5 {
+        for mut index in 0..BYTES.len().pow(length) {
+            let line: Vec<u8> = (0..length)
+                .map(|_| {
+                    let byte = BYTES[index % BYTES.len()];
+                    index /= BYTES.len();
+                    byte
+                })
+                .collect();
+            check_ways(&line);
+        }
+    }
 }
