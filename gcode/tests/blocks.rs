@@ -1,0 +1,156 @@
+//! Blocks by themselves and in one place: what stands in them, what was there before, and which way they take.
+
+use husillo_gcode::{Block, Command, Commands, Decimal, Dialect, ErrorKind, Modal};
+
+/// A block that is read into again keeps nothing of what it held, right or wrong.
+#[test]
+fn a_block_is_used_again() {
+    let lines = [
+        "G0 X1 F2",
+        "G1 Y2",
+        "G2 X1 I1",
+        "M3 S1",
+        "M5",
+        "G90 X1.2.3",
+        "G91",
+        "",
+        "/G0 X1",
+        "G1 G2",
+        "N7",
+        "T1 M6",
+    ];
+    let mut block = Block::new();
+    for before in lines {
+        for line in lines {
+            let _ = block.read(before.as_bytes(), &Dialect::RS274);
+            let read = block.read(line.as_bytes(), &Dialect::RS274);
+            let fresh = Block::parse(line.as_bytes(), &Dialect::RS274);
+            assert_eq!(
+                read,
+                fresh.as_ref().map(|_| ()).map_err(|error| *error),
+                "{line} behind {before}"
+            );
+            let fresh = fresh.unwrap_or_default();
+            for letter in b'A'..=b'Z' {
+                assert_eq!(
+                    block.word(letter),
+                    fresh.word(letter),
+                    "{line} behind {before}"
+                );
+            }
+            assert_eq!(
+                (block.is_empty(), block.is_deleted(), block.line_number()),
+                (fresh.is_empty(), fresh.is_deleted(), fresh.line_number()),
+                "{line} behind {before}"
+            );
+            let modal = Modal::<3>::new(Dialect::RS274);
+            let plan = |block| {
+                modal
+                    .plan(block)
+                    .map(|(next, commands)| (next, commands.collect::<Vec<_>>()))
+            };
+            assert_eq!(plan(&block), plan(&fresh), "{line} behind {before}");
+        }
+    }
+}
+
+/// Every letter has a slot of its own; letters of codes have none.
+#[test]
+fn every_letter_keeps_its_value() {
+    for letter in b'A'..=b'Z' {
+        let line = format!("{}3", char::from(letter));
+        let Ok(block) = Block::parse(line.as_bytes(), &Dialect::LATHE_A) else {
+            assert_eq!(letter, b'V', "all letters of this dialect but V");
+            continue;
+        };
+        for other in b'A'..=b'Z' {
+            let expected = (other == letter && !matches!(letter, b'G' | b'M'))
+                .then(|| Decimal::new(3, 0))
+                .flatten();
+            assert_eq!(block.word(other), expected, "{line}");
+        }
+    }
+    let block = Block::parse(b"X1", &Dialect::RS274).expect("a block");
+    for byte in (0..=255_u8).filter(|byte| !byte.is_ascii_uppercase()) {
+        assert_eq!(block.word(byte), None);
+    }
+}
+
+/// Numbers of lines and programs are whole numbers of 32 bits.
+#[test]
+fn lines_and_programs_have_numbers() {
+    let block = |line: &str| Block::parse(line.as_bytes(), &Dialect::ISO).expect("a block");
+    assert_eq!(block("O1234").program_number(), Some(1234));
+    assert_eq!(block("N5 O1234").line_number(), Some(5));
+    assert_eq!(block("N5").program_number(), None);
+    assert_eq!(block("N5 G0 X1").line_number(), Some(5));
+    assert_eq!(block("G0 X1").line_number(), None);
+}
+
+/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not.
+#[test]
+fn the_short_way_of_moves_is_the_same() {
+    let beside = [
+        "", "F5", "S100", "T3", "N9", "G90", "G91", "G20", "M3", "M8", "G54", "G55", "G43.1 Z1",
+        "M6", "P2", "D1", "H1", "E1", "Q1", "L2", "U1", "A1", "G4", "G28", "G92", "G93", "M2",
+        "G18", "G40", "G61", "G98",
+    ];
+    let moves = [
+        "",
+        "X1",
+        "G0 X1",
+        "G1 X1 Y2",
+        "G2 X2 I1",
+        "G3 X2 R1",
+        "G5 X1 I1 J1 P1 Q1",
+        "G33 Z1 K1",
+        "G81 X1 Z-1 R1",
+        "G80",
+        "G38.2 X5",
+    ];
+    for first in [
+        "G0 X0 F100",
+        "G1 X1 F100",
+        "G81 X3 Z-2 R1 F100",
+        "G2 X1 I0.5 F100",
+        "G80",
+    ] {
+        for (beside, path) in beside
+            .iter()
+            .flat_map(|beside| moves.map(|path| (beside, path)))
+        {
+            let mut one = Modal::<3>::new(Dialect::RS274);
+            let block = Block::parse(first.as_bytes(), &Dialect::RS274).expect("a block");
+            let mut commands = Commands::new();
+            one.apply(&block, &mut commands).expect("a plan");
+            let mut other = one.clone();
+            let line = format!("{path} {beside}");
+            let Ok(block) = Block::parse(line.as_bytes(), &Dialect::RS274) else {
+                continue;
+            };
+            let planned = one.plan(&block).map(|(next, commands)| {
+                one = next;
+                commands.collect::<Vec<Command<3>>>()
+            });
+            let applied = other.apply(&block, &mut commands);
+            assert_eq!(
+                applied.map(|()| commands.by_ref().collect()),
+                planned,
+                "{first}, then {line}"
+            );
+            assert!(one == other, "{first}, then {line}");
+        }
+    }
+}
+
+/// Where letters U and W are known from contours only, a move has none.
+#[test]
+fn moves_of_lathes_have_no_increments() {
+    let modal = Modal::<3>::new(Dialect::LATHE);
+    for (line, letter) in [("G0 U1", b'U'), ("G1 X1 W2 F1", b'W')] {
+        let error = Block::parse(line.as_bytes(), &Dialect::LATHE)
+            .and_then(|block| modal.plan(&block).map(|_| ()))
+            .expect_err(line);
+        assert_eq!(error.kind, ErrorKind::UnknownWord(letter), "{line}");
+    }
+}
