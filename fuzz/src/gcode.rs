@@ -77,7 +77,11 @@ impl States {
                 );
                 if commands.clone().take(MANY).count() < MANY {
                     check_count(&commands);
-                    self.contour.take(&self.aside, &next, commands);
+                    if !self.contour.take(&self.aside, &next, commands) {
+                        // A block that the stage refuses is refused as a whole.
+                        self.in_place = self.aside.clone();
+                        return;
+                    }
                 } else {
                     if dialect == Dialect::RS274 {
                         check_count(&commands);
@@ -202,9 +206,10 @@ impl Contour {
         }
     }
 
-    fn take(&mut self, before: &Modal<3>, after: &Modal<3>, commands: Commands<3>) {
+    /// Whether the stage takes the commands of a block.
+    fn take(&mut self, before: &Modal<3>, after: &Modal<3>, commands: Commands<3>) -> bool {
         let Ok((next, compensated)) = self.stage.plan(commands.clone()) else {
-            return; // The block is not of the contour; the program goes on without it.
+            return false;
         };
         let (mut count, mut switched) = (0, false);
         for command in commands.clone() {
@@ -242,6 +247,7 @@ impl Contour {
             None => {}
         }
         self.stage = next;
+        true
     }
 
     /// A block of one command under compensation.
