@@ -273,7 +273,7 @@ impl Block {
 
     /// The value of a word, by its upper-case letter; `None` when the block has none (always for G and M).
     pub fn word(&self, letter: u8) -> Option<Decimal> {
-        self.slot(slot_of(letter)?)
+        self.slot(slot_of(letter)?).copied()
     }
 
     /// Whether the block was skipped, or would be with block delete on: it starts with `/`.
@@ -293,15 +293,17 @@ impl Block {
             .and_then(|number| u32::try_from(number).ok())
     }
 
-    fn slot(&self, slot: u8) -> Option<Decimal> {
+    #[inline]
+    fn slot(&self, slot: u8) -> Option<&Decimal> {
         if self.present & 1u32.wrapping_shl(u32::from(slot)) == 0 {
             return None;
         }
-        self.values.get(usize::from(slot)).copied()
+        self.values.get(usize::from(slot))
     }
 
     /// The word of axis 0..6.
-    pub(crate) fn axis(&self, axis: usize) -> Option<Decimal> {
+    #[inline]
+    pub(crate) fn axis(&self, axis: usize) -> Option<&Decimal> {
         if axis < AXES {
             self.slot(axis as u8)
         } else {
@@ -317,7 +319,8 @@ impl Block {
     }
 
     /// The increment (U, V, W) of axis 0..3.
-    pub(crate) fn increment(&self, axis: usize) -> Option<Decimal> {
+    #[inline]
+    pub(crate) fn increment(&self, axis: usize) -> Option<&Decimal> {
         if axis < 3 {
             self.slot(INCREMENTS.wrapping_add(axis as u8))
         } else {

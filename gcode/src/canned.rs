@@ -9,7 +9,7 @@ use crate::dialect::Flavour;
 use crate::error::ErrorKind;
 use crate::fault::Fault;
 use crate::kind::Kind;
-use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky};
+use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky, shifted};
 use crate::nm::Nm;
 use crate::settings::{unsigned, whole};
 use crate::thread::{MOST_PASSES, Passes, tangent};
@@ -87,12 +87,8 @@ impl<const N: usize> Modal<N> {
         let part = |point: &[Nm; N], axis: usize| point.get(axis).copied().unwrap_or_default();
         let height = part(&self.modes.position, across);
         let incremental = self.modes.distance == Distance::Incremental;
-        let sum = |letter: u8, a: Nm, b: Nm| {
-            a.0.checked_add(b.0)
-                .and_then(|sum| Nm(sum).within_limit())
-                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
-        };
-        let zero = part(&self.zero(), across);
+        let sum = |letter: u8, a: Nm, b: Nm| shifted(a, b, letter);
+        let zero = self.zero_of(across);
         let peck_on_lathe = kind == Kind::LathePeck;
         if peck_on_lathe && block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);

@@ -7,10 +7,23 @@ use crate::commands::Commands;
 use crate::dialect::Flavour;
 use crate::error::ErrorKind;
 use crate::fault::Fault;
-use crate::modal::Modal;
+use crate::modal::{Modal, coordinate};
 use crate::nm::Nm;
 use crate::settings::{missing, whole};
 use crate::tools::Tool;
+
+/// What the axis words of a block say.
+#[derive(Copy, Clone)]
+enum From {
+    /// The value itself.
+    Word,
+    /// How the present position shall read: in the work frame (G10 L20), by G92, or by the length of the tool, in the work
+    /// frame (G10 L10) or in the fixture of G59.3, whatever shifts the others (G10 L11).
+    System,
+    Shift,
+    ToolInWork,
+    ToolInFixture,
+}
 
 impl<const N: usize> Modal<N> {
     #[inline(never)]
@@ -128,16 +141,13 @@ impl<const N: usize> Modal<N> {
                 let most = if self.dialect.flavour == Flavour::Grbl {
                     6
                 } else {
-                    9
+                    self.offsets.len()
                 };
                 let system = system
-                    .filter(|&system| system < most)
+                    .filter(|&system| usize::from(system) < most)
                     .ok_or_else(|| Fault::at(ErrorKind::OutOfRange(b'P'), b'P'))?;
-                let here = self.less(
-                    self.less(self.modes.position, self.modes.shift),
-                    self.modes.length,
-                );
-                let words = self.axes_of(block, (kind == 20).then_some(here))?;
+                let from = if kind == 20 { From::System } else { From::Word };
+                let words = self.axes_of(block, from)?;
                 if let Some(zero) = self.offsets.get_mut(usize::from(system)) {
                     write(zero, words);
                 }
@@ -153,16 +163,12 @@ impl<const N: usize> Modal<N> {
             return Err(Fault::at(ErrorKind::OutOfRange(b'P'), b'P'));
         }
         let mut tool = self.tools.get(number).unwrap_or_default();
-        let frame = match kind {
-            1 => None,
-            10 => Some(self.less(self.modes.position, self.work_offset())),
-            // Relative to the fixture of G59.3, whatever shifts the others.
-            _ => Some(self.less(
-                self.modes.position,
-                self.offsets.last().copied().unwrap_or([Nm(0); N]),
-            )),
+        let from = match kind {
+            1 => From::Word,
+            10 => From::ToolInWork,
+            _ => From::ToolInFixture,
         };
-        write(&mut tool.offset, self.axes_of(block, frame)?);
+        write(&mut tool.offset, self.axes_of(block, from)?);
         if let Some(radius) = self.length_of(block, b'R')? {
             tool.radius = radius;
         }
@@ -173,27 +179,41 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The difference of two positions, both within a few times [`Nm::LIMIT`].
-    fn less(&self, at: [Nm; N], zero: [Nm; N]) -> [Nm; N] {
-        let mut difference = at;
-        for (difference, zero) in difference.iter_mut().zip(zero) {
-            difference.0 = difference.0.saturating_sub(zero.0);
-        }
-        difference
+    /// What a coordinate of the present position is where its zero is sought, so that it reads the word.
+    fn here(&self, axis: usize, from: From) -> Option<i64> {
+        let position = coordinate(&self.modes.position, axis).0;
+        let length = coordinate(&self.modes.length, axis).0;
+        let shift = coordinate(&self.modes.shift, axis).0;
+        // All within a few times Nm::LIMIT.
+        Some(match from {
+            From::Word => return None,
+            From::System => position.saturating_sub(shift).saturating_sub(length),
+            From::Shift => position
+                .saturating_sub(self.system_offset_of(axis).0)
+                .saturating_sub(length),
+            From::ToolInWork => position.saturating_sub(self.work_offset_of(axis).0),
+            From::ToolInFixture => {
+                let fixture = self
+                    .offsets
+                    .last()
+                    .map_or(0, |zero| coordinate(zero, axis).0);
+                position.saturating_sub(fixture)
+            }
+        })
     }
 
-    /// The axis words of a block: as they are, or as what `here` shall read.
-    fn axes_of(&self, block: &Block, here: Option<[Nm; N]>) -> Result<[Option<Nm>; N], Fault> {
+    /// The axis words of a block: as they are, or as what the present position shall read.
+    fn axes_of(&self, block: &Block, from: From) -> Result<[Option<Nm>; N], Fault> {
         let mut words = [None; N];
         for (axis, entry) in (0..N).zip(words.iter_mut()) {
             let letter = block.letter_of(axis);
             if let Some(value) = self.length_of(block, letter)? {
-                let wanted = match here.and_then(|here| here.get(axis).copied()) {
-                    Some(here) => Nm(here.0.saturating_sub(value.0)),
+                let wanted = match self.here(axis, from) {
+                    Some(here) => Nm(here.saturating_sub(value.0)),
                     None => value,
                 };
                 let within = wanted.within_limit();
-                *entry = Some(within.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?);
+                *entry = Some(within.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?);
             }
         }
         Ok(words)
@@ -202,17 +222,19 @@ impl<const N: usize> Modal<N> {
     /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
     #[inline(never)]
     pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Fault> {
-        let here = self.less(
-            self.less(self.modes.position, self.system_offset()),
-            self.modes.length,
-        );
         if block.axes() == 0 {
             if self.dialect.flavour != Flavour::Drill {
                 return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal));
             }
-            self.modes.shift = here;
+            for axis in 0..N {
+                if let (Some(here), Some(shift)) =
+                    (self.here(axis, From::Shift), self.modes.shift.get_mut(axis))
+                {
+                    *shift = Nm(here);
+                }
+            }
         }
-        let words = self.axes_of(block, Some(here))?;
+        let words = self.axes_of(block, From::Shift)?;
         write(&mut self.modes.shift, words);
         self.modes.kept_shift = self.modes.shift;
         Ok(())

@@ -179,6 +179,19 @@ pub(crate) struct Modes<const N: usize> {
     pub(crate) path: PathMode,
 }
 
+/// One coordinate; 0 of an axis that is not there.
+pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
+    point.get(axis).copied().unwrap_or_default()
+}
+
+/// The sum of a coordinate and the length of a word.
+pub(crate) fn shifted(from: Nm, by: Nm, letter: u8) -> Result<Nm, Fault> {
+    from.0
+        .checked_add(by.0)
+        .and_then(|sum| Nm(sum).within_limit())
+        .ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))
+}
+
 impl<const N: usize> Modal<N> {
     /// The state at the start of a program.
     pub fn new(dialect: Dialect) -> Self {
@@ -273,16 +286,14 @@ impl<const N: usize> Modal<N> {
 
     /// The stages of [`Modal::execute`] that a block with nothing but a move has.
     fn apply_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
-        // The position changes as the last thing.
-        let modes = &self.modes;
-        let before = (modes.feed, modes.motion, modes.tail);
+        // The position and the mode change as the last things.
+        let before = self.modes.feed;
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
             .and_then(|()| self.moves_only(block, commands));
         if done.is_err() {
-            let modes = &mut self.modes;
-            (modes.feed, modes.motion, modes.tail) = before;
+            self.modes.feed = before;
         }
         done
     }
@@ -321,28 +332,29 @@ impl<const N: usize> Modal<N> {
     /// The active work zero in the machine frame: the offset of G54 to G59.3 and the shift of G92,
     /// without the tool length.
     pub fn work_offset(&self) -> [Nm; N] {
-        let mut sum = self.system_offset();
-        for (sum, shift) in sum.iter_mut().zip(self.modes.shift) {
-            sum.0 = sum.0.saturating_add(shift.0);
+        let mut offset = [Nm(0); N];
+        for (axis, offset) in (0..N).zip(offset.iter_mut()) {
+            *offset = self.work_offset_of(axis);
         }
-        sum
+        offset
+    }
+
+    /// The same of one axis. Most ask for one: an array is four copies on the way.
+    pub(crate) fn work_offset_of(&self, axis: usize) -> Nm {
+        let shift = coordinate(&self.modes.shift, axis);
+        Nm(self.system_offset_of(axis).0.saturating_add(shift.0))
     }
 
     /// The work zero of the programmed point: with the tool length.
-    pub(crate) fn zero(&self) -> [Nm; N] {
-        let mut zero = self.work_offset();
-        for (zero, length) in zero.iter_mut().zip(self.modes.length) {
-            zero.0 = zero.0.saturating_add(length.0);
-        }
-        zero
+    pub(crate) fn zero_of(&self, axis: usize) -> Nm {
+        let length = coordinate(&self.modes.length, axis);
+        Nm(self.work_offset_of(axis).0.saturating_add(length.0))
     }
 
     /// The zero of the active work frame, without G92.
-    pub(crate) fn system_offset(&self) -> [Nm; N] {
-        self.offsets
-            .get(usize::from(self.modes.system))
-            .copied()
-            .unwrap_or([Nm(0); N])
+    pub(crate) fn system_offset_of(&self, axis: usize) -> Nm {
+        let system = self.offsets.get(usize::from(self.modes.system));
+        system.map_or(Nm(0), |zero| coordinate(zero, axis))
     }
 
     /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another number.

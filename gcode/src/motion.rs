@@ -9,7 +9,7 @@ use crate::decimal::Decimal;
 use crate::dialect::Flavour;
 use crate::error::ErrorKind;
 use crate::fault::Fault;
-use crate::modal::{Distance, FeedMode, Modal, Motion};
+use crate::modal::{Distance, FeedMode, Modal, Motion, shifted};
 use crate::nm::Nm;
 
 /// The frame and sense of target words.
@@ -50,7 +50,8 @@ impl<const N: usize> Modal<N> {
         #[cfg(feature = "extended")]
         self.leave_series(mode);
         let mine = !covets && (block.axes() != 0 || code.is_some());
-        self.enter(block, mode, mine)?;
+        self.check_words(block, mode, mine)?;
+        self.stay_in(mode);
         self.check_compensation(block, if mine { mode } else { None })?;
         match non_modal {
             Some(Code::CancelShift) => {
@@ -79,13 +80,15 @@ impl<const N: usize> Modal<N> {
         let code = block.code(Group::Motion);
         let mode = code.map_or(self.modes.motion, mode);
         let mine = block.axes() != 0 || code.is_some();
-        self.enter(block, mode, mine)?;
-        self.travel(block, mode, mine, commands)
+        self.check_words(block, mode, mine)?;
+        self.travel(block, mode, mine, commands)?;
+        self.stay_in(mode);
+        Ok(())
     }
 
-    /// Sets the mode, and refuses words without a user; `mine` is whether the motion has the axis words, or its code.
+    /// The mode is that of the next block too.
     #[inline]
-    fn enter(&mut self, block: &Block, mode: Option<Motion>, mine: bool) -> Result<(), Fault> {
+    fn stay_in(&mut self, mode: Option<Motion>) {
         // Motion is not modal on the micro mill's link.
         self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
             None
@@ -95,6 +98,11 @@ impl<const N: usize> Modal<N> {
         if EXTENDED && mode != Some(Motion::Cubic) {
             self.modes.tail = None;
         }
+    }
+
+    /// Refuses words without a user; `mine` is whether the motion has the axis words, or its code.
+    #[inline]
+    fn check_words(&self, block: &Block, mode: Option<Motion>, mine: bool) -> Result<(), Fault> {
         if !block.has_claims() {
             return Ok(());
         }
@@ -202,28 +210,23 @@ impl<const N: usize> Modal<N> {
 
     /// The position with the axis words of the block applied.
     pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Fault> {
-        let zero = match frame {
-            Frame::Work => self.zero(),
-            Frame::WorkIncremental => self.modes.position,
-            Frame::Machine => [Nm(0); N],
-        };
         let given = block.axes();
         let mut target = self.modes.position;
-        for (axis, (target, zero)) in (0..N).zip(target.iter_mut().zip(zero)) {
+        for (axis, target) in (0..N).zip(target.iter_mut()) {
             if given & 1u16.wrapping_shl(axis as u32) == 0 {
                 continue;
             }
             let letter = block.letter_of(axis);
             let (value, zero) = match (block.axis(axis), block.increment(axis)) {
-                (Some(value), None) => (value, zero.0),
-                (None, Some(value)) => (value, target.0),
+                (Some(value), None) => match frame {
+                    Frame::Work => (value, self.zero_of(axis)),
+                    Frame::WorkIncremental => (value, *target),
+                    Frame::Machine => (value, Nm(0)),
+                },
+                (None, Some(value)) => (value, *target),
                 _ => return Err(Fault::at(ErrorKind::TwoUsersOfWords, letter)),
             };
-            let length = self.length(letter, value)?;
-            let sum = zero
-                .checked_add(length.0)
-                .and_then(|sum| Nm(sum).within_limit());
-            *target = sum.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            *target = shifted(zero, self.length(letter, *value)?, letter)?;
         }
         Ok(target)
     }
@@ -409,24 +412,13 @@ impl<const N: usize> Modal<N> {
         if absolute && given.contains(&false) {
             return Err(Fault::at_motion(ErrorKind::HalfCentre));
         }
-        let offset = self.zero();
-        let zero = if absolute {
-            self.modes
-                .plane
-                .axes()
-                .map(|axis| offset.get(axis).copied().unwrap_or_default())
-        } else {
-            from
-        };
-        let mut centre = zero;
+        let mut centre = from;
+        if absolute {
+            centre = self.modes.plane.axes().map(|axis| self.zero_of(axis));
+        }
         for (centre, letter) in centre.iter_mut().zip(letters) {
-            if let Some(value) = block.word(letter) {
-                let length = self.length(letter, value)?;
-                let sum = centre
-                    .0
-                    .checked_add(length.0)
-                    .and_then(|sum| Nm(sum).within_limit());
-                *centre = sum.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            if let Some(length) = self.length_of(block, letter)? {
+                *centre = shifted(*centre, length, letter)?;
             }
         }
         Ok(centre)

@@ -8,7 +8,7 @@ use crate::commands::Commands;
 use crate::dialect::Flavour;
 use crate::error::ErrorKind;
 use crate::fault::Fault;
-use crate::modal::Modal;
+use crate::modal::{Modal, shifted};
 use crate::nm::Nm;
 
 impl<const N: usize> Modal<N> {
@@ -30,11 +30,7 @@ impl<const N: usize> Modal<N> {
         let mut point = from;
         for (entry, letter) in point.iter_mut().zip(letters) {
             if let Some(length) = self.length_of(block, letter)? {
-                *entry = entry
-                    .0
-                    .checked_add(length.0)
-                    .and_then(|sum| Nm(sum).within_limit())
-                    .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+                *entry = shifted(*entry, length, letter)?;
             }
         }
         Ok(Some(point))

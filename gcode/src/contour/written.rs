@@ -29,7 +29,7 @@ pub(super) fn block<const N: usize>(
         } => (if clockwise { 2 } else { 3 }, to, Some(centre)),
     };
     let here = point(&modal.position());
-    let zero = point(&modal.zero());
+    let zero: Vector = [0, 2].map(|axis| modal.zero_of(axis).0);
     let origin = |distance| match distance {
         Distance::Absolute => zero,
         Distance::Incremental => here,

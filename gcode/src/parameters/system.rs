@@ -56,7 +56,10 @@ fn difference<const N: usize>(left: [Nm; N], right: [Nm; N]) -> [Nm; N] {
 impl<const N: usize> Modal<N> {
     /// The programmed point in the work frame.
     fn work_position(&self) -> [Nm; N] {
-        difference(self.position(), self.zero())
+        difference(
+            difference(self.position(), self.work_offset()),
+            self.tool_length(),
+        )
     }
 }
 
@@ -83,13 +86,12 @@ impl<const N: usize> System for Modal<N> {
             None => None,
         };
         let axis_from = |first: u16| usize::from(number.wrapping_sub(first));
-        let shift = || difference(self.work_offset(), self.system_offset());
         match number {
             5021..=5029 => in_units(axis_from(5021), self.position()),
             5161..=5169 => in_units(axis_from(5161), self.home()),
             5181..=5189 => in_units(axis_from(5181), self.second_home()),
-            5210 => Some(Value::truth(shift() != [Nm(0); N])),
-            5211..=5219 => in_units(axis_from(5211), shift()),
+            5210 => Some(Value::truth(self.modes.shift != [Nm(0); N])),
+            5211..=5219 => in_units(axis_from(5211), self.modes.shift),
             5220 => Some(Value::from(i32::from(self.work_system()).wrapping_add(1))),
             5221..=5389 => {
                 let place = number.wrapping_sub(5221);
