@@ -186,6 +186,12 @@ fn check_place(error: &Error, text: &[u8]) {
     assert!(!error.to_string().is_empty());
 }
 
+/// Whether a block moves along the plane.
+fn moves_in(plane: Plane, before: &Modal<3>, after: &Modal<3>) -> bool {
+    let (before, after) = (before.position(), after.position());
+    plane.axes().iter().any(|&axis| before[axis] != after[axis])
+}
+
 /// The stage of cutter compensation with what is known of it from outside.
 struct Contour {
     stage: Compensation<3>,
@@ -236,7 +242,7 @@ impl Contour {
             Some(tool) if !switched && count == 1 => {
                 self.check(tool, before, after, compensated);
             }
-            Some(_) => self.has_entered |= !switched && before.position() != after.position(),
+            Some((_, plane)) => self.has_entered |= !switched && moves_in(plane, before, after),
             // The move behind G40 starts where the tool is, and ends as programmed.
             None if !switched && !self.stage.is_active() => {
                 assert!(
@@ -271,9 +277,6 @@ impl Contour {
                 );
             }
         }
-        self.has_entered |= plane
-            .axes()
-            .iter()
-            .any(|&axis| before.position()[axis] != after.position()[axis]);
+        self.has_entered |= moves_in(plane, before, after);
     }
 }
