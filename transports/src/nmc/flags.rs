@@ -1,0 +1,155 @@
+//! The bytes whose bits have names.
+
+/// Status byte, the first one of every reply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Status(pub u8);
+
+impl Status {
+    /// Idle, finished or servo off; clear during a trapezoid, and in velocity mode until the goal velocity is reached.
+    pub const MOVE_DONE: Status = Status(0x01);
+    /// The packet just received was damaged and nothing was executed.
+    pub const CHECKSUM_ERROR: Status = Status(0x02);
+    /// The current limit was exceeded; stays until Clear Bits.
+    pub const OVERCURRENT: Status = Status(0x04);
+    /// Motor supply present.
+    pub const POWER_ON: Status = Status(0x08);
+    /// The position error exceeded its limit, or the servo was off; stays until Clear Bits.
+    pub const POSITION_ERROR: Status = Status(0x10);
+    /// Level of the input LIMIT1.
+    pub const LIMIT_1: Status = Status(0x20);
+    /// Level of the input LIMIT2.
+    pub const LIMIT_2: Status = Status(0x40);
+    /// Set Homing Mode waits for its event.
+    pub const HOME_IN_PROGRESS: Status = Status(0x80);
+
+    /// Whether all bits of `other` are set.
+    pub const fn contains(self, other: Status) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+/// Auxiliary status byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Auxiliary(pub u8);
+
+impl Auxiliary {
+    /// Index input of the encoder.
+    pub const INDEX: Auxiliary = Auxiliary(0x01);
+    /// The 32-bit position wrapped round; stays until Clear Bits.
+    pub const POSITION_WRAP: Auxiliary = Auxiliary(0x02);
+    /// The position servo is on.
+    pub const SERVO_ON: Auxiliary = Auxiliary(0x04);
+    /// The acceleration of the move is over; cleared at the next start.
+    pub const ACCELERATION_DONE: Auxiliary = Auxiliary(0x08);
+    /// The constant speed of the move is over; cleared at the next start.
+    pub const SLEW_DONE: Auxiliary = Auxiliary(0x10);
+    /// A servo cycle was not finished in its time; stays until Clear Bits.
+    pub const SERVO_OVERRUN: Auxiliary = Auxiliary(0x20);
+    /// Path points are followed (version 5 and later).
+    pub const PATH_MODE: Auxiliary = Auxiliary(0x40);
+
+    /// Whether all bits of `other` are set.
+    pub const fn contains(self, other: Auxiliary) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+/// Which items a reply carries after its status byte, in the order of their bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Items(pub u8);
+
+impl Items {
+    /// No item: a reply is the status byte twice.
+    pub const NONE: Items = Items(0x00);
+    /// Position, `i32` counts.
+    pub const POSITION: Items = Items(0x01);
+    /// Motor current, `u8` of the converter.
+    pub const CURRENT: Items = Items(0x02);
+    /// Velocity, `i16` counts per servo cycle.
+    pub const VELOCITY: Items = Items(0x04);
+    /// [`Auxiliary`] status.
+    pub const AUXILIARY: Items = Items(0x08);
+    /// Home position, `i32` counts.
+    pub const HOME: Items = Items(0x10);
+    /// Kind and version of the module.
+    pub const DEVICE: Items = Items(0x20);
+    /// Position error, `i16` counts (version 5 and later).
+    pub const POSITION_ERROR: Items = Items(0x40);
+    /// Path points in the buffer (version 5 and later).
+    pub const PATH_POINTS: Items = Items(0x80);
+
+    /// Whether all bits of `other` are set.
+    pub const fn contains(self, other: Items) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The items of both.
+    pub const fn with(self, other: Items) -> Items {
+        Items(self.0 | other.0)
+    }
+
+    /// What a module of this version sends of them: before version 5 the upper two bits mean nothing.
+    pub const fn of_version(self, version: u8) -> Items {
+        if version < 5 {
+            Items(self.0 & 0x3F)
+        } else {
+            self
+        }
+    }
+
+    /// Bytes of the items in a reply, 0 to 17; the reply has two more.
+    pub const fn length(self) -> usize {
+        const BYTES: [u8; 8] = [4, 1, 2, 1, 4, 2, 2, 1];
+        let mut bits = self.0;
+        let mut length = 0;
+        let mut rest: &[u8] = &BYTES;
+        while let [bytes, next @ ..] = rest {
+            if bits & 1 != 0 {
+                length += *bytes as usize; // 17 in all
+            }
+            bits >>= 1;
+            rest = next;
+        }
+        length
+    }
+}
+
+/// Which events end homing, and how the motor then stops; without an event homing is cancelled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Homing(pub u8);
+
+impl Homing {
+    /// On any change of LIMIT1.
+    pub const LIMIT_1: Homing = Homing(0x01);
+    /// On any change of LIMIT2.
+    pub const LIMIT_2: Homing = Homing(0x02);
+    /// Motor off when homed.
+    pub const MOTOR_OFF: Homing = Homing(0x04);
+    /// On a change of the index.
+    pub const INDEX: Homing = Homing(0x08);
+    /// Stop abruptly when homed.
+    pub const ABRUPT: Homing = Homing(0x10);
+    /// Stop smoothly when homed.
+    pub const SMOOTH: Homing = Homing(0x20);
+    /// On excessive position error.
+    pub const POSITION_ERROR: Homing = Homing(0x40);
+    /// On overcurrent.
+    pub const OVERCURRENT: Homing = Homing(0x80);
+    /// All the events.
+    pub const EVENTS: Homing = Homing(0xCB);
+
+    /// Whether all bits of `other` are set.
+    pub const fn contains(self, other: Homing) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The bits of both.
+    pub const fn with(self, other: Homing) -> Homing {
+        Homing(self.0 | other.0)
+    }
+
+    /// Whether it waits for nothing, which cancels homing.
+    pub const fn is_cancel(self) -> bool {
+        self.0 & Homing::EVENTS.0 == 0
+    }
+}

@@ -1,0 +1,246 @@
+//! The module's end of the line.
+
+use crate::buffer::Buffer;
+
+use super::command::is_group;
+use super::reply::LONGEST_REPLY;
+use super::{Baud, Command, Group, Items, Readings, Receiver, Reply, Status, Verdict};
+
+/// What the owner of a [`Module`] has to do. Addresses, groups and status items are not the owner's affair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// For the servo: all but addressing, status, rate and reset.
+    Servo(Command),
+    /// The line goes on at this rate.
+    Baud(Baud),
+    /// The state after power-up, with the byte of configuration of version 10; the line goes on at 19200. The module has
+    /// reset itself and ADDR_OUT is high again.
+    Reset(Option<u8>),
+}
+
+/// What waits for the end of the servo cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pending {
+    Nothing,
+    /// A damaged packet, or a command that this module does not know.
+    Reply,
+    Command(Command),
+}
+
+/// A servo module on the line: bytes in, at the end of each servo cycle one order, then the reply's bytes out.
+///
+/// | when | call |
+/// | --- | --- |
+/// | ADDR_IN changes | [`set_enabled`](Module::set_enabled) |
+/// | a byte arrives | [`push`](Module::push); it cancels any reply, so XMT_EN falls |
+/// | end of the servo cycle | [`take`](Module::take), execute, [`reply`](Module::reply) |
+/// | the transmitter is free | [`transmit`](Module::transmit); XMT_EN is [`is_sending`](Module::is_sending) until transmission is complete |
+///
+/// An order is handed out once, and only of a packet whose sum was right. One command is kept: a packet that is complete before
+/// the last one was taken is dropped unanswered, so that the host finds out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Module {
+    version: u8,
+    receiver: Receiver,
+    /// ADDR_IN is low.
+    is_enabled: bool,
+    /// ADDR_OUT is low.
+    is_addressed: bool,
+    address: u8,
+    group: Group,
+    /// Of every reply.
+    items: Items,
+    pending: Pending,
+    /// The items of the reply that is due, and whether the packet was sound.
+    due: Option<(Items, bool)>,
+    sending: Buffer<LONGEST_REPLY>,
+    /// How many of them are sent.
+    sent: u8,
+}
+
+impl Module {
+    /// After power-up: deaf until ADDR_IN falls. `version` is 4 for the original's chip; 5 and 10 know more commands.
+    pub const fn new(version: u8) -> Module {
+        Module {
+            version,
+            receiver: Receiver::new(),
+            is_enabled: false,
+            is_addressed: false,
+            address: 0,
+            group: Group::NONE,
+            items: Items::NONE,
+            pending: Pending::Nothing,
+            due: None,
+            sending: Buffer::new(),
+            sent: 0,
+        }
+    }
+
+    /// ADDR_IN: enabled while it is low. A module that is not hears nothing and says nothing.
+    pub fn set_enabled(&mut self, is_enabled: bool) {
+        self.is_enabled = is_enabled;
+        if !is_enabled {
+            self.receiver.reset();
+            self.pending = Pending::Nothing;
+            self.cancel();
+        }
+    }
+
+    /// ADDR_OUT is low: the next module of the chain is enabled.
+    pub const fn enables_next(&self) -> bool {
+        self.is_addressed
+    }
+
+    /// Takes a byte of the command line.
+    pub fn push(&mut self, byte: u8) {
+        if !self.is_enabled {
+            return;
+        }
+        self.cancel();
+        let Some(verdict) = self.receiver.push(byte) else {
+            return;
+        };
+        let address = self.receiver.address();
+        let is_own = address == self.address;
+        let is_group = is_group(address) && address == self.group.address;
+        if !(is_own || is_group) || self.pending != Pending::Nothing {
+            return;
+        }
+        let is_sound = verdict == Verdict::Sound;
+        let command = if is_sound {
+            Command::decode(self.receiver.code(), self.receiver.data(), self.version)
+        } else {
+            None
+        };
+        let replies = is_own || self.group.is_leader;
+        self.due = replies.then_some((self.items, is_sound));
+        self.pending = match command {
+            Some(command) => Pending::Command(command),
+            None => Pending::Reply,
+        };
+    }
+
+    /// Forgets a packet begun: for an owner that knows a pause on the line when it hears one. The original never does.
+    pub fn forget_partial(&mut self) {
+        self.receiver.reset();
+    }
+
+    /// What is to be done, at the end of a servo cycle; the reply's turn is after it is done.
+    pub fn take(&mut self) -> Option<Order> {
+        let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
+        let Pending::Command(command) = pending else {
+            return None;
+        };
+        match command {
+            Command::SetAddress { address, group } => {
+                self.address = address;
+                self.group = group;
+                self.is_addressed = true;
+                None
+            }
+            Command::DefineStatus(items) => {
+                self.items = items.of_version(self.version);
+                self.answer_with(self.items);
+                None
+            }
+            Command::ReadStatus(items) => {
+                self.answer_with(items.of_version(self.version));
+                None
+            }
+            Command::NoOperation => None,
+            Command::SetBaud(baud) => Some(Order::Baud(baud)),
+            Command::HardReset(configuration) => {
+                let is_enabled = self.is_enabled;
+                *self = Module::new(self.version);
+                self.is_enabled = is_enabled;
+                Some(Order::Reset(configuration))
+            }
+            command => Some(Order::Servo(command)),
+        }
+    }
+
+    /// Whether a reply is due as soon as what was taken is done.
+    pub fn owes_reply(&self) -> bool {
+        self.pending == Pending::Nothing && self.due.is_some()
+    }
+
+    /// Makes the reply, where one is due, of the servo's status and readings after the order; the bit CHECKSUM_ERROR and the kind and
+    /// version are the module's own.
+    pub fn reply(&mut self, status: Status, readings: &Readings) {
+        if !self.owes_reply() {
+            return;
+        }
+        let Some((items, is_sound)) = self.due.take() else {
+            return;
+        };
+        let checksum = if is_sound {
+            0
+        } else {
+            Status::CHECKSUM_ERROR.0
+        };
+        let reply = Reply {
+            status: Status((status.0 & !Status::CHECKSUM_ERROR.0) | checksum),
+            items,
+            readings: Readings {
+                kind: 0,
+                version: self.version,
+                ..*readings
+            },
+        };
+        self.sending = reply.encode();
+        self.sent = 0;
+    }
+
+    /// The next byte for the status line.
+    pub fn transmit(&mut self) -> Option<u8> {
+        let byte = self.sending.bytes().get(usize::from(self.sent)).copied();
+        if byte.is_some() {
+            self.sent += 1; // it was below 19
+        } else {
+            self.cancel_sending();
+        }
+        byte
+    }
+
+    /// Whether bytes wait to be sent.
+    pub fn is_sending(&self) -> bool {
+        usize::from(self.sent) < self.sending.bytes().len()
+    }
+
+    /// The module's own address, 0 until it gets one.
+    pub const fn address(&self) -> u8 {
+        self.address
+    }
+
+    /// The module's group.
+    pub const fn group(&self) -> Group {
+        self.group
+    }
+
+    /// The items of every reply.
+    pub const fn items(&self) -> Items {
+        self.items
+    }
+
+    /// The module's version.
+    pub const fn version(&self) -> u8 {
+        self.version
+    }
+
+    fn answer_with(&mut self, items: Items) {
+        if let Some((due, _)) = &mut self.due {
+            *due = items;
+        }
+    }
+
+    /// The rule of collisions: whoever hears a byte stops talking.
+    fn cancel(&mut self) {
+        self.due = None;
+        self.cancel_sending();
+    }
+
+    fn cancel_sending(&mut self) {
+        self.sending.clear();
+        self.sent = 0;
+    }
+}

@@ -1,0 +1,135 @@
+//! What the host is asked to do, and what came of it.
+
+use core::fmt;
+
+use super::{Baud, Command, Items, Reply};
+
+/// One thing to do on the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Send a command and await its reply.
+    Request {
+        /// An individual address, 0 to 32, or a group, 0x80 to 0xFF.
+        address: u8,
+        /// What to send.
+        command: Command,
+    },
+    /// Read a standing axis until two readings in a row agree: with that, a wrong position has to pass the sum twice alike.
+    ReadTwice {
+        /// 0 to 32.
+        address: u8,
+        /// What to read.
+        items: Items,
+        /// How far the two positions may be apart, in counts: the jitter of the servo. All else must be equal, the home position too;
+        /// velocity, current and position error are not compared.
+        jitter_counts: u32,
+    },
+    /// Fill half-received packets and throw away what comes of it.
+    Flush,
+    /// Keep silent, in microseconds.
+    Wait {
+        /// At most 2^31 - 1.
+        us: u32,
+    },
+    /// Go on at another rate. The port is the caller's.
+    Switch(Baud),
+}
+
+/// Why a [`Step`] cannot begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// The step before is not done.
+    Busy,
+    /// A number is not one that the module may get.
+    OutOfRange,
+    /// Individual addresses end at 32 here.
+    NoSuchAddress,
+    /// The reply to a change of the rate would come at another rate: only a group without leader can be told.
+    WouldAnswer,
+    /// One wrong bit would make another command of the packet: Reset Position relative to home (version 10) at address 1. Set the
+    /// position instead.
+    Fragile,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Refused::Busy => "the step before is not done",
+            Refused::OutOfRange => "a number outside the range of the command",
+            Refused::NoSuchAddress => "no such address: 0 to 32, or a group from 128",
+            Refused::WouldAnswer => "only a group without leader can change its rate",
+            Refused::Fragile => "one wrong bit would make another command of it",
+        })
+    }
+}
+
+impl core::error::Error for Refused {}
+
+/// What came of a [`Step`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Executed once; for a group: by its leader, the others have to be asked.
+    Answered(Reply),
+    /// No reply came, but a reading shows that it was executed once: this reading.
+    Confirmed(Reply),
+    /// Sent, flushed, waited or switched; nobody answers that.
+    Sent,
+    /// It did not go well.
+    Failed(Failure),
+}
+
+impl Outcome {
+    /// What was read, when it went well.
+    pub fn reply(&self) -> Option<&Reply> {
+        match self {
+            Outcome::Answered(reply) | Outcome::Confirmed(reply) => Some(reply),
+            _ => None,
+        }
+    }
+}
+
+/// How a [`Step`] failed, after all its tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failure {
+    /// Nothing was ever heard: a dead module, the end of the chain, a broken line. A command that may be repeated may have been executed.
+    Silent,
+    /// Something was heard, never a sound reply: noise, two modules that answer, other items than those in force. A command that may
+    /// be repeated may have been executed.
+    Garbled,
+    /// The module received it damaged each time, or readings show that nothing happened: certainly not executed.
+    NotExecuted,
+    /// Executed once or not at all, and the readings do not tell; it was not sent again.
+    Uncertain,
+    /// No two readings agreed.
+    Unsteady,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Failure::Silent => "no answer",
+            Failure::Garbled => "no undamaged answer",
+            Failure::NotExecuted => "not executed",
+            Failure::Uncertain => "no answer, and the readings do not tell whether it was executed",
+            Failure::Unsteady => "no two readings agree",
+        })
+    }
+}
+
+impl core::error::Error for Failure {}
+
+/// How far the host is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// Nothing to do.
+    Idle,
+    /// Bytes wait to be sent.
+    Sending,
+    /// For a byte, at most so many microseconds: then ask again.
+    Waiting {
+        /// Microseconds.
+        us: u32,
+    },
+    /// The step is done.
+    Done(Outcome),
+}

@@ -1,0 +1,234 @@
+//! Which commands may be sent again when no reply came, and how a reading tells whether they must not.
+//!
+//! A reply can get lost after the command was executed, and nothing in a packet tells a repetition from a new command. So what
+//! does harm when done twice is never repeated blindly: readings before and after decide.
+
+use super::{Auxiliary, Command, Items, Mode, Reply, Reset, Status, Trajectory};
+
+/// A standing axis is never this far from where it stood: servo jitter and settling stay below.
+const STILL_COUNTS: u32 = 64;
+
+/// When a command may be sent again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Repeat {
+    /// At any time: twice is as good as once.
+    Free,
+    /// Only when readings of these items, before and after, say so: see [`Command::finding`].
+    AfterReading(Items),
+    /// Only when nobody answers at this address, the new one.
+    AfterSilenceAt(u8),
+    /// Nobody answers it, so nobody knows: it is sent once.
+    Never,
+}
+
+/// What two readings say about a command between them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Finding {
+    /// It was executed.
+    Executed,
+    /// It was not.
+    NotExecuted,
+    /// Either way; sending it again changes nothing that it has not changed already.
+    Harmless,
+    /// Either way, and sending it again could do harm.
+    Unknown,
+}
+
+impl Command {
+    /// When it may be sent again to `address`.
+    pub fn repeat(&self, address: u8) -> Repeat {
+        const STANDING: Items = Items::POSITION.with(Items::VELOCITY);
+        const MOTION: Items = STANDING.with(Items::AUXILIARY).with(Items::HOME);
+        match self {
+            Command::NoOperation
+            | Command::DefineStatus(_)
+            | Command::ReadStatus(_)
+            | Command::SetGain(_)
+            | Command::StopMotor(_)
+            | Command::IoControl(_) => Repeat::Free,
+            // Into the buffer, where the second replaces the first.
+            Command::LoadTrajectory(trajectory) if !trajectory.start_now => Repeat::Free,
+            Command::SetHoming(homing) if homing.is_cancel() => Repeat::Free,
+            Command::SetAddress { address: new, .. } if *new == address => Repeat::Free,
+            // The next of the chain would take the same address.
+            Command::SetAddress { address: new, .. } => Repeat::AfterSilenceAt(*new),
+            Command::ResetPosition(Reset::Home) => Repeat::AfterReading(MOTION),
+            Command::ResetPosition(_) => Repeat::AfterReading(STANDING),
+            Command::LoadTrajectory(_) | Command::StartMotion | Command::SetHoming(_) => {
+                Repeat::AfterReading(MOTION)
+            }
+            Command::SaveHome => Repeat::AfterReading(STANDING.with(Items::HOME)),
+            Command::ClearBits => Repeat::AfterReading(Items::AUXILIARY),
+            Command::AddPathPoints(_) => {
+                Repeat::AfterReading(Items::PATH_POINTS.with(Items::AUXILIARY))
+            }
+            Command::SetBaud(_) | Command::HardReset(_) => Repeat::Never,
+        }
+    }
+
+    /// What readings of [`repeat`](Self::repeat)'s items before and after say. What Start Motion started is not known here, so
+    /// the worst is assumed; [`Host`](super::Host) knows what it loaded.
+    pub fn finding(&self, before: &Reply, after: &Reply) -> Finding {
+        match self {
+            Command::ResetPosition(Reset::Zero) => reset(0, before, after),
+            Command::ResetPosition(Reset::To(position)) => reset(*position, before, after),
+            // The home position becomes 0 and stays what it was only where it was 0.
+            Command::ResetPosition(Reset::Home) => match (before.home(), after.home()) {
+                (Some(0), Some(0)) => Finding::Harmless,
+                (Some(_), Some(0)) => Finding::Executed,
+                (Some(was), Some(is)) if was == is => Finding::NotExecuted,
+                _ => Finding::Unknown,
+            },
+            Command::LoadTrajectory(trajectory) => start(Some(trajectory), before, after),
+            Command::StartMotion => start(None, before, after),
+            Command::SetHoming(_) => homing(before, after),
+            Command::SaveHome => save_home(before, after),
+            Command::ClearBits => clear_bits(before, after),
+            Command::AddPathPoints(points) => {
+                let added = points.points().len() as u8; // 7 at most
+                let (was, is) = (before.readings.path_points, after.readings.path_points);
+                let runs = |reply: &Reply| reply.readings.auxiliary.contains(Auxiliary::PATH_MODE);
+                if added == 0 {
+                    started_path(runs(before), runs(after))
+                } else if runs(before) || runs(after) {
+                    Finding::Unknown // points leave while others come
+                } else if is == was.wrapping_add(added) {
+                    Finding::Executed
+                } else if is == was {
+                    Finding::NotExecuted
+                } else {
+                    Finding::Unknown
+                }
+            }
+            _ => match self.repeat(0) {
+                Repeat::Free => Finding::Harmless,
+                _ => Finding::Unknown,
+            },
+        }
+    }
+}
+
+fn started_path(was: bool, is: bool) -> Finding {
+    match (was, is) {
+        (false, true) => Finding::Executed,
+        (true, true) => Finding::Harmless,
+        _ => Finding::Unknown, // a short path is over already
+    }
+}
+
+/// Done and without speed.
+fn stands(reply: &Reply) -> bool {
+    reply.status.contains(Status::MOVE_DONE) && reply.velocity().unwrap_or_default() == 0
+}
+
+fn is_near(a: i32, b: i32) -> bool {
+    // The difference as positions wrap.
+    a.wrapping_sub(b).unsigned_abs() <= STILL_COUNTS
+}
+
+/// Nothing happened that an operator or a host would want to know of before anything moves.
+fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
+    const WATCHED: u8 = Status::HOME_IN_PROGRESS.0
+        | Status::POSITION_ERROR.0
+        | Status::OVERCURRENT.0
+        | Status::POWER_ON.0;
+    (before.status.0 ^ after.status.0) & WATCHED == 0 && before.home() == after.home()
+}
+
+/// The position became `to`. Only of a standing axis can that be told.
+fn reset(to: i32, before: &Reply, after: &Reply) -> Finding {
+    let (was, is) = (before.readings.position, after.readings.position);
+    if !stands(before) || !stands(after) {
+        Finding::Unknown
+    } else if was == to && is == to {
+        Finding::Harmless
+    } else {
+        match (is_near(is, to), is_near(is, was)) {
+            (true, false) => Finding::Executed,
+            (false, true) => Finding::NotExecuted,
+            _ => Finding::Unknown,
+        }
+    }
+}
+
+/// `trajectory` is `None` where it is not known.
+pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Reply) -> Finding {
+    let done = |reply: &Reply| reply.status.contains(Status::MOVE_DONE);
+    let began = done(before) && !done(after);
+    let moved = stands(before) && !is_near(before.readings.position, after.readings.position);
+    let known = trajectory.filter(|known| !known.is_relative());
+    match known {
+        _ if began || moved => Finding::Executed,
+        // A trapezoid from standstill to where it stands already is no motion; a speed that is set already stays.
+        Some(known)
+            if is_undisturbed(before, after)
+                && (known.mode != Mode::Trapezoid || (stands(before) && stands(after))) =>
+        {
+            Finding::Harmless
+        }
+        _ => Finding::Unknown,
+    }
+}
+
+/// Armed again after its event, a second event would move the home position.
+fn homing(before: &Reply, after: &Reply) -> Finding {
+    let waits = |reply: &Reply| reply.status.contains(Status::HOME_IN_PROGRESS);
+    let (Some(was), Some(is)) = (before.home(), after.home()) else {
+        return Finding::Unknown;
+    };
+    let (from, to) = (before.readings.position, after.readings.position);
+    match (waits(before), waits(after)) {
+        (false, true) => Finding::Executed,
+        (false, false) if was != is => Finding::Executed,
+        // An event would have latched a position on the way; the old home position is none of these.
+        (false, false)
+            if !is_near(was, from) && !is_near(was, to) && !is_between(was, from, to) =>
+        {
+            Finding::NotExecuted
+        }
+        // Or nothing moved that could have made an event at the old home position again.
+        (false, false) if from == to && stands(before) && stands(after) && was != from => {
+            Finding::NotExecuted
+        }
+        _ => Finding::Unknown,
+    }
+}
+
+fn is_between(value: i32, from: i32, to: i32) -> bool {
+    (from.min(to)..=from.max(to)).contains(&value)
+}
+
+fn save_home(before: &Reply, after: &Reply) -> Finding {
+    let (Some(was), Some(is)) = (before.home(), after.home()) else {
+        return Finding::Unknown;
+    };
+    let stood = before.readings.position;
+    if before.status.contains(Status::HOME_IN_PROGRESS) || !stands(before) || !stands(after) {
+        Finding::Unknown
+    } else if was != is {
+        Finding::Executed
+    } else if is == stood && is == after.readings.position {
+        Finding::Harmless
+    } else if !is_near(was, stood) {
+        Finding::NotExecuted
+    } else {
+        Finding::Unknown
+    }
+}
+
+fn clear_bits(before: &Reply, after: &Reply) -> Finding {
+    let sticky = |reply: &Reply| {
+        let status = reply.status.0 & (Status::OVERCURRENT.0 | Status::POSITION_ERROR.0);
+        let auxiliary =
+            reply.readings.auxiliary.0 & (Auxiliary::POSITION_WRAP.0 | Auxiliary::SERVO_OVERRUN.0);
+        status | auxiliary // different bits: 0x14 and 0x22
+    };
+    let (was, is) = (sticky(before), sticky(after));
+    if was != 0 && is == 0 {
+        Finding::Executed
+    } else if is & !was == 0 {
+        Finding::Harmless // what is set still, is set for a cause that lasts, or was not cleared
+    } else {
+        Finding::Unknown // something new, which must not be cleared unseen
+    }
+}

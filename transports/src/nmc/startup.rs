@@ -1,0 +1,246 @@
+//! From power-up to a chain with addresses.
+
+use super::{Baud, Command, EVERY_GROUP, Failure, Group, Items, LAST_ADDRESS, Outcome, Step};
+
+/// How often the line is reset and addressed anew when an address is in doubt.
+const RESTARTS: u8 = 3;
+
+/// What there is on the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chain {
+    /// Modules, with the addresses 1 to this; 1 is the far end.
+    pub modules: u8,
+    /// Kind and version of each, the first at 0; (0, 0) where it did not say.
+    pub devices: [(u8, u8); LAST_ADDRESS as usize],
+    /// Bit i is set where address i + 1 did not answer at the end: change of the rate missed, or dead.
+    pub silent: u32,
+    /// Whether the chain ended in silence. Otherwise an address stayed in doubt: noise, or two modules that answer.
+    pub is_complete: bool,
+}
+
+impl Chain {
+    const EMPTY: Chain = Chain {
+        modules: 0,
+        devices: [(0, 0); LAST_ADDRESS as usize],
+        silent: 0,
+        is_complete: true,
+    };
+}
+
+/// What a [`Startup`] wants next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Next {
+    /// This from the [`Host`](super::Host); its outcome is the next call's argument.
+    Step(Step),
+    /// It is over.
+    Done(Chain),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Flush,
+    Reset,
+    ResetEach(u8),
+    Settle,
+    Address(u8),
+    Identify(u8),
+    SetBaud,
+    Switch,
+    Greet(u8),
+    Done,
+    /// Nobody there: the other rates, each switched to, flushed and reset.
+    Search(u8, Sweep),
+    Return,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sweep {
+    Switch,
+    Flush,
+    Reset,
+}
+
+/// The order in which every client starts the line: flush, hard reset, addresses from the far end until nobody answers, kind and
+/// version of each, the rate, a greeting of each.
+///
+/// When nobody answers at all, modules may be at another rate from an earlier session: all are tried once.
+///
+/// ```
+/// use husillo_transports::nmc::{Baud, Next, Startup, Step};
+///
+/// let mut startup = Startup::new(Baud::B115200);
+/// assert_eq!(startup.next(None), Next::Step(Step::Flush));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Startup {
+    baud: Baud,
+    phase: Phase,
+    resets_each: bool,
+    has_searched: bool,
+    restarts: u8,
+    chain: Chain,
+}
+
+impl Startup {
+    /// To a line at this rate.
+    pub const fn new(baud: Baud) -> Startup {
+        Startup {
+            baud,
+            phase: Phase::Flush,
+            resets_each: false,
+            has_searched: false,
+            restarts: RESTARTS,
+            chain: Chain::EMPTY,
+        }
+    }
+
+    /// Resets every individual address too, 32 times [`Timing::reset_us`](super::Timing::reset_us) more. A module that an earlier
+    /// session left in another group than 0xFF does not hear the reset of all; it keeps its address, and another one may get the same.
+    #[must_use]
+    pub const fn resetting_each(mut self) -> Startup {
+        self.resets_each = true;
+        self
+    }
+
+    /// The next thing to do, after the outcome of the one before (`None` at first, and where the host refused).
+    pub fn next(&mut self, outcome: Option<&Outcome>) -> Next {
+        self.phase = self.after(outcome);
+        match self.phase {
+            Phase::Done => Next::Done(self.chain),
+            phase => Next::Step(self.step(phase)),
+        }
+    }
+
+    /// What the outcome of the phase leads to.
+    fn after(&mut self, outcome: Option<&Outcome>) -> Phase {
+        let reply = outcome.and_then(Outcome::reply);
+        match self.phase {
+            Phase::Flush if outcome.is_none() => Phase::Flush,
+            Phase::Flush => Phase::Reset,
+            Phase::Reset if self.resets_each => Phase::ResetEach(1),
+            Phase::ResetEach(address) if address < LAST_ADDRESS => {
+                Phase::ResetEach(address + 1) // below 32
+            }
+            Phase::Reset | Phase::ResetEach(_) => Phase::Settle,
+            Phase::Settle => Phase::Address(1),
+            Phase::Address(address) if reply.is_some() => {
+                self.chain.modules = address;
+                if address < LAST_ADDRESS {
+                    Phase::Address(address + 1) // below 32
+                } else {
+                    Phase::Identify(1)
+                }
+            }
+            // In doubt, the next of the chain must not get the same address: all begin anew.
+            Phase::Address(_) if outcome != Some(&Outcome::Failed(Failure::Silent)) => {
+                if self.restarts > 0 {
+                    self.restarts = self.restarts.saturating_sub(1);
+                    self.chain = Chain::EMPTY;
+                    return Phase::Flush;
+                }
+                self.chain.is_complete = false;
+                if self.chain.modules > 0 {
+                    Phase::Identify(1)
+                } else {
+                    Phase::Done
+                }
+            }
+            Phase::Address(1) if !self.has_searched => {
+                self.has_searched = true;
+                Phase::Search(0, Sweep::Switch)
+            }
+            Phase::Address(1) => Phase::Done,
+            Phase::Address(_) => Phase::Identify(1),
+            Phase::Identify(address) => {
+                let place = self.chain.devices.iter_mut();
+                let place = place.zip(1_u8..).find(|(_, of)| *of == address);
+                if let (Some((device, _)), Some(reply)) = (place, reply) {
+                    *device = (reply.readings.kind, reply.readings.version);
+                }
+                if address < self.chain.modules {
+                    Phase::Identify(address + 1) // below 32
+                } else if self.baud == Baud::B19200 {
+                    Phase::Greet(1)
+                } else {
+                    Phase::SetBaud
+                }
+            }
+            Phase::SetBaud if outcome.is_none() => {
+                self.baud = Baud::B19200; // a rate that some module cannot
+                Phase::Greet(1)
+            }
+            Phase::SetBaud => Phase::Switch,
+            Phase::Switch => Phase::Greet(1),
+            Phase::Greet(address) => {
+                if reply.is_none() {
+                    let bit = u32::from(address.saturating_sub(1));
+                    self.chain.silent |= 1_u32.wrapping_shl(bit); // below 32
+                }
+                if address < self.chain.modules {
+                    Phase::Greet(address + 1) // below 32
+                } else {
+                    Phase::Done
+                }
+            }
+            Phase::Done => Phase::Done,
+            Phase::Search(rate, Sweep::Switch) => Phase::Search(rate, Sweep::Flush),
+            Phase::Search(rate, Sweep::Flush) => Phase::Search(rate, Sweep::Reset),
+            Phase::Search(rate, Sweep::Reset) => {
+                let next = rate.saturating_add(1);
+                if rate_of(next).is_some() {
+                    Phase::Search(next, Sweep::Switch)
+                } else {
+                    Phase::Return
+                }
+            }
+            Phase::Return => Phase::Flush,
+        }
+    }
+
+    fn step(&self, phase: Phase) -> Step {
+        let everyone = |command| Step::Request {
+            address: EVERY_GROUP,
+            command,
+        };
+        match phase {
+            Phase::Flush | Phase::Settle | Phase::Search(_, Sweep::Flush) | Phase::Done => {
+                Step::Flush
+            }
+            Phase::Reset | Phase::Search(_, Sweep::Reset) => everyone(Command::HardReset(None)),
+            Phase::ResetEach(address) => Step::Request {
+                address,
+                command: Command::HardReset(None),
+            },
+            Phase::Address(address) => Step::Request {
+                address: 0,
+                command: Command::SetAddress {
+                    address,
+                    group: Group::NONE,
+                },
+            },
+            Phase::Identify(address) => Step::Request {
+                address,
+                command: Command::ReadStatus(Items::DEVICE),
+            },
+            Phase::SetBaud => everyone(Command::SetBaud(self.baud)),
+            Phase::Switch => Step::Switch(self.baud),
+            Phase::Greet(address) => Step::Request {
+                address,
+                command: Command::NoOperation,
+            },
+            Phase::Search(rate, Sweep::Switch) => Step::Switch(rate_of(rate).unwrap_or_default()),
+            Phase::Return => Step::Switch(Baud::B19200),
+        }
+    }
+}
+
+/// The rates to search, by number.
+fn rate_of(number: u8) -> Option<Baud> {
+    match number {
+        0 => Some(Baud::B115200),
+        1 => Some(Baud::B57600),
+        2 => Some(Baud::B9600),
+        3 => Some(Baud::B230400),
+        _ => None,
+    }
+}

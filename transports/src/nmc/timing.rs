@@ -1,0 +1,97 @@
+//! Times of the line, and how often modules can be asked.
+
+use super::{Baud, Items};
+
+/// Longest time from the end of a command to its execution and reply: a servo cycle of the original, in microseconds.
+pub const CYCLE_US: u32 = 512;
+
+/// How long the host waits, in microseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// From the last bit of a command to the first byte of its reply.
+    pub reply_us: u32,
+    /// More of it for each byte of the reply.
+    pub per_byte_us: u32,
+    /// Silence after a reply before it is believed: a byte more in this time means that one was doubled. 0 = none.
+    pub guard_us: u32,
+    /// Silence after a flush.
+    pub settle_us: u32,
+    /// After a command that nobody answers; more than a servo cycle.
+    pub unanswered_us: u32,
+    /// After a hard reset: modules are deaf.
+    pub reset_us: u32,
+    /// How often a command is sent, and a reading asked for, before the host gives up; at least 1.
+    pub tries: u8,
+}
+
+impl Timing {
+    /// Those of the vendor's library, for any adapter and operating system: 50 ms and 2 ms a byte, 100 ms after a flush.
+    pub const fn patient(baud: Baud) -> Timing {
+        Timing {
+            reply_us: 50_000,
+            per_byte_us: 2_000,
+            guard_us: baud.characters_us(1),
+            settle_us: 100_000,
+            unanswered_us: 60_000,
+            reset_us: 100_000,
+            tries: 3,
+        }
+    }
+
+    /// For a port that hands bytes over at once (a microcontroller, a simulated line): three servo cycles of `cycle_us` (512 times the
+    /// divisor), two characters a byte.
+    pub const fn prompt(baud: Baud, cycle_us: u32) -> Timing {
+        let cycles_us = cycle_us.saturating_mul(3);
+        Timing {
+            reply_us: cycles_us,
+            per_byte_us: baud.characters_us(2),
+            guard_us: baud.characters_us(2),
+            settle_us: cycles_us.saturating_add(baud.characters_us(40)),
+            unanswered_us: cycles_us,
+            reset_us: 100_000,
+            tries: 3,
+        }
+    }
+}
+
+/// Asking every module of a line in turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Polling {
+    /// Modules, 1 to 32.
+    pub modules: u8,
+    /// Rate of the line.
+    pub baud: Baud,
+    /// Items of every reply, set by Define Status, so that a No Operation of 4 bytes asks for them.
+    pub items: Items,
+    /// From the end of a request to the start of its reply: 0 to [`CYCLE_US`], half of it on average.
+    pub latency_us: u32,
+    /// From the end of a reply to the start of the next request: 0 for the limit, [`Timing::guard_us`] for a host that waits it.
+    pub guard_us: u32,
+}
+
+impl Polling {
+    /// Time of one module in microseconds, rounded up: 4 characters, latency, status and items and sum, guard. At 115200 baud with the
+    /// position 869 us and the latency.
+    ///
+    /// Nothing is faster: any byte on the command line cancels a reply, so the next request has to wait for it, and 4 bytes are the
+    /// shortest packet.
+    pub fn module_us(&self) -> u32 {
+        let characters = 6 + self.items.length() as u16; // 23 at most
+        self.baud
+            .characters_us(characters)
+            .saturating_add(self.latency_us)
+            .saturating_add(self.guard_us)
+    }
+
+    /// Time of a round in microseconds.
+    pub fn round_us(&self) -> u32 {
+        self.module_us().saturating_mul(u32::from(self.modules))
+    }
+
+    /// Rounds in 1000 seconds, rounded down: the rate in mHz.
+    pub fn rate_mhz(&self) -> u32 {
+        1_000_000_000_u32
+            .checked_div(self.round_us())
+            .unwrap_or(u32::MAX)
+    }
+}

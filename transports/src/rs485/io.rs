@@ -1,0 +1,133 @@
+//! A half-duplex port on `embedded-io` 0.7, message by message.
+
+use core::fmt;
+
+use embedded_hal::digital::OutputPin;
+use embedded_io::{Read, ReadReady, Write};
+
+use super::{Echo, EnablePin, Heard};
+
+/// What went wrong on a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IoError<S, P> {
+    /// The serial port's error.
+    Serial(S),
+    /// The port took or gave no byte: it is closed.
+    Closed,
+    /// The pin's error.
+    Pin(P),
+    /// What was heard is not what was sent: the message did not arrive.
+    Collision,
+}
+
+impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for IoError<S, P> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            IoError::Serial(error) => write!(out, "serial port: {error:?}"),
+            IoError::Closed => out.write_str("serial port closed"),
+            IoError::Pin(error) => write!(out, "driver-enable pin: {error:?}"),
+            IoError::Collision => out.write_str("collision on the line"),
+        }
+    }
+}
+
+impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for IoError<S, P> {}
+
+/// A serial port behind a transceiver, for ports whose `flush` returns on transmission complete, as `embedded-io` asks.
+///
+/// The turnaround is the caller's: ask [`Turnaround`](super::Turnaround) before a message.
+#[derive(Debug)]
+pub struct IoPort<S, P, const N: usize> {
+    serial: S,
+    enable: EnablePin<P>,
+    echo: Echo<N>,
+}
+
+impl<S, P, const N: usize> IoPort<S, P, N>
+where
+    S: Read + Write + ReadReady,
+    P: OutputPin,
+{
+    /// Takes the port, the pin and what is known of the echo. The pin is written with the first message; let the line go before.
+    pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
+        IoPort {
+            serial,
+            enable,
+            echo,
+        }
+    }
+
+    /// Sends a message and lets the line go when its last stop bit is out, also after an error. Blocks so long. Bytes that are heard
+    /// back meanwhile are compared; a message longer than `N` needs a port that returns them in time.
+    ///
+    /// # Errors
+    /// [`IoError`]; with a collision the rest of the message is not sent.
+    pub fn send(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
+        self.enable.set(true).map_err(IoError::Pin)?;
+        let sent = self.write(message);
+        let flushed = self.serial.flush().map_err(IoError::Serial);
+        self.enable.set(false).map_err(IoError::Pin)?;
+        sent.and(flushed)
+    }
+
+    /// Takes a byte of the line, if one is there; one's own are dropped.
+    ///
+    /// # Errors
+    /// [`IoError`]; a collision when a byte should have been one's own.
+    pub fn receive(&mut self) -> Result<Option<u8>, IoError<S::Error, P::Error>> {
+        while self.serial.read_ready().map_err(IoError::Serial)? {
+            match self.hear()? {
+                Heard::Foreign(byte) => return Ok(Some(byte)),
+                Heard::Collision => return Err(IoError::Collision),
+                Heard::Echo => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// What is known of the echo.
+    pub fn echo(&mut self) -> &mut Echo<N> {
+        &mut self.echo
+    }
+
+    /// Gives port and pin back.
+    pub fn release(self) -> (S, P) {
+        (self.serial, self.enable.release())
+    }
+
+    fn write(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
+        for byte in message {
+            // What came back so far makes room; a byte that is nobody's own is a collision while sending.
+            while self.serial.read_ready().map_err(IoError::Serial)? {
+                if self.hear()? != Heard::Echo {
+                    self.echo.silence();
+                    return Err(IoError::Collision);
+                }
+            }
+            while !self.echo.sent(*byte) {
+                if self.hear()? != Heard::Echo {
+                    self.echo.silence();
+                    return Err(IoError::Collision);
+                }
+            }
+            match self.serial.write(&[*byte]) {
+                Ok(0) => return Err(IoError::Closed),
+                Ok(_) => {}
+                Err(error) => return Err(IoError::Serial(error)),
+            }
+        }
+        Ok(())
+    }
+
+    fn hear(&mut self) -> Result<Heard, IoError<S::Error, P::Error>> {
+        let mut byte = [0];
+        match self.serial.read(&mut byte) {
+            Ok(0) => Err(IoError::Closed),
+            Ok(_) => {
+                let [byte] = byte;
+                Ok(self.echo.received(byte))
+            }
+            Err(error) => Err(IoError::Serial(error)),
+        }
+    }
+}

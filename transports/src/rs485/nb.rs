@@ -1,0 +1,135 @@
+//! A half-duplex port on `embedded-hal-nb` 1.0, byte by byte.
+
+use core::fmt;
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal_nb::nb;
+use embedded_hal_nb::serial::{Read, Write};
+
+use super::{Echo, EnablePin, Heard};
+
+/// What went wrong on a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NbError<S, P> {
+    /// The serial port's error.
+    Serial(S),
+    /// The pin's error.
+    Pin(P),
+    /// What was heard is not what was sent: the driver is released, the rest is not to be sent.
+    Collision,
+}
+
+impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for NbError<S, P> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NbError::Serial(error) => write!(out, "serial port: {error:?}"),
+            NbError::Pin(error) => write!(out, "driver-enable pin: {error:?}"),
+            NbError::Collision => out.write_str("collision on the line"),
+        }
+    }
+}
+
+impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for NbError<S, P> {}
+
+/// A serial port behind a transceiver. Nothing waits in here: `WouldBlock` means try again.
+///
+/// The turnaround is the caller's: ask [`Turnaround`](super::Turnaround) before the first byte.
+#[derive(Debug)]
+pub struct NbPort<S, P, const N: usize> {
+    serial: S,
+    enable: EnablePin<P>,
+    echo: Echo<N>,
+    is_driving: bool,
+}
+
+impl<S, P, const N: usize> NbPort<S, P, N>
+where
+    S: Read<u8> + Write<u8>,
+    P: OutputPin,
+{
+    /// Takes the port, the pin and what is known of the echo. The pin is written with the first byte; let the line go before.
+    pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
+        NbPort {
+            serial,
+            enable,
+            echo,
+            is_driving: false,
+        }
+    }
+
+    /// Drives the line and hands the byte to the transmitter.
+    ///
+    /// # Errors
+    /// `WouldBlock` when the transmitter is full, or `N` bytes are not heard back yet: read on.
+    pub fn send(&mut self, byte: u8) -> nb::Result<(), NbError<S::Error, P::Error>> {
+        if !self.is_driving {
+            self.set_driving(true)?;
+        }
+        let before = self.echo;
+        if !self.echo.sent(byte) {
+            return Err(nb::Error::WouldBlock);
+        }
+        let written = self.serial.write(byte);
+        if written.is_err() {
+            self.echo = before; // it is not under way
+        }
+        written.map_err(|error| error.map(NbError::Serial))
+    }
+
+    /// Lets the line go once the last stop bit is out: to be called again until it is `Ok`, at once from the interrupt of
+    /// transmission complete.
+    ///
+    /// # Errors
+    /// `WouldBlock` while bytes are on their way.
+    pub fn complete(&mut self) -> nb::Result<(), NbError<S::Error, P::Error>> {
+        if !self.is_driving {
+            return Ok(());
+        }
+        self.serial
+            .flush()
+            .map_err(|error| error.map(NbError::Serial))?;
+        self.set_driving(false)
+    }
+
+    /// Takes a byte of the line: `None` for one's own.
+    ///
+    /// # Errors
+    /// `WouldBlock` when there is none; [`NbError::Collision`] when it should have been one's own: the line is let go.
+    pub fn receive(&mut self) -> nb::Result<Option<u8>, NbError<S::Error, P::Error>> {
+        let byte = self
+            .serial
+            .read()
+            .map_err(|error| error.map(NbError::Serial))?;
+        match self.echo.received(byte) {
+            Heard::Foreign(byte) => Ok(Some(byte)),
+            Heard::Echo => Ok(None),
+            Heard::Collision => {
+                self.set_driving(false)?;
+                Err(nb::Error::Other(NbError::Collision))
+            }
+        }
+    }
+
+    /// Whether the line is driven.
+    pub const fn is_driving(&self) -> bool {
+        self.is_driving
+    }
+
+    /// What is known of the echo.
+    pub fn echo(&mut self) -> &mut Echo<N> {
+        &mut self.echo
+    }
+
+    /// Gives port and pin back.
+    pub fn release(self) -> (S, P) {
+        (self.serial, self.enable.release())
+    }
+
+    fn set_driving(&mut self, is_driving: bool) -> nb::Result<(), NbError<S::Error, P::Error>> {
+        self.enable
+            .set(is_driving)
+            .map_err(|error| nb::Error::Other(NbError::Pin(error)))?;
+        self.is_driving = is_driving;
+        Ok(())
+    }
+}
