@@ -1,0 +1,122 @@
+//! How far the probe travels between touch and signal.
+
+use crate::UnitVector;
+
+/// Pre-travel in nm as a table by direction of travel.
+///
+/// A stylus bends before the contact opens, and a tripod of contacts bends more in some directions than in others; so the
+/// way from touch to signal depends on the direction of approach (`ed` of `M = p - ed d - r n` must be looked up by `d`).
+///
+/// Between its `K` directions the table is interpolated with weights `1 / (chord distance)^4` (D. Shepard, "A two-dimensional
+/// interpolation function for irregularly-spaced data", ACM 1968, on the unit sphere, with power 4): exact in its own
+/// directions, continuous, never outside its smallest and largest entry, the same whatever the order of the entries. It needs
+/// no grid: one entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub struct PreTravel<const K: usize> {
+    entries: [(UnitVector, i32); K],
+}
+
+impl PreTravel<1> {
+    /// The same pre-travel in all directions.
+    #[must_use]
+    pub const fn uniform(nm: i32) -> PreTravel<1> {
+        PreTravel {
+            entries: [(UnitVector::X, nm)],
+        }
+    }
+}
+
+impl<const K: usize> PreTravel<K> {
+    /// A table of directions of travel and the pre-travel in nm along each.
+    #[must_use]
+    pub const fn new(entries: [(UnitVector, i32); K]) -> PreTravel<K> {
+        PreTravel { entries }
+    }
+
+    /// The entries.
+    #[must_use]
+    pub const fn entries(&self) -> &[(UnitVector, i32); K] {
+        &self.entries
+    }
+
+    /// The pre-travel in nm along `direction`; 0 of an empty table.
+    ///
+    /// The weights have 24 bits, so the last digit is right within 1 + 2^-23 of the table's range. `K + 1` 64-bit
+    /// divisions; none where the direction is in the table or all its entries are the same.
+    #[must_use]
+    pub fn along(&self, direction: &UnitVector) -> i32 {
+        let mut nearest = u64::MAX;
+        for (entry, nm) in &self.entries {
+            let square = square_distance(entry, direction);
+            if square <= SAME {
+                return *nm;
+            }
+            nearest = nearest.min(square);
+        }
+        let ends = self.entries.iter().fold(None, |ends, &(_, nm)| {
+            ends.map_or(Some((nm, nm)), |(low, high): (i32, i32)| {
+                Some((low.min(nm), high.max(nm)))
+            })
+        });
+        let Some((low, high)) = ends else { return 0 };
+        if low == high {
+            return low;
+        }
+        let (mut weights, mut sum) = (0_u64, 0_u64);
+        for (entry, nm) in &self.entries {
+            // nearest <= 2^32, so 2^44 over something not smaller: at most 2^12.
+            let ratio = (nearest << 12)
+                .checked_div(square_distance(entry, direction))
+                .unwrap_or(0);
+            let weight = ratio.wrapping_mul(ratio);
+            // Above the lowest entry all is positive; 2^24 x 2^32 each, so 128 entries fit, more saturate.
+            let above = u64::from(nm.abs_diff(low));
+            sum = sum.saturating_add(weight.wrapping_mul(above));
+            weights = weights.saturating_add(weight);
+        }
+        let above = sum
+            .saturating_add(weights >> 1)
+            .checked_div(weights)
+            .unwrap_or(0);
+        // A mean, so not above high - low.
+        low.saturating_add_unsigned(u32::try_from(above).unwrap_or(u32::MAX))
+            .min(high)
+    }
+}
+
+/// Two directions that differ by rounding alone: cosines are within 3 x 2^-30, so their squares are within 6.
+const SAME: u64 = 8;
+
+/// The square of the chord between two directions, `2 - 2 cos`, in units of 2^-30: 0..=2^32.
+fn square_distance(a: &UnitVector, b: &UnitVector) -> u64 {
+    // cosine is within -1..=1.
+    let short = i64::from(1_i32 << 30).wrapping_sub(i64::from(a.cosine(b).to_bits()));
+    short.wrapping_mul(2).unsigned_abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_in_its_own_directions_and_between_them_elsewhere() {
+        let minus_x = UnitVector::X.reversed();
+        let table = PreTravel::new([
+            (UnitVector::X, 8000),
+            (minus_x, 4000),
+            (UnitVector::Y, 6000),
+        ]);
+        assert_eq!(table.along(&UnitVector::X), 8000);
+        assert_eq!(table.along(&minus_x), 4000);
+        assert_eq!(table.along(&UnitVector::Y), 6000);
+        // As far from each of the three.
+        assert_eq!(table.along(&UnitVector::Z), 6000);
+        // Halfway between two, 1/34 of the weight on the third: (8000 + 6000 + 4000 / 34) / (2 + 1 / 34).
+        let between = UnitVector::new([1, 1, 0]).unwrap();
+        assert_eq!(table.along(&between), 6957);
+        assert_eq!(PreTravel::uniform(-7).along(&between), -7);
+        assert_eq!(PreTravel::new([]).along(&between), 0);
+        let wide = PreTravel::new([(UnitVector::X, i32::MIN), (UnitVector::Y, i32::MAX)]);
+        assert_eq!(wide.along(&between), 0);
+    }
+}
