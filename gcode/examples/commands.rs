@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` only counts, and times, them.
 
-use husillo_gcode::{Block, Dialect, Modal};
+use husillo_gcode::{Block, Commands, Dialect, Modal};
 use std::io::Write;
 use std::time::Instant;
 
@@ -19,17 +19,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let program = std::fs::read(path)?;
 
     let mut output = std::io::BufWriter::new(std::io::stdout().lock());
-    let mut modal = Modal::<3>::new(dialect);
+    let (mut block, mut modal) = (Block::new(), Modal::<3>::new(dialect));
+    let mut commands = Commands::new();
     let (mut lines, mut commands_made, mut errors) = (0usize, 0usize, 0usize);
     let start = Instant::now();
     for line in program.split(|&byte| byte == b'\n') {
         lines += 1;
         for (offset, text) in dialect.blocks(line) {
-            let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
+            let planned = block
+                .read(text, &dialect)
+                .and_then(|()| modal.apply(&block, &mut commands));
             match planned {
-                Ok((next, commands)) => {
-                    modal = next;
-                    for command in commands {
+                Ok(()) => {
+                    for command in &mut commands {
                         commands_made += 1;
                         if !timed {
                             writeln!(output, "{lines}: {command}")?;

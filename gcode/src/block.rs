@@ -379,12 +379,15 @@ impl Block {
             return Ok(());
         }
         let (mut once, mut twice) = (more.0, 0);
-        let codes = (0..Group::COUNT as u32).zip(&self.codes);
-        let given_codes = codes.filter(|&(group, _)| self.groups & 1u32.wrapping_shl(group) != 0);
-        for code in given_codes.filter_map(|(_, code)| code.as_ref()) {
-            let claim = code.letters().0;
-            twice |= once & claim;
-            once |= claim;
+        let mut groups = self.groups;
+        while groups != 0 {
+            let group = groups.trailing_zeros();
+            groups &= groups.wrapping_sub(1);
+            if let Some(code) = self.codes.get(group as usize).copied().flatten() {
+                let claim = code.letters().0;
+                twice |= once & claim;
+                once |= claim;
+            }
         }
         let find = |wrong: u32| {
             CLAIMED_IN_ORDER

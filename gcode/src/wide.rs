@@ -20,8 +20,8 @@ pub(crate) fn square(x: i64, y: i64) -> u128 {
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn root(value: u128) -> u64 {
     // Where the processor divides, its library is faster.
-    if let (true, Ok(small)) = (cfg!(target_pointer_width = "64"), u64::try_from(value)) {
-        return small.isqrt();
+    if cfg!(target_pointer_width = "64") {
+        return value.isqrt() as u64;
     }
     let skipped = value.leading_zeros() & !1;
     let mut coming = value.wrapping_shl(skipped);
@@ -45,6 +45,9 @@ pub(crate) fn root(value: u128) -> u64 {
 pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
     if divisor == 0 {
         return 0;
+    }
+    if cfg!(target_pointer_width = "64") {
+        return value.wrapping_div(divisor as u128);
     }
     let mut left = 128u32.wrapping_sub(value.leading_zeros());
     // The bits still to come from the left, and the quotient behind them.
