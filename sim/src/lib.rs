@@ -31,11 +31,13 @@
 #![deny(missing_docs)]
 
 mod axis;
+mod dc_motor;
 mod loss;
 mod model;
 mod rig;
 mod spindle;
 
+pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
