@@ -1,4 +1,21 @@
-//! Quadrature levels and hardware counters to positions and velocities.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod quadrature;
+
+mod index;
+
+mod extended;
+mod running;
+
+mod velocity_by_count;
+mod velocity_by_period;
+
+pub use extended::Extended;
+pub use index::{Index, Passage};
+pub use quadrature::{Direction, Quadrature, Scale, Skipped, levels};
+pub use running::{Byte, read_running, running_value};
+pub use velocity_by_count::VelocityByCount;
+pub use velocity_by_period::VelocityByPeriod;

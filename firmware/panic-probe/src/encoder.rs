@@ -1,4 +1,50 @@
 //! The public functions of `husillo-encoder`.
 
+use core::hint::black_box;
+
+use husillo_encoder::{
+    Byte, Extended, Index, Quadrature, VelocityByCount, VelocityByPeriod, levels, read_running,
+    running_value,
+};
+
+/// Reads a byte of a counter.
+type Port = fn(Byte) -> u8;
+
 /// Keeps every function in the program.
-pub fn keep() {}
+pub fn keep() {
+    black_box([
+        levels as *const (),
+        Quadrature::new as *const (),
+        Quadrature::sample as *const (),
+        Quadrature::position as *const (),
+        Quadrature::set_position as *const (),
+        Quadrature::direction as *const (),
+        Quadrature::skipped as *const (),
+        Index::new as *const (),
+        Index::sample as *const (),
+        Index::set_position as *const (),
+        Extended::<8>::new as *const (),
+        Extended::<8>::update as *const (),
+        Extended::<16>::update as *const (),
+        Extended::<32>::update as *const (),
+        Extended::<16>::position as *const (),
+        Extended::<16>::position_32 as *const (),
+        Extended::<16>::set_position as *const (),
+        read_running::<Port> as *const (),
+        running_value as *const (),
+    ]);
+    velocity();
+}
+
+fn velocity() {
+    black_box([
+        VelocityByCount::<10>::new as *const (),
+        VelocityByCount::<10>::update as *const (),
+        VelocityByCount::<16>::update as *const (),
+        VelocityByPeriod::<1>::new as *const (),
+        VelocityByPeriod::<1>::update as *const (),
+        VelocityByPeriod::<4>::update as *const (),
+        VelocityByPeriod::<4>::millicounts_per_s as *const (),
+        VelocityByPeriod::<4>::set_position as *const (),
+    ]);
+}

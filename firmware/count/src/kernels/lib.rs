@@ -9,6 +9,7 @@
 mod arcs;
 mod chain;
 mod curves;
+mod encoder;
 mod lines;
 mod planning;
 mod profiles;
@@ -36,6 +37,7 @@ pub fn methods(count: Count<'_>) {
     profiles::all(count);
     planning::all(count);
     stages::all(count);
+    encoder::all(count);
 }
 
 /// From text to events. With the methods it is more than a microbit holds.

@@ -1,0 +1,57 @@
+//! A counter of 16 bits behind a bus of 8, read while it runs.
+
+/// A byte of a counter of 16 bits.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Byte {
+    /// Bits 8 to 15.
+    High,
+    /// Bits 0 to 7.
+    Low,
+}
+
+/// Reads a counter that runs while it is read: high, low, low, high byte, in this order.
+///
+/// The value is that of the second reading of the low byte, exactly, when the counter runs one way during the four readings and by less
+/// than 128 counts, whenever it steps. `None` where the bytes contradict that: read again.
+///
+/// What turns within the four readings, and over a carry both ways, may read 256 off, whatever the rule: high bytes 0, 0 and low
+/// bytes 0, 0 are 0, 0, 0, 0 and also 255, 256, 256, 255. Who reads at least every 127 counts needs the low byte only,
+/// [`Extended::<8>`](crate::Extended), and is rid of the question.
+///
+/// ```
+/// use husillo_encoder::{Byte, read_running};
+///
+/// // Runs from 0x04ff over 0x0500 between the second and the third reading.
+/// let mut values = [0x04fe_u16, 0x04ff, 0x0500, 0x0501].into_iter();
+/// let value = read_running(|byte| {
+///     let [high, low] = values.next().unwrap().to_be_bytes();
+///     if byte == Byte::High { high } else { low }
+/// });
+/// assert_eq!(value, Some(0x0500));
+/// ```
+pub fn read_running<R: FnMut(Byte) -> u8>(mut read: R) -> Option<u16> {
+    // The elements of an array are evaluated in order.
+    running_value([
+        read(Byte::High),
+        read(Byte::Low),
+        read(Byte::Low),
+        read(Byte::High),
+    ])
+}
+
+/// The value of a counter from its bytes, read in the order high, low, low, high; see [`read_running`].
+pub const fn running_value([high, low, low_again, high_again]: [u8; 4]) -> Option<u16> {
+    // Less than 128 counts before and after a carry: low bytes below 128 are above it.
+    let high_now = match high_again.wrapping_sub(high) {
+        // No carry, so the low bytes are less than half of theirs apart.
+        0 if low.abs_diff(low_again) < 128 => high,
+        // Upwards over the carry: above it is the later high byte.
+        1 if low_again < 128 => high_again,
+        1 if low >= 128 => high,
+        // Downwards: below it is the later one.
+        255 if low_again >= 128 => high_again,
+        255 if low < 128 => high,
+        _ => return None,
+    };
+    Some(u16::from_be_bytes([high_now, low_again]))
+}

@@ -1,0 +1,54 @@
+//! Velocity from the counts in a time.
+
+/// Velocity by count: the counts of the last `WINDOW` samples, which come at equal times.
+///
+/// For high speeds. One count more or less in the window is 1/`WINDOW` counts a sample: that is its resolution, and its error is below
+/// it. The value is the mean over the window, so it is `WINDOW`/2 samples old.
+///
+/// ```
+/// use husillo_encoder::VelocityByCount;
+///
+/// let mut velocity = VelocityByCount::<8>::new(0);
+/// let last = (1..=20).map(|sample| velocity.update(sample * 5 / 2)).last();
+/// assert_eq!(last, Some(0x2_8000)); // 2.5 counts a sample
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct VelocityByCount<const WINDOW: usize> {
+    /// Positions of the last samples; `oldest` is the place of the oldest one.
+    positions: [i32; WINDOW],
+    oldest: usize,
+}
+
+impl<const WINDOW: usize> VelocityByCount<WINDOW> {
+    const SAMPLES: i64 = {
+        assert!(WINDOW > 0 && WINDOW <= 1 << 20);
+        WINDOW as i64
+    };
+
+    /// At rest at this position.
+    pub const fn new(position: i32) -> Self {
+        Self {
+            positions: [position; WINDOW],
+            oldest: 0,
+        }
+    }
+
+    /// Takes the position of this sample and returns the velocity in 2^-16 counts a sample, rounded to zero and cut to 32 bits.
+    ///
+    /// A division by a constant; a shift and an addition where `WINDOW` is a power of two.
+    #[inline]
+    pub fn update(&mut self, position: i32) -> i32 {
+        let Some(oldest) = self.positions.get_mut(self.oldest) else {
+            return 0;
+        };
+        let before = core::mem::replace(oldest, position);
+        self.oldest = match self.oldest.wrapping_add(1) {
+            next if next < WINDOW => next,
+            _ => 0,
+        };
+        let counts = i64::from(position.wrapping_sub(before));
+        // 48 bits; SAMPLES is not 0.
+        let velocity = (counts << 16).checked_div(Self::SAMPLES).unwrap_or(0);
+        velocity.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    }
+}
