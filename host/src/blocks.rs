@@ -30,6 +30,26 @@ pub struct Given<'a> {
     pub repeats: bool,
 }
 
+/// The `%` before a program and behind it.
+#[derive(Debug, Default)]
+struct Percent {
+    begun: bool,
+    inside: bool,
+}
+
+impl Percent {
+    /// Whether the program is over at this line: at the second `%` of one that begins with a `%`, as in LinuxCNC. Grbl passes
+    /// over all of them.
+    fn ends(&mut self, line: &[u8], dialect: &Dialect) -> bool {
+        let line = line.trim_ascii();
+        let is_percent = line.first() == Some(&b'%') && dialect.name() != Dialect::GRBL.name();
+        let ends = is_percent && self.inside;
+        self.inside |= is_percent && !self.begun;
+        self.begun |= !line.is_empty();
+        ends
+    }
+}
+
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
 /// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle along a contour; from that line
@@ -45,10 +65,14 @@ pub fn each_block<C>(
     modal: impl Fn(&C) -> &Modal<3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
+    let mut percent = Percent::default();
     let first = loop {
         let Some(line) = source.next_line()? else {
             return Ok(());
         };
+        if percent.ends(line.bytes, &dialect) {
+            return Ok(());
+        }
         if needs_program(line.bytes, &dialect) || needs_contours(line.bytes, &dialect) {
             break line.number;
         }
@@ -78,6 +102,9 @@ pub fn each_block<C>(
                 let Some(line) = program.next_line(state) else {
                     return Ok(());
                 };
+                if percent.ends(line.text, &dialect) {
+                    return Ok(());
+                }
                 let line = contours.take(line, state);
                 if let Some((at, number)) = contours.resume() {
                     program.go_to(at, number);
@@ -96,5 +123,37 @@ pub fn each_block<C>(
         if each(context, &given, line.block)?.is_break() {
             return Ok(());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers of the lines that are read.
+    fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {
+        let mut source = Source::from_reader(Box::new(text.as_bytes()));
+        let mut context = (Modal::new(dialect), Vec::new());
+        each_block(
+            &mut source,
+            dialect,
+            &mut context,
+            |context| &context.0,
+            |context, given, _| {
+                context.1.push(given.number);
+                Ok(ControlFlow::Continue(()))
+            },
+        )
+        .unwrap();
+        context.1
+    }
+
+    #[test]
+    fn the_second_percent_ends() {
+        let rs274 = |text| lines(Dialect::RS274, text);
+        assert_eq!(rs274("\n%\nG0 X1\n % \nG0 X2\n"), [1, 2, 3]);
+        assert_eq!(rs274("%\n#1=1\nG0 X#1\n%\nG0 X2\n"), [1, 2, 3]);
+        assert_eq!(rs274("G0 X1\n%\nG0 X2\n%\n"), [1, 2, 3, 4]);
+        assert_eq!(lines(Dialect::GRBL, "%\nG0 X1\n%\nG0 X2\n"), [1, 2, 3, 4]);
     }
 }

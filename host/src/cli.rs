@@ -256,7 +256,7 @@ pub struct Holes {
     #[arg(long, value_name = "X,Y|corner", allow_hyphen_values = true)]
     pub shift: Option<String>,
     /// Depth of the holes below the surface, which is Z0
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub depth: Option<String>,
     /// Height above the surface between holes
     #[arg(long, value_name = "MM", default_value = "2")]

@@ -1,7 +1,7 @@
 //! A drill file as G-code: drill cycles or plain moves, routed slots.
 
 use crate::cli::{Cycle, Holes, SlotHandling};
-use crate::holes::{Board, length};
+use crate::holes::{Board, count, length};
 use husillo_gcode::excellon::{Hole, Path, Slot, Tool};
 use husillo_gcode::{Direction, Nm};
 use std::io::{self, Write};
@@ -78,8 +78,9 @@ impl Work {
             .chars()
             .filter(|c| !c.is_control() && !matches!(c, '(' | ')'))
             .collect();
-        let (holes, slots) = (board.holes.len(), board.slots.len());
-        writeln!(out, "({name}: {holes} holes, {slots} slots)")?;
+        let holes = count(board.holes.len(), "hole");
+        let slots = count(board.slots.len(), "slot");
+        writeln!(out, "({name}: {holes}, {slots})")?;
         writeln!(out, "G17 G21 G90 G94\nG0 Z{}", self.safe)?;
         for number in board.tools_in_use() {
             let of_tool = |tool: &Tool| tool.number == number;

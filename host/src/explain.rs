@@ -2,7 +2,7 @@
 
 use crate::diagnostics::{Finding, Place};
 use crate::explain_flow;
-use husillo_gcode::{Error, ErrorKind, words};
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, words};
 use std::ops::Range;
 
 /// A line of the program that a finding is about.
@@ -66,10 +66,16 @@ impl At<'_> {
         self.place(span).span()
     }
 
-    /// A word and the blank behind it, to be removed.
+    /// A word and the blank behind it, or where none follows the one before it, to be removed.
     fn removal(&self, span: Range<usize>) -> Range<usize> {
-        let is_blank = matches!(self.text().get(span.end), Some(b' ' | b'\t'));
-        self.drawn(span.start..span.end + usize::from(is_blank))
+        let text = self.text();
+        let blank = |at: Option<usize>| {
+            let byte = at.and_then(|at| text.get(at));
+            matches!(byte, Some(b' ' | b'\t'))
+        };
+        let (behind, before) = (blank(Some(span.end)), blank(span.start.checked_sub(1)));
+        let start = span.start - usize::from(before && !behind);
+        self.drawn(start..span.end + usize::from(behind))
     }
 
     /// Behind the last byte of the block that is no blank.
@@ -167,10 +173,13 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .note("under G93 an F is the inverse of the minutes of one move and is not kept for the next")
             .help("add F, or G94 for feed rates that stay"),
         ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
-        ErrorKind::NotOfDialect(..) => finding
+        ErrorKind::NotOfDialect(letter, tenths) => finding
             .label("this dialect has no such code")
             .note("grbl: `error:20`; LinuxCNC: \"Unknown g code used\"")
-            .help("choose another dialect with `--dialect`, or leave the code out"),
+            .help(match dialect_with(letter, tenths) {
+                Some(name) => format!("`--dialect {name}` has it; or leave the code out"),
+                None => "leave the code out: no dialect here has it".to_owned(),
+            }),
         ErrorKind::MissingWord(letter) => finding
             .label(format!("needs `{}`", char::from(letter)))
             .note("grbl: `error:28`"),
@@ -180,12 +189,12 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::DecimalComma => {
             let finding = finding
                 .label("decimals stand behind a point")
-                .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"")
-                .help("write a point");
+                .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"");
             if at.is_only_mark(span.start) {
-                finding.fix(at.drawn(span.start..span.start + 1), ".")
+                let mark = at.drawn(span.start..span.start + 1);
+                finding.help("write a point").fix(mark, ".")
             } else {
-                finding
+                finding.help("one point at most, and nothing between thousands")
             }
         }
         ErrorKind::UnclosedComment => finding
@@ -243,6 +252,22 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     }
 }
 
+/// The first dialect with a code, given by its letter and its number in tenths.
+fn dialect_with(letter: u8, tenths: u16) -> Option<&'static str> {
+    let code = format!("{}{}.{}", char::from(letter), tenths / 10, tenths % 10);
+    let has = |dialect: &Dialect| {
+        let error = Block::parse(code.as_bytes(), dialect).map_err(|error| error.kind);
+        !matches!(
+            error,
+            Err(ErrorKind::NotOfDialect(..) | ErrorKind::UnknownCode(..))
+        )
+    };
+    Dialect::ALL
+        .iter()
+        .find(|dialect| has(dialect))
+        .map(Dialect::name)
+}
+
 fn message(error: &Error, at: &At<'_>) -> String {
     match error.kind {
         ErrorKind::MalformedNumber => {
@@ -268,4 +293,40 @@ fn words_around(text: &[u8], at: usize) -> &[u8] {
         .position(|b| !part(b))
         .map_or(text.len(), |length| at + length);
     &text[start..end]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dialect_that_has_a_code_is_named() {
+        assert_eq!(dialect_with(b'G', 410), Some("rs274"));
+        assert_eq!(dialect_with(b'G', 710), Some("lathe"));
+        assert_eq!(dialect_with(b'M', 60), Some("rs274"));
+        assert_eq!(dialect_with(b'G', 52), None);
+    }
+
+    #[test]
+    fn a_word_goes_with_one_blank() {
+        let removed = |bytes: &str, letter| {
+            let at = At {
+                file: "p",
+                line: 1,
+                bytes: bytes.as_bytes(),
+                block: 0,
+                length: bytes.len(),
+            };
+            let span = at.find(|word| word == letter).unwrap();
+            let mut text = bytes.to_owned();
+            text.replace_range(at.removal(span), "");
+            text
+        };
+        assert_eq!(removed("G0 X1 P3", b'P'), "G0 X1");
+        assert_eq!(removed("G0 P3 X1", b'P'), "G0 X1");
+        assert_eq!(removed("P3 G0", b'P'), "G0");
+        assert_eq!(removed("G0 X1 P3(c)", b'P'), "G0 X1(c)");
+        assert_eq!(removed("G0X1P3", b'P'), "G0X1");
+        assert_eq!(removed("P3", b'P'), "");
+    }
 }

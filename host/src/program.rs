@@ -8,6 +8,9 @@ use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, M
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
+/// Most commands of a program with loops: lines are counted by the crate, but one line of a canned cycle can give 2^16.
+const MOST_COMMANDS: u64 = 50_000_000;
+
 /// One block that means something.
 #[derive(Debug)]
 pub struct Meaning<'a> {
@@ -56,6 +59,17 @@ pub fn walk<W: Write>(
     file: &str,
     dialect: Dialect,
     findings: &mut Findings<W>,
+    each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
+) -> io::Result<Modal<3>> {
+    walk_within(MOST_COMMANDS, source, file, dialect, findings, each)
+}
+
+fn walk_within<W: Write>(
+    mut left: u64,
+    source: &mut Source,
+    file: &str,
+    dialect: Dialect,
+    findings: &mut Findings<W>,
     mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
     let mut walker = Walker {
@@ -90,6 +104,16 @@ pub fn walk<W: Write>(
             };
             let meaning = Meaning { at };
             for command in commands {
+                if given.repeats {
+                    if left == 0 {
+                        let message = "program gives too many commands";
+                        let finding = Finding::error("E0638", message, at.whole());
+                        let finding = finding.label("an endless loop?");
+                        findings.add(&finding.note("50 million commands"))?;
+                        return Ok(ControlFlow::Break(()));
+                    }
+                    left -= 1;
+                }
                 each(&meaning, &command, from, findings)?;
                 from = target(&command).unwrap_or(from);
                 walker.ended |= matches!(command, Command::End { .. });
@@ -137,4 +161,44 @@ pub fn walk<W: Write>(
 /// Where a command ends, if it moves.
 pub fn target(command: &Command<3>) -> Option<[Nm; 3]> {
     command.end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostics::Format;
+
+    fn within(most: u64, text: &'static str) -> (usize, String) {
+        let mut source = Source::from_reader(Box::new(text.as_bytes()));
+        let mut findings = Findings::new(Vec::new(), Format::Short, false, 50);
+        let mut commands = 0;
+        let dialect = Dialect::RS274;
+        walk_within(
+            most,
+            &mut source,
+            "p",
+            dialect,
+            &mut findings,
+            |_, _, _, _| {
+                commands += 1;
+                Ok(())
+            },
+        )
+        .unwrap();
+        let told = String::from_utf8(findings.writer().clone()).unwrap();
+        (commands, told)
+    }
+
+    #[test]
+    fn a_loop_of_cycles_ends() {
+        let endless = "F9\no1 while [1]\nG91 G81 X1 Z-1 R0 L9\nG80\no1 endwhile\n";
+        let told = "p:3:1: error[E0638]: program gives too many commands\n";
+        assert_eq!(within(1000, endless), (1000, told.into()));
+    }
+
+    #[test]
+    fn a_program_without_loops_has_as_many_commands_as_it_likes() {
+        assert_eq!(within(3, "G0 X1\nX2\nX3\nX4\n"), (4, String::new()));
+        assert_eq!(within(3, "#1=1\nG0 X1\nX2\nX3\n"), (3, String::new()));
+    }
 }

@@ -583,7 +583,7 @@ fn the_drill_reads_the_places_of_a_board() {
     let output = husillo()
         .arg("commands")
         .arg(&file)
-        .args(["--dialect", "drill", "-m", "drill", "--format", "json"])
+        .args(["-m", "drill", "--format", "json"]) // which names its dialect
         .output()
         .unwrap();
     let (mut at, mut found) = ([0; 2], Vec::new());
