@@ -1,4 +1,64 @@
-//! Set point and measurement to drive: PID in fixed point and the servo law of a motion module.
+//! Target and measurement in, drive out: PID in fixed point, and the servo law of a motion module.
+//!
+//! ```text
+//!  target ──►(-)─► DeadBand ─► P ─────────────────────────────┐
+//!              ▲               I  exact sum ◄── AntiWindup ◄─┐├─(+)─► limits ─► rounded once ─► drive ─► PwmDirection
+//!  measured ───┴──────────────►D ─► Filter ──────────────────┼┤            │
+//!  velocity, acceleration ─────────► FeedForward ────────────┼┘            │
+//!                                                            └─────────────┘
+//!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }           the module's own law
+//! ```
+//!
+//! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with its [`State`] or [`ServoState`]. Time does not occur:
+//! the caller samples at a fixed rate, and gains are per sample.
+//!
+//! ```
+//! use fixed::types::{I16F16, I32F0};
+//! use husillo_pid::{Conditional, Gains, Integration, Limits, Pid, State};
+//!
+//! let gains = Gains { proportional: I16F16::lit("1.5"), integral: I16F16::lit("0.25"), ..Gains::default() };
+//! let limits = Limits { low: I32F0::from_num(-255), high: I32F0::from_num(255) };
+//! let pid = Pid::new(gains, Integration::Backward, limits)?.with_anti_windup(Conditional);
+//! let mut axes = [State::default(); 3];
+//! let drives = axes.each_mut().map(|axis| pid.update(axis, I32F0::from_num(100), I32F0::from_num(60)));
+//! assert_eq!(drives, [70; 3]);
+//! # Ok::<(), husillo_pid::SettingsError>(())
+//! ```
+
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+mod settings;
+
+mod pid;
+
+mod derivative;
+mod windup;
+
+mod stages;
+
+mod servo;
+
+mod sign_magnitude;
+
+#[cfg(feature = "embedded-hal")]
+mod pins;
+
+mod number;
+
+pub use derivative::{Derivative, OfError, OfMeasurement};
+pub use number::{Number, Span, Word};
+pub use pid::{Pid, State, Term};
+#[cfg(feature = "embedded-hal")]
+pub use pins::{DriveError, PwmDirection};
+pub use servo::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
+pub use settings::{Gains, Integration, Limits, SettingsError};
+pub use sign_magnitude::sign_magnitude;
+pub use stages::{DeadBand, FeedForward, Filter, FilterState, error};
+pub use windup::{AntiWindup, BackCalculation, Clamp, Conditional};
+
+/// The README's example, as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,4 +1,71 @@
 //! The public functions of `husillo-pid`.
 
+use core::hint::black_box;
+
+use fixed::types::{I8F8, I16F16, I32F0};
+use husillo_pid::{
+    AntiWindup, BackCalculation, Clamp, Conditional, DeadBand, Derivative, Drive, FeedForward,
+    Filter, FilterState, Integration, Number, OfError, OfMeasurement, Pid, ServoLaw, ServoState,
+    State, Term, error, sign_magnitude,
+};
+
 /// Keeps every function in the program.
-pub fn keep() {}
+pub fn keep() {
+    controller::<I32F0, I16F16>();
+    controller::<I16F16, I16F16>();
+    controller::<I8F8, I8F8>();
+    controller::<f32, f32>();
+    black_box([
+        Integration::formula as *const (),
+        BackCalculation::<i32>::new::<I16F16> as *const (),
+        BackCalculation::<f32>::new::<f32> as *const (),
+        Filter::new as *const (),
+        Filter::of_time_constant as *const (),
+        Drive::signed as *const (),
+        ServoLaw::new as *const (),
+        ServoLaw::is_due as *const (),
+        ServoLaw::tick as *const (),
+        ServoLaw::open_loop as *const (),
+        ServoState::on as *const (),
+        ServoState::off as *const (),
+        ServoState::is_on as *const (),
+        ServoState::is_over_current as *const (),
+        ServoState::error_counts as *const (),
+        ServoState::total_counts as *const (),
+        ServoState::output as *const (),
+        sign_magnitude as *const (),
+    ]);
+}
+
+fn controller<S: Number, G: Number<Word = S::Word>>() {
+    black_box([
+        Pid::<S, G>::new as *const (),
+        Pid::<S, G>::with_anti_windup::<Conditional> as *const (),
+        Pid::<S, G>::with_anti_windup::<BackCalculation<S::Word>> as *const (),
+        Pid::<S, G>::with_derivative::<OfMeasurement> as *const (),
+        Term::<S, G>::constant as *const (),
+        Term::<S, G>::plus as *const (),
+        State::<S>::difference as *const (),
+        error::<S> as *const (),
+        DeadBand::<S>::new as *const (),
+        DeadBand::<S>::apply as *const (),
+        FeedForward::<G>::new as *const (),
+        FeedForward::<G>::term::<S> as *const (),
+        Filter::apply::<S, G> as *const (),
+        FilterState::<S, G>::default as *const (),
+    ]);
+    law::<S, G, Clamp, OfError>();
+    law::<S, G, Conditional, OfMeasurement>();
+    law::<S, G, BackCalculation<S::Word>, OfError>();
+}
+
+fn law<S: Number, G: Number<Word = S::Word>, A: AntiWindup<S::Word>, D: Derivative>() {
+    black_box([
+        Pid::<S, G, A, D>::with_integral_limits as *const (),
+        Pid::<S, G, A, D>::update as *const (),
+        Pid::<S, G, A, D>::update_with as *const (),
+        Pid::<S, G, A, D>::derivative as *const (),
+        Pid::<S, G, A, D>::follow as *const (),
+        Pid::<S, G, A, D>::integral as *const (),
+    ]);
+}

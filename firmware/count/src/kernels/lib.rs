@@ -11,6 +11,7 @@ mod chain;
 mod curves;
 mod encoder;
 mod lines;
+mod pid;
 mod planning;
 mod profiles;
 mod stages;
@@ -38,6 +39,7 @@ pub fn methods(count: Count<'_>) {
     planning::all(count);
     stages::all(count);
     encoder::all(count);
+    pid::all(count);
 }
 
 /// From text to events. With the methods it is more than a microbit holds.

@@ -1,0 +1,396 @@
+//! The numbers a controller computes with.
+
+use core::fmt::Debug;
+
+use fixed::types::extra::{LeEqU8, LeEqU16, LeEqU32};
+use fixed::{FixedI8, FixedI16, FixedI32};
+
+/// A type of signals or gains: the signed fixed-point types of up to 32 bits, and `f32`.
+///
+/// Fixed-point numbers are computed with as whole numbers of their last digit, so sums are exact. `f32` rounds at every operation.
+pub trait Number: Copy + Debug + Default + PartialEq + sealed::Sealed {
+    /// The register it is computed in.
+    type Word: Word;
+    /// Bits behind the point.
+    const FRACTION_BITS: u32;
+    /// The number in its register, in units of its last digit.
+    fn to_word(self) -> Self::Word;
+    /// The number of a register, saturating.
+    fn from_word(word: Self::Word) -> Self;
+}
+
+/// A register and the double-width one its products go into. Implemented for `i32` and `f32`, for the use of this crate.
+pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed {
+    /// Sums of products.
+    type Wide: Copy + Debug + Default + PartialEq + PartialOrd;
+    /// From a lowest to a highest wide number.
+    type Span: Copy + Debug + PartialEq;
+    /// The difference, saturating; for `f32`, 0 where it is not finite, so that a broken sensor drives nothing.
+    fn minus(self, other: Self) -> Self;
+    /// Gains as they are kept: doubled, so that half of one is exact (not so `f32`). `None` where their magnitudes add up to more than 2^29, or are
+    /// not finite.
+    fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]>;
+    /// Half of a kept gain.
+    fn half(self) -> Self;
+    /// The sum of two kept gains.
+    fn and(self, other: Self) -> Self;
+    /// The exact product (`f32`: rounded).
+    fn times(self, other: Self) -> Self::Wide;
+    /// The sum; the bounds stated in [`Pid`](crate::Pid) keep it in range.
+    fn plus(one: Self::Wide, other: Self::Wide) -> Self::Wide;
+    /// The difference, saturating.
+    fn less(one: Self::Wide, other: Self::Wide) -> Self::Wide;
+    /// The sum, held within what a [`Term`](crate::Term) may be.
+    fn term(one: Self::Wide, other: Self::Wide) -> Self::Wide;
+    /// From `low` to `high`, times 2^bits; `None` where they are crossed or not numbers.
+    fn span(low: Self, high: Self, bits: u32) -> Option<Self::Span>;
+    /// The number, held within both ends. A number within is the quicker one.
+    fn within(wide: Self::Wide, span: &Self::Span) -> Self::Wide;
+    /// The word, times 2^bits.
+    fn widened(self, bits: u32) -> Self::Wide;
+    /// The wide number divided by 2^bits, to the nearest, ties upwards; saturating.
+    fn rounded(wide: Self::Wide, bits: u32) -> Self;
+    /// As [`rounded`](Self::rounded) where the result is known to fit: no test.
+    fn rounded_within(wide: Self::Wide, bits: u32) -> Self;
+    /// `wide` x `weight` / 65536, downwards.
+    fn weighted(wide: Self::Wide, weight: u16) -> Self::Wide;
+}
+
+/// Where this is called, the compiler expects not to be.
+#[cold]
+#[inline]
+fn seldom() {}
+
+/// Bound of a term that is added to the law, 2^61: with the integral and the products, each within 2^61 as well, the sum is below 2^63.
+const TERM: i64 = 1 << 61;
+/// The largest sum of magnitudes of gains, in units of their last digit.
+const GAINS: u32 = 1 << 29;
+
+impl Word for i32 {
+    type Wide = i64;
+    type Span = Span;
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self.saturating_sub(other)
+    }
+
+    fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]> {
+        let size = gains
+            .iter()
+            .try_fold(0_u32, |sum, gain| sum.checked_add(gain.unsigned_abs()))?;
+        (size <= GAINS).then(|| gains.map(|gain| gain.wrapping_mul(2)))
+    }
+
+    fn half(self) -> Self {
+        self >> 1
+    }
+
+    fn and(self, other: Self) -> Self {
+        // At most 2^30 together.
+        self.wrapping_add(other)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> i64 {
+        product(self, other)
+    }
+
+    #[inline(always)]
+    fn plus(one: i64, other: i64) -> i64 {
+        one.wrapping_add(other)
+    }
+
+    #[inline(always)]
+    fn less(one: i64, other: i64) -> i64 {
+        one.saturating_sub(other)
+    }
+
+    fn term(one: i64, other: i64) -> i64 {
+        one.saturating_add(other).clamp(-TERM, TERM)
+    }
+
+    fn span(low: i32, high: i32, bits: u32) -> Option<Span> {
+        (low <= high).then(|| Span {
+            low: low.widened(bits),
+            width: high.widened(bits).abs_diff(low.widened(bits)),
+        })
+    }
+
+    #[inline(always)]
+    fn within(wide: i64, span: &Span) -> i64 {
+        // One comparison for both ends: what is below wraps to more than any width.
+        let above = wide.wrapping_sub(span.low) as u64;
+        if above <= span.width {
+            wide
+        } else {
+            seldom();
+            let low_end = wide < span.low;
+            span.low
+                .wrapping_add_unsigned(if low_end { 0 } else { span.width })
+        }
+    }
+
+    #[inline(always)]
+    fn widened(self, bits: u32) -> i64 {
+        // At most 30 bits: 2^61.
+        i64::from(self).wrapping_shl(bits)
+    }
+
+    fn rounded(wide: i64, bits: u32) -> i32 {
+        let whole = wide.saturating_add(half(bits)).wrapping_shr(bits);
+        i32::try_from(whole).unwrap_or(if whole < 0 { i32::MIN } else { i32::MAX })
+    }
+
+    #[inline(always)]
+    fn rounded_within(wide: i64, bits: u32) -> i32 {
+        wide.wrapping_add(half(bits)).wrapping_shr(bits) as i32
+    }
+
+    fn weighted(wide: i64, weight: u16) -> i64 {
+        let weight = i64::from(weight);
+        // 48 bits and 16 bits, times 16 bits.
+        let (high, low) = (wide >> 16, wide & 0xffff);
+        high.wrapping_mul(weight)
+            .wrapping_add(low.wrapping_mul(weight) >> 16)
+    }
+}
+
+/// From `low` to `low + width`. Both ends are within 2^61.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    low: i64,
+    width: u64,
+}
+
+/// The exact product.
+#[inline(always)]
+fn product(one: i32, other: i32) -> i64 {
+    // ARMv6-M, the only one of our targets without these atomics, multiplies 32 bits to 32; the library's 64-bit product takes twice as long there.
+    if cfg!(all(target_arch = "arm", not(target_has_atomic = "32"))) {
+        product_of_halves(one, other)
+    } else {
+        // Two factors of at most 2^31.
+        i64::from(one).wrapping_mul(i64::from(other))
+    }
+}
+
+/// The exact product from products of 16 bits. Source: Warren, *Hacker's Delight*, 2nd ed., 8-2, `mulhs`.
+#[inline(always)]
+fn product_of_halves(one: i32, other: i32) -> i64 {
+    let [(low_a, high_a), (low_b, high_b)] = [one, other].map(|word| (word & 0xffff, word >> 16));
+    // Unsigned halves are below 2^16, signed ones within 2^15: mixed products are within 2^31 - 2^15, so 2^16 - 1 may be added.
+    let low = low_a.wrapping_mul(low_b) as u32 >> 16;
+    let middle = high_a.wrapping_mul(low_b).wrapping_add(low as i32);
+    let other_middle = low_a.wrapping_mul(high_b).wrapping_add(middle & 0xffff);
+    let high = high_a
+        .wrapping_mul(high_b)
+        .wrapping_add(middle >> 16)
+        .wrapping_add(other_middle >> 16);
+    i64::from(high) << 32 | i64::from(one.wrapping_mul(other) as u32)
+}
+
+/// Half of 2^bits; bits are 1 to 30.
+#[inline(always)]
+fn half(bits: u32) -> i64 {
+    1_i64.wrapping_shl(bits) >> 1
+}
+
+impl Word for f32 {
+    type Wide = f32;
+    type Span = [f32; 2];
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        let difference = self - other;
+        if difference.is_finite() {
+            difference
+        } else {
+            0.0
+        }
+    }
+
+    fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]> {
+        gains.iter().all(|gain| gain.is_finite()).then_some(gains)
+    }
+
+    fn half(self) -> Self {
+        self * 0.5
+    }
+
+    fn and(self, other: Self) -> Self {
+        self + other
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> f32 {
+        self * other
+    }
+
+    #[inline(always)]
+    fn plus(one: f32, other: f32) -> f32 {
+        one + other
+    }
+
+    #[inline(always)]
+    fn less(one: f32, other: f32) -> f32 {
+        one - other
+    }
+
+    fn term(one: f32, other: f32) -> f32 {
+        one + other
+    }
+
+    fn span(low: f32, high: f32, _bits: u32) -> Option<[f32; 2]> {
+        (low <= high).then_some([low, high])
+    }
+
+    #[inline(always)]
+    fn within(wide: f32, &[low, high]: &[f32; 2]) -> f32 {
+        // Not `clamp`, which panics.
+        if wide < low {
+            low
+        } else if wide > high {
+            high
+        } else {
+            wide
+        }
+    }
+
+    #[inline(always)]
+    fn widened(self, _bits: u32) -> f32 {
+        self
+    }
+
+    fn rounded(wide: f32, _bits: u32) -> f32 {
+        wide
+    }
+
+    #[inline(always)]
+    fn rounded_within(wide: f32, _bits: u32) -> f32 {
+        wide
+    }
+
+    fn weighted(wide: f32, weight: u16) -> f32 {
+        wide * (f32::from(weight) / 65536.0)
+    }
+}
+
+impl Number for f32 {
+    type Word = f32;
+    const FRACTION_BITS: u32 = 0;
+
+    #[inline(always)]
+    fn to_word(self) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn from_word(word: f32) -> f32 {
+        word
+    }
+}
+
+impl<Fraction: LeEqU32> Number for FixedI32<Fraction> {
+    type Word = i32;
+    const FRACTION_BITS: u32 = Fraction::U32;
+
+    #[inline(always)]
+    fn to_word(self) -> i32 {
+        self.to_bits()
+    }
+
+    #[inline(always)]
+    fn from_word(word: i32) -> Self {
+        Self::from_bits(word)
+    }
+}
+
+impl<Fraction: LeEqU16> Number for FixedI16<Fraction> {
+    type Word = i32;
+    const FRACTION_BITS: u32 = Fraction::U32;
+
+    #[inline(always)]
+    fn to_word(self) -> i32 {
+        i32::from(self.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_word(word: i32) -> Self {
+        Self::from_bits(word.clamp(i16::MIN.into(), i16::MAX.into()) as i16)
+    }
+}
+
+impl<Fraction: LeEqU8> Number for FixedI8<Fraction> {
+    type Word = i32;
+    const FRACTION_BITS: u32 = Fraction::U32;
+
+    #[inline(always)]
+    fn to_word(self) -> i32 {
+        i32::from(self.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_word(word: i32) -> Self {
+        Self::from_bits(word.clamp(i8::MIN.into(), i8::MAX.into()) as i8)
+    }
+}
+
+mod sealed {
+    use super::{FixedI8, FixedI16, FixedI32, LeEqU8, LeEqU16, LeEqU32};
+
+    pub trait Sealed {}
+
+    impl Sealed for f32 {}
+    impl Sealed for i32 {}
+    impl<Fraction: LeEqU32> Sealed for FixedI32<Fraction> {}
+    impl<Fraction: LeEqU16> Sealed for FixedI16<Fraction> {}
+    impl<Fraction: LeEqU8> Sealed for FixedI8<Fraction> {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_make_the_product() {
+        let words = [
+            0,
+            1,
+            -1,
+            0x7fff,
+            0x8000,
+            0xffff,
+            0x1_0000,
+            -0x8000,
+            -0x1_0000,
+            123_456_789,
+            i32::MAX,
+            i32::MIN,
+        ];
+        for one in words {
+            for other in words {
+                assert_eq!(
+                    product_of_halves(one, other),
+                    i64::from(one) * i64::from(other)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn spans_hold_at_both_ends() {
+        let span = i32::span(i32::MIN, i32::MAX, 30).unwrap();
+        let ends = [i32::MIN, i32::MAX].map(|end| end.widened(30));
+        for (wide, held) in [
+            (i64::MIN, ends[0]),
+            (i64::MAX, ends[1]),
+            (0, 0),
+            (ends[0], ends[0]),
+            (ends[1], ends[1]),
+        ] {
+            assert_eq!(i32::within(wide, &span), held);
+        }
+        assert_eq!(i32::span(1, 0, 8), None);
+    }
+}

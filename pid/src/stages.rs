@@ -1,0 +1,150 @@
+//! Pieces beside the controller: each is used or left out, and costs nothing when left out.
+
+use crate::number::{Number, Word};
+use crate::pid::Term;
+
+/// The error, `target - measured`; beyond the type it saturates.
+///
+/// [`Pid::update`](crate::Pid::update) does this itself; it is for errors that go through a [`DeadBand`] first.
+#[inline]
+pub fn error<S: Number>(target: S, measured: S) -> S {
+    S::from_word(target.to_word().minus(measured.to_word()))
+}
+
+/// Errors too small to act on: within the width they are 0, beyond it they are shorter by the width, so that there is no jump at its edge.
+///
+/// ```
+/// use fixed::types::I32F0;
+/// use husillo_pid::DeadBand;
+///
+/// let band = DeadBand::new(I32F0::from_num(2));
+/// assert_eq!([-5, -2, 1, 3].map(|error| band.apply(I32F0::from_num(error)).to_num::<i32>()), [-3, 0, 0, 1]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeadBand<S: Number> {
+    width: S::Word,
+}
+
+impl<S: Number> DeadBand<S> {
+    /// A band of `width` to either side of 0; the sign is ignored.
+    pub fn new(width: S) -> Self {
+        let (none, width) = (S::Word::default(), width.to_word());
+        let width = if width < none {
+            none.minus(width)
+        } else {
+            width
+        };
+        Self { width }
+    }
+
+    /// What is left of `error`.
+    #[inline]
+    pub fn apply(&self, error: S) -> S {
+        let (none, error) = (S::Word::default(), error.to_word());
+        let left = if error > self.width {
+            error.minus(self.width)
+        } else if error < none.minus(self.width) {
+            error.minus(none.minus(self.width))
+        } else {
+            none
+        };
+        S::from_word(left)
+    }
+}
+
+/// What the motion asks for anyhow, added to the output: it need not wait for an error.
+///
+/// Gains are per sample as all gains are: output per digit of velocity (counts per sample) and of acceleration (counts per sample^2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedForward<G: Number> {
+    velocity: G::Word,
+    acceleration: G::Word,
+}
+
+impl<G: Number> FeedForward<G> {
+    /// Gains of velocity and acceleration; `None` where their magnitudes add up to more than 2^29 last digits.
+    pub fn new(velocity: G, acceleration: G) -> Option<Self> {
+        let [velocity, acceleration] =
+            G::Word::gains([velocity.to_word(), acceleration.to_word()])?;
+        Some(Self {
+            velocity,
+            acceleration,
+        })
+    }
+
+    /// The term of a velocity and an acceleration.
+    #[inline]
+    pub fn term<S: Number<Word = G::Word>>(&self, velocity: S, acceleration: S) -> Term<S, G> {
+        // Within 2^61 together, as the gains are within 2^30.
+        Term::new(G::Word::plus(
+            self.velocity.times(velocity.to_word()),
+            self.acceleration.times(acceleration.to_word()),
+        ))
+    }
+}
+
+/// A low-pass of first order for the derivative, `y[k] = y[k-1] + a (x[k] - y[k-1])`: Td s / (1 + Tf s) with the backward difference, `a = T / (Tf + T)`.
+///
+/// Its state has all the digits of the products, so it ends within `1/a` of their last digits of its input. Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.3.
+///
+/// ```
+/// use fixed::types::I16F16;
+/// use husillo_pid::{error, Filter, FilterState, Gains, Integration, Limits, Pid, State};
+///
+/// let gains = Gains { derivative: I16F16::from_num(8), ..Gains::default() };
+/// let limits = Limits { low: I16F16::MIN, high: I16F16::MAX };
+/// let pid = Pid::new(gains, Integration::Backward, limits)?;
+/// let (mut x, filter, mut y) = (State::default(), Filter::of_time_constant(1), FilterState::default());
+/// let outputs = [0, 1, 1, 1].map(|target| {
+///     let error = error(I16F16::from_num(target), I16F16::ZERO);
+///     let slope = pid.derivative(x.difference(error));
+///     pid.update_with(&mut x, error, filter.apply(&mut y, slope)).to_num::<f32>()
+/// });
+/// assert_eq!(outputs, [0.0, 4.0, 2.0, 1.0]); // 8 at once, without the filter
+/// # Ok::<(), husillo_pid::SettingsError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Filter {
+    weight: u16,
+}
+
+/// What a [`Filter`] remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilterState<S: Number, G: Number<Word = S::Word> = S> {
+    output: Term<S, G>,
+}
+
+impl Filter {
+    /// A filter with `a = weight / 65536`.
+    pub const fn new(weight: u16) -> Self {
+        Self { weight }
+    }
+
+    /// A filter with a time constant of so many samples, Tf / T.
+    pub const fn of_time_constant(samples: u16) -> Self {
+        // At least 2, so the quotient is below 2^16; none is not to be told from 65535.
+        let divisor = samples as u32 + 1;
+        let weight = if divisor < 2 {
+            0xffff
+        } else {
+            0x1_0000 / divisor
+        };
+        Self {
+            weight: weight as u16,
+        }
+    }
+
+    /// The filtered term.
+    #[inline]
+    pub fn apply<S: Number, G: Number<Word = S::Word>>(
+        &self,
+        state: &mut FilterState<S, G>,
+        term: Term<S, G>,
+    ) -> Term<S, G> {
+        // Both within 2^61; the result lies between them.
+        let way = S::Word::less(term.wide, state.output.wide);
+        let wide = S::Word::plus(state.output.wide, S::Word::weighted(way, self.weight));
+        state.output = Term::new(wide);
+        state.output
+    }
+}
