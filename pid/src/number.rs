@@ -383,8 +383,8 @@ mod tests {
         let span = i32::span(i32::MIN, i32::MAX, 30).unwrap();
         let ends = [i32::MIN, i32::MAX].map(|end| end.widened(30));
         for (wide, held) in [
-            (i64::MIN, ends[0]),
-            (i64::MAX, ends[1]),
+            (-3 * TERM, ends[0]),
+            (3 * TERM - 1, ends[1]),
             (0, 0),
             (ends[0], ends[0]),
             (ends[1], ends[1]),

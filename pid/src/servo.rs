@@ -169,10 +169,10 @@ impl ServoLaw {
             return self.open_loop(state, Drive::default(), current);
         }
         // The total is within 2^23, the error within 2^15.
-        state.total = state
-            .total
-            .wrapping_add(error)
-            .clamp(self.total_limit.wrapping_neg(), self.total_limit);
+        let total = state.total.wrapping_add(error);
+        state.total = total
+            .min(self.total_limit)
+            .max(self.total_limit.wrapping_neg());
         if is_derivative_due {
             // Within 65535.
             state.slope = error.wrapping_sub(i32::from(state.sampled_error));

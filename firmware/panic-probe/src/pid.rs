@@ -2,11 +2,13 @@
 
 use core::hint::black_box;
 
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
 use fixed::types::{I8F8, I16F16, I32F0};
 use husillo_pid::{
     AntiWindup, BackCalculation, Clamp, Conditional, DeadBand, Derivative, Drive, FeedForward,
-    Filter, FilterState, Integration, Number, OfError, OfMeasurement, Pid, ServoLaw, ServoState,
-    State, Term, error, sign_magnitude,
+    Filter, FilterState, Integration, Number, OfError, OfMeasurement, Pid, PwmDirection, ServoLaw,
+    ServoState, State, Term, error, sign_magnitude,
 };
 
 /// Keeps every function in the program.
@@ -34,6 +36,14 @@ pub fn keep() {
         ServoState::total_counts as *const (),
         ServoState::output as *const (),
         sign_magnitude as *const (),
+        <Clamp as AntiWindup<i32>>::next as *const (),
+        <Conditional as AntiWindup<i32>>::next as *const (),
+        <BackCalculation as AntiWindup<i32>>::next as *const (),
+        <OfError as Derivative>::source::<i32> as *const (),
+        <OfMeasurement as Derivative>::source::<i32> as *const (),
+        PwmDirection::<Output, Output>::new as *const (),
+        PwmDirection::<Output, Output>::set as *const (),
+        PwmDirection::<Output, Output>::release as *const (),
     ]);
 }
 
@@ -68,4 +78,50 @@ fn law<S: Number, G: Number<Word = S::Word>, A: AntiWindup<S::Word>, D: Derivati
         Pid::<S, G, A, D>::follow as *const (),
         Pid::<S, G, A, D>::integral as *const (),
     ]);
+}
+
+/// A pin and a channel that can fail.
+struct Output(bool);
+
+#[derive(Debug)]
+struct Failed;
+
+impl digital::Error for Failed {
+    fn kind(&self) -> digital::ErrorKind {
+        digital::ErrorKind::Other
+    }
+}
+
+impl pwm::Error for Failed {
+    fn kind(&self) -> pwm::ErrorKind {
+        pwm::ErrorKind::Other
+    }
+}
+
+impl digital::ErrorType for Output {
+    type Error = Failed;
+}
+
+impl pwm::ErrorType for Output {
+    type Error = Failed;
+}
+
+impl OutputPin for Output {
+    fn set_low(&mut self) -> Result<(), Failed> {
+        black_box(self.0).then_some(()).ok_or(Failed)
+    }
+
+    fn set_high(&mut self) -> Result<(), Failed> {
+        black_box(self.0).then_some(()).ok_or(Failed)
+    }
+}
+
+impl SetDutyCycle for Output {
+    fn max_duty_cycle(&self) -> u16 {
+        black_box(1000)
+    }
+
+    fn set_duty_cycle(&mut self, _duty: u16) -> Result<(), Failed> {
+        black_box(self.0).then_some(()).ok_or(Failed)
+    }
 }
