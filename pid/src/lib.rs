@@ -47,6 +47,8 @@ mod pins;
 
 mod number;
 
+pub mod tuning;
+
 pub use derivative::{Derivative, OfError, OfMeasurement};
 pub use number::{Number, Span, Word};
 pub use pid::{Pid, State, Term};

@@ -5,10 +5,11 @@ use core::hint::black_box;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use fixed::types::{I8F8, I16F16, I32F0};
+use husillo_pid::tuning::{Relay, Ultimate, oscillation, step_response};
 use husillo_pid::{
     AntiWindup, BackCalculation, Clamp, Conditional, DeadBand, Derivative, Drive, FeedForward,
-    Filter, FilterState, Integration, Number, OfError, OfMeasurement, Pid, PwmDirection, ServoLaw,
-    ServoState, State, Term, error, sign_magnitude,
+    Filter, FilterState, Gains, Integration, Number, OfError, OfMeasurement, Pid, PwmDirection,
+    ServoLaw, ServoState, State, Term, error, sign_magnitude,
 };
 
 /// Keeps every function in the program.
@@ -41,6 +42,14 @@ pub fn keep() {
         <BackCalculation as AntiWindup<i32>>::next as *const (),
         <OfError as Derivative>::source::<i32> as *const (),
         <OfMeasurement as Derivative>::source::<i32> as *const (),
+        step_response as *const (),
+        oscillation as *const (),
+        Relay::new as *const (),
+        Relay::update as *const (),
+        Relay::ultimate as *const (),
+        Ultimate::gains as *const (),
+        Gains::<f64>::per_sample as *const (),
+        Gains::<f64>::to_fixed::<I16F16> as *const (),
         PwmDirection::<Output, Output>::new as *const (),
         PwmDirection::<Output, Output>::set as *const (),
         PwmDirection::<Output, Output>::release as *const (),

@@ -1,0 +1,236 @@
+//! Figures of experiments, and gains from them. For a host or a start-up routine: in floating point, not for the interrupt.
+
+use fixed::traits::Fixed;
+
+use crate::settings::Gains;
+
+/// What a step response looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepResponse {
+    /// Time from 10 % to 90 % of the step, in seconds.
+    pub rise_s: f64,
+    /// How far the peak goes beyond the target, as a part of the step; 0 without overshoot.
+    pub overshoot: f64,
+    /// Time after which the response stays within the band around the target, in seconds.
+    pub settling_s: f64,
+}
+
+/// The figures of `samples` taken every `period_s` seconds from the step on, from `start` to `target`; `band` is the part of the step within which it counts as settled, 0.02 or 0.05 as a rule.
+/// `None` where the response never rises to 90 %, does not settle, or there is no step.
+///
+/// Definitions: Franklin, Powell, Emami-Naeini, *Feedback Control of Dynamic Systems*, 6th ed., 3.4.
+///
+/// ```
+/// use husillo_pid::tuning::step_response;
+///
+/// let figures = step_response(&[0.0, 5.0, 12.0, 11.0, 10.0, 10.1], 0.5, 0.0, 10.0, 0.02).unwrap();
+/// assert_eq!((figures.rise_s, figures.settling_s), (0.5, 2.0));
+/// assert!((figures.overshoot - 0.2).abs() < 1e-12);
+/// ```
+pub fn step_response(
+    samples: &[f64],
+    period_s: f64,
+    start: f64,
+    target: f64,
+    band: f64,
+) -> Option<StepResponse> {
+    let step = target - start;
+    if step == 0.0 || !step.is_finite() {
+        return None;
+    }
+    let (mut ten, mut ninety, mut settled) = (None, None, None);
+    let (mut peak, mut time_s) = (0.0_f64, 0.0);
+    for sample in samples {
+        let part = (sample - start) / step;
+        if part >= 0.1 && ten.is_none() {
+            ten = Some(time_s);
+        }
+        if part >= 0.9 && ninety.is_none() {
+            ninety = Some(time_s);
+        }
+        if part - 1.0 <= band && 1.0 - part <= band {
+            settled = settled.or(Some(time_s));
+        } else {
+            settled = None;
+        }
+        if part > peak {
+            peak = part;
+        }
+        time_s += period_s;
+    }
+    Some(StepResponse {
+        rise_s: ninety? - ten?,
+        overshoot: if peak > 1.0 { peak - 1.0 } else { 0.0 },
+        settling_s: settled?,
+    })
+}
+
+/// A relay in the place of the controller: its output makes the axis oscillate at its ultimate frequency.
+///
+/// Source: Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase and amplitude margins*, Automatica 20 (1984).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relay {
+    amplitude: f64,
+    hysteresis: f64,
+    is_high: bool,
+}
+
+impl Relay {
+    /// A relay of outputs `amplitude` and `-amplitude` that turns over when the error is beyond `hysteresis` of the other sign. Both are positive.
+    pub const fn new(amplitude: f64, hysteresis: f64) -> Self {
+        Self {
+            amplitude,
+            hysteresis,
+            is_high: true,
+        }
+    }
+
+    /// The output for an error.
+    pub fn update(&mut self, error: f64) -> f64 {
+        if error > self.hysteresis {
+            self.is_high = true;
+        } else if error < -self.hysteresis {
+            self.is_high = false;
+        }
+        if self.is_high {
+            self.amplitude
+        } else {
+            -self.amplitude
+        }
+    }
+
+    /// The ultimate point of an axis that oscillates like this, by the describing function: `Ku = 4 d / (pi sqrt(a^2 - h^2))`. `None` where the
+    /// oscillation is within the hysteresis.
+    pub fn ultimate(&self, oscillation: &Oscillation) -> Option<Ultimate> {
+        let (a, h) = (oscillation.amplitude, self.hysteresis);
+        let square = a * a - h * h;
+        (square > 0.0).then(|| Ultimate {
+            gain: 4.0 * self.amplitude / (core::f64::consts::PI * square_root(square)),
+            period_s: oscillation.period_s,
+        })
+    }
+}
+
+/// Newton's method; `core` has no square root. `square` is positive.
+fn square_root(square: f64) -> f64 {
+    // From above it falls; a start 2^500 off is halved 500 times.
+    let mut root = if square > 1.0 { square } else { 1.0 };
+    for _ in 0..1100 {
+        let next = 0.5 * (root + square / root);
+        if next >= root {
+            break;
+        }
+        root = next;
+    }
+    root
+}
+
+/// A steady oscillation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillation {
+    /// Half the distance from the lowest to the highest value.
+    pub amplitude: f64,
+    /// The mean period, in seconds.
+    pub period_s: f64,
+    /// Whole periods it was taken from.
+    pub periods: u32,
+}
+
+/// The oscillation in `samples` taken every `period_s` seconds, about `middle`: leave out the start. `None` without a whole period.
+///
+/// Periods are counted between upward passages, interpolated between samples, so that the mean is exact to a small part of a sample.
+///
+/// ```
+/// use husillo_pid::tuning::oscillation;
+///
+/// let triangle = [0.0, 1.0, 0.0, -1.0].repeat(10);
+/// let found = oscillation(&triangle, 0.25, 0.0).unwrap();
+/// assert_eq!((found.amplitude, found.period_s, found.periods), (1.0, 1.0, 8));
+/// ```
+pub fn oscillation(samples: &[f64], period_s: f64, middle: f64) -> Option<Oscillation> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut first, mut last, mut passages) = (None, 0.0, 0_u32);
+    let (mut before, mut time) = (f64::NAN, 0.0_f64);
+    for sample in samples {
+        let sample = sample - middle;
+        (low, high) = (low.min(sample), high.max(sample));
+        if before < 0.0 && sample >= 0.0 {
+            last = time - sample / (sample - before);
+            first = first.or(Some(last));
+            passages = passages.saturating_add(1);
+        }
+        before = sample;
+        time += 1.0;
+    }
+    let periods = passages.saturating_sub(1);
+    (periods > 0).then(|| Oscillation {
+        amplitude: (high - low) / 2.0,
+        period_s: (last - first.unwrap_or(last)) * period_s / f64::from(periods),
+        periods,
+    })
+}
+
+/// Where an axis under proportional control alone oscillates for ever.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ultimate {
+    /// Ku, the proportional gain.
+    pub gain: f64,
+    /// Tu, the period, in seconds.
+    pub period_s: f64,
+}
+
+/// A rule that makes gains of an ultimate point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// `0.5 Ku`. Ziegler and Nichols, *Optimum settings for automatic controllers*, Trans. ASME 64 (1942).
+    ZieglerNicholsP,
+    /// `0.45 Ku, Ti = Tu / 1.2`. The same.
+    ZieglerNicholsPi,
+    /// `0.6 Ku, Ti = Tu / 2, Td = Tu / 8`. The same.
+    ZieglerNicholsPid,
+    /// `Ku / 3.2, Ti = 2.2 Tu`. Tyreus and Luyben, *Tuning PI controllers for integrator/dead time processes*, Ind. Eng. Chem. Res. 31 (1992).
+    TyreusLuybenPi,
+    /// `Ku / 2.2, Ti = 2.2 Tu, Td = Tu / 6.3`. Luyben and Luyben, *Essentials of Process Control* (1997).
+    TyreusLuybenPid,
+}
+
+impl Ultimate {
+    /// The gains of a rule, per second: Kp, Ki = Kp / Ti, Kd = Kp Td.
+    pub fn gains(&self, rule: Rule) -> Gains<f64> {
+        // Kp / Ku, Tu / Ti, Td / Tu
+        let [gain, integral, derivative] = match rule {
+            Rule::ZieglerNicholsP => [0.5, 0.0, 0.0],
+            Rule::ZieglerNicholsPi => [0.45, 1.2, 0.0],
+            Rule::ZieglerNicholsPid => [0.6, 2.0, 0.125],
+            Rule::TyreusLuybenPi => [1.0 / 3.2, 1.0 / 2.2, 0.0],
+            Rule::TyreusLuybenPid => [1.0 / 2.2, 1.0 / 2.2, 1.0 / 6.3],
+        };
+        let proportional = gain * self.gain;
+        Gains {
+            proportional,
+            integral: proportional * integral / self.period_s,
+            derivative: proportional * derivative * self.period_s,
+        }
+    }
+}
+
+impl Gains<f64> {
+    /// Gains per second as gains per sample: `Ki T`, `Kd / T`.
+    pub fn per_sample(self, period_s: f64) -> Self {
+        Self {
+            integral: self.integral * period_s,
+            derivative: self.derivative / period_s,
+            ..self
+        }
+    }
+
+    /// The nearest gains of a fixed-point type; `None` where one does not fit or is not finite.
+    pub fn to_fixed<G: Fixed>(self) -> Option<Gains<G>> {
+        let fixed = |gain: f64| gain.is_finite().then(|| G::checked_from_num(gain))?;
+        Some(Gains {
+            proportional: fixed(self.proportional)?,
+            integral: fixed(self.integral)?,
+            derivative: fixed(self.derivative)?,
+        })
+    }
+}
