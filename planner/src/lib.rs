@@ -21,6 +21,7 @@ mod phases;
 mod rates;
 mod recurrence;
 mod s_curve;
+mod servo;
 mod trapezoid;
 mod wide;
 
@@ -34,6 +35,7 @@ pub use ramp::Ramp;
 pub use rates::{Rates, RatesError};
 pub use recurrence::Recurrence;
 pub use s_curve::SCurve;
+pub use servo::{ServoLine, ServoMotion, ServoProfile, ServoSetPoint};
 pub use stretch::Stretch;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;

@@ -1,0 +1,319 @@
+//! The commanded position of one axis.
+
+use super::braking::fastest;
+use super::motion::ServoMotion;
+
+/// Velocities and accelerations have 31 bits.
+const LARGEST: u32 = i32::MAX as u32;
+
+/// What the servo of a module is to hold in one period.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct ServoSetPoint {
+    /// Commanded position in counts: the upper 32 bits of an accumulator of 48, so rounded down.
+    pub position: i32,
+    /// By how much it was changed in this period, 2^-16 counts.
+    pub velocity: i32,
+    /// No motion goes on: a goal is reached, a velocity is reached, or the servo is off.
+    pub is_done: bool,
+}
+
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Mode {
+    /// The servo is off, and the motor driven by this much.
+    Off(i16),
+    /// Towards a goal in counts with this top velocity.
+    Goal { counts: i32, top: u32 },
+    /// To this velocity.
+    Velocity(i32),
+}
+
+/// The profiles of a servo module: trapezoid, velocity and plain duty; abrupt, smooth and at-position stops.
+///
+/// ```text
+/// velocity      ________            every period: velocity +- acceleration, position + velocity,
+///          ____/        \____       in an accumulator of 32.16 bits
+/// ```
+///
+/// [`tick`](Self::tick) once a servo period (0.512 ms in the module of J. R. Kerr, PIC-SERVO data sheet, 1999; a servo-rate divisor
+/// ticks every so many periods). The data sheet leaves open when deceleration starts. Here each period takes **the largest velocity
+/// from which the goal can still be reached without passing it**, when the velocity falls by the acceleration every period from the next one
+/// on: within the top velocity and one acceleration from the last velocity. So the deceleration begins as late as possible, what the
+/// sum of the steps lacks is spread over it, and the goal is reached exactly and at rest, without a creep at the end.
+/// No move of this acceleration and top velocity takes fewer periods.
+///
+/// Goal, top velocity and acceleration may change at any time. What cannot be kept then is kept as soon as it can: above a lower
+/// top velocity, or too near at a goal, the velocity falls by the acceleration every period, and a goal that was passed is
+/// returned to. With an acceleration of 0 the velocity never changes.
+///
+/// ```
+/// use husillo_planner::{ServoMotion, ServoProfile};
+///
+/// let mut profile = ServoProfile::new(100);
+/// profile.start(ServoMotion::Trapezoid {
+///     goal: 110,
+///     velocity: 2 << 16,
+///     acceleration: 1 << 16,
+/// });
+/// let positions: Vec<i32> = core::iter::from_fn(|| {
+///     let set_point = profile.tick();
+///     (!set_point.is_done).then_some(set_point.position)
+/// })
+/// .collect();
+/// assert_eq!(positions, [101, 103, 105, 107, 109]); // and 110, which ends it
+/// assert_eq!(profile.position(), 110);
+/// ```
+///
+/// 32 bytes. A period takes up to three divisions, on ramps to a goal only.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct ServoProfile {
+    /// Counts times 2^16, modulo 2^48, sign extended.
+    position: i64,
+    /// At most 2^31 in size.
+    velocity: i32,
+    acceleration: u32,
+    mode: Mode,
+    is_done: bool,
+    is_acceleration_done: bool,
+    is_slew_done: bool,
+}
+
+impl ServoProfile {
+    /// At rest at this position in counts, the servo on.
+    pub const fn new(position: i32) -> Self {
+        Self {
+            position: (position as i64) << 16,
+            velocity: 0,
+            acceleration: 0,
+            mode: Mode::Goal {
+                counts: position,
+                top: 0,
+            },
+            is_done: true,
+            is_acceleration_done: false,
+            is_slew_done: false,
+        }
+    }
+
+    /// Starts a motion, from the commanded position and velocity as they are: set the position anew first, with
+    /// [`stop_abruptly`](Self::stop_abruptly), when the servo was off.
+    pub fn start(&mut self, motion: ServoMotion) {
+        self.is_done = false;
+        self.is_acceleration_done = false;
+        self.is_slew_done = false;
+        match motion {
+            ServoMotion::Trapezoid {
+                goal,
+                velocity,
+                acceleration,
+            } => {
+                self.acceleration = acceleration.min(LARGEST);
+                self.mode = Mode::Goal {
+                    counts: goal,
+                    top: velocity.min(LARGEST),
+                };
+            }
+            ServoMotion::Velocity {
+                velocity,
+                acceleration,
+                reverse,
+            } => {
+                self.acceleration = acceleration.min(LARGEST);
+                let velocity = velocity.min(LARGEST) as i32;
+                self.mode = Mode::Velocity(signed(velocity, reverse));
+            }
+            ServoMotion::Pwm { duty, reverse } => {
+                self.switch_off();
+                self.mode = Mode::Off(if reverse {
+                    i16::from(duty).wrapping_neg()
+                } else {
+                    duty.into()
+                });
+            }
+        }
+    }
+
+    /// The servo off, the motor without current.
+    pub const fn switch_off(&mut self) {
+        self.velocity = 0;
+        self.is_done = true;
+        self.mode = Mode::Off(0);
+    }
+
+    /// Holds the actual position in counts, at once: a step of the command, as the axis was elsewhere. Switches the servo on.
+    pub const fn stop_abruptly(&mut self, actual: i32) {
+        self.hold(actual);
+    }
+
+    /// Holds this position in counts, at once and without a profile. Switches the servo on.
+    pub const fn stop_at(&mut self, position: i32) {
+        self.hold(position);
+    }
+
+    /// Decelerates to rest by the acceleration in force. Does not switch the servo on.
+    pub const fn stop_smoothly(&mut self) {
+        if self.is_servo_on() {
+            self.mode = Mode::Velocity(0);
+            self.is_done = self.velocity == 0;
+        }
+    }
+
+    /// Calls the commanded position `position`, with no change of velocity; a goal stays the number it is.
+    pub const fn set_position(&mut self, position: i32) {
+        self.position = (position as i64) << 16;
+        // Of a finished move the goal is the position that is held.
+        if let (Mode::Goal { counts, .. }, true) = (&mut self.mode, self.is_done) {
+            *counts = position;
+        }
+    }
+
+    /// The set point of the next period.
+    pub fn tick(&mut self) -> ServoSetPoint {
+        match self.mode {
+            Mode::Off(_) => {}
+            Mode::Velocity(target) => {
+                self.velocity = self.towards(target);
+                if self.velocity == target {
+                    self.is_done = true;
+                    self.is_acceleration_done = true;
+                }
+            }
+            Mode::Goal { .. } if self.is_done => {}
+            Mode::Goal { counts, top } => self.approach(counts, top),
+        }
+        let velocity = self.velocity;
+        // Modulo 2^48.
+        self.position = wrapped(self.position.wrapping_add(velocity.into()));
+        self.arrive();
+        ServoSetPoint {
+            position: self.position(),
+            velocity,
+            is_done: self.is_done,
+        }
+    }
+
+    /// The commanded position in counts, rounded down.
+    pub const fn position(&self) -> i32 {
+        (self.position >> 16) as i32
+    }
+
+    /// The commanded position in 2^-16 counts, of 48 bits with their sign.
+    pub const fn position_48(&self) -> i64 {
+        self.position
+    }
+
+    /// The commanded velocity now, 2^-16 counts a period; 0 at a goal and while the servo is off.
+    pub const fn velocity(&self) -> i32 {
+        self.velocity
+    }
+
+    /// Whether no motion goes on, as in [`ServoSetPoint::is_done`].
+    pub const fn is_done(&self) -> bool {
+        self.is_done
+    }
+
+    /// Whether there is a position to hold: not so after [`ServoMotion::Pwm`] and [`switch_off`](Self::switch_off), until a motion
+    /// starts or a stop holds.
+    pub const fn is_servo_on(&self) -> bool {
+        !matches!(self.mode, Mode::Off(_))
+    }
+
+    /// While the servo is off, the part of 255 of the time that the motor is driven, negative towards smaller counts; 0 otherwise.
+    pub const fn duty(&self) -> i16 {
+        match self.mode {
+            Mode::Off(duty) => duty,
+            _ => 0,
+        }
+    }
+
+    /// Whether the motion started last has stopped to accelerate.
+    pub const fn is_acceleration_done(&self) -> bool {
+        self.is_acceleration_done
+    }
+
+    /// Whether the motion started last has begun to decelerate towards its goal. Never with [`ServoMotion::Velocity`].
+    pub const fn is_slew_done(&self) -> bool {
+        self.is_slew_done
+    }
+
+    const fn hold(&mut self, position: i32) {
+        self.position = (position as i64) << 16;
+        self.velocity = 0;
+        self.is_done = true;
+        self.mode = Mode::Goal {
+            counts: position,
+            top: 0,
+        };
+    }
+
+    /// The velocity nearest to `target` that is within an acceleration.
+    fn towards(&self, target: i32) -> i32 {
+        let most = i64::from(self.acceleration);
+        let now = i64::from(self.velocity);
+        let change = i64::from(target)
+            .wrapping_sub(now)
+            .clamp(most.wrapping_neg(), most);
+        // Between `now` and `target`, both of 32 bits.
+        now.wrapping_add(change) as i32
+    }
+
+    /// The velocity of a period on the way to a goal.
+    fn approach(&mut self, goal: i32, top: u32) {
+        if self.acceleration == 0 {
+            return;
+        }
+        let way = self.way_to(goal);
+        let is_backward = way < 0 || way == 0 && self.velocity < 0;
+        // Towards the goal.
+        let now = signed(self.velocity, is_backward);
+        let next = match u32::try_from(now) {
+            Ok(now) => {
+                let low = now.saturating_sub(self.acceleration);
+                // 2^31 - 1 each.
+                let high = now.wrapping_add(self.acceleration).min(top.max(low));
+                let next = fastest(low, high, self.acceleration, way.unsigned_abs());
+                self.is_acceleration_done |= next <= now;
+                self.is_slew_done |= next < now.min(top);
+                next as i32
+            }
+            // Away from it: back first.
+            Err(_) => match u32::try_from(i64::from(now).wrapping_add(self.acceleration.into())) {
+                Ok(high) => fastest(0, high.min(top), self.acceleration, way.unsigned_abs()) as i32,
+                // now < 0 and the sum still is.
+                Err(_) => now.wrapping_add(self.acceleration as i32),
+            },
+        };
+        self.velocity = signed(next, is_backward);
+    }
+
+    /// At the goal, and slow enough to stand in the next period.
+    fn arrive(&mut self) {
+        let Mode::Goal { counts, .. } = self.mode else {
+            return;
+        };
+        if self.way_to(counts) == 0 && self.velocity.unsigned_abs() <= self.acceleration {
+            self.is_acceleration_done |= !self.is_done;
+            self.is_slew_done |= !self.is_done;
+            self.velocity = 0;
+            self.is_done = true;
+        }
+    }
+
+    /// From the commanded position to a goal in counts, 2^-16 counts, the shorter way round 2^48.
+    const fn way_to(&self, goal: i32) -> i64 {
+        wrapped(((goal as i64) << 16).wrapping_sub(self.position))
+    }
+}
+
+/// A number of 48 bits with its sign.
+const fn wrapped(number: i64) -> i64 {
+    number << 16 >> 16
+}
+
+/// Numbers here are above -2^31.
+const fn signed(number: i32, is_negative: bool) -> i32 {
+    if is_negative {
+        number.wrapping_neg()
+    } else {
+        number
+    }
+}
