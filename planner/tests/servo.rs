@@ -196,6 +196,7 @@ proptest! {
             let part = f64::from(way.abs()) / length;
             prop_assert!(f64::from(axis_velocity) <= f64::from(velocity) * part + 1.01);
             prop_assert!(f64::from(axis_acceleration) <= f64::from(acceleration) * part + 1.01);
+            prop_assert!(f64::from(axis_acceleration) >= f64::from(acceleration) * part * 15.0 / 16.0 - 1.01);
         }
         let mut axes = ways.map(|_| ServoProfile::new(0));
         let mut ends = Vec::new();
@@ -362,4 +363,9 @@ fn without_acceleration_nothing_changes() {
         assert!(!profile.tick().is_done);
     }
     assert_eq!(profile.position_48(), 0);
+}
+
+#[test]
+fn size_is_that_of_the_documentation() {
+    assert_eq!(size_of::<ServoProfile>(), 32);
 }

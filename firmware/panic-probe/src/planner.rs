@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use husillo_planner::{
     AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Ramp, Recurrence, Replay,
-    SCurve, Stretch, Timer, Trapezoid, arc_acceleration, arc_speed,
+    SCurve, ServoLine, ServoProfile, Stretch, Timer, Trapezoid, arc_acceleration, arc_speed,
 };
 
 /// Keeps every function in the program.
@@ -19,6 +19,7 @@ pub fn keep() {
     path();
     profiles();
     streams();
+    servo();
 }
 
 fn path() {
@@ -97,5 +98,29 @@ fn streams() {
         Follower::advance as *const (),
         Follower::advance_by as *const (),
         Follower::counts_ahead as *const (),
+    ]);
+}
+
+fn servo() {
+    black_box([
+        ServoProfile::new as *const (),
+        ServoProfile::start as *const (),
+        ServoProfile::switch_off as *const (),
+        ServoProfile::stop_abruptly as *const (),
+        ServoProfile::stop_at as *const (),
+        ServoProfile::stop_smoothly as *const (),
+        ServoProfile::set_position as *const (),
+        ServoProfile::tick as *const (),
+        ServoProfile::position as *const (),
+        ServoProfile::position_48 as *const (),
+        ServoProfile::velocity as *const (),
+        ServoProfile::is_done as *const (),
+        ServoProfile::is_servo_on as *const (),
+        ServoProfile::duty as *const (),
+        ServoProfile::is_acceleration_done as *const (),
+        ServoProfile::is_slew_done as *const (),
+        ServoLine::<3>::new as *const (),
+        ServoLine::<3>::deviation as *const (),
+        ServoLine::<3>::skew_ticks as *const (),
     ]);
 }

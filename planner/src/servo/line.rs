@@ -10,7 +10,8 @@ const LARGEST: u32 = i32::MAX as u32;
 /// For [`ServoMotion::Trapezoid`](crate::ServoMotion) of independent modules, all started in the same period (a group command). Distances
 /// in counts, velocities in 2^-16 counts a period, accelerations in 2^-16 counts a period^2, as everywhere with these modules.
 ///
-/// The longest axis takes its part of the path velocity and acceleration, rounded down. An acceleration of another axis is rounded up,
+/// The longest axis takes its part of the path velocity, and of the acceleration: of the numbers up to a sixteenth below it the one
+/// whose parts for the other axes are nearest below whole numbers. An acceleration of another axis is rounded up,
 /// and its velocity is the least with which a trapezoid of that acceleration does its way in the time of the longest axis. So
 /// accelerations are matched to 2^-16 and the times to the unit of velocity:
 ///
@@ -27,9 +28,9 @@ const LARGEST: u32 = i32::MAX as u32;
 ///
 /// // 3:4 with 1.0 counts a period and 0.002 counts a period^2.
 /// let line = ServoLine::new([3_000, -4_000], 65_536, 131).unwrap();
-/// assert_eq!(line.velocities, [39_320, 52_428]);
+/// assert_eq!(line.velocities, [39_321, 52_428]);
 /// assert_eq!(line.accelerations, [78, 104]);
-/// assert_eq!(line.duration_ticks, 5504);
+/// assert_eq!(line.duration_ticks, 5505);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct ServoLine<const N: usize> {
@@ -57,7 +58,7 @@ impl<const N: usize> ServoLine<N> {
     /// at most. `None` when there is no way at all. `N` is at most 15.
     ///
     /// For the highest path velocity within limits of the axes see [`Direction::speed_limit`]. Set-up of a line: no division of more than 64
-    /// bits; up to 32 products of 128 bits for each axis.
+    /// bits; up to 65 divisions and 32 products of 128 bits for each axis.
     pub fn new(distances: [i32; N], path_velocity: u32, path_acceleration: u32) -> Option<Self> {
         let direction = Direction::new(distances.map(i64::from))?;
         let counts = distances.iter().map(|way| way.unsigned_abs()).max()?;
@@ -71,7 +72,7 @@ impl<const N: usize> ServoLine<N> {
             let whole = u64::from(whole.min(LARGEST));
             (whole.wrapping_mul(part.into()) >> 30).clamp(1, LARGEST.into()) as u32
         };
-        let acceleration = share(path_acceleration);
+        let acceleration = common(share(path_acceleration), counts, &distances);
         let way = way_units(counts);
         // A short move never gets to its velocity: highest v with v^2 / a <= way.
         let reached = least(LARGEST, |velocity| {
@@ -82,8 +83,10 @@ impl<const N: usize> ServoLine<N> {
         let law = Law {
             counts,
             acceleration,
-            // 2^63 and 2^47 at most.
-            time: quotient(way << 16, velocity).wrapping_add(ramp),
+            // 2^63 and 2^47 at most. Two quotients rounded down, so at least as long as in truth with the 2.
+            time: quotient(way << 16, velocity)
+                .wrapping_add(ramp)
+                .wrapping_add(2),
         };
         let axes = distances.map(|way| law.axis(way.unsigned_abs(), velocity));
         Some(Self {
@@ -138,6 +141,31 @@ impl Law {
         });
         (velocity, acceleration)
     }
+}
+
+/// Of the accelerations of the longest axis up to a sixteenth (and 64 units) below this the one that needs the least rounding up for the others.
+fn common(most: u32, longest: u32, distances: &[i32]) -> u32 {
+    let mut best = most;
+    let mut least = u32::MAX;
+    // most is at least 1, and so is what is left.
+    for less in 0..=(most >> 4).min(64) {
+        let acceleration = most.wrapping_sub(less);
+        let worst = distances.iter().map(|way| {
+            let scaled = u64::from(acceleration).wrapping_mul(way.unsigned_abs().into());
+            let rest = scaled.checked_rem(longest.into()).unwrap_or(0);
+            // What is missing to the next multiple: below `longest`, or as much where nothing is missing.
+            u64::from(longest).wrapping_sub(rest) as u32
+        });
+        let worst = worst.map(|missing| if missing == longest { 0 } else { missing });
+        let worst = worst.max().unwrap_or(0);
+        if worst < least {
+            [best, least] = [acceleration, worst];
+        }
+        if least == 0 {
+            break;
+        }
+    }
+    best
 }
 
 /// Counts in 2^-16 counts: 48 bits.

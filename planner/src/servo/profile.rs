@@ -63,7 +63,8 @@ enum Mode {
 /// assert_eq!(profile.position(), 110);
 /// ```
 ///
-/// 32 bytes. A period takes up to three divisions, on ramps to a goal only.
+/// 32 bytes. A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a Cortex-M0, on ramps 176 and 637: up to three
+/// divisions.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct ServoProfile {
     /// Counts times 2^16, modulo 2^48, sign extended.

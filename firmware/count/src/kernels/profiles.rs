@@ -1,6 +1,8 @@
 //! Speed profiles of 2000 events.
 
-use husillo_planner::{Rates, Recurrence, SCurve, Trapezoid};
+use core::hint::black_box;
+
+use husillo_planner::{Rates, Recurrence, SCurve, ServoMotion, ServoProfile, Trapezoid};
 
 use crate::{Count, time};
 
@@ -54,5 +56,30 @@ pub fn all(count: Count<'_>) {
         if let Ok(profile) = SCurve::new(rates, jerk, EVENTS) {
             time(count, name, &profile);
         }
+    }
+    servo(count);
+}
+
+/// A move of a servo of 4000 counts: at top velocity nine tenths of the way, and up and down all the way.
+fn servo(count: Count<'_>) {
+    for (name, velocity, acceleration) in [
+        ("servo_profile_slew", 0x1_0000, 0x100),
+        ("servo_profile_ramp", 0x8_0000, 0x80),
+    ] {
+        let mut profile = ServoProfile::new(0);
+        profile.start(ServoMotion::Trapezoid {
+            goal: 4000,
+            velocity,
+            acceleration,
+        });
+        let mut all = profile;
+        let mut periods = 1;
+        while !all.tick().is_done {
+            periods += 1;
+        }
+        count(name, periods, &mut || {
+            let mut profile = profile;
+            while !black_box(profile.tick()).is_done {}
+        });
     }
 }
