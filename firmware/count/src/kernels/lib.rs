@@ -13,6 +13,7 @@ mod encoder;
 mod lines;
 mod pid;
 mod planning;
+mod probe;
 mod profiles;
 mod stages;
 mod words;
@@ -40,6 +41,7 @@ pub fn methods(count: Count<'_>) {
     stages::all(count);
     encoder::all(count);
     pid::all(count);
+    probe::all(count);
 }
 
 /// From text to events. With the methods it is more than a microbit holds.
