@@ -10,6 +10,7 @@ mod gcode;
 mod interp;
 mod machine;
 mod mutation;
+mod nmc;
 mod parameters;
 mod planner;
 mod reader;
@@ -23,6 +24,7 @@ pub use gcode::gcode;
 pub use interp::interp;
 pub use machine::machine;
 pub use mutation::mutate;
+pub use nmc::{nmc_host, nmc_module};
 pub use parameters::parameters;
 pub use planner::planner;
 pub use reader::reader;
@@ -32,7 +34,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 11] = [
+pub const TARGETS: [(&str, Target); 13] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -44,6 +46,8 @@ pub const TARGETS: [(&str, Target); 11] = [
     ("stepper", stepper),
     ("backlash", backlash),
     ("machine", machine),
+    ("nmc_host", nmc_host),
+    ("nmc_module", nmc_module),
 ];
 
 #[cfg(test)]

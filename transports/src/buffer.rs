@@ -19,7 +19,7 @@ impl<const N: usize> Buffer<N> {
     pub(crate) fn push(&mut self, byte: u8) {
         if let Some(place) = self.bytes.get_mut(self.length) {
             *place = byte;
-            self.length += 1; // it was below N
+            self.length = self.length.wrapping_add(1); // it was below N
         }
     }
 

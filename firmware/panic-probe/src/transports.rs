@@ -1,4 +1,191 @@
 //! The public functions of `husillo-transports`.
 
+use core::convert::Infallible;
+use core::hint::black_box;
+
+use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
+use embedded_hal_nb::nb;
+use embedded_hal_nb::serial;
+use husillo_transports::nmc::{
+    Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
+    Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
+    unseen_pairs_in_halves,
+};
+use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
+
 /// Keeps every function in the program.
-pub fn keep() {}
+pub fn keep() {
+    black_box([
+        Auxiliary::contains as *const (),
+        Baud::bits_per_s as *const (),
+        Baud::characters_us as *const (),
+        Baud::divisor as *const (),
+        Baud::from_divisor as *const (),
+        Command::decode as *const (),
+        Command::finding as *const (),
+        Command::frame as *const (),
+        Command::is_in_range as *const (),
+        Command::repeat as *const (),
+        Echo::<8>::hears_itself as *const (),
+        Echo::<8>::learn as *const (),
+        Echo::<8>::new as *const (),
+        Echo::<8>::received as *const (),
+        Echo::<8>::sent as *const (),
+        Echo::<8>::silence as *const (),
+        EnablePin::<Pin>::active_high as *const (),
+        EnablePin::<Pin>::active_low as *const (),
+        EnablePin::<Pin>::release as *const (),
+        EnablePin::<Pin>::set as *const (),
+        Frame::bytes as *const (),
+        Frame::new as *const (),
+        Homing::contains as *const (),
+        Homing::is_cancel as *const (),
+        Homing::with as *const (),
+        Host::adopt as *const (),
+        Host::baud as *const (),
+        Host::members_of as *const (),
+        Host::new as *const (),
+        Host::poll as *const (),
+        Host::push as *const (),
+        Host::send_command as *const (),
+        Host::set_timing as *const (),
+        Host::start as *const (),
+        Host::timing as *const (),
+        Host::transmit as *const (),
+        IoPort::<Port, Pin, 8>::echo as *const (),
+        IoPort::<Port, Pin, 8>::new as *const (),
+        IoPort::<Port, Pin, 8>::receive as *const (),
+        IoPort::<Port, Pin, 8>::release as *const (),
+        IoPort::<Port, Pin, 8>::send as *const (),
+        Items::contains as *const (),
+        Items::length as *const (),
+        Items::of_version as *const (),
+        Items::with as *const (),
+        Module::address as *const (),
+        Module::enables_next as *const (),
+        Module::forget_partial as *const (),
+        Module::group as *const (),
+        Module::is_sending as *const (),
+        Module::items as *const (),
+        Module::new as *const (),
+        Module::owes_reply as *const (),
+        Module::push as *const (),
+        Module::reply as *const (),
+        Module::set_enabled as *const (),
+        Module::take as *const (),
+        Module::transmit as *const (),
+        Module::version as *const (),
+        NbPort::<Port, Pin, 8>::complete as *const (),
+        NbPort::<Port, Pin, 8>::echo as *const (),
+        NbPort::<Port, Pin, 8>::is_driving as *const (),
+        NbPort::<Port, Pin, 8>::new as *const (),
+        NbPort::<Port, Pin, 8>::receive as *const (),
+        NbPort::<Port, Pin, 8>::release as *const (),
+        NbPort::<Port, Pin, 8>::send as *const (),
+        Outcome::reply as *const (),
+        PathPoints::new as *const (),
+        PathPoints::points as *const (),
+        Polling::module_us as *const (),
+        Polling::rate_mhz as *const (),
+        Polling::round_us as *const (),
+        Receiver::address as *const (),
+        Receiver::code as *const (),
+        Receiver::data as *const (),
+        Receiver::is_idle as *const (),
+        Receiver::new as *const (),
+        Receiver::push as *const (),
+        Receiver::reset as *const (),
+        Reply::auxiliary as *const (),
+        Reply::decode as *const (),
+        Reply::home as *const (),
+        Reply::position as *const (),
+        Reply::velocity as *const (),
+        Startup::new as *const (),
+        Startup::next as *const (),
+        Startup::resetting_each as *const (),
+        Status::contains as *const (),
+        Timing::patient as *const (),
+        Timing::prompt as *const (),
+        Trajectory::is_relative as *const (),
+        Turnaround::begin as *const (),
+        Turnaround::complete as *const (),
+        Turnaround::heard as *const (),
+        Turnaround::is_driving as *const (),
+        Turnaround::new as *const (),
+        Turnaround::wait_us as *const (),
+        flush_byte as *const (),
+        reported_velocity as *const (),
+        unseen_pairs_in_halves as *const (),
+    ]);
+}
+
+/// A pin that keeps its level in memory.
+struct Pin(bool);
+
+impl PinErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0 = black_box(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0 = black_box(true);
+        Ok(())
+    }
+}
+
+/// A port that takes and gives any byte, or is not ready.
+struct Port;
+
+impl serial::ErrorType for Port {
+    type Error = serial::ErrorKind;
+}
+
+impl serial::Read<u8> for Port {
+    fn read(&mut self) -> nb::Result<u8, serial::ErrorKind> {
+        black_box(Ok(0))
+    }
+}
+
+impl serial::Write<u8> for Port {
+    fn write(&mut self, byte: u8) -> nb::Result<(), serial::ErrorKind> {
+        black_box(byte);
+        black_box(Ok(()))
+    }
+
+    fn flush(&mut self) -> nb::Result<(), serial::ErrorKind> {
+        black_box(Ok(()))
+    }
+}
+
+impl embedded_io::ErrorType for Port {
+    type Error = embedded_io::ErrorKind;
+}
+
+impl embedded_io::Read for Port {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, embedded_io::ErrorKind> {
+        black_box(bytes);
+        black_box(Ok(1))
+    }
+}
+
+impl embedded_io::Write for Port {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, embedded_io::ErrorKind> {
+        black_box(bytes);
+        black_box(Ok(1))
+    }
+
+    fn flush(&mut self) -> Result<(), embedded_io::ErrorKind> {
+        black_box(Ok(()))
+    }
+}
+
+impl embedded_io::ReadReady for Port {
+    fn read_ready(&mut self) -> Result<bool, embedded_io::ErrorKind> {
+        black_box(Ok(true))
+    }
+}

@@ -192,7 +192,7 @@ impl Host {
         let bytes = self.out.bytes();
         let byte = bytes.get(usize::from(self.sent)).copied()?;
         let length = bytes.len();
-        self.sent += 1; // it was below 20
+        self.sent = self.sent.wrapping_add(1); // it was below 20
         if usize::from(self.sent) == length {
             let wait_us = match self.phase {
                 Phase::Flush(_) => self.timing.settle_us,

@@ -195,7 +195,7 @@ impl Module {
     pub fn transmit(&mut self) -> Option<u8> {
         let byte = self.sending.bytes().get(usize::from(self.sent)).copied();
         if byte.is_some() {
-            self.sent += 1; // it was below 19
+            self.sent = self.sent.wrapping_add(1); // it was below 19
         } else {
             self.cancel_sending();
         }

@@ -57,7 +57,7 @@ impl<const N: usize> Echo<N> {
         match self.sent.get_mut(place) {
             Some(slot) if self.length < N => {
                 *slot = byte;
-                self.length += 1; // it was below N
+                self.length = self.length.wrapping_add(1); // it was below N
                 true
             }
             _ => false,

@@ -1,0 +1,316 @@
+//! Half-duplex lines: the times of driver enable, and the ports behind the features.
+
+use husillo_transports::rs485::{Echo, Heard, Turnaround};
+
+const CHARACTER_US: u32 = 87;
+
+/// ```text
+///  request ...|                     |
+///  silence    0 ........... 87      |
+///  driving                  87 ... 434 (4 characters): released with the last stop bit
+/// ```
+#[test]
+fn the_line_is_driven_after_the_turnaround_and_let_go_at_the_end() {
+    let begin_us = u32::MAX - 40; // across the wrap
+    let mut line = Turnaround::new(CHARACTER_US);
+    line.heard(begin_us);
+    for later in 0..CHARACTER_US {
+        assert!(!line.begin(begin_us.wrapping_add(later)));
+        assert_eq!(
+            line.wait_us(begin_us.wrapping_add(later)),
+            CHARACTER_US - later
+        );
+    }
+    assert!(line.begin(begin_us.wrapping_add(CHARACTER_US)));
+    assert!(line.is_driving());
+    let end_us = begin_us.wrapping_add(5 * CHARACTER_US);
+    line.complete(end_us);
+    assert!(!line.is_driving());
+    assert!(!line.begin(end_us), "the others are given their turn");
+    assert!(line.begin(end_us.wrapping_add(CHARACTER_US)));
+}
+
+#[test]
+fn silence_long_ago_stays_long_ago() {
+    let mut line = Turnaround::new(CHARACTER_US);
+    line.heard(0);
+    assert_eq!(line.wait_us(1_000_000), 0);
+    assert_eq!(line.wait_us(10), 0, "the clock has wrapped");
+}
+
+#[test]
+fn whether_the_line_returns_bytes_is_learned_from_one() {
+    let mut echo = Echo::<4>::new(true);
+    for (heard, hears_itself) in [(None, false), (Some(0), true), (Some(3), false)] {
+        echo.learn(0, heard);
+        assert_eq!(echo.hears_itself(), hears_itself);
+    }
+    assert!(
+        echo.sent(9),
+        "nothing is kept of a line that returns nothing"
+    );
+    assert_eq!(echo.received(9), Heard::Foreign(9));
+}
+
+#[cfg(any(feature = "embedded-io", feature = "embedded-hal-nb"))]
+mod ports {
+    use std::cell::RefCell;
+    use std::collections::VecDeque;
+    use std::convert::Infallible;
+    use std::rc::Rc;
+
+    use embedded_hal::digital::{ErrorType, OutputPin};
+    use husillo_transports::rs485::{Echo, EnablePin};
+
+    /// What happened, in order.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    enum Event {
+        Driving(bool),
+        Sent(u8),
+        Complete,
+    }
+
+    /// A transceiver, its port and the line: what is sent is returned where the line does so.
+    #[derive(Debug, Default)]
+    struct Wire {
+        events: Vec<Event>,
+        receive: VecDeque<u8>,
+        returns: bool,
+        /// Spoils the byte sent after so many.
+        spoil: Option<usize>,
+        /// Characters the shift register still holds.
+        shifting: u8,
+    }
+
+    #[derive(Debug, Clone)]
+    struct Port(Rc<RefCell<Wire>>);
+
+    #[derive(Debug, Clone)]
+    struct Pin(Rc<RefCell<Wire>>);
+
+    impl ErrorType for Pin {
+        type Error = Infallible;
+    }
+
+    impl OutputPin for Pin {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.0.borrow_mut().events.push(Event::Driving(false));
+            Ok(())
+        }
+
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.0.borrow_mut().events.push(Event::Driving(true));
+            Ok(())
+        }
+    }
+
+    impl Wire {
+        fn send(&mut self, byte: u8) {
+            let sent = self
+                .events
+                .iter()
+                .filter(|event| matches!(event, Event::Sent(_)))
+                .count();
+            self.events.push(Event::Sent(byte));
+            if self.returns {
+                let is_spoilt = self.spoil == Some(sent);
+                self.receive
+                    .push_back(if is_spoilt { byte & 0x55 } else { byte });
+            }
+            self.shifting = 2;
+        }
+    }
+
+    fn wire(returns: bool, spoil: Option<usize>) -> Rc<RefCell<Wire>> {
+        Rc::new(RefCell::new(Wire {
+            returns,
+            spoil,
+            ..Wire::default()
+        }))
+    }
+
+    #[cfg(feature = "embedded-hal-nb")]
+    mod nb {
+        use super::*;
+        use embedded_hal_nb::nb::{self, block};
+        use embedded_hal_nb::serial;
+        use husillo_transports::rs485::{NbError, NbPort};
+
+        impl serial::ErrorType for Port {
+            type Error = serial::ErrorKind;
+        }
+
+        impl serial::Read<u8> for Port {
+            fn read(&mut self) -> nb::Result<u8, serial::ErrorKind> {
+                self.0
+                    .borrow_mut()
+                    .receive
+                    .pop_front()
+                    .ok_or(nb::Error::WouldBlock)
+            }
+        }
+
+        impl serial::Write<u8> for Port {
+            fn write(&mut self, byte: u8) -> nb::Result<(), serial::ErrorKind> {
+                self.0.borrow_mut().send(byte);
+                Ok(())
+            }
+
+            fn flush(&mut self) -> nb::Result<(), serial::ErrorKind> {
+                let mut wire = self.0.borrow_mut();
+                if wire.shifting > 0 {
+                    wire.shifting -= 1;
+                    return Err(nb::Error::WouldBlock);
+                }
+                wire.events.push(Event::Complete);
+                Ok(())
+            }
+        }
+
+        #[test]
+        fn the_driver_is_released_on_transmission_complete() {
+            let wire = wire(true, None);
+            let mut port: NbPort<Port, Pin, 8> = NbPort::new(
+                Port(wire.clone()),
+                EnablePin::active_high(Pin(wire.clone())),
+                Echo::new(true),
+            );
+            for byte in [0x19, 0x19] {
+                block!(port.send(byte)).expect("sent");
+            }
+            assert!(port.is_driving());
+            assert_eq!(port.complete(), Err(nb::Error::WouldBlock));
+            assert!(port.is_driving(), "the last byte is still on its way");
+            block!(port.complete()).expect("released");
+            assert_eq!(
+                wire.borrow().events,
+                [
+                    Event::Driving(true),
+                    Event::Sent(0x19),
+                    Event::Sent(0x19),
+                    Event::Complete,
+                    Event::Driving(false)
+                ]
+            );
+            // One's own, one's own, then somebody else's.
+            wire.borrow_mut().receive.push_back(0x77);
+            assert_eq!(
+                [port.receive(), port.receive(), port.receive()],
+                [Ok(None), Ok(None), Ok(Some(0x77))]
+            );
+            assert_eq!(port.receive(), Err(nb::Error::WouldBlock));
+        }
+
+        #[test]
+        fn a_collision_lets_the_line_go() {
+            let wire = wire(true, Some(1));
+            let mut port: NbPort<Port, Pin, 8> = NbPort::new(
+                Port(wire.clone()),
+                EnablePin::active_low(Pin(wire.clone())),
+                Echo::new(true),
+            );
+            block!(port.send(0xFF)).expect("sent");
+            block!(port.send(0xFF)).expect("sent");
+            assert_eq!(port.receive(), Ok(None));
+            assert_eq!(port.receive(), Err(nb::Error::Other(NbError::Collision)));
+            assert!(!port.is_driving());
+            // Inverted: high lets go.
+            assert_eq!(wire.borrow().events.last(), Some(&Event::Driving(true)));
+        }
+
+        #[test]
+        fn a_full_list_of_echoes_waits() {
+            let wire = wire(true, None);
+            let mut port: NbPort<Port, Pin, 1> = NbPort::new(
+                Port(wire.clone()),
+                EnablePin::active_high(Pin(wire.clone())),
+                Echo::new(true),
+            );
+            block!(port.send(1)).expect("sent");
+            assert_eq!(port.send(2), Err(nb::Error::WouldBlock));
+            assert_eq!(port.receive(), Ok(None));
+            assert_eq!(port.send(2), Ok(()));
+        }
+    }
+
+    #[cfg(feature = "embedded-io")]
+    mod io {
+        use super::*;
+        use husillo_transports::rs485::{IoError, IoPort};
+
+        impl embedded_io::ErrorType for Port {
+            type Error = Infallible;
+        }
+
+        impl embedded_io::Read for Port {
+            fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+                let byte = self.0.borrow_mut().receive.pop_front();
+                bytes
+                    .iter_mut()
+                    .zip(byte)
+                    .for_each(|(place, byte)| *place = byte);
+                Ok(usize::from(byte.is_some()))
+            }
+        }
+
+        impl embedded_io::Write for Port {
+            fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+                self.0.borrow_mut().send(bytes[0]);
+                Ok(1)
+            }
+
+            fn flush(&mut self) -> Result<(), Infallible> {
+                self.0.borrow_mut().events.push(Event::Complete);
+                Ok(())
+            }
+        }
+
+        impl embedded_io::ReadReady for Port {
+            fn read_ready(&mut self) -> Result<bool, Infallible> {
+                Ok(!self.0.borrow().receive.is_empty())
+            }
+        }
+
+        fn port(wire: &Rc<RefCell<Wire>>, hears_itself: bool) -> IoPort<Port, Pin, 4> {
+            IoPort::new(
+                Port(wire.clone()),
+                EnablePin::active_high(Pin(wire.clone())),
+                Echo::new(hears_itself),
+            )
+        }
+
+        #[test]
+        fn a_message_is_sent_and_its_echo_dropped() {
+            for returns in [true, false] {
+                let wire = wire(returns, None);
+                let mut port = port(&wire, returns);
+                port.send(&[0xAA, 1, 0x0E, 0x0F, 0, 0]).expect("sent");
+                let events = wire.borrow().events.clone();
+                assert_eq!(events.first(), Some(&Event::Driving(true)));
+                assert_eq!(events[7..], [Event::Complete, Event::Driving(false)]);
+                assert_eq!(port.receive(), Ok(None));
+                wire.borrow_mut().receive.extend([0x19, 0x1A]);
+                assert_eq!(
+                    (port.receive(), port.receive()),
+                    (Ok(Some(0x19)), Ok(Some(0x1A)))
+                );
+            }
+        }
+
+        #[test]
+        fn a_collision_ends_the_message_and_lets_the_line_go() {
+            let wire = wire(true, Some(0));
+            let mut port = port(&wire, true);
+            assert_eq!(port.send(&[0xAA, 0xAA, 0xAA]), Err(IoError::Collision));
+            assert_eq!(
+                wire.borrow().events,
+                [
+                    Event::Driving(true),
+                    Event::Sent(0xAA),
+                    Event::Complete,
+                    Event::Driving(false)
+                ]
+            );
+        }
+    }
+}
