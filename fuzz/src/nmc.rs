@@ -97,7 +97,7 @@ fn command(bytes: &mut Bytes<'_>) -> Command {
             address: bytes.byte() % 33,
             group: Group {
                 address: bytes.byte() | 0x80,
-                is_leader: bytes.byte() % 2 == 0,
+                is_leader: bytes.byte() & 1 == 0,
             },
         },
         2 => Command::DefineStatus(Items(bytes.byte())),
@@ -105,7 +105,7 @@ fn command(bytes: &mut Bytes<'_>) -> Command {
         4 => Command::LoadTrajectory(Trajectory {
             position: Some(bytes.i32()),
             mode: Mode::Trapezoid,
-            start_now: bytes.byte() % 2 == 0,
+            start_now: bytes.byte() & 1 == 0,
             ..Trajectory::default()
         }),
         5 => Command::SetHoming(Homing(bytes.byte())),
