@@ -18,6 +18,8 @@ fn a_block_is_used_again() {
         "G1 G2",
         "N7",
         "T1 M6",
+        "X1 I1",
+        "H1",
     ];
     let mut block = Block::new();
     for before in lines {
@@ -87,7 +89,8 @@ fn lines_and_programs_have_numbers() {
     assert_eq!(block("G0 X1").line_number(), None);
 }
 
-/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not.
+/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not. A `G94` that is in effect
+/// already sends every block the long way and changes nothing.
 #[test]
 fn the_short_way_of_moves_is_the_same() {
     let beside = [
@@ -127,17 +130,16 @@ fn the_short_way_of_moves_is_the_same() {
             one.apply(&block, &mut commands).expect("a plan");
             let mut other = one.clone();
             let line = format!("{path} {beside}");
-            let Ok(block) = Block::parse(line.as_bytes(), &Dialect::RS274) else {
+            let parse = |line: &str| Block::parse(line.as_bytes(), &Dialect::RS274);
+            let (Ok(short), Ok(long)) = (parse(&line), parse(&format!("{line} G94"))) else {
                 continue;
             };
-            let planned = one.plan(&block).map(|(next, commands)| {
-                one = next;
-                commands.collect::<Vec<Command<3>>>()
-            });
-            let applied = other.apply(&block, &mut commands);
+            let applied = one.apply(&short, &mut commands);
+            let applied = applied.map(|()| commands.by_ref().collect::<Vec<Command<3>>>());
+            let expected = other.apply(&long, &mut commands);
             assert_eq!(
-                applied.map(|()| commands.by_ref().collect()),
-                planned,
+                applied,
+                expected.map(|()| commands.by_ref().collect()),
                 "{first}, then {line}"
             );
             assert!(one == other, "{first}, then {line}");
@@ -155,4 +157,55 @@ fn moves_of_lathes_have_no_increments() {
             .expect_err(line);
         assert_eq!(error.kind, ErrorKind::UnknownWord(letter), "{line}");
     }
+}
+
+/// `P` is negative where it is a coordinate, in splines, and nowhere else.
+#[test]
+fn negative_p() {
+    let parse = |line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274);
+        block.map(|_| ()).map_err(|error| error.kind)
+    };
+    for line in ["G2 X2 I1 P-1 F1", "G0 P-2"] {
+        assert_eq!(parse(line), Err(ErrorKind::Negative(b'P')), "{line}");
+    }
+    assert_eq!(parse("X2 I1 P-1"), Ok(()));
+    #[cfg(feature = "extended")]
+    assert_eq!(parse("G5 X2 I1 J1 P-1 Q1"), Ok(()));
+}
+
+/// A block asks for nothing when it has no code and no word but N; a stroke before it says nothing about that.
+#[test]
+fn blocks_that_ask_for_nothing() {
+    let dialect = Dialect::RS274.with_block_delete(false);
+    for (line, is_empty, is_deleted) in [
+        ("", true, false),
+        ("N5", true, false),
+        ("(note)", true, false),
+        ("G0", false, false),
+        ("M3", false, false),
+        ("N5 M3", false, false),
+        ("X1", false, false),
+        ("N5 X1", false, false),
+        ("/", true, true),
+        ("/N5", true, true),
+        ("/X1", false, true),
+    ] {
+        let block = Block::parse(line.as_bytes(), &dialect).expect("a block");
+        assert_eq!(block.is_empty(), is_empty, "{line}");
+        assert_eq!(block.is_deleted(), is_deleted, "{line}");
+    }
+}
+
+/// All the letters that need a code, without one: the first of them is refused.
+#[test]
+fn all_letters_without_a_code() {
+    let line = "I1 J1 K1 R1 P1 D1 E1 H1 L1 Q1";
+    let error = Block::parse(line.as_bytes(), &Dialect::RS274)
+        .and_then(|block| Modal::<3>::new(Dialect::RS274).plan(&block).map(|_| ()))
+        .expect_err("unused words");
+    assert_eq!(
+        (error.kind, error.at, error.end),
+        (ErrorKind::UnusedWord(b'I'), 0, 2)
+    );
 }

@@ -1,6 +1,6 @@
 //! Where a verdict turns: arcs and inputs just inside of what is taken, and just outside.
 
-use husillo_gcode::{Block, Dialect, ErrorKind, Modal};
+use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm, Tool};
 
 /// What a line is refused for, from zero in millimetres.
 fn verdict(line: &str) -> Option<ErrorKind> {
@@ -17,6 +17,8 @@ fn ends_off_the_arc() {
     for (line, is_taken) in [
         ("G2 X2.005 I1 F1", true),
         ("G2 X2.006 I1 F1", false),
+        ("G2 X12.006 I6 F1", true),
+        ("G2 X12.006001 I6 F1", false),
         ("G2 X20.009 I10 F1", true),
         ("G2 X20.012 I10 F1", false),
         ("G2 X20.1 I10 F1", false),
@@ -44,6 +46,158 @@ fn radii_shorter_than_half_the_chord() {
         let verdict = verdict(line);
         assert_eq!(verdict.is_none(), is_taken, "{line}");
         assert!(verdict.is_none_or(|kind| matches!(kind, ErrorKind::RadiusTooSmall(_))));
+    }
+}
+
+/// The arc of a line, from zero.
+fn arc(line: &str) -> Arc<3> {
+    let modal = Modal::<3>::new(Dialect::RS274);
+    let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect("a block");
+    let (_, mut commands) = modal.plan(&block).expect("a plan");
+    match commands.next() {
+        Some(Command::Arc { arc, .. }) => arc,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+/// Centres by radius of arcs that are almost half circles: half the chord, the height and the radius are whole
+/// nanometres, and so is the centre.
+#[test]
+fn centres_close_to_the_chord() {
+    for m in [1_i64, 10, 31, 32, 63, 64, 127, 128, 1000, 20_000] {
+        let (height, half) = (2 * m + 1, 2 * m * (m + 1));
+        let nm = |value: i64| format!("{}.{:06}", value / 1_000_000, value % 1_000_000);
+        for (code, sign) in [("G3", 1), ("G2", -1)] {
+            let line = format!("{code} X{} R{} F1", nm(2 * half), nm(half + 1));
+            let arc = arc(&line);
+            assert_eq!(arc.centre, [half, sign * height, 0].map(Nm), "{line}");
+            assert_eq!(
+                (arc.mismatch, arc.radius),
+                (Nm(0), Some(Nm(half + 1))),
+                "{line}"
+            );
+        }
+    }
+}
+
+/// The centre by a radius is rounded to a nanometre, and what the radii then differ by is told; so is by how much a
+/// radius was short, which counts as 1 nm where it is less.
+#[test]
+fn what_rounding_leaves_of_a_radius() {
+    // The centre is at 1.5 nm and 1.32 nm.
+    let rounded = arc("G3 X.000003 R.000002 F1");
+    assert_eq!(rounded.centre, [2, 1, 0].map(Nm));
+    assert_eq!((rounded.mismatch, rounded.radius), (Nm(1), Some(Nm(2))));
+    // The chord is longer than 2 um by a quarter of a picometre.
+    let short = arc("G3 X.002 Y.000001 R.001 F1");
+    assert_eq!((short.mismatch, short.radius), (Nm(1), None));
+}
+
+/// The resolution of an arc is one unit of the finest last digit among its words, in the unit of the program.
+#[test]
+fn resolutions_of_arcs() {
+    for (line, nm) in [
+        ("G2 X2 I1 F1", 1_000_000),
+        ("G2 X2.00 I1 F1", 10_000),
+        ("G2 X2 I1.000 F1", 1_000),
+        ("G2 X2.0 I1.000 Y0.00 J0 F1", 1_000),
+        ("G2 X2.000 I1.00 F1", 1_000),
+        ("G2 X2.0 R1.0000 F1", 100),
+        ("G2 X2.0 I1 Z1.0000 F1.00", 100_000),
+        ("G20 G2 X2.00 I1.0 F1", 254_000),
+    ] {
+        assert_eq!(arc(line).resolution, Nm(nm), "{line}");
+    }
+}
+
+/// In the mode of an arc the words of a centre need an axis word; and G92 takes that away.
+#[test]
+fn centres_without_an_arc() {
+    let mut modal = Modal::<3>::new(Dialect::RS274);
+    for (line, expected) in [
+        ("G2 X2 I1 F1", None),
+        ("I1", Some(ErrorKind::UnusedWord(b'I'))),
+        ("G92 X2 I1", Some(ErrorKind::UnusedWord(b'I'))),
+        ("X4 I1", None),
+    ] {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect("a block");
+        let planned = modal.plan(&block).map(|(next, _)| modal = next);
+        assert_eq!(planned.err().map(|error| error.kind), expected, "{line}");
+    }
+}
+
+/// Where a machine stands may be farther out than a program can say: a chord of 2^52 nm is still worked out.
+#[test]
+fn chords_beyond_all_coordinates() {
+    let verdict = |x| {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        modal.set_position([Nm(x), Nm(0), Nm(0)]);
+        let block = Block::parse(b"G2 X0 R1 F1", &Dialect::RS274).expect("a block");
+        modal.plan(&block).expect_err("an error").kind
+    };
+    assert!(matches!(verdict(1 << 52), ErrorKind::RadiusTooSmall(_)));
+    for x in [(1 << 52) + 1, 1 << 53, i64::MAX] {
+        assert_eq!(verdict(x), ErrorKind::NumberTooLarge, "{x}");
+    }
+}
+
+/// G10 turns no work frame, and writes no tools where the dialect has none.
+#[test]
+fn data_that_cannot_be_set() {
+    assert_eq!(verdict("G10 L2 P1 X1 R0"), None);
+    let refused = Some(ErrorKind::OutOfRange(b'R'));
+    assert_eq!(verdict("G10 L2 P1 X1 R10"), refused);
+    for (kind, is_tool) in [(1, true), (10, true), (11, true), (2, false), (20, false)] {
+        let line = format!("G10 L{kind} P1 Z1");
+        let block = Block::parse(line.as_bytes(), &Dialect::GRBL).expect("a block");
+        let verdict = Modal::<3>::new(Dialect::GRBL).plan(&block).err();
+        let expected = is_tool.then_some(ErrorKind::OutOfRange(b'L'));
+        assert_eq!(verdict.map(|error| error.kind), expected, "{line}");
+    }
+}
+
+/// G10 L10 measures a tool in the work frame, G10 L11 in that of G59.3, G10 L1 writes what is said.
+#[test]
+#[cfg(feature = "extended")]
+fn tools_are_measured_in_frames() {
+    for (kind, length) in [(1, 1), (10, 19), (11, 24)] {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        modal.set_position([0, 0, 30_000_000].map(Nm));
+        assert!(modal.set_work_zero(0, [0, 0, 10_000_000].map(Nm)));
+        assert!(modal.set_work_zero(8, [0, 0, 5_000_000].map(Nm)));
+        let line = format!("G10 L{kind} P7 Z1");
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect("a block");
+        let (modal, _) = modal.plan(&block).expect("a plan");
+        let tool = modal.tool_data(7).expect("a tool");
+        assert_eq!(tool.offset, [0, 0, length * 1_000_000].map(Nm), "{line}");
+    }
+}
+
+/// A tool with a negative radius cuts on the other side; one of no radius on the side of its code.
+#[test]
+#[cfg(feature = "extended")]
+fn sides_of_the_contour() {
+    use husillo_gcode::Side;
+    for (code, radius, side) in [
+        ("G41", 1, Side::Left),
+        ("G41", 0, Side::Left),
+        ("G41", -1, Side::Right),
+        ("G42", 1, Side::Right),
+        ("G42", 0, Side::Right),
+        ("G42", -1, Side::Left),
+    ] {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        let tool = Tool::of_radius(Nm(radius * 1_000_000));
+        assert_eq!(
+            (tool.offset, tool.radius.0),
+            ([Nm(0); 3], radius * 1_000_000)
+        );
+        assert!(modal.set_tool(3, tool));
+        for line in [format!("{code} D3"), format!("{code}.1 D{}", 2 * radius)] {
+            let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect("a block");
+            let (next, _) = modal.plan(&block).expect("a plan");
+            assert_eq!(next.compensation(), Some(side), "{line}");
+        }
     }
 }
 

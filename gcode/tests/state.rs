@@ -1,0 +1,154 @@
+//! The modal state: what it tells, and what is written into it from outside.
+
+#![cfg(feature = "extended")]
+
+use husillo_gcode::{
+    Block, Dialect, Distance, FeedMode, Modal, Motion, Nm, PathMode, Plane, SpindleDirection, Tool,
+    Units,
+};
+
+/// The state after these lines.
+fn after(lines: &[&str]) -> Modal<3> {
+    let mut modal = Modal::new(Dialect::RS274);
+    for line in lines {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        modal = modal.plan(&block).expect(line).0;
+    }
+    modal
+}
+
+/// A program starts with nothing on, nothing set, and no motion.
+#[test]
+fn the_state_at_the_start() {
+    let modal = after(&[]);
+    assert_eq!(modal.position(), [Nm(0); 3]);
+    assert_eq!(modal.motion(), None);
+    assert_eq!(
+        (modal.plane(), modal.units()),
+        (Plane::Xy, Units::Millimetres)
+    );
+    assert_eq!(modal.distance(), Distance::Absolute);
+    assert_eq!(modal.centre_distance(), Distance::Incremental);
+    assert_eq!(
+        (modal.feed_mode(), modal.feed()),
+        (FeedMode::PerMinute, None)
+    );
+    assert_eq!(modal.spindle(), (SpindleDirection::Off, 0));
+    assert_eq!(modal.coolant(), (false, false));
+    assert_eq!((modal.tool(), modal.loaded_tool()), (0, 0));
+    assert_eq!(modal.path(), PathMode::ExactPath);
+    assert_eq!((modal.compensation(), modal.is_diameter()), (None, false));
+    assert_eq!((modal.work_system(), modal.tool_length()), (0, [Nm(0); 3]));
+    assert_eq!(
+        (modal.home(), modal.second_home()),
+        ([Nm(0); 3], [Nm(0); 3])
+    );
+}
+
+/// What a program sets can be read.
+#[test]
+fn the_state_a_program_makes() {
+    let modal = after(&[
+        "G90.1 G18 G20 G91 G55",
+        "T3 M6",
+        "T7",
+        "M4 S100 M8",
+        "G1 X1 F2",
+    ]);
+    assert_eq!(modal.position(), [25_400_000, 0, 0].map(Nm));
+    assert_eq!(modal.motion(), Some(Motion::Linear));
+    assert_eq!((modal.plane(), modal.units()), (Plane::Zx, Units::Inches));
+    assert_eq!(modal.distance(), Distance::Incremental);
+    assert_eq!(modal.centre_distance(), Distance::Absolute);
+    assert_eq!(modal.feed(), Some(Nm(50_800_000)));
+    assert_eq!(
+        modal.spindle(),
+        (SpindleDirection::CounterClockwise, 100_000)
+    );
+    assert_eq!(modal.coolant(), (false, true));
+    assert_eq!((modal.tool(), modal.loaded_tool()), (7, 3));
+    assert_eq!(modal.work_system(), 1);
+    assert_eq!(after(&["M7"]).coolant(), (true, false));
+    assert_eq!(after(&["G61.1"]).path(), PathMode::ExactStop);
+    assert_eq!(
+        after(&["G43.1 Z1"]).tool_length(),
+        [0, 0, 1_000_000].map(Nm)
+    );
+    let homes = after(&["G0 X1", "G28.1", "X2", "G30.1"]);
+    assert_eq!(homes.home(), [1_000_000, 0, 0].map(Nm));
+    assert_eq!(homes.second_home(), [2_000_000, 0, 0].map(Nm));
+}
+
+/// A feed is one in length per time, and not zero.
+#[test]
+fn a_feed_is_told_under_g94_only() {
+    assert_eq!(after(&["F2"]).feed(), Some(Nm(2_000_000)));
+    assert_eq!(after(&["F0"]).feed(), None);
+    assert_eq!(after(&["G93 F2"]).feed(), None);
+    assert_eq!(after(&["F2", "G93"]).feed_mode(), FeedMode::InverseTime);
+    assert_eq!(after(&["G95 F2"]).feed(), None);
+}
+
+/// Spindle and coolant are off after an abort.
+#[test]
+fn an_abort_stops_the_outputs() {
+    let mut modal = after(&["M3 S100 M8", "M7"]);
+    assert_eq!(modal.coolant(), (true, true));
+    modal.stop_outputs();
+    assert_eq!(modal.spindle().0, SpindleDirection::Off);
+    assert_eq!(modal.coolant(), (false, false));
+}
+
+/// Zeros of work frames, homes and the position are kept as they are written, each in its place.
+#[test]
+fn places_are_written_from_outside() {
+    let mut modal = after(&[]);
+    let place = |system: u8| [i64::from(system) + 1, 20, 30].map(Nm);
+    for system in 0..9 {
+        assert!(modal.set_work_zero(system, place(system)));
+    }
+    for system in 0..9 {
+        assert_eq!(modal.work_zero(system), Some(place(system)));
+    }
+    for system in [9, 255] {
+        assert!(!modal.set_work_zero(system, place(0)));
+        assert_eq!(modal.work_zero(system), None);
+    }
+    assert_eq!(modal.work_offset(), place(0));
+    modal.set_home(place(20));
+    modal.set_second_home(place(30));
+    modal.set_position(place(40));
+    assert_eq!(
+        (modal.home(), modal.second_home(), modal.position()),
+        (place(20), place(30), place(40))
+    );
+}
+
+/// Eight tools have a place, tool 0 has none.
+#[test]
+fn tools_are_written_from_outside() {
+    let mut modal = after(&[]);
+    let tool = |number: u32| Tool {
+        offset: [0, 0, i64::from(number)].map(Nm),
+        radius: Nm(5),
+    };
+    assert!(!modal.set_tool(0, tool(1)));
+    for number in 1..9 {
+        assert_eq!(modal.tool_data(number), None);
+        assert!(modal.set_tool(number, tool(number)));
+    }
+    assert!(!modal.set_tool(9, tool(9)));
+    assert_eq!(modal.tool_data(9), None);
+    for number in 1..9 {
+        assert_eq!(modal.tool_data(number), Some(tool(number)));
+    }
+}
+
+/// On lathes X can be a diameter; elsewhere there is no such thing.
+#[test]
+fn diameters() {
+    assert!(Modal::<3>::new(Dialect::LATHE).is_diameter());
+    assert!(Modal::<3>::new(Dialect::LATHE_A).is_diameter());
+    assert!(!after(&["G8"]).is_diameter());
+    assert!(after(&["G7"]).is_diameter());
+}
