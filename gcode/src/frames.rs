@@ -257,7 +257,7 @@ impl<const N: usize> Modal<N> {
         let given = block.axes();
         let mut to = self.modes.position;
         for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(home)) {
-            if given == 0 || given & 1u16.wrapping_shl(axis as u32) != 0 {
+            if given == 0 || axis < AXES && given & 1u16.wrapping_shl(axis as u32) != 0 {
                 *to = home;
             }
         }

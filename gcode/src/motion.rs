@@ -1,7 +1,7 @@
 //! What moves: who gets the axis words, G0 to G3 and G53.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::{Block, Letters, axis_letter};
+use crate::block::{AXES, Block, Letters, axis_letter};
 use crate::code::{Code, EXTENDED, Group};
 use crate::command::{Command, Feed, SpindleDirection};
 use crate::commands::Commands;
@@ -212,7 +212,8 @@ impl<const N: usize> Modal<N> {
     pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Fault> {
         let given = block.axes();
         let mut target = self.modes.position;
-        for (axis, target) in (0..N).zip(target.iter_mut()) {
+        // Beyond the axes with letters there is nothing, and no bit of `given`.
+        for (axis, target) in (0..AXES).zip(target.iter_mut()) {
             if given & 1u16.wrapping_shl(axis as u32) == 0 {
                 continue;
             }

@@ -152,3 +152,71 @@ fn diameters() {
     assert!(!after(&["G8"]).is_diameter());
     assert!(after(&["G7"]).is_diameter());
 }
+
+/// The end of a program takes back the mode of motion and a feed that is not one of G94.
+#[test]
+fn the_state_after_the_end() {
+    assert_eq!(after(&["G0 X1", "M2"]).motion(), Some(Motion::Linear));
+    assert_eq!(after(&["F2", "M2"]).feed(), Some(Nm(2_000_000)));
+    assert_eq!(after(&["G95 F2", "M2"]).feed(), None);
+}
+
+/// A machine may have more axes than there are letters; angles are degrees in inches too.
+#[test]
+fn axes_of_machines() {
+    fn position<const N: usize>() -> [Nm; N] {
+        let block = Block::parse(b"G20 G0 X1 A1", &Dialect::RS274).expect("a block");
+        let planned = Modal::<N>::new(Dialect::RS274).plan(&block);
+        planned.expect("a plan").0.position()
+    }
+    assert_eq!(position::<4>(), [25_400_000, 0, 0, 1_000_000].map(Nm));
+    assert_eq!(position::<15>()[3], Nm(1_000_000));
+    assert_eq!(position::<16>()[3], Nm(1_000_000));
+    assert_eq!(position::<17>()[3], Nm(1_000_000));
+    let mut modal = Modal::<17>::new(Dialect::RS274);
+    modal.set_position([Nm(5); 17]);
+    let block = Block::parse(b"G91 G28 X0", &Dialect::RS274).expect("a block");
+    let home = modal.plan(&block).expect("a plan").0.position();
+    assert_eq!((home[0], home[1], home[16]), (Nm(0), Nm(5), Nm(5)));
+}
+
+/// Surface speeds are metres a minute, or feet; a spindle that stands has none.
+#[test]
+fn surface_speeds() {
+    let made = |before: &[&str], line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        after(before)
+            .plan(&block)
+            .expect(line)
+            .1
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(made(&["G20"], "G96 S100 M3"), made(&[], "G96 S30.48 M3"));
+    assert_eq!(made(&["G96 S100 M3"], "M5"), made(&["S100 M3"], "M5"));
+}
+
+/// Words at the ends of their ranges.
+#[test]
+fn ranges() {
+    use husillo_gcode::ErrorKind;
+    let verdict = |before: &[&str], line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        after(before).plan(&block).err().map(|error| error.kind)
+    };
+    assert_eq!(verdict(&[], "G96 D1 S1"), None);
+    let refused = Some(ErrorKind::OutOfRange(b'D'));
+    assert_eq!(verdict(&[], "G96 D0 S1"), refused);
+    assert_eq!(verdict(&[], "M19 R0 P2"), None);
+    let refused = Some(ErrorKind::OutOfRange(b'P'));
+    assert_eq!(verdict(&[], "M19 R0 P3"), refused);
+    assert_eq!(verdict(&[], "G64 P0"), None);
+    assert_eq!(verdict(&[], "G64 P-1"), Some(ErrorKind::Negative(b'P')));
+    // The frame in effect may be named while the contour is compensated, no other.
+    assert_eq!(verdict(&["G41.1 D1"], "G54"), None);
+    let refused = Some(ErrorKind::UnderCompensation);
+    assert_eq!(verdict(&["G41.1 D1"], "G55"), refused);
+    let block = Block::parse(b"G54X1", &Dialect::MICROMILL).expect("a block");
+    let error = Modal::<3>::new(Dialect::MICROMILL).plan(&block).err();
+    let refused = Some(ErrorKind::TwoUsersOfWords);
+    assert_eq!(error.map(|error| error.kind), refused);
+}

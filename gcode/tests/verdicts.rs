@@ -1,6 +1,6 @@
 //! Where a verdict turns: arcs and inputs just inside of what is taken, and just outside.
 
-use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm, Tool};
+use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm};
 
 /// What a line is refused for, from zero in millimetres.
 fn verdict(line: &str) -> Option<ErrorKind> {
@@ -177,7 +177,7 @@ fn tools_are_measured_in_frames() {
 #[test]
 #[cfg(feature = "extended")]
 fn sides_of_the_contour() {
-    use husillo_gcode::Side;
+    use husillo_gcode::{Side, Tool};
     for (code, radius, side) in [
         ("G41", 1, Side::Left),
         ("G41", 0, Side::Left),
