@@ -16,6 +16,7 @@ mod planning;
 mod probe;
 mod profiles;
 mod stages;
+mod transports;
 mod words;
 
 use core::hint::black_box;
@@ -49,6 +50,7 @@ pub fn text(count: Count<'_>) {
     words::all(count);
     words::line(count);
     chain::all(count);
+    transports::all(count);
 }
 
 /// A move from its first event to its end.
