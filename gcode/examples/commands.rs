@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .ok_or("usage: commands FILE [DIALECT] [--time]")?;
     let name = arguments.get(1).map_or("rs274", String::as_str);
     let dialect = Dialect::by_name(name)
-        .ok_or("dialects: rs274, grbl, micromill, lathe, lathe-a, iso, drill")?;
+        .ok_or("dialects: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer")?;
     let program = std::fs::read(path)?;
 
     let mut output = std::io::BufWriter::new(std::io::stdout().lock());

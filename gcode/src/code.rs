@@ -227,7 +227,7 @@ impl Code {
     /// Whether a dialect has this code.
     pub(crate) const fn is_in(self, flavour: Flavour) -> bool {
         match flavour {
-            Flavour::Rs274 | Flavour::Iso => !matches!(
+            Flavour::Rs274 | Flavour::Printer | Flavour::Iso => !matches!(
                 self,
                 Code::Foreign
                     | Code::Cycle(

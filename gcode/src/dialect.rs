@@ -1,6 +1,7 @@
 //! What differs between the programs of different machines.
 
 use crate::code::EXTENDED;
+use crate::framing::Framing;
 
 /// A dialect of G-code: plain data, compared and copied freely.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -18,6 +19,7 @@ pub(crate) enum Flavour {
     LatheA,
     Iso,
     Drill,
+    Printer,
 }
 
 impl Dialect {
@@ -74,8 +76,15 @@ impl Dialect {
         block_delete: true,
     };
 
+    /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as [`Framing::PRINTER`] checks them; see
+    /// [`Dialect::framing`].
+    pub const PRINTER: Dialect = Dialect {
+        flavour: Flavour::Printer,
+        block_delete: true,
+    };
+
     /// All of them.
-    pub const ALL: [Dialect; 7] = [
+    pub const ALL: [Dialect; 8] = [
         Dialect::RS274,
         Dialect::GRBL,
         Dialect::MICROMILL,
@@ -83,9 +92,10 @@ impl Dialect {
         Dialect::LATHE_A,
         Dialect::ISO,
         Dialect::DRILL,
+        Dialect::PRINTER,
     ];
 
-    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso` or `drill`.
+    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso`, `drill` or `printer`.
     pub fn by_name(name: &str) -> Option<Dialect> {
         Dialect::ALL
             .into_iter()
@@ -102,6 +112,7 @@ impl Dialect {
             Flavour::LatheA => "lathe-a",
             Flavour::Iso => "iso",
             Flavour::Drill => "drill",
+            Flavour::Printer => "printer",
         }
     }
 
@@ -126,6 +137,14 @@ impl Dialect {
         }
     }
 
+    /// What a [`Receiver`](crate::Receiver) checks of each line before its words are read; `None` where lines have no checksums.
+    pub const fn framing(&self) -> Option<Framing> {
+        match self.flavour {
+            Flavour::Printer => Some(Framing::PRINTER),
+            _ => None,
+        }
+    }
+
     /// Whether lines are strings of a link: `;` ends a block, and none has blanks.
     pub(crate) const fn has_strings(&self) -> bool {
         matches!(self.flavour, Flavour::Micromill)
@@ -144,7 +163,9 @@ impl Dialect {
             ),
             // U and W are words of the contour cycles only: `Modal::check_axes`.
             Flavour::Lathe if EXTENDED => !matches!(letter, b'O' | b'V'),
-            Flavour::Rs274 | Flavour::Lathe => !matches!(letter, b'O' | b'U' | b'V' | b'W'),
+            Flavour::Rs274 | Flavour::Printer | Flavour::Lathe => {
+                !matches!(letter, b'O' | b'U' | b'V' | b'W')
+            }
             Flavour::LatheA => !matches!(letter, b'V'),
             Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),
             Flavour::Drill => matches!(letter, b'X' | b'Y'),
@@ -156,7 +177,7 @@ impl Dialect {
     pub const fn has_parameters(&self) -> bool {
         !matches!(
             self.flavour,
-            Flavour::Grbl | Flavour::Micromill | Flavour::Drill
+            Flavour::Grbl | Flavour::Micromill | Flavour::Drill | Flavour::Printer
         )
     }
 

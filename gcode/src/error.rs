@@ -1,5 +1,6 @@
 //! What can be wrong with a line, and where.
 
+use crate::framing::FramingError;
 use crate::nm::Measure;
 #[cfg(feature = "parameters")]
 use crate::parameters::Fault;
@@ -52,6 +53,17 @@ pub enum ErrorKind {
     NumberNotAlone,
     /// A comma where a decimal point belongs.
     DecimalComma,
+    /// A line that a link did not bring whole: see [`FramingError`].
+    Checksum {
+        /// As given.
+        given: u8,
+        /// Of the bytes of the line.
+        computed: u8,
+    },
+    /// A line without a checksum, or one that is no number from 0 to 255.
+    NoChecksum,
+    /// The number of a line is not the one after the last.
+    LineNumber(u32),
     /// A letter given twice.
     RepeatedWord(u8),
     /// A second code of the same modal group.
@@ -139,6 +151,17 @@ pub enum ErrorKind {
     Program(Fault),
 }
 
+impl From<FramingError> for ErrorKind {
+    fn from(error: FramingError) -> ErrorKind {
+        match error {
+            FramingError::Checksum { given, computed } => ErrorKind::Checksum { given, computed },
+            FramingError::NoChecksum | FramingError::MalformedChecksum => ErrorKind::NoChecksum,
+            FramingError::NoNumber => ErrorKind::NotWhole(b'N'),
+            FramingError::Number { given, .. } => ErrorKind::LineNumber(given),
+        }
+    }
+}
+
 impl ErrorKind {
     /// The number of the message: 301 for E0301.
     pub const fn code(self) -> u16 {
@@ -151,6 +174,8 @@ impl ErrorKind {
             ErrorKind::NestedComment => 106,
             ErrorKind::NotWhole(_) => 107,
             ErrorKind::DecimalComma => 108,
+            ErrorKind::Checksum { .. } | ErrorKind::NoChecksum => 110,
+            ErrorKind::LineNumber(_) => 111,
             ErrorKind::UnknownWord(_) => 201,
             ErrorKind::UnknownCode(..) => 202,
             ErrorKind::RepeatedWord(_) => 203,
@@ -316,6 +341,13 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NoDwellTime => "dwell without `P`",
             ErrorKind::NumberNotAlone => "program number with other words",
             ErrorKind::DecimalComma => "comma in a number",
+            ErrorKind::NoChecksum => "numbered line without a checksum",
+            ErrorKind::Checksum { given, computed } => {
+                return write!(f, "checksum is {given}, the line has {computed}");
+            }
+            ErrorKind::LineNumber(given) => {
+                return write!(f, "line number {given} is not the next one");
+            }
             ErrorKind::ToolTableFull => "tool table is full",
             ErrorKind::UnknownTool => "tool is not in the table",
             ErrorKind::SpindleStopped => "needs a turning spindle",

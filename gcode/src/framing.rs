@@ -114,6 +114,11 @@ impl Receiver {
         self.expected
     }
 
+    /// Expects this number next: for a reader of a file, which cannot ask for a line again.
+    pub fn expect(&mut self, number: u32) {
+        self.expected = number;
+    }
+
     /// Checks a line and gives its text without the checksum. A comment behind the checksum is cut with it. `M110` with an `N` sets the number of
     /// its own line, so that a sender can start anew: `N0 M110`, `M110 N0`. The number of a refused line is
     /// not counted.

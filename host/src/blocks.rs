@@ -3,7 +3,7 @@
 use crate::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
-use husillo_gcode::{Block, Dialect, Error, Modal};
+use husillo_gcode::{Block, Dialect, Error, FramingError, Modal, Receiver, words};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -50,6 +50,34 @@ impl Percent {
     }
 }
 
+/// The text of a line without its checksum, or what is wrong with the line; then the number behind it is expected.
+fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
+    receiver.check(line).map_err(|error| {
+        if let FramingError::Number { given, .. } = error {
+            receiver.expect(given.wrapping_add(1));
+        } else {
+            receiver.expect(receiver.expected().wrapping_add(1));
+        }
+        let end = line.trim_ascii_end().len();
+        let star = line.iter().rposition(|&byte| byte == b'*');
+        let at = match error {
+            FramingError::Checksum { .. } | FramingError::MalformedChecksum => star.unwrap_or(0),
+            _ => 0,
+        };
+        Error {
+            kind: error.into(),
+            at,
+            end,
+        }
+    })
+}
+
+/// Whether a line sets the number of the next one: M110.
+fn is_numbering(text: &[u8]) -> bool {
+    let mut words = words(text).filter_map(Result::ok);
+    words.any(|word| word.letter == b'M' && word.value.whole() == Some(110))
+}
+
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
 /// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle along a contour; from that line
@@ -66,6 +94,7 @@ pub fn each_block<C>(
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
+    let mut receiver = dialect.framing().map(Receiver::new);
     let first = loop {
         let Some(line) = source.next_line()? else {
             return Ok(());
@@ -76,7 +105,29 @@ pub fn each_block<C>(
         if needs_program(line.bytes, &dialect) || needs_contours(line.bytes, &dialect) {
             break line.number;
         }
-        let mut blocks = dialect.blocks(line.bytes).peekable();
+        let text = match &mut receiver {
+            None => line.bytes,
+            Some(receiver) => match unframed(receiver, line.bytes) {
+                // What it says is for the receiver.
+                Ok(text) if is_numbering(text) => continue,
+                Ok(text) => text,
+                Err(error) => {
+                    let given = Given {
+                        number: line.number,
+                        bytes: line.bytes,
+                        at: 0,
+                        text: line.bytes,
+                        overlong: line.overlong,
+                        repeats: false,
+                    };
+                    if each(context, &given, Err(error))?.is_break() {
+                        return Ok(());
+                    }
+                    continue;
+                }
+            },
+        };
+        let mut blocks = dialect.blocks(text).peekable();
         while let Some((at, text)) = blocks.next() {
             let given = Given {
                 number: line.number,

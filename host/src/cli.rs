@@ -120,7 +120,7 @@ pub struct Target {
     /// Machine: micromill, free, router, lathe, drill, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
-    /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill [default: that of the machine, or rs274;
+    /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer [default: that of the machine, or rs274;
     /// micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,

@@ -186,6 +186,13 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NumberNotAlone => finding
             .label("stands alone at the start of a program")
             .help("put the other words on a line of their own"),
+        ErrorKind::Checksum { .. } => finding
+            .label("bytes of this line were lost or changed")
+            .help("write the program anew; or leave line numbers and checksums out"),
+        ErrorKind::NoChecksum => finding.help("write `*` and the checksum behind the line"),
+        ErrorKind::LineNumber(_) => finding
+            .label("a line is missing, or there twice")
+            .help("number the lines one by one; `M110 N..` starts anew"),
         ErrorKind::DecimalComma => {
             let finding = finding
                 .label("decimals stand behind a point")

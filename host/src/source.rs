@@ -3,6 +3,9 @@
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 
+/// What some editors write before a text in UTF-8: no part of the program.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Longest line that is taken, in bytes; what follows on a longer line is skipped.
 pub const LONGEST_LINE: usize = 64 * 1024;
 
@@ -88,6 +91,9 @@ impl Source {
             return Ok(None);
         }
         self.number += 1;
+        if self.number == 1 && self.buffer.starts_with(BYTE_ORDER_MARK) {
+            self.buffer.drain(..BYTE_ORDER_MARK.len());
+        }
         let ended = self.buffer.last() == Some(&b'\n');
         if ended {
             self.buffer.pop();

@@ -397,3 +397,30 @@ fn a_misspelt_key_of_a_machine_file() {
                 .and(contains("did you mean `backlash`?")),
         );
 }
+
+/// A line as a sender for 3D printers writes it: with the exclusive or of its bytes.
+fn summed(line: &str) -> String {
+    let sum = line.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("{line}*{sum}\n")
+}
+
+#[test]
+fn lines_with_checksums_are_checked() {
+    let good = summed("N0 M110 N0") + &summed("N1 G21") + &summed("N2 G1 X10.5 F1200") + ";end\n";
+    let path = scratch("printer.gcode");
+    let name = path.to_str().unwrap();
+    // A byte order mark is no part of a program.
+    std::fs::write(&path, format!("\u{feff}{good}")).unwrap();
+    let commands = husillo()
+        .args(["commands", name, "--dialect", "printer"])
+        .output()
+        .unwrap();
+    let printed = String::from_utf8(commands.stdout).unwrap();
+    assert!(printed.contains("linear X10.5 Y0 Z0 F1200"), "{printed}");
+    std::fs::write(&path, good.replace("10.5", "10.6") + &summed("N7 G0 X1")).unwrap();
+    husillo()
+        .args(["check", name, "--dialect", "printer"])
+        .assert()
+        .code(1)
+        .stderr(contains("E0110").and(contains("line number 7 is not the next one")));
+}

@@ -40,6 +40,8 @@ pub fn keep() {
         Receiver::new as *const (),
         Receiver::expected as *const (),
         Receiver::check as *const (),
+        Receiver::expect as *const (),
+        Dialect::framing as *const (),
         Block::new as *const (),
         Block::read as *const (),
         Modal::<3>::apply as *const (),
