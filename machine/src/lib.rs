@@ -22,6 +22,9 @@ mod take_up;
 mod machine;
 mod motors;
 
+mod servo_axis;
+mod servo_module;
+
 pub use axis::{Axis, AxisRamp, Config};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
@@ -29,3 +32,5 @@ pub use motors::{Idle, Motors};
 pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;
 pub use segment::Segment;
+pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
+pub use servo_module::{ServoModule, ServoModuleOutput};

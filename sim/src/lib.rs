@@ -35,12 +35,14 @@ mod dc_motor;
 mod loss;
 mod model;
 mod rig;
+mod servo_chain;
 mod spindle;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
+pub use servo_chain::{SERVO_PERIOD_S, ServoChain, Surroundings};
 pub use spindle::Spindle;
 
 /// The README's example, as a doctest.

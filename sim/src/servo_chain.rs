@@ -1,0 +1,199 @@
+//! Servo modules on one line, each with its motor: bytes in, bytes out, in steps of a servo period.
+
+use std::collections::VecDeque;
+
+use husillo_machine::{ServoAxis, ServoInputs, ServoModule};
+use husillo_transports::nmc::Baud;
+
+use crate::{DcMotor, DcMotorModel};
+
+/// A servo period, s.
+pub const SERVO_PERIOD_S: f64 = 512e-6;
+
+/// Current at which the converter of a module reads 255, A.
+const FULL_CURRENT_A: f64 = 3.0;
+
+/// What is at the inputs of a module.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// Limit switch or probe contact 1.
+    pub limit_1: bool,
+    /// Limit switch or probe contact 2.
+    pub limit_2: bool,
+    /// What holds against positive turning, N m.
+    pub load_nm: f64,
+    /// The motor's supply is missing.
+    pub without_power: bool,
+}
+
+/// A module with its motor.
+#[derive(Clone, Debug)]
+struct Node {
+    module: ServoModule,
+    motor: DcMotor,
+    counts_per_revolution: i64,
+    duty: f64,
+    around: Surroundings,
+}
+
+impl Node {
+    /// A servo period of motor and module.
+    fn tick(&mut self) -> Option<Baud> {
+        let duty = if self.around.without_power {
+            0.0
+        } else {
+            self.duty
+        };
+        self.motor
+            .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
+        let counts = self.motor.counts();
+        let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
+        let output = self.module.tick(&ServoInputs {
+            counts: counts as i32, // modulo 2^32, as the counter of a module
+            limit_1: self.around.limit_1,
+            limit_2: self.around.limit_2,
+            index: counts.rem_euclid(self.counts_per_revolution) == 0,
+            current: current.min(255.0) as u8,
+            has_power: !self.around.without_power,
+        });
+        self.duty = f64::from(output.drive.signed()) / 255.0;
+        output.baud
+    }
+}
+
+/// A chain of servo modules behind one host: every byte takes its time on the line, every module hears what its ADDR_IN lets
+/// through, and two that answer at once spoil each other's bytes.
+///
+/// ```
+/// use husillo_sim::{DcMotorModel, ServoChain};
+///
+/// let mut chain = ServoChain::new(&[4, 4], DcMotorModel::PROTOTYPE);
+/// for byte in [0xaa, 0x00, 0x21, 0x01, 0xff, 0x21] {
+///     chain.send(byte);
+/// }
+/// let reply: Vec<u8> = (0..20).flat_map(|_| chain.tick()).collect();
+/// assert_eq!(reply, [0x19, 0x19]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct ServoChain {
+    nodes: Vec<Node>,
+    baud: Baud,
+    /// Bytes on their way to the modules, and from them.
+    to_modules: VecDeque<u8>,
+    /// Tenths of bits' time, in bytes, left from the last period.
+    room: f64,
+}
+
+impl ServoChain {
+    /// Modules of these versions, the first of them next to the far end (it is addressed first), all with such a motor.
+    pub fn new(versions: &[u8], motor: DcMotorModel) -> ServoChain {
+        let nodes = versions
+            .iter()
+            .map(|&version| Node {
+                module: ServoModule::new(version),
+                motor: DcMotor::new(motor),
+                counts_per_revolution: motor.counts_per_revolution.into(),
+                duty: 0.0,
+                around: Surroundings::default(),
+            })
+            .collect();
+        ServoChain {
+            nodes,
+            baud: Baud::default(),
+            to_modules: VecDeque::new(),
+            room: 0.0,
+        }
+    }
+
+    /// How many modules there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no module.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Puts a byte on the command line; it arrives in its turn.
+    pub fn send(&mut self, byte: u8) {
+        self.to_modules.push_back(byte);
+    }
+
+    /// Changes what is at the inputs of a module, from 0 on; nothing where there is none.
+    pub fn surround(&mut self, module: usize, around: Surroundings) {
+        if let Some(node) = self.nodes.get_mut(module) {
+            node.around = around;
+        }
+    }
+
+    /// The axis of a module, from 0 on.
+    pub fn axis(&self, module: usize) -> Option<&ServoAxis> {
+        self.nodes.get(module).map(|node| node.module.axis())
+    }
+
+    /// The motor of a module, from 0 on.
+    pub fn motor(&self, module: usize) -> Option<&DcMotor> {
+        self.nodes.get(module).map(|node| &node.motor)
+    }
+
+    /// The rate of the line.
+    pub fn baud(&self) -> Baud {
+        self.baud
+    }
+
+    /// A servo period: bytes that fit the line arrive, motors turn, modules act; the bytes they send come back, all of a
+    /// reply at once.
+    pub fn tick(&mut self) -> Vec<u8> {
+        // Ten bits a byte.
+        self.room += f64::from(self.baud.bits_per_s()) / 10.0 * SERVO_PERIOD_S;
+        while self.room >= 1.0 {
+            self.room -= 1.0;
+            let Some(byte) = self.to_modules.pop_front() else {
+                self.room = self.room.min(1.0);
+                break;
+            };
+            self.deliver(byte);
+        }
+        let mut replies: Vec<Vec<u8>> = Vec::new();
+        for node in &mut self.nodes {
+            if let Some(baud) = node.tick() {
+                self.baud = baud;
+            }
+            let reply: Vec<u8> = std::iter::from_fn(|| node.module.link().transmit()).collect();
+            if !reply.is_empty() {
+                replies.push(reply);
+            }
+        }
+        self.enable();
+        together(&replies)
+    }
+
+    fn deliver(&mut self, byte: u8) {
+        self.enable();
+        for node in &mut self.nodes {
+            node.module.link().push(byte);
+        }
+    }
+
+    /// ADDR_OUT of each is ADDR_IN of the next.
+    fn enable(&mut self) {
+        let mut enabled = true;
+        for node in &mut self.nodes {
+            let link = node.module.link();
+            link.set_enabled(enabled);
+            enabled = enabled && link.enables_next();
+        }
+    }
+}
+
+/// What the line carries when several drive it: low wins.
+fn together(replies: &[Vec<u8>]) -> Vec<u8> {
+    let longest = replies.iter().map(Vec::len).max().unwrap_or(0);
+    (0..longest)
+        .map(|place| {
+            let bytes = replies.iter().filter_map(|reply| reply.get(place));
+            bytes.fold(0xff, |all, byte| all & byte)
+        })
+        .collect()
+}

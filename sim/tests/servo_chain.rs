@@ -1,0 +1,153 @@
+//! Servo modules with motors on a simulated line, commanded byte by byte.
+
+use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
+use husillo_transports::nmc::{
+    Command, Gains, Group, Homing, Items, Mode, Status, Stop, StopWay, Trajectory,
+};
+
+/// Sends a packet and gives what comes back within 50 ms.
+fn ask(chain: &mut ServoChain, address: u8, command: Command) -> Vec<u8> {
+    for &byte in command.frame(address).bytes() {
+        chain.send(byte);
+    }
+    (0..100).flat_map(|_| chain.tick()).collect()
+}
+
+fn run(chain: &mut ServoChain, periods: u32) {
+    for _ in 0..periods {
+        chain.tick();
+    }
+}
+
+/// Addresses, gains that suit the prototype's motor, servo on.
+fn started(modules: usize) -> ServoChain {
+    let mut chain = ServoChain::new(&vec![4; modules], DcMotorModel::PROTOTYPE);
+    for address in 1..=modules as u8 {
+        let set = Command::SetAddress {
+            address,
+            group: Group::NONE,
+        };
+        assert_eq!(ask(&mut chain, 0, set), [0x19, 0x19], "module {address}");
+        let gains = Gains {
+            proportional: 1000,
+            derivative: 8000,
+            integral: 100,
+            integration_limit: 8000,
+            output_limit: 255,
+            error_limit: 4000,
+            rate_divisor: 1,
+            ..Gains::default()
+        };
+        ask(&mut chain, address, Command::SetGain(gains));
+        let on = Stop {
+            amplifier: true,
+            way: Some(StopWay::Abrupt),
+        };
+        ask(&mut chain, address, Command::StopMotor(on));
+        let reply = ask(&mut chain, address, Command::ClearBits);
+        assert_eq!(reply, [0x09, 0x09], "module {address} holds its place");
+    }
+    chain
+}
+
+fn trapezoid(goal: i32) -> Command {
+    Command::LoadTrajectory(Trajectory {
+        position: Some(goal),
+        velocity: Some(40_000),
+        acceleration: Some(100),
+        mode: Mode::Trapezoid,
+        start_now: true,
+        ..Trajectory::default()
+    })
+}
+
+#[test]
+fn a_move_ends_within_a_count() {
+    let mut chain = started(2);
+    for (goal, address) in [(1000, 1), (-777, 2), (0, 1), (12_345, 2)] {
+        ask(&mut chain, address, trapezoid(goal));
+        run(&mut chain, 80_000);
+        let axis = chain.axis(usize::from(address) - 1).unwrap();
+        assert!(axis.status().is_done && axis.status().is_on);
+        assert!(
+            (axis.position() - goal).abs() <= 1,
+            "{} for {goal}",
+            axis.position()
+        );
+    }
+    // The other one has not moved.
+    assert!((chain.axis(0).unwrap().position()).abs() <= 1);
+}
+
+#[test]
+fn a_contact_stores_where_it_was_and_stops() {
+    let mut chain = started(1);
+    let forward = Command::LoadTrajectory(Trajectory {
+        velocity: Some(20_000),
+        acceleration: Some(100),
+        mode: Mode::Velocity,
+        start_now: true,
+        ..Trajectory::default()
+    });
+    let search = Homing(Homing::LIMIT_1.0 | Homing::SMOOTH.0);
+    let reply = ask(&mut chain, 1, Command::SetHoming(search));
+    assert_eq!(Status(reply[0]).0 & Status::HOME_IN_PROGRESS.0, 0x80);
+    ask(&mut chain, 1, forward);
+    run(&mut chain, 2000);
+    let at = chain.axis(0).unwrap().position();
+    chain.surround(
+        0,
+        Surroundings {
+            limit_1: true,
+            ..Surroundings::default()
+        },
+    );
+    run(&mut chain, 4000);
+    let axis = chain.axis(0).unwrap();
+    assert!(
+        (axis.home() - at).abs() <= 1,
+        "the home position is that of the contact: {} for {at}",
+        axis.home()
+    );
+    assert!(
+        axis.position() > at && axis.status().is_done,
+        "it ran on, and stopped"
+    );
+    let reply = ask(&mut chain, 1, Command::ReadStatus(Items::HOME));
+    assert_eq!(reply[1..5], axis_home_bytes(&chain));
+}
+
+fn axis_home_bytes(chain: &ServoChain) -> [u8; 4] {
+    chain.axis(0).unwrap().home().to_le_bytes()
+}
+
+#[test]
+fn a_blocked_axis_gives_up() {
+    let mut chain = started(1);
+    chain.surround(
+        0,
+        Surroundings {
+            load_nm: 10.0,
+            ..Surroundings::default()
+        },
+    );
+    ask(&mut chain, 1, trapezoid(100_000));
+    run(&mut chain, 40_000);
+    let status = chain.axis(0).unwrap().status();
+    assert!(status.position_error && !status.is_on);
+}
+
+#[test]
+fn a_damaged_packet_moves_nothing() {
+    let mut chain = started(1);
+    let frame = trapezoid(5000).frame(1);
+    let mut bytes = frame.bytes().to_vec();
+    bytes[5] ^= 0x10;
+    for byte in bytes {
+        chain.send(byte);
+    }
+    let reply: Vec<u8> = (0..100).flat_map(|_| chain.tick()).collect();
+    assert_eq!(Status(reply[0]).0 & Status::CHECKSUM_ERROR.0, 0x02);
+    run(&mut chain, 2000);
+    assert!(chain.axis(0).unwrap().position().abs() <= 1);
+}
