@@ -422,5 +422,5 @@ fn lines_with_checksums_are_checked() {
         .args(["check", name, "--dialect", "printer"])
         .assert()
         .code(1)
-        .stderr(contains("E0110").and(contains("line number 7 is not the next one")));
+        .stdout(contains("E0110").and(contains("line number 7 is not the next one")));
 }
