@@ -4,7 +4,9 @@ use core::hint::black_box;
 
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
-use husillo_machine::{Axis, Config, Machine as AnyMachine, Means, Motors, Scale};
+use husillo_machine::{
+    Axis, Config, Machine as AnyMachine, Means, Motors, Scale, ServoAxis, ServoModule,
+};
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
@@ -38,6 +40,27 @@ pub fn keep() {
         Machine::position_steps as *const (),
         Machine::modal as *const (),
         Machine::config as *const (),
+        ServoAxis::new as *const (),
+        ServoAxis::set_law as *const (),
+        ServoAxis::set_position as *const (),
+        ServoAxis::load as *const (),
+        ServoAxis::start as *const (),
+        ServoAxis::stop as *const (),
+        ServoAxis::search as *const (),
+        ServoAxis::clear as *const (),
+        ServoAxis::save_home as *const (),
+        ServoAxis::tick as *const (),
+        ServoAxis::position as *const (),
+        ServoAxis::commanded as *const (),
+        ServoAxis::velocity as *const (),
+        ServoAxis::error_counts as *const (),
+        ServoAxis::home as *const (),
+        ServoAxis::inputs as *const (),
+        ServoAxis::status as *const (),
+        ServoModule::new as *const (),
+        ServoModule::link as *const (),
+        ServoModule::axis as *const (),
+        ServoModule::tick as *const (),
         Motors::<3, Sequencer>::new as *const (),
         Motors::<3, Sequencer>::step as *const (),
         Motors::<3, Sequencer>::rest as *const (),
