@@ -196,7 +196,7 @@ impl PathPoints {
         let mut path = PathPoints::default();
         for (place, point) in path.points.iter_mut().zip(points) {
             *place = *point;
-            path.count += 1; // 7 at most
+            path.count = path.count.wrapping_add(1); // 7 at most
         }
         path
     }
@@ -221,7 +221,7 @@ impl PathPoints {
                 break;
             }
             *place = fields.u16()?;
-            path.count += 1; // 7 at most
+            path.count = path.count.wrapping_add(1); // 7 at most
         }
         fields.0.is_empty().then_some(path)
     }
