@@ -2,9 +2,10 @@
 
 use crate::check::{self, Facts, duration};
 use crate::cli::{
-    Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, FormatArgs, Holes,
-    Interpolate, Output, Page, Run as RunArgs, Shape, Steps, Target,
+    Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, FormatArgs, Holes,
+    Interpolate, Measure, Output, Page, Run as RunArgs, Shape, Steps, Target,
 };
+use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
 use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
@@ -69,6 +70,34 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Holes(args) => list_holes(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
+        Command::Measure(args) => measure(args),
+        Command::Emulate(args) => emulate(args),
+    }
+}
+
+fn measure(args: &Measure) -> Result<u8, Failure> {
+    let mut table = match &args.output {
+        Some(path) => Some(create(path)?),
+        None => None,
+    };
+    let table = table.as_mut().map(|table| table as &mut dyn Write);
+    ended(cmm::measure(args, &mut io::stdout().lock(), table))
+}
+
+fn emulate(args: &Emulate) -> Result<u8, Failure> {
+    ended(cmm::emulate(args, &mut io::stdout().lock()))
+}
+
+/// The exit status of a command on a measuring machine.
+fn ended(result: Result<(), Stopped>) -> Result<u8, Failure> {
+    match result {
+        Ok(()) => Ok(OK),
+        Err(Stopped::Usage(message)) => Err(Failure::Usage(message)),
+        Err(Stopped::File(error)) => Err(not_loaded("the machine", error)?),
+        Err(Stopped::Machine(message)) => {
+            eprintln!("{message}");
+            Ok(ERRORS)
+        }
     }
 }
 
@@ -255,15 +284,22 @@ fn whole(file: &str) -> Result<Vec<u8>, Failure> {
 fn load(machine: &str) -> Result<MachineFile, Failure> {
     match MachineFile::load(machine) {
         Ok(machine) => Ok(machine),
-        Err(LoadError::File(message)) => Err(Failure::Usage(message)),
-        Err(LoadError::Findings(found)) => {
+        Err(error) => Err(not_loaded(machine, error)?),
+    }
+}
+
+/// Prints the mistakes of a machine file.
+fn not_loaded(machine: &str, error: LoadError) -> io::Result<Failure> {
+    Ok(Failure::Usage(match error {
+        LoadError::File(message) => message,
+        LoadError::Findings(found) => {
             let mut findings = to_stderr(Format::Text);
             for finding in &found {
                 findings.add(finding)?;
             }
-            Err(Failure::Usage(format!("{machine}: {} errors", found.len())))
+            format!("{machine}: {} errors", found.len())
         }
-    }
+    }))
 }
 
 fn list_holes(args: &Holes) -> Result<u8, Failure> {

@@ -70,6 +70,24 @@ pub enum Command {
         husillo compare examples/gear.nc -m micromill --weights 5,1,3,1")]
     #[command(after_long_help = COMPARE_HELP)]
     Compare(Compare),
+    /// Measure with a contact probe and correct for pre-travel
+    #[command(after_help = "Actions, done in turn:\n  \
+        goto POSITION   move, in mm where the machine file has a `count`, otherwise in counts\n  \
+        zero            call the present place 0\n  \
+        touch +|-       search the work piece, touch it slowly, correct for pre-travel\n  \
+        calibrate +|-   touch a face that is at --reference: its pre-travel\n  \
+        status          position, version and status of the module\n\n\
+        The modules are reset first, so positions count from where the axis is.\n\n\
+        Examples:\n  \
+        husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
+        husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
+        husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
+    Measure(Measure),
+    /// Simulated modules behind a pseudo-terminal, for any client of their protocol
+    #[command(after_help = "Examples:\n  \
+        husillo emulate cmm --link /tmp/cmm\n  \
+        husillo emulate cmm --modules servo:4,servo:4 --link /tmp/cmm --contact 1:3000 --contact 1:..-3000")]
+    Emulate(Emulate),
 }
 
 /// What the figures of `husillo compare` mean.
@@ -455,6 +473,75 @@ pub struct Compare {
     /// File to write instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<String>,
+}
+
+/// `husillo measure`.
+#[derive(Debug, Args)]
+pub struct Measure {
+    /// goto POSITION, zero, touch +|-, calibrate +|-, status; several are done in turn
+    #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
+    pub actions: Vec<String>,
+    /// Machine: cmm, cmm3, or a TOML file [default: cmm]
+    #[arg(short, long, value_name = "NAME|FILE")]
+    pub machine: Option<String>,
+    /// Serial device, tcp:HOST:PORT, or sim: simulated modules in simulated time
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
+    pub port: String,
+    /// Axis to move
+    #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
+    pub axis: char,
+    /// Pre-travel to subtract, instead of the machine's
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub pretravel: Option<String>,
+    /// Where the face is that `calibrate` touches
+    #[arg(long, value_name = "POSITION", allow_negative_numbers = true)]
+    pub reference: Option<String>,
+    /// Slow touches to average
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
+    pub repeat: u8,
+    /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub contact: Vec<crate::cmm::Contact>,
+    /// How to print the results
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+    /// File to write the results to as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    pub output: Option<String>,
+    /// Show the bytes sent (>) and received (<) on standard error
+    #[arg(long)]
+    pub raw: bool,
+}
+
+/// `husillo emulate`.
+#[derive(Debug, Args)]
+pub struct Emulate {
+    /// Machine: cmm, cmm3, or a TOML file
+    pub machine: String,
+    /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
+    #[arg(long, value_name = "servo:V,..")]
+    pub modules: Option<String>,
+    /// Name for clients to open: a symbolic link, removed at the end
+    #[arg(long, value_name = "PATH")]
+    pub link: String,
+    /// Work piece: limit 1 of the module closes from COUNT on, or up to ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub contact: Vec<crate::cmm::Contact>,
+    /// End after this time instead of at Ctrl-C
+    #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
+    pub seconds: Option<f64>,
+    /// Multiple of real time, that of the wire too
+    #[arg(long, value_name = "N", default_value = "1", value_parser = positive)]
+    pub speed: f64,
+}
+
+/// A number above 0 and below a billion.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number| *number > 0.0 && *number < 1e9);
+    number.ok_or_else(|| "expected a number above 0".into())
 }
 
 /// Text for people, JSON for programs, or a page with pictures.

@@ -162,6 +162,11 @@ impl MachineFile {
             "router" => Self::parse("machines/router.toml", ROUTER),
             "lathe" => Self::parse("machines/lathe.toml", LATHE),
             "drill" => Self::parse("machines/drill.toml", DRILL),
+            "cmm" | "cmm3" => {
+                return Err(LoadError::File(format!(
+                    "{name} runs no programs: see `husillo measure`"
+                )));
+            }
             path => match std::fs::read_to_string(path) {
                 Ok(text) => Self::parse(path, &text),
                 Err(error) => {

@@ -7,6 +7,7 @@
 //!            └─► feeder ─► steps
 //!                   └────► run ─► deviation, drawing, speed ─► report, chart
 //! one move, or grid ─► compare ─► method, curve, measure, decision ─► compare_text, compare_page
+//! a measuring machine ─► cmm
 //! ```
 #![forbid(unsafe_code)]
 
@@ -15,6 +16,7 @@ mod blocks;
 mod chart;
 mod check;
 mod cli;
+mod cmm;
 mod commands;
 mod compare;
 mod compare_page;

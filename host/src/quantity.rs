@@ -5,7 +5,7 @@
 pub enum Quantity {
     /// A length in nanometres.
     Length(Fraction),
-    /// A number of motor steps.
+    /// A number of motor steps, or of encoder counts.
     Steps(Fraction),
     /// A rate in events a second.
     Rate(Fraction),
@@ -87,10 +87,10 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "um" | "\u{b5}m" | "\u{3bc}m" => Quantity::Length(scaled(1_000, 1)?),
         "mm" => Quantity::Length(scaled(1_000_000, 1)?),
         "in" | "inch" => Quantity::Length(scaled(25_400_000, 1)?),
-        "step" | "steps" => Quantity::Steps(scaled(1, 1)?),
-        "Hz" => Quantity::Rate(scaled(1, 1)?),
+        "step" | "steps" | "count" | "counts" => Quantity::Steps(scaled(1, 1)?),
+        "Hz" | "counts/s" => Quantity::Rate(scaled(1, 1)?),
         "kHz" => Quantity::Rate(scaled(1_000, 1)?),
-        "Hz/s" => Quantity::Acceleration(scaled(1, 1)?),
+        "Hz/s" | "counts/s^2" => Quantity::Acceleration(scaled(1, 1)?),
         "mm/s^2" => Quantity::AxisAcceleration(scaled(1_000_000, 1)?),
         "Hz/s^2" => Quantity::Jerk(scaled(1, 1)?),
         "mm/min" => Quantity::Speed(scaled(1_000_000, 1)?),

@@ -1,0 +1,157 @@
+//! Measuring machines: `husillo measure` and `husillo emulate`.
+//!
+//! ```text
+//! file, action ─► session ─► axis ─► line ─► port ─┬─► emulated     simulated time
+//!                    └─► result_row                ├─► serial device, socket
+//! contact, modules ─► emulated ─► terminal ────────┘   real time
+//! ```
+
+mod action;
+mod axis;
+mod contact;
+mod emulated;
+mod file;
+mod line;
+mod port;
+mod result_row;
+mod scale;
+mod session;
+#[cfg(unix)]
+mod terminal;
+mod trouble;
+
+pub use contact::Contact;
+
+use crate::cli::{Emulate, Measure, Output};
+use crate::machine_file::LoadError;
+use axis::Axis;
+use file::CmmFile;
+use result_row::{CSV_HEAD, ResultRow};
+use session::Session;
+use std::io::Write;
+use trouble::Trouble;
+
+/// How a command on a measuring machine ended without being done.
+pub enum Stopped {
+    /// Bad command line or file.
+    Usage(String),
+    /// The machine file has mistakes, or cannot be read.
+    File(LoadError),
+    /// Something on the machine.
+    Machine(String),
+}
+
+impl From<String> for Stopped {
+    fn from(message: String) -> Self {
+        Self::Usage(message)
+    }
+}
+
+/// `husillo measure`: prints the results to `out`, and returns them.
+///
+/// # Errors
+///
+/// [`Stopped`]; the results before it are printed.
+pub fn measure(
+    args: &Measure,
+    out: &mut dyn Write,
+    table: Option<&mut dyn Write>,
+) -> Result<(), Stopped> {
+    let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let mut session = Session::new(args, &machine)?;
+    let letter = args.axis.to_ascii_uppercase();
+    let axes = machine.axes.iter();
+    let file = *axes
+        .clone()
+        .find(|axis| axis.letter == letter)
+        .ok_or_else(|| {
+            let letters: Vec<_> = axes.map(|axis| axis.letter.to_string()).collect();
+            format!(
+                "{} has no axis {letter}: there is {}",
+                machine.title,
+                letters.join(", ")
+            )
+        })?;
+    let line = session::open(args, &machine)?;
+    let mut rows: Vec<ResultRow> = Vec::new();
+    let scale = session.scale;
+    let mut written = Ok(());
+    let result = Axis::start(line, &machine, file).and_then(|mut axis| {
+        session.run(&mut axis, |row| {
+            if args.format == Output::Text && written.is_ok() {
+                written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
+            }
+            rows.push(row.clone());
+        })
+    });
+    if args.format == Output::Json {
+        let json = serde_json::to_string_pretty(&rows).map_err(|error| error.to_string())?;
+        written = writeln!(out, "{json}");
+    }
+    if let Some(table) = table {
+        written = written.and_then(|()| {
+            writeln!(table, "{CSV_HEAD}")?;
+            rows.iter()
+                .try_for_each(|row| writeln!(table, "{}", row.csv()))
+        });
+    }
+    result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
+    written.map_err(|error| Stopped::Usage(error.to_string()))
+}
+
+/// A trouble with what to look at.
+fn told(trouble: &Trouble) -> String {
+    match trouble.help() {
+        Some(help) => format!("error: {trouble}\n  help: {help}"),
+        None => format!("error: {trouble}"),
+    }
+}
+
+/// `husillo emulate`: runs until it is stopped.
+///
+/// # Errors
+///
+/// [`Stopped`].
+#[cfg(unix)]
+pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
+    use std::path::Path;
+    use std::time::Duration;
+
+    let machine = CmmFile::load(&args.machine).map_err(Stopped::File)?;
+    let versions = match &args.modules {
+        Some(list) => emulated::versions(list)?,
+        None => vec![4; usize::from(machine.modules())],
+    };
+    let mut emulated = emulated::Emulated::new(&versions, &args.contact)?;
+    let limit = args.seconds.map(Duration::from_secs_f64);
+    let is_over = terminal::stop_flag()?;
+    let mut terminal = terminal::Terminal::new(Path::new(&args.link))
+        .map_err(|error| format!("{}: {error}", args.link))?;
+    let modules = if versions.len() == 1 {
+        "module"
+    } else {
+        "modules"
+    };
+    writeln!(
+        out,
+        "{}: {} {modules} at {}; Ctrl-C ends it\nConnect: husillo measure -m {} --port {} status",
+        machine.title,
+        versions.len(),
+        args.link,
+        args.machine,
+        args.link
+    )
+    .and_then(|()| out.flush())
+    .and_then(|()| terminal.run(&mut emulated, args.speed, limit, &is_over))
+    .map_err(|error| Stopped::Machine(format!("error: {}: {error}", args.link)))
+}
+
+/// `husillo emulate`, where there are no pseudo-terminals.
+///
+/// # Errors
+///
+/// Always.
+#[cfg(not(unix))]
+pub fn emulate(_: &Emulate, _: &mut dyn Write) -> Result<(), Stopped> {
+    Err(Stopped::Usage("this system has no pseudo-terminals".into()))
+}

@@ -1,0 +1,84 @@
+//! A simulated chain of modules with a work piece before their probes.
+
+use super::contact::Contact;
+use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
+
+/// A servo period in ns.
+pub const PERIOD_NS: u64 = 512_000;
+
+/// Modules, their motors and what they touch.
+#[derive(Clone, Debug)]
+pub struct Emulated {
+    chain: ServoChain,
+    contacts: Vec<Contact>,
+}
+
+impl Emulated {
+    /// Modules of these versions with the prototype's motors, the first at the far end.
+    ///
+    /// # Errors
+    ///
+    /// A contact of a module that there is not.
+    pub fn new(versions: &[u8], contacts: &[Contact]) -> Result<Self, String> {
+        if let Some(contact) = contacts
+            .iter()
+            .find(|contact| usize::from(contact.module) > versions.len())
+        {
+            return Err(format!(
+                "a contact at module {}, of {} on the line",
+                contact.module,
+                versions.len()
+            ));
+        }
+        Ok(Self {
+            chain: ServoChain::new(versions, DcMotorModel::PROTOTYPE),
+            contacts: contacts.to_vec(),
+        })
+    }
+
+    /// Puts a byte on the command line.
+    pub fn send(&mut self, byte: u8) {
+        self.chain.send(byte);
+    }
+
+    /// A servo period: the bytes that the modules send in it.
+    pub fn tick(&mut self) -> Vec<u8> {
+        for contact in &self.contacts {
+            let module = usize::from(contact.module - 1);
+            let counts = self.chain.motor(module).map_or(0, |motor| motor.counts());
+            // Another face of the same module may be the closed one.
+            let is_closed = self
+                .contacts
+                .iter()
+                .any(|other| other.module == contact.module && other.is_closed(counts));
+            let around = Surroundings {
+                limit_1: is_closed,
+                ..Surroundings::default()
+            };
+            self.chain.surround(module, around);
+        }
+        self.chain.tick()
+    }
+}
+
+/// Versions of a list such as `servo:4,servo:4`, from the far end.
+///
+/// # Errors
+///
+/// A sentence about the list.
+pub fn versions(list: &str) -> Result<Vec<u8>, String> {
+    let version = |module: &str| match module {
+        "servo" | "servo:4" => Some(4),
+        "servo:5" => Some(5),
+        "servo:10" => Some(10),
+        _ => None,
+    };
+    let versions: Option<Vec<u8>> = list.split(',').map(version).collect();
+    let versions = versions.ok_or_else(|| {
+        format!("`{list}`: expected servo:4, servo:5 or servo:10, with commas between")
+    })?;
+    if versions.len() > usize::from(husillo_transports::nmc::LAST_ADDRESS) {
+        return Err(format!("{} modules: a line has 32 at most", versions.len()));
+    }
+    Ok(versions)
+}

@@ -1,0 +1,294 @@
+//! Machine files of measuring machines.
+
+use super::scale::Scale;
+use crate::diagnostics::{Finding, Place};
+use crate::machine_file::LoadError;
+use crate::quantity::{self, Quantity};
+use crate::table::Table;
+use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
+
+const CMM: &str = include_str!("../../../machines/cmm.toml");
+const CMM3: &str = include_str!("../../../machines/cmm3.toml");
+
+/// A measuring machine as its file describes it.
+#[derive(Clone, Debug)]
+pub struct CmmFile {
+    /// One line for people.
+    pub title: String,
+    /// What a count is worth, on every axis.
+    pub scale: Scale,
+    /// X, then Y and Z where it has them.
+    pub axes: Vec<AxisFile>,
+    /// The probe.
+    pub probe: ProbeFile,
+    /// Rate of the line after start-up.
+    pub baud: Baud,
+}
+
+/// An axis: a servo module and what it drives.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisFile {
+    /// `X`, `Y` or `Z`.
+    pub letter: char,
+    /// Address of its module, 1 to 32.
+    pub module: u8,
+    /// Least and largest position in counts from where it is at reset.
+    pub travel: [i32; 2],
+    /// How far from its goal a move may end, counts.
+    pub in_position: u32,
+    /// Speed of moves, counts/s.
+    pub rate: u32,
+    /// Acceleration of all moves, counts/s^2.
+    pub acceleration: u32,
+    /// Gains and limits of the servo.
+    pub gains: Gains,
+}
+
+/// The probe.
+#[derive(Clone, Copy, Debug)]
+pub struct ProbeFile {
+    /// Speed of the search, counts/s.
+    pub rate: u32,
+    /// Speed of the touches that count, counts/s.
+    pub slow_rate: u32,
+    /// Way back before the next touch, counts.
+    pub back_off: u32,
+    /// Longest way beyond a contact, counts.
+    pub over_travel: u32,
+    /// From touch to signal in the positive and the negative direction, as amounts of the scale.
+    pub pre_travel: [i64; 2],
+    /// Radius of the ball, as an amount of the scale; 0 measures its centre.
+    pub ball_radius: i64,
+}
+
+impl CmmFile {
+    /// Loads a measuring machine by its name or the path of its file.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read, or has mistakes.
+    pub fn load(name: &str) -> Result<Self, LoadError> {
+        match name {
+            "cmm" => Self::parse("machines/cmm.toml", CMM),
+            "cmm3" => Self::parse("machines/cmm3.toml", CMM3),
+            path => match std::fs::read_to_string(path) {
+                Ok(text) => Self::parse(path, &text),
+                Err(error) => {
+                    return Err(LoadError::File(format!(
+                        "no measuring machine `{path}`: built in are cmm and cmm3; as a file: {error}"
+                    )));
+                }
+            },
+        }
+        .map_err(LoadError::Findings)
+    }
+
+    /// Reads the text of a machine file.
+    ///
+    /// # Errors
+    ///
+    /// All mistakes of the text.
+    pub fn parse(path: &str, text: &str) -> Result<Self, Vec<Finding>> {
+        let mut findings = Vec::new();
+        let document = match toml::de::DeTable::parse(text) {
+            Ok(document) => document,
+            Err(error) => {
+                let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
+                return Err(vec![Finding::error("E0800", error.message(), place)]);
+            }
+        };
+        let (span, table) = (document.span(), document.get_ref());
+        let mut root = Table::new(path, text, "the file", span, table, &mut findings);
+        root.integer("schema", 1..=1);
+        let name = root.string("name").unwrap_or_default();
+        let title = root.string("title").unwrap_or(name);
+        if root.choice("kind", &[("cmm", ())]).is_none() {
+            root.missing("kind");
+        }
+        let scale = Scale::new(
+            root.quantity("count", "a length as in \"2 um\"", |q| match q {
+                Quantity::Length(length) if length.num > 0 => Some(length),
+                _ => None,
+            }),
+        );
+        let axes = root.table("axis", |axes| {
+            let x = axes.table("x", |axis| read_axis(axis, 'X', scale));
+            let y = axes.optional_table("y", |axis| read_axis(axis, 'Y', scale));
+            let z = axes.optional_table("z", |axis| read_axis(axis, 'Z', scale));
+            [x, y, z].into_iter().flatten().collect()
+        });
+        let probe = root.table("probe", |probe| read_probe(probe, scale));
+        let baud = root.table("link", read_link);
+        root.finish();
+        match (axes, probe, baud) {
+            (Some(axes), Some(probe), Some(baud)) if findings.is_empty() => Ok(Self {
+                title,
+                scale,
+                axes,
+                probe,
+                baud,
+            }),
+            _ => Err(findings),
+        }
+    }
+
+    /// The highest address of a module.
+    pub fn modules(&self) -> u8 {
+        let modules = self.axes.iter().map(|axis| axis.module);
+        modules.max().unwrap_or_default()
+    }
+}
+
+fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisFile {
+    let module = small(table, "module", 1..=i64::from(LAST_ADDRESS), None);
+    let gains = table.table("gains", |gains| Gains {
+        proportional: small(gains, "p", 0..=0x7fff, None),
+        integral: small(gains, "i", 0..=0x7fff, None),
+        derivative: small(gains, "d", 0..=0x7fff, None),
+        integration_limit: small(gains, "integral_limit", 0..=0x7fff, Some(0)),
+        output_limit: small(gains, "output_limit", 0..=255, Some(255)),
+        current_limit: small(gains, "current_limit", 0..=255, Some(0)),
+        error_limit: small(gains, "error_limit", 1..=0x3fff, None),
+        rate_divisor: small(gains, "rate_divisor", 1..=255, Some(1)),
+        dead_band: small(gains, "dead_band", 0..=255, Some(0)),
+        step_multiplier: None,
+    });
+    AxisFile {
+        letter,
+        module,
+        travel: travel(table, scale),
+        in_position: length(table, "in_position", scale),
+        rate: rate(table, "rate", scale),
+        acceleration: needed(table, "acceleration", "as in \"6000 counts/s^2\"", |q| {
+            scale.acceleration(q)
+        }),
+        gains: gains.unwrap_or_default(),
+    }
+}
+
+fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeFile {
+    let amount = |table: &mut Table<'_, '_>, key| {
+        let amount = table.quantity(key, LENGTH, |quantity| scale.amount(quantity));
+        amount.unwrap_or_default()
+    };
+    let pre_travel = table.optional_table("pre_travel", |table| {
+        [amount(table, "positive"), amount(table, "negative")]
+    });
+    ProbeFile {
+        rate: rate(table, "rate", scale),
+        slow_rate: rate(table, "slow_rate", scale),
+        back_off: length(table, "back_off", scale),
+        over_travel: length(table, "over_travel", scale),
+        pre_travel: pre_travel.unwrap_or_default(),
+        ball_radius: amount(table, "ball_radius"),
+    }
+}
+
+fn read_link(table: &mut Table<'_, '_>) -> Baud {
+    table.choice("protocol", &[("picservo-nmc", ())]);
+    let bits_per_s = table.integer("baud", 9600..=230_400);
+    let baud = bits_per_s.and_then(|bits_per_s| {
+        let mut rates = Baud::ALL.into_iter();
+        rates.find(|baud| i64::from(baud.bits_per_s()) == bits_per_s)
+    });
+    if let (Some(_), None, Some((_, span))) = (bits_per_s, baud, table.value("baud")) {
+        let label = "one of 9600, 19200, 57600, 115200, 230400";
+        table.wrong(span, "no rate of these modules", label);
+    }
+    baud.unwrap_or_default()
+}
+
+const LENGTH: &str = "a length as in \"60 counts\", or \"0.12 mm\" where the file has a `count`";
+
+/// A length above 0 in counts.
+fn length(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> u32 {
+    needed(table, key, LENGTH, |quantity| {
+        let counts = u32::try_from(scale.counts(quantity)?).ok();
+        counts.filter(|counts| *counts > 0)
+    })
+}
+
+/// A speed in counts/s.
+fn rate(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> u32 {
+    let form = "a speed as in \"1200 counts/s\", or \"2.4 mm/s\" where the file has a `count`";
+    needed(table, key, form, |quantity| scale.rate(quantity))
+}
+
+/// A quantity that must be there.
+fn needed<T: Default>(
+    table: &mut Table<'_, '_>,
+    key: &'static str,
+    form: &str,
+    accept: impl Fn(Quantity) -> Option<T>,
+) -> T {
+    let value = table.quantity(key, form, accept);
+    if value.is_none() {
+        table.missing(key);
+    }
+    value.unwrap_or_default()
+}
+
+/// An integer of few bits; missing where it has no default.
+fn small<T: TryFrom<i64> + Default>(
+    table: &mut Table<'_, '_>,
+    key: &'static str,
+    range: std::ops::RangeInclusive<i64>,
+    default: Option<T>,
+) -> T {
+    let value = table.integer(key, range);
+    if value.is_none() && default.is_none() {
+        table.missing(key);
+    }
+    let value = value.and_then(|value| T::try_from(value).ok());
+    value.or(default).unwrap_or_default()
+}
+
+/// `["-8000 counts", "8000 counts"]`.
+fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
+    let Some((value, span)) = table.value("travel") else {
+        table.missing("travel");
+        return [0, 0];
+    };
+    let ends: Option<Vec<i32>> = value.as_array().and_then(|ends| {
+        let counts = |text: &str| scale.counts(quantity::parse(text).ok()?);
+        ends.iter()
+            .map(|end| counts(end.get_ref().as_str()?))
+            .collect()
+    });
+    match ends.as_deref() {
+        Some(&[low, high]) if low < high => [low, high],
+        _ => {
+            let label =
+                "expected [\"-8000 counts\", \"8000 counts\"], or mm where the file has a `count`";
+            table.wrong(span, "travel is not understood", label);
+            [0, 0]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machines_that_are_built_in() {
+        let one = CmmFile::load("cmm").unwrap();
+        assert_eq!((one.axes.len(), one.scale.unit()), (1, "counts"));
+        assert_eq!(one.axes[0].travel, [-8000, 8000]);
+        let three = CmmFile::load("cmm3").unwrap();
+        assert_eq!((three.modules(), three.scale.unit()), (3, "mm"));
+        assert_eq!(
+            (three.axes[2].rate, three.axes[2].acceleration),
+            (1200, 6000)
+        );
+        assert_eq!((three.probe.back_off, three.baud), (60, Baud::B115200));
+    }
+
+    #[test]
+    fn a_length_needs_a_scale() {
+        let text = CMM.replacen("\"60 counts\"", "\"0.1 mm\"", 1);
+        let findings = CmmFile::parse("mine.toml", &text).unwrap_err();
+        assert_eq!(findings[0].message, "`back_off` does not fit");
+        assert_eq!(findings.len(), 1);
+    }
+}

@@ -1,0 +1,130 @@
+//! A line of modules behind a port: one step of the protocol after another.
+
+use super::port::Port;
+use super::trouble::Trouble;
+use husillo_transports::nmc::{
+    Baud, Chain, Command, Host, Items, Next, Outcome, Progress, Reply, Startup, Step,
+};
+use std::fmt::Write as _;
+
+/// The host's end of the line.
+pub struct Line {
+    port: Port,
+    host: Host,
+    is_raw: bool,
+}
+
+impl Line {
+    /// At a port; `is_raw` prints all bytes on standard error.
+    pub fn new(port: Port, is_raw: bool) -> Self {
+        let host = Host::new(port.timing(Baud::default()));
+        Self { port, host, is_raw }
+    }
+
+    /// Time since the port was opened, us.
+    pub fn elapsed_us(&self) -> u64 {
+        self.port.elapsed_us()
+    }
+
+    /// Flush, reset, addresses, versions, rate.
+    ///
+    /// # Errors
+    ///
+    /// The port fails, nobody answers, or not clearly.
+    pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Trouble> {
+        let mut startup = Startup::new(baud);
+        let mut outcome = None;
+        loop {
+            match startup.next(outcome.as_ref()) {
+                Next::Done(chain) if !chain.is_complete => return Err(Trouble::Doubtful),
+                Next::Done(chain) if chain.modules == 0 => return Err(Trouble::NoModules),
+                Next::Done(chain) => return Ok(chain),
+                Next::Step(step) => {
+                    outcome = match self.step(step) {
+                        Ok(outcome) => Some(outcome),
+                        // A rate that a module has not: the start-up goes on without it.
+                        Err(Trouble::Refused(_)) => None,
+                        Err(trouble) => return Err(trouble),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sends a command to a module.
+    ///
+    /// # Errors
+    ///
+    /// The port or the link fails.
+    pub fn command(&mut self, address: u8, command: Command) -> Result<Reply, Trouble> {
+        self.answer(Step::Request { address, command })
+    }
+
+    /// Reads a standing axis until two readings agree, positions to `jitter_counts`.
+    ///
+    /// # Errors
+    ///
+    /// The port or the link fails.
+    pub fn read_twice(
+        &mut self,
+        address: u8,
+        items: Items,
+        jitter_counts: u32,
+    ) -> Result<Reply, Trouble> {
+        self.answer(Step::ReadTwice {
+            address,
+            items,
+            jitter_counts,
+        })
+    }
+
+    fn answer(&mut self, step: Step) -> Result<Reply, Trouble> {
+        match self.step(step)? {
+            Outcome::Answered(reply) | Outcome::Confirmed(reply) => Ok(reply),
+            Outcome::Sent => Ok(Reply::default()),
+            Outcome::Failed(failure) => Err(Trouble::Link(failure)),
+        }
+    }
+
+    fn step(&mut self, step: Step) -> Result<Outcome, Trouble> {
+        if let Step::Switch(baud) = step {
+            self.port.set_baud(baud)?;
+            self.host.set_timing(self.port.timing(baud));
+        }
+        self.host.start(step, self.now_us())?;
+        loop {
+            let now_us = self.now_us();
+            let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now_us)).collect();
+            if !bytes.is_empty() {
+                self.show('>', &bytes);
+                self.port.send(&bytes)?;
+            }
+            match self.host.poll(self.now_us()) {
+                Progress::Done(outcome) => return Ok(outcome),
+                Progress::Waiting { us } => {
+                    let bytes = self.port.receive(us)?;
+                    self.show('<', &bytes);
+                    let now_us = self.now_us();
+                    bytes.iter().for_each(|byte| self.host.push(*byte, now_us));
+                }
+                Progress::Sending | Progress::Idle => {}
+            }
+        }
+    }
+
+    /// As the host counts: modulo 2^32.
+    fn now_us(&self) -> u32 {
+        self.port.elapsed_us() as u32
+    }
+
+    fn show(&self, sign: char, bytes: &[u8]) {
+        if self.is_raw && !bytes.is_empty() {
+            let mut text = String::from(sign);
+            for byte in bytes {
+                // Writing to a string does not fail.
+                let _ = write!(text, " {byte:02x}");
+            }
+            eprintln!("{text}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Where the bytes go: a simulated line, a serial device, a network socket.
+
+use super::emulated::{Emulated, PERIOD_NS};
+use husillo_transports::nmc::{Baud, Timing};
+use serialport::SerialPort;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// A port, with the time that passes at it.
+pub enum Port {
+    /// Simulated modules in simulated time: nanoseconds since it was opened.
+    Simulated(Box<Emulated>, u64),
+    /// A serial device.
+    Serial(Box<dyn SerialPort>, Instant),
+    /// A device server that passes the bytes on; the rate of its line is its own.
+    Network(TcpStream, Instant),
+}
+
+/// The longest a socket may take to connect.
+const CONNECT: Duration = Duration::from_secs(5);
+
+impl Port {
+    /// Opens a serial device or, with `tcp:HOST:PORT`, a socket.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be opened.
+    pub fn open(name: &str) -> io::Result<Self> {
+        if let Some(address) = name.strip_prefix("tcp:") {
+            let mut last = io::Error::new(ErrorKind::InvalidInput, "no such address");
+            for address in std::net::ToSocketAddrs::to_socket_addrs(address)? {
+                match TcpStream::connect_timeout(&address, CONNECT) {
+                    Ok(socket) => {
+                        socket.set_nodelay(true)?;
+                        return Ok(Self::Network(socket, Instant::now()));
+                    }
+                    Err(error) => last = error,
+                }
+            }
+            return Err(last);
+        }
+        let port = serialport::new(name, Baud::default().bits_per_s()).open()?;
+        Ok(Self::Serial(port, Instant::now()))
+    }
+
+    /// The waits that suit the port at a rate.
+    pub const fn timing(&self, baud: Baud) -> Timing {
+        match self {
+            Self::Simulated(..) => Timing::prompt(baud, 512),
+            Self::Serial(..) | Self::Network(..) => Timing::patient(baud),
+        }
+    }
+
+    /// Time since it was opened, us.
+    pub fn elapsed_us(&self) -> u64 {
+        match self {
+            Self::Simulated(_, ns) => ns / 1000,
+            // 2^64 us are 584 000 years.
+            Self::Serial(_, start) | Self::Network(_, start) => start.elapsed().as_micros() as u64,
+        }
+    }
+
+    /// Goes on at another rate.
+    ///
+    /// # Errors
+    ///
+    /// The device refuses.
+    pub fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+        match self {
+            Self::Serial(port, _) => Ok(port.set_baud_rate(baud.bits_per_s())?),
+            // Simulated modules are heard at any rate.
+            Self::Simulated(..) | Self::Network(..) => Ok(()),
+        }
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Simulated(emulated, _) => {
+                bytes.iter().for_each(|byte| emulated.send(*byte));
+                Ok(())
+            }
+            Self::Serial(port, _) => port.write_all(bytes),
+            Self::Network(socket, _) => socket.write_all(bytes),
+        }
+    }
+
+    /// What comes within some microseconds; returns as soon as there is something.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+        // Zero is no time to wait for the system.
+        let wait = Duration::from_micros(u64::from(wait_us.max(1)));
+        match self {
+            Self::Simulated(emulated, ns) => {
+                let end_ns = *ns + u64::from(wait_us.max(1)) * 1000;
+                while *ns < end_ns {
+                    *ns += PERIOD_NS;
+                    let bytes = emulated.tick();
+                    if !bytes.is_empty() {
+                        return Ok(bytes);
+                    }
+                }
+                Ok(Vec::new())
+            }
+            Self::Serial(port, _) => {
+                // The system waits in whole milliseconds.
+                port.set_timeout(wait.max(Duration::from_millis(1)))?;
+                read(port)
+            }
+            Self::Network(socket, _) => {
+                socket.set_read_timeout(Some(wait))?;
+                read(socket)
+            }
+        }
+    }
+}
+
+/// What has come; nothing where the time ran out.
+pub fn read(from: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = [0; 256];
+    match from.read(&mut bytes) {
+        Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
+        Ok(count) => Ok(bytes.get(..count).unwrap_or_default().to_vec()),
+        Err(error) => match error.kind() {
+            ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => Ok(Vec::new()),
+            _ => Err(error),
+        },
+    }
+}

@@ -1,0 +1,117 @@
+//! The result of one action, as text, JSON or a line of a table.
+
+use super::scale::Scale;
+use serde::Serialize;
+
+/// What came of an action, in the machine's unit.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ResultRow {
+    /// Name of the action.
+    pub action: &'static str,
+    /// `X`, `Y` or `Z`.
+    pub axis: char,
+    /// `mm` or `counts`.
+    pub unit: &'static str,
+    /// Where the axis stands.
+    pub position: f64,
+    /// Of a touch.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub touch: Option<TouchFigures>,
+    /// Of a status: the names of the bits that are set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bits: Option<Vec<&'static str>>,
+    /// Of a status: version of the module.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<u8>,
+}
+
+/// The figures of a touch.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct TouchFigures {
+    /// `+` or `-`.
+    pub direction: char,
+    /// What was latched, mean of the touches.
+    pub trigger: f64,
+    /// Less pre-travel and ball: the place of the face.
+    pub corrected: f64,
+    /// The pre-travel used, or found by a calibration.
+    pub pre_travel: f64,
+    /// Touches averaged.
+    pub touches: u8,
+    /// The farthest of them less the nearest.
+    pub spread: f64,
+    /// The longest way beyond the contact.
+    pub over_travel: f64,
+}
+
+/// The columns of [`ResultRow::csv`].
+pub const CSV_HEAD: &str =
+    "action,axis,unit,position,direction,trigger,corrected,pre_travel,touches,spread,over_travel";
+
+impl ResultRow {
+    /// A line of a table, without its end.
+    pub fn csv(&self) -> String {
+        let Self {
+            action,
+            axis,
+            unit,
+            position,
+            ..
+        } = self;
+        let touch = match self.touch {
+            Some(t) => format!(
+                "{},{},{},{},{},{},{}",
+                t.direction,
+                t.trigger,
+                t.corrected,
+                t.pre_travel,
+                t.touches,
+                t.spread,
+                t.over_travel
+            ),
+            None => ",,,,,,".to_owned(),
+        };
+        format!("{action},{axis},{unit},{position},{touch}")
+    }
+
+    /// Lines for people.
+    pub fn text(&self, scale: Scale) -> String {
+        let places = if scale.unit() == "mm" { 4 } else { 0 };
+        let of = |value: f64| format!("{value:.places$} {}", self.unit);
+        let head = format!("{} {}", self.axis, self.action);
+        if let Some(t) = &self.touch {
+            let found = if self.action == "calibrate" {
+                let key = if t.direction == '+' {
+                    "positive"
+                } else {
+                    "negative"
+                };
+                format!(
+                    "\n    pre-travel {}: `{key}` of pre_travel in the machine file",
+                    of(t.pre_travel)
+                )
+            } else {
+                format!("\n    pre-travel {}", of(t.pre_travel))
+            };
+            let times = if t.touches == 1 { "touch" } else { "touches" };
+            return format!(
+                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread {}, over-travel {} at most",
+                t.direction,
+                of(t.trigger),
+                of(t.corrected),
+                t.touches,
+                of(t.spread),
+                of(t.over_travel)
+            );
+        }
+        match &self.bits {
+            Some(bits) => format!(
+                "{head}: at {}, version {}, {}",
+                of(self.position),
+                self.version.unwrap_or_default(),
+                bits.join(", ")
+            ),
+            None => format!("{head}: at {}", of(self.position)),
+        }
+    }
+}

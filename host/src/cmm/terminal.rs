@@ -1,0 +1,108 @@
+//! `husillo emulate`: a simulated chain behind a pseudo-terminal, in real time.
+
+use super::emulated::{Emulated, PERIOD_NS};
+use super::port;
+use serialport::{SerialPort, TTYPort};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Periods that are made up for at most when the computer was busy; what is beyond is left out.
+const MOST_BEHIND: u64 = 2000;
+
+/// A pseudo-terminal with a name of its own, until it is dropped.
+pub struct Terminal {
+    master: TTYPort,
+    /// Kept open, so that clients may come and go.
+    slave: TTYPort,
+    link: PathBuf,
+}
+
+impl Terminal {
+    /// Makes one whose client's end is found at `link`.
+    ///
+    /// # Errors
+    ///
+    /// There is no pseudo-terminal to be had, or something else has that name.
+    pub fn new(link: &Path) -> io::Result<Self> {
+        let (mut master, slave) = TTYPort::pair()?;
+        // Waiting for a byte is also what paces the simulation.
+        master.set_timeout(Duration::from_millis(2))?;
+        let name = slave.name().ok_or(ErrorKind::NotFound)?;
+        let is_old = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
+        if is_old {
+            // Left by a run that was killed.
+            std::fs::remove_file(link)?;
+        }
+        std::os::unix::fs::symlink(name, link)?;
+        Ok(Self {
+            master,
+            slave,
+            link: link.to_owned(),
+        })
+    }
+
+    /// Runs the chain at `speed` times real time until told to stop, or for some time.
+    ///
+    /// # Errors
+    ///
+    /// The terminal fails.
+    pub fn run(
+        &mut self,
+        emulated: &mut Emulated,
+        speed: f64,
+        limit: Option<Duration>,
+        is_over: &Arc<AtomicBool>,
+    ) -> io::Result<()> {
+        let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
+        while !is_over.load(Ordering::Relaxed) && limit.is_none_or(|limit| start.elapsed() < limit)
+        {
+            for byte in port::read(&mut self.master)? {
+                emulated.send(byte);
+            }
+            // A client that wanted the terminal for itself is gone without saying so.
+            self.slave.set_exclusive(false)?;
+            let due = (start.elapsed().as_secs_f64() * speed * 1e9 / PERIOD_NS as f64) as u64;
+            let behind = due.saturating_sub(done + left_out);
+            left_out += behind.saturating_sub(MOST_BEHIND);
+            for _ in 0..behind.min(MOST_BEHIND) {
+                done += 1;
+                let bytes = emulated.tick();
+                if !bytes.is_empty() {
+                    self.write(&bytes)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What nobody reads is lost, as on a line.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self.master.write_all(bytes) {
+            Err(error) if error.kind() != ErrorKind::TimedOut => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        // Somebody may have removed it already.
+        let _ = std::fs::remove_file(&self.link);
+    }
+}
+
+/// A flag that Ctrl-C and a request to end set.
+///
+/// # Errors
+///
+/// The system does not hand them over.
+pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let set = Arc::clone(&flag);
+    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
+        .map_err(|error| error.to_string())?;
+    Ok(flag)
+}

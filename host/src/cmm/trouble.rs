@@ -1,0 +1,112 @@
+//! Why nothing was measured.
+
+use husillo_transports::nmc;
+use std::fmt;
+use std::io;
+
+/// Why an action has no result. Lengths and positions are texts with their unit.
+#[derive(Debug)]
+pub enum Trouble {
+    /// The port failed.
+    Port(io::Error),
+    /// The link did.
+    Link(nmc::Failure),
+    /// The link would not send it.
+    Refused(nmc::Refused),
+    /// Nobody on the line.
+    NoModules,
+    /// Fewer on the line than the machine has.
+    NoModule { wanted: u8, modules: u8 },
+    /// The line is disturbed, or two modules answer at once.
+    Doubtful,
+    /// The motor has no supply.
+    NoPower,
+    /// The servo has given up.
+    PositionError { at: String },
+    /// The motor's current was beyond its limit.
+    OverCurrent { at: String },
+    /// The move did not end at its goal.
+    NotThere { goal: String, at: String },
+    /// The goal is not within the travel.
+    OutsideTravel { goal: String, travel: [String; 2] },
+    /// No contact on the way.
+    NoContact { from: String, to: String },
+    /// Another end of the probing cycle.
+    Probe(husillo_probe::Failure),
+    /// A plan that is none.
+    Plan(husillo_probe::PlanError),
+}
+
+impl Trouble {
+    /// What to look at.
+    pub const fn help(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Link(nmc::Failure::Silent) | Self::NoModules => {
+                "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? --raw shows the bytes"
+            }
+            Self::NoModule { .. } => {
+                "`module` of an axis in the machine file is its address; 1 is the far end"
+            }
+            Self::Doubtful => "switch the modules off and on; --raw shows the bytes",
+            Self::NoPower => "switch the supply of the motor on",
+            Self::PositionError { .. } => {
+                "something blocks the axis, or `gains` and `rate` do not suit the motor; the servo is off now"
+            }
+            Self::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
+            Self::NotThere { .. } => {
+                "`gains` do not suit the motor: friction holds it, or it oscillates"
+            }
+            Self::NoContact { .. } => {
+                "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
+            }
+            Self::Probe(husillo_probe::Failure::ContactAtStart) => {
+                "move away from the contact first: goto"
+            }
+            Self::Probe(husillo_probe::Failure::OverTravel) => {
+                "lower `rate` of [probe], or raise `over_travel`"
+            }
+            Self::Probe(_) => "a loose probe, or vibration: lower the rates of [probe]",
+            _ => return None,
+        })
+    }
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Port(error) => write!(out, "the port failed: {error}"),
+            Self::Link(failure) => failure.fmt(out),
+            Self::Refused(refused) => refused.fmt(out),
+            Self::NoModules => out.write_str("no answer: no module on the line, at any rate"),
+            Self::NoModule { wanted, modules } => {
+                write!(out, "no answer of module {wanted}: {modules} on the line")
+            }
+            Self::Doubtful => {
+                out.write_str("no undamaged answer while the modules got their addresses")
+            }
+            Self::NoPower => out.write_str("no motor power"),
+            Self::PositionError { at } => write!(out, "position error at {at}"),
+            Self::OverCurrent { at } => write!(out, "current beyond its limit at {at}"),
+            Self::NotThere { goal, at } => write!(out, "stands at {at} instead of {goal}"),
+            Self::OutsideTravel { goal, travel } => {
+                let [low, high] = travel;
+                write!(out, "{goal} is outside the travel, {low} to {high}")
+            }
+            Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
+            Self::Probe(failure) => failure.fmt(out),
+            Self::Plan(error) => error.fmt(out),
+        }
+    }
+}
+
+impl From<io::Error> for Trouble {
+    fn from(error: io::Error) -> Self {
+        Self::Port(error)
+    }
+}
+
+impl From<nmc::Refused> for Trouble {
+    fn from(refused: nmc::Refused) -> Self {
+        Self::Refused(refused)
+    }
+}

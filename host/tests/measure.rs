@@ -1,0 +1,290 @@
+//! `husillo measure` and `husillo emulate`, as a user calls them.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// The results of the actions in `args`.
+fn measured(args: &[&str]) -> Vec<Value> {
+    let output = husillo()
+        .args(["measure", "--format", "json"])
+        .args(args)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn near(value: &Value, wanted: f64, tolerance: f64) {
+    let value = value.as_f64().unwrap();
+    assert!(
+        (value - wanted).abs() <= tolerance * 1.000_001,
+        "{value} for {wanted}"
+    );
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+/// A chain on a pseudo-terminal, ended when dropped.
+struct Chain {
+    process: Child,
+    link: PathBuf,
+}
+
+impl Chain {
+    /// `None`, with a message, where there are no pseudo-terminals.
+    fn new(name: &str, args: &[&str]) -> Option<Chain> {
+        let link = scratch(name);
+        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(["emulate", "cmm", "--for", "120", "--link"])
+            .arg(&link)
+            .args(args)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut told = String::new();
+        BufReader::new(process.stdout.take().unwrap())
+            .read_line(&mut told)
+            .unwrap();
+        let chain = Chain { process, link };
+        if told.is_empty() {
+            eprintln!("skipped: no pseudo-terminal here");
+            return None;
+        }
+        Some(chain)
+    }
+}
+
+impl Drop for Chain {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let _ = std::fs::remove_file(&self.link);
+    }
+}
+
+#[test]
+fn moves_end_within_a_count() {
+    let goals = ["1200", "-777", "3", "7999", "-8000", "-7999", "0", "1"];
+    let args: Vec<&str> = goals.iter().flat_map(|goal| ["goto", goal]).collect();
+    for (row, goal) in measured(&args).iter().zip(goals) {
+        near(&row["position"], goal.parse().unwrap(), 1.0);
+    }
+    // In millimetres, on any axis.
+    let rows = measured(&["-m", "cmm3", "--axis", "z", "goto", "1.5", "goto", "-100um"]);
+    near(&rows[0]["position"], 1.5, 0.002);
+    near(&rows[1]["position"], -0.1, 0.002);
+    assert_eq!(
+        (&rows[0]["unit"], &rows[0]["axis"]),
+        (&"mm".into(), &"Z".into())
+    );
+}
+
+#[test]
+fn zero_moves_what_is_counted_and_not_the_travel() {
+    let rows = measured(&["goto", "1000", "zero", "status", "goto", "-1000"]);
+    near(&rows[1]["position"], 0.0, 1.0);
+    near(&rows[3]["position"], -1000.0, 1.0);
+    assert!(rows[2]["bits"].to_string().contains("power on"));
+    husillo()
+        .args(["measure", "goto", "1000", "zero", "goto", "7100"])
+        .assert()
+        .code(1)
+        .stderr(contains("error: 7100 counts is outside the travel, -9"));
+}
+
+#[test]
+fn touches_find_the_work_piece_from_both_sides() {
+    // The stylus bends by 18 counts: faces at 500 and -300.
+    let rows = measured(&[
+        "touch",
+        "+",
+        "touch",
+        "-",
+        "--pretravel",
+        "18",
+        "--repeat",
+        "3",
+        "--contact",
+        "1:518",
+        "--contact",
+        "1:..-318",
+    ]);
+    near(&rows[0]["corrected"], 500.0, 1.0);
+    near(&rows[0]["trigger"], 518.0, 1.0);
+    near(&rows[1]["corrected"], -300.0, 1.0);
+    assert_eq!(rows[0]["touches"], 3);
+    near(&rows[0]["spread"], 0.0, 1.0);
+    // In millimetres, on the second of three modules.
+    let rows = measured(&[
+        "-m",
+        "cmm3",
+        "--axis",
+        "y",
+        "touch",
+        "+",
+        "--pretravel",
+        "0.018",
+        "--contact",
+        "2:509",
+    ]);
+    near(&rows[0]["corrected"], 1.0, 0.002);
+}
+
+#[test]
+fn a_calibration_finds_the_pre_travel_and_is_used_from_then_on() {
+    let rows = measured(&[
+        "calibrate",
+        "+",
+        "touch",
+        "+",
+        "--reference",
+        "500",
+        "--contact",
+        "1:518",
+    ]);
+    near(&rows[0]["pre_travel"], 18.0, 1.0);
+    near(&rows[0]["corrected"], 500.0, 0.0);
+    near(&rows[1]["corrected"], 500.0, 1.0);
+    husillo()
+        .args(["measure", "calibrate", "+"])
+        .assert()
+        .code(2)
+        .stderr(contains("`calibrate` needs --reference"));
+}
+
+#[test]
+fn failures_are_named() {
+    let fails = |args: &[&str], message: &str| {
+        let assert = husillo().arg("measure").args(args).assert();
+        assert
+            .code(1)
+            .stderr(contains(message).and(contains("help: ")));
+    };
+    fails(
+        &["touch", "-"],
+        "error: no contact from 0 counts to -8000 counts",
+    );
+    fails(
+        &["touch", "+", "--contact", "1:-5"],
+        "error: contact at start",
+    );
+    // A servo too weak to follow.
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let weak = scratch("weak.toml");
+    std::fs::write(&weak, text.replace("p = 1000, i = 100", "p = 1, i = 0")).unwrap();
+    fails(
+        &["-m", weak.to_str().unwrap(), "goto", "5000"],
+        "error: position error at ",
+    );
+    husillo()
+        .args(["measure", "-m", "cmm", "goto", "1 mm"])
+        .assert()
+        .code(2)
+        .stderr(contains("a position of this machine is in counts"));
+    husillo()
+        .args(["measure", "jump"])
+        .assert()
+        .code(2)
+        .stderr(contains("unknown action `jump`"));
+    husillo()
+        .args(["run", "-m", "cmm", "../examples/circles.nc"])
+        .assert()
+        .code(2)
+        .stderr(contains("see `husillo measure`"));
+}
+
+#[test]
+fn results_as_text_and_table_and_the_bytes_beside_them() {
+    let path = scratch("touches.csv");
+    husillo()
+        .args(["measure", "touch", "+", "--contact", "1:200", "--raw", "-o"])
+        .arg(&path)
+        .assert()
+        .success()
+        .stdout(contains("X touch +\n    trigger    "))
+        .stderr(contains("> aa 00 21 01 ff 21\n< 19 19\n"))
+        .stderr(contains("> aa 01 13 20 34\n< 19 00 04 1d\n"));
+    let table = std::fs::read_to_string(path).unwrap();
+    assert!(table.starts_with("action,axis,unit,position,direction,trigger,"));
+    assert!(table.contains("\ntouch,X,counts,"), "{table}");
+}
+
+#[test]
+fn a_dead_port_is_told() {
+    husillo()
+        .args(["measure", "--port", "/dev/no-such-port", "status"])
+        .assert()
+        .code(2)
+        .stderr(contains("/dev/no-such-port: "));
+    // Somebody who takes everything and says nothing.
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = format!("tcp:{}", listener.local_addr().unwrap());
+    husillo()
+        .args(["measure", "--port", &port, "status"])
+        .assert()
+        .code(1)
+        .stderr(contains("error: no answer: no module on the line"))
+        .stderr(contains("help: is it the right port"));
+}
+
+#[test]
+fn the_same_through_a_pseudo_terminal() {
+    let args = ["--contact", "1:318", "--contact", "1:..-118"];
+    let modules = ["--modules", "servo:4,servo:4", "--speed", "10"];
+    let Some(chain) = Chain::new("measure-chain", &[&args[..], &modules[..]].concat()) else {
+        return;
+    };
+    let actions = ["touch", "+", "goto", "0", "touch", "-", "--pretravel", "18"];
+    let simulated = measured(&[&actions[..], &args[..]].concat());
+    let port = ["--port", chain.link.to_str().unwrap()];
+    let real = measured(&[&actions[..], &port[..]].concat());
+    assert_eq!(real.len(), 3);
+    for row in [&simulated, &real] {
+        near(&row[0]["corrected"], 300.0, 1.0);
+        near(&row[1]["position"], 0.0, 1.0);
+        near(&row[2]["corrected"], -100.0, 1.0);
+    }
+}
+
+#[test]
+fn an_emulation_ends_and_takes_its_link_away() {
+    let link = scratch("short-chain");
+    let output = husillo()
+        .args(["emulate", "cmm", "--for", "0.2", "--link"])
+        .arg(&link)
+        .output()
+        .unwrap();
+    if !output.status.success() {
+        eprintln!("skipped: {}", String::from_utf8_lossy(&output.stderr));
+        return;
+    }
+    assert!(
+        String::from_utf8_lossy(&output.stdout).contains("Connect: husillo measure -m cmm --port ")
+    );
+    assert!(std::fs::symlink_metadata(&link).is_err());
+    husillo()
+        .args(["emulate", "cmm", "--modules", "stepper", "--link", "x"])
+        .assert()
+        .code(2)
+        .stderr(contains("expected servo:4"));
+}
