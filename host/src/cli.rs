@@ -85,8 +85,8 @@ pub enum Command {
     Measure(Measure),
     /// Simulated modules behind a pseudo-terminal, for any client of their protocol
     #[command(after_help = "Examples:\n  \
-        husillo emulate cmm --link /tmp/cmm\n  \
-        husillo emulate cmm --modules servo:4,servo:4 --link /tmp/cmm --contact 1:3000 --contact 1:..-3000")]
+        husillo emulate cmm --link ./cmm\n  \
+        husillo emulate cmm --modules servo:4,servo:4 --link ./cmm --contact 1:3000 --contact 1:..-3000")]
     Emulate(Emulate),
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::PathBuf;
-use std::process::{Child, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 
 fn husillo() -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
@@ -48,6 +48,8 @@ fn scratch(name: &str) -> PathBuf {
 struct Chain {
     process: Child,
     link: PathBuf,
+    /// Open, so that it may print.
+    _output: BufReader<ChildStdout>,
 }
 
 impl Chain {
@@ -61,11 +63,14 @@ impl Chain {
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
         let mut told = String::new();
-        BufReader::new(process.stdout.take().unwrap())
-            .read_line(&mut told)
-            .unwrap();
-        let chain = Chain { process, link };
+        output.read_line(&mut told).unwrap();
+        let chain = Chain {
+            process,
+            link,
+            _output: output,
+        };
         if told.is_empty() {
             eprintln!("skipped: no pseudo-terminal here");
             return None;
@@ -90,7 +95,7 @@ fn moves_end_within_a_count() {
         near(&row["position"], goal.parse().unwrap(), 1.0);
     }
     // In millimetres, on any axis.
-    let rows = measured(&["-m", "cmm3", "--axis", "z", "goto", "1.5", "goto", "-100um"]);
+    let rows = measured(&["-m", "cmm3", "--axis", "z", "goto", "1.5", "goto", "-0.1"]);
     near(&rows[0]["position"], 1.5, 0.002);
     near(&rows[1]["position"], -0.1, 0.002);
     assert_eq!(
@@ -191,7 +196,7 @@ fn failures_are_named() {
     // A servo too weak to follow.
     let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
     let weak = scratch("weak.toml");
-    std::fs::write(&weak, text.replace("p = 1000, i = 100", "p = 1, i = 0")).unwrap();
+    std::fs::write(&weak, text.replace("p = 2000, i = 200", "p = 1, i = 0")).unwrap();
     fails(
         &["-m", weak.to_str().unwrap(), "goto", "5000"],
         "error: position error at ",

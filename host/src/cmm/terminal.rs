@@ -15,8 +15,8 @@ const MOST_BEHIND: u64 = 2000;
 /// A pseudo-terminal with a name of its own, until it is dropped.
 pub struct Terminal {
     master: TTYPort,
-    /// Kept open, so that clients may come and go.
-    slave: TTYPort,
+    /// Kept open, so that clients may come and go and find it raw.
+    _slave: TTYPort,
     link: PathBuf,
 }
 
@@ -31,15 +31,15 @@ impl Terminal {
         // Waiting for a byte is also what paces the simulation.
         master.set_timeout(Duration::from_millis(2))?;
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
-        let is_old = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
-        if is_old {
-            // Left by a run that was killed.
+        let is_symlink = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
+        if is_symlink && !link.exists() {
+            // It leads nowhere: left by a run that was killed.
             std::fs::remove_file(link)?;
         }
         std::os::unix::fs::symlink(name, link)?;
         Ok(Self {
             master,
-            slave,
+            _slave: slave,
             link: link.to_owned(),
         })
     }
@@ -62,8 +62,6 @@ impl Terminal {
             for byte in port::read(&mut self.master)? {
                 emulated.send(byte);
             }
-            // A client that wanted the terminal for itself is gone without saying so.
-            self.slave.set_exclusive(false)?;
             let due = (start.elapsed().as_secs_f64() * speed * 1e9 / PERIOD_NS as f64) as u64;
             let behind = due.saturating_sub(done + left_out);
             left_out += behind.saturating_sub(MOST_BEHIND);
