@@ -76,12 +76,12 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
-    let mut table = match &args.output {
-        Some(path) => Some(create(path)?),
-        None => None,
-    };
-    let table = table.as_mut().map(|table| table as &mut dyn Write);
-    ended(cmm::measure(args, &mut io::stdout().lock(), table))
+    let mut table = Vec::new();
+    let result = cmm::measure(args, &mut io::stdout().lock(), &mut table);
+    if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
+        create(path)?.write_all(&table)?;
+    }
+    ended(result)
 }
 
 fn emulate(args: &Emulate) -> Result<u8, Failure> {

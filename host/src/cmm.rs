@@ -47,16 +47,12 @@ impl From<String> for Stopped {
     }
 }
 
-/// `husillo measure`: prints the results to `out`, and returns them.
+/// `husillo measure`: prints the results to `out`, and as CSV to `table`.
 ///
 /// # Errors
 ///
 /// [`Stopped`]; the results before it are printed.
-pub fn measure(
-    args: &Measure,
-    out: &mut dyn Write,
-    table: Option<&mut dyn Write>,
-) -> Result<(), Stopped> {
+pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut session = Session::new(args, &machine)?;
     let letter = args.axis.to_ascii_uppercase();
@@ -88,13 +84,11 @@ pub fn measure(
         let json = serde_json::to_string_pretty(&rows).map_err(|error| error.to_string())?;
         written = writeln!(out, "{json}");
     }
-    if let Some(table) = table {
-        written = written.and_then(|()| {
-            writeln!(table, "{CSV_HEAD}")?;
-            rows.iter()
-                .try_for_each(|row| writeln!(table, "{}", row.csv()))
-        });
-    }
+    written = written.and_then(|()| {
+        writeln!(table, "{CSV_HEAD}")?;
+        rows.iter()
+            .try_for_each(|row| writeln!(table, "{}", row.csv()))
+    });
     result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
     written.map_err(|error| Stopped::Usage(error.to_string()))
 }

@@ -66,6 +66,8 @@ impl Axis {
             return Err(Trouble::NoPower);
         }
         axis.check(&reply)?;
+        // A reset has done it already, but not on every module.
+        axis.command(Command::ResetPosition(Reset::Zero))?;
         Ok(axis)
     }
 
