@@ -188,6 +188,10 @@ impl ServoAxis {
 
     /// The next period: reads, searches, moves the profile on and gives the drive.
     pub fn tick(&mut self, inputs: &ServoInputs) -> Drive {
+        if self.is_new {
+            // Position 0 is where it was switched on.
+            self.zero = inputs.counts;
+        }
         let position = inputs.counts.wrapping_sub(self.zero);
         if !self.is_new {
             self.velocity = position.wrapping_sub(self.position);

@@ -151,3 +151,16 @@ fn a_damaged_packet_moves_nothing() {
     run(&mut chain, 2000);
     assert!(chain.axis(0).unwrap().position().abs() <= 1);
 }
+
+#[test]
+fn a_reset_module_is_at_zero_without_servo() {
+    let mut chain = started(1);
+    ask(&mut chain, 1, trapezoid(500));
+    run(&mut chain, 20_000);
+    let position = chain.axis(0).unwrap().position();
+    assert!((position - 500).abs() <= 1, "{position}");
+    ask(&mut chain, 0xff, Command::HardReset(None));
+    let axis = chain.axis(0).unwrap();
+    assert_eq!(axis.position(), 0);
+    assert!(!axis.status().is_on && axis.status().position_error);
+}
