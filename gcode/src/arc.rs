@@ -99,8 +99,7 @@ fn between(from: [Nm; 2], to: [Nm; 2]) -> Result<[i64; 2], ErrorKind> {
     Ok(delta)
 }
 
-/// `| |start - centre| - |end - centre| |` to the nearest nanometre (of halves, to 0.502 nm), and the start radius
-/// rounded down.
+/// `| |start - centre| - |end - centre| |` in whole nanometres, off by at most 0.502 nm, and the start radius rounded down.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn mismatch(start: [i64; 2], end: [i64; 2]) -> (Nm, Nm) {
     /// Places behind the point of the two roots.

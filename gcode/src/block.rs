@@ -166,6 +166,7 @@ impl Block {
         Ok(block)
     }
 
+    #[inline(always)]
     fn push(&mut self, word: Word, dialect: &Dialect) -> Result<(), Error> {
         let span = Span::new(word.at, word.end);
         let pushed = match word.letter {
@@ -411,6 +412,7 @@ impl Block {
             .and_then(|number| u32::try_from(number).ok())
     }
 
+    #[inline]
     pub(crate) fn code(&self, group: Group) -> Option<Code> {
         if self.groups & 1u32.wrapping_shl(group as u32) == 0 {
             return None;

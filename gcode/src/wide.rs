@@ -1,6 +1,7 @@
-//! Squares, roots and quotients of 128 bits, for machines that multiply 32.
+//! Products, roots and quotients of 128 bits.
 //!
-//! Each is one function that is called, not inlined, where it would take more code than the call; none divides.
+//! Processors of 64 bits divide, and take the library's. On smaller ones that would link in wide divisions: there roots and
+//! quotients come digit by digit, and each function is called, not inlined, as its code is longer than the call.
 
 /// The whole product. A call costs less than the code of one, where it takes ten multiplications of 32 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
@@ -15,14 +16,19 @@ pub(crate) fn square(x: i64, y: i64) -> u128 {
     product(x, x).wrapping_add(product(y, y))
 }
 
-/// The largest integer whose square is at most `value`, which is below 2^124: a digit of the root from two bits of the
-/// value, without a division, and with nothing wider than 64 bits but the value.
-#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+/// The largest integer whose square is at most `value`, which is below 2^124.
+#[inline]
 pub(crate) fn root(value: u128) -> u64 {
-    // Where the processor divides, its library is faster.
     if cfg!(target_pointer_width = "64") {
-        return value.isqrt() as u64;
+        value.isqrt() as u64
+    } else {
+        root_by_digits(value)
     }
+}
+
+/// A digit of the root from two bits of the value, with nothing wider than 64 bits but the value.
+#[inline(never)]
+fn root_by_digits(value: u128) -> u64 {
     let skipped = value.leading_zeros() & !1;
     let mut coming = value.wrapping_shl(skipped);
     let (mut rest, mut root) = (0u64, 0u64);
@@ -40,24 +46,31 @@ pub(crate) fn root(value: u128) -> u64 {
     root
 }
 
-/// `value / divisor` rounded down, bit by bit; the divisor is below 2^63. 0 for a divisor of 0.
-#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+/// `value / divisor` rounded down; the divisor is below 2^63. 0 for a divisor of 0.
+#[inline]
 pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
-    if divisor == 0 {
-        return 0;
-    }
     if cfg!(target_pointer_width = "64") {
-        return value.wrapping_div(divisor as u128);
+        match value.checked_div(divisor as u128) {
+            Some(quotient) => quotient,
+            None => 0,
+        }
+    } else {
+        divide_by_digits(value, divisor)
     }
-    let mut left = 128u32.wrapping_sub(value.leading_zeros());
-    // The bits still to come from the left, and the quotient behind them.
-    let mut turning = value.wrapping_shl(value.leading_zeros());
-    let mut rest = 0u64;
-    if left == 0 {
+}
+
+/// A binary digit of the quotient at a time, with a rest of 64 bits.
+#[inline(never)]
+const fn divide_by_digits(value: u128, divisor: u64) -> u128 {
+    if divisor == 0 || value == 0 {
         return 0;
     }
-    let mask = u128::MAX.wrapping_shr(value.leading_zeros());
-    while left > 0 {
+    let skipped = value.leading_zeros();
+    // From the left the digits still to come, from the right those of the quotient.
+    let mut turning = value.wrapping_shl(skipped);
+    let mut rest = 0u64;
+    let mut digit = skipped;
+    while digit < 128 {
         // rest < divisor < 2^63.
         rest = (rest << 1) | (turning >> 127) as u64;
         turning <<= 1;
@@ -65,9 +78,9 @@ pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
             rest = rest.wrapping_sub(divisor);
             turning |= 1;
         }
-        left = left.wrapping_sub(1);
+        digit = digit.wrapping_add(1);
     }
-    turning & mask
+    turning
 }
 
 /// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
@@ -138,31 +151,37 @@ impl Ratio {
 mod tests {
     use super::*;
 
+    /// Numbers of every length: a power of two, its neighbours, and alternating bits.
+    fn numbers(bits: u32) -> impl Iterator<Item = u128> {
+        (0..bits).flat_map(|bit| {
+            let power = 1u128 << bit;
+            [
+                power - 1,
+                power,
+                power + 1,
+                (u128::MAX / 3) >> (127 - bit),
+                power | 12345,
+            ]
+        })
+    }
+
     #[test]
-    fn roots_and_quotients() {
-        for value in [
-            0u128,
-            1,
-            2,
-            3,
-            4,
-            u64::MAX as u128,
-            1 << 64,
-            (1 << 100) + 12345,
-            (1 << 124) - 1,
-        ] {
-            let r = u128::from(root(value));
-            assert!(r * r <= value && (r + 1) * (r + 1) > value, "{value}");
+    fn digits_give_what_the_library_gives() {
+        for value in numbers(123) {
+            assert_eq!(root_by_digits(value), value.isqrt() as u64, "{value}");
+            assert_eq!(root(value), value.isqrt() as u64, "{value}");
         }
-        for (value, divisor) in [
-            (1 << 100, 3),
-            (u128::MAX >> 2, (1 << 63) - 1),
-            ((1 << 62) - 1, 1 << 62),
-            (12345, 0),
-            (77, 7),
-        ] {
-            let exact = value.checked_div(u128::from(divisor));
-            assert_eq!(divide(value, divisor), exact.unwrap_or(0));
+        assert_eq!(root_by_digits((1 << 124) - 1), (1 << 62) - 1);
+        for value in numbers(127).chain([u128::MAX]) {
+            for divisor in numbers(62).map(|divisor| divisor as u64) {
+                let exact = value.checked_div(divisor.into()).unwrap_or(0);
+                assert_eq!(
+                    divide_by_digits(value, divisor),
+                    exact,
+                    "{value} / {divisor}"
+                );
+                assert_eq!(divide(value, divisor), exact, "{value} / {divisor}");
+            }
         }
     }
 }

@@ -5,13 +5,11 @@ use core::sync::atomic::{AtomicU32, Ordering};
 static PORT: AtomicU32 = AtomicU32::new(0);
 
 /// The next byte, as of a receive register.
-#[allow(dead_code)]
 pub fn receive() -> u8 {
     PORT.load(Ordering::Relaxed) as u8
 }
 
 /// A result that must be made.
-#[allow(dead_code)]
 pub fn send(value: u32) {
     PORT.store(value, Ordering::Relaxed);
 }
