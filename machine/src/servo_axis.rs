@@ -127,7 +127,7 @@ impl ServoAxis {
     }
 
     /// Calls the present position `position`, in counts; what is commanded moves with it, without a jump. `false`, and nothing
-    /// done, while a move to a goal goes on.
+    /// done, while a motion has not come to its goal or its velocity.
     pub fn set_position(&mut self, position: i32) -> bool {
         let status = self.status();
         if status.is_on && !status.is_done {

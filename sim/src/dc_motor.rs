@@ -27,7 +27,7 @@ pub struct DcMotorModel {
 
 impl DcMotorModel {
     /// The prototype of the measuring machine: 12 V, about 300 turns a minute without a load, 400 counts a revolution. The
-    /// voltage, speed and counts are the machine's; the rest is what a geared motor of this size has.
+    /// voltage, speed and counts are the machine's; the rest is assumed, of a usual geared motor with that speed.
     pub const PROTOTYPE: DcMotorModel = DcMotorModel {
         supply_v: 12.0,
         resistance_ohm: 8.0,

@@ -10,7 +10,8 @@ use crate::{DcMotor, DcMotorModel};
 /// A servo period, s.
 pub const SERVO_PERIOD_S: f64 = 512e-6;
 
-/// Current at which the converter of a module reads 255, A.
+/// Current at which the converter of a module reads 255, A: twice what the prototype's motor draws when it stands. Assumed; the original
+/// does not state it.
 const FULL_CURRENT_A: f64 = 3.0;
 
 /// What is at the inputs of a module.
@@ -80,7 +81,7 @@ pub struct ServoChain {
     baud: Baud,
     /// Bytes on their way to the modules, and from them.
     to_modules: VecDeque<u8>,
-    /// Tenths of bits' time, in bytes, left from the last period.
+    /// Bytes that still fit the line in the period that goes on; the fraction is kept for the next.
     room: f64,
 }
 
