@@ -1,0 +1,313 @@
+//! `run`: a program checked, simulated, summed up and drawn.
+
+use super::{ERRORS, Failure, Job, OK, create, to_stderr, verdict};
+use crate::check::{Facts, duration};
+use crate::cli::{Output, Run as RunArgs};
+use crate::diagnostics::{Findings, Format};
+use crate::feeder;
+use crate::machine_file::Travel;
+use crate::report::{self, AxisRow, Report, length};
+use crate::run::Run;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::Path;
+
+/// What `run --format json` prints.
+#[derive(Debug, Default, Serialize)]
+struct Results {
+    events: u64,
+    duration_s: f64,
+    end_nm: [i64; 3],
+    min_nm: [i64; 3],
+    max_nm: [i64; 3],
+    max_deviation_nm: f64,
+    rms_deviation_nm: f64,
+    reversals: [u64; 3],
+    lost_steps: u64,
+    feed_nm: i64,
+    rapid_nm: i64,
+    errors: u64,
+    warnings: u64,
+}
+
+pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
+    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    job.keep_input()?;
+    let text = args.format == Output::Text;
+    let mut drawn = to_stderr(Format::Text);
+    // The warnings are drawn now and listed in the report.
+    let mut listed = Findings::new(Vec::new(), Format::Short, false, 50);
+    let facts = job.check(&mut drawn)?;
+    let (errors, warnings) = (drawn.errors, drawn.warnings);
+    if errors > 0 {
+        eprintln!(
+            "{}: {}; nothing moves",
+            job.name(),
+            verdict(errors, warnings)
+        );
+        if !text {
+            print_json(&Results {
+                errors,
+                warnings,
+                ..Results::default()
+            })?;
+        }
+        return Ok(ERRORS);
+    }
+    if warnings > 0 {
+        job.check(&mut listed)?;
+    }
+    if text {
+        writeln!(
+            io::stdout(),
+            "Checked    {} for {}: {}",
+            job.name(),
+            job.machine.name,
+            verdict(errors, warnings)
+        )?;
+    }
+    let trace = match &args.trace {
+        Some(path) => {
+            Some(Box::new(BufWriter::with_capacity(1 << 18, create(path)?)) as Box<dyn Write>)
+        }
+        None => None,
+    };
+    let mut run = Run::new(&job.machine, trace)?;
+    let mut source = job.open()?;
+    let mut machine = job.new_machine(!args.no_compensation);
+    let bar = progress(facts.events);
+    let mut countdown = PROGRESS_EVENTS;
+    feeder::feed(&mut source, &mut machine, |machine, event| {
+        countdown -= 1;
+        if countdown == 0 {
+            countdown = PROGRESS_EVENTS;
+            bar.inc(PROGRESS_EVENTS);
+        }
+        run.event(machine, event)
+    })?;
+    bar.finish_and_clear();
+    run.finish()?;
+
+    let offset = machine.modal().work_offset().map(|nm| nm.0);
+    let results = results(&job, &run, &facts, offset, [errors, warnings]);
+    let output = match (&args.output, text) {
+        (Some(path), _) => Some(path.clone()),
+        (None, true) => Some(default_report(&job.file)),
+        (None, false) => None,
+    };
+    if text {
+        summary(&job, &run, &results, &facts)?;
+    } else {
+        print_json(&results)?;
+    }
+    if let Some(path) = output {
+        let warnings = String::from_utf8_lossy(listed.writer())
+            .lines()
+            .map(str::to_owned)
+            .collect();
+        let figures = figures(
+            &results,
+            &facts,
+            run.take_up_ticks as f64 / f64::from(job.machine.timer_hz),
+            args.no_compensation,
+        );
+        let page = report::html(&make_report(
+            &job, &mut run, &results, figures, offset, warnings,
+        ));
+        let size = page.len();
+        create(&path)?.write_all(page.as_bytes())?;
+        if text {
+            writeln!(
+                io::stdout(),
+                "Wrote      {path} ({} kB) - open it in any browser",
+                size.div_ceil(1000)
+            )?;
+        }
+    }
+    Ok(OK)
+}
+
+/// Events between two updates of the progress bar.
+const PROGRESS_EVENTS: u64 = 1 << 20;
+
+fn progress(events: f64) -> ProgressBar {
+    if events < 4.0 * PROGRESS_EVENTS as f64 || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(events as u64);
+    if let Ok(style) =
+        ProgressStyle::with_template("Simulating [{bar:36}] {percent} % {human_pos} steps")
+    {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+fn default_report(file: &str) -> String {
+    let stem = Path::new(file)
+        .file_stem()
+        .map_or("report".into(), |stem| stem.to_string_lossy());
+    let stem = if stem == "-" { "report".into() } else { stem };
+    format!("out/{stem}.html")
+}
+
+fn print_json(results: &Results) -> io::Result<()> {
+    let json = serde_json::to_string(results).map_err(io::Error::other)?;
+    writeln!(io::stdout(), "{json}")
+}
+
+fn results(
+    job: &Job,
+    run: &Run<'_>,
+    facts: &Facts,
+    offset: [i64; 3],
+    [errors, warnings]: [u64; 2],
+) -> Results {
+    let nm = |steps: [i32; 3]| {
+        [0, 1, 2].map(|axis| {
+            let step = job.machine.axes[axis].step;
+            let exact = i128::from(steps[axis]) * i128::from(step.num);
+            let nearest = (2 * exact + i128::from(step.den)).div_euclid(2 * i128::from(step.den));
+            i64::try_from(nearest).unwrap_or(i64::MAX) - offset[axis]
+        })
+    };
+    Results {
+        events: run.events,
+        duration_s: run.ticks as f64 / f64::from(job.machine.timer_hz),
+        end_nm: nm(run.tool_steps()),
+        min_nm: nm(run.low),
+        max_nm: nm(run.high),
+        max_deviation_nm: rounded(run.deviation.largest_nm()),
+        rms_deviation_nm: rounded(run.deviation.rms_nm()),
+        reversals: run.reversals,
+        lost_steps: run.lost_steps().iter().sum(),
+        feed_nm: facts.feed_nm.round() as i64,
+        rapid_nm: facts.rapid_nm.round() as i64,
+        errors,
+        warnings,
+    }
+}
+
+/// Thousandths of a nanometre are more than enough.
+fn rounded(nm: f64) -> f64 {
+    (nm * 1e3).round() / 1e3
+}
+
+fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
+        "Simulated  {} step events, {}",
+        results.events,
+        duration(results.duration_s)
+    )?;
+    writeln!(
+        out,
+        "           path {} feed, {} rapid",
+        length(facts.feed_nm),
+        length(facts.rapid_nm)
+    )?;
+    writeln!(
+        out,
+        "           deviation {} at most, {} RMS",
+        length(results.max_deviation_nm),
+        length(results.rms_deviation_nm)
+    )?;
+    let lost = run.lost_steps();
+    for (axis, facts) in job.machine.axes.iter().enumerate() {
+        let [low, high, end] = [results.min_nm, results.max_nm, results.end_nm]
+            .map(|nm| report::millimetres(nm[axis] as f64));
+        write!(
+            out,
+            "           {} {low} to {high} mm, ends at {end}, {} take-ups",
+            char::from(facts.letter),
+            results.reversals[axis]
+        )?;
+        match lost[axis] {
+            0 => writeln!(out)?,
+            lost => writeln!(out, ", {lost} STEPS LOST")?,
+        }
+    }
+    Ok(())
+}
+
+fn figures(
+    results: &Results,
+    facts: &Facts,
+    take_up_s: f64,
+    uncompensated: bool,
+) -> Vec<(&'static str, String)> {
+    vec![
+        ("time", duration(results.duration_s)),
+        ("step events", results.events.to_string()),
+        ("feed path", length(facts.feed_nm)),
+        ("rapid path", length(facts.rapid_nm)),
+        ("largest deviation", length(results.max_deviation_nm)),
+        ("RMS deviation", length(results.rms_deviation_nm)),
+        (
+            "reversals",
+            results.reversals.iter().sum::<u64>().to_string(),
+        ),
+        (
+            "backlash",
+            if uncompensated {
+                "not compensated".to_owned()
+            } else {
+                format!("taken up in {}", duration(take_up_s))
+            },
+        ),
+        ("lost steps", results.lost_steps.to_string()),
+    ]
+}
+
+fn make_report(
+    job: &Job,
+    run: &mut Run<'_>,
+    results: &Results,
+    figures: Vec<(&'static str, String)>,
+    offset: [i64; 3],
+    warnings: Vec<String>,
+) -> Report {
+    let travel = |axis: usize| match job.machine.axes[axis].travel {
+        Travel::Range(range) => Some(range.map(|at| (at - offset[axis]) as f64)),
+        Travel::Unknown | Travel::Unlimited => None,
+    };
+    let lost = run.lost_steps();
+    let axes = (0..3)
+        .map(|axis| AxisRow {
+            letter: char::from(job.machine.axes[axis].letter),
+            extent_nm: [results.min_nm[axis] as f64, results.max_nm[axis] as f64],
+            travel_nm: travel(axis),
+            end_nm: results.end_nm[axis] as f64,
+            reversals: results.reversals[axis],
+            lost_steps: lost[axis],
+        })
+        .collect();
+    let machine_frame = |axis: usize| match job.machine.axes[axis].travel {
+        Travel::Range(range) => Some(range.map(|at| at as f64)),
+        Travel::Unknown | Travel::Unlimited => None,
+    };
+    let area = machine_frame(0)
+        .zip(machine_frame(1))
+        .map(|([x0, x1], [y0, y1])| [[x0, y0], [x1, y1]]);
+    Report {
+        program: job.name().to_owned(),
+        machine: job.machine.title.clone(),
+        figures,
+        axes,
+        phases: run.motors(),
+        drawing: std::mem::replace(&mut run.drawing, crate::drawing::Drawing::new()),
+        ideal: std::mem::take(&mut run.ideal),
+        ideal_is_whole: run.ideal_is_whole,
+        area,
+        largest_nm: results.max_deviation_nm,
+        speed: run.speed.clone(),
+        has_ramps: job
+            .machine
+            .axes
+            .iter()
+            .any(|axis| axis.acceleration.is_some()),
+        warnings,
+    }
+}
