@@ -2,7 +2,7 @@
 
 use crate::diagnostics::{Finding, Place};
 use crate::quantity::{self, Fraction, Quantity};
-use crate::table::Table;
+use crate::table::{Table, document};
 use husillo_gcode::Dialect;
 use std::ops::Range;
 
@@ -149,6 +149,15 @@ pub enum LoadError {
     Findings(Vec<Finding>),
 }
 
+/// The text of a file that is to be a machine of this kind; `built_in` names those that need no file.
+pub fn read_text(path: &str, kind: &str, built_in: &str) -> Result<String, LoadError> {
+    std::fs::read_to_string(path).map_err(|error| {
+        LoadError::File(format!(
+            "no {kind} `{path}`: built in are {built_in}; as a file: {error}"
+        ))
+    })
+}
+
 impl MachineFile {
     /// Loads a machine by its name or the path of its file.
     ///
@@ -167,14 +176,10 @@ impl MachineFile {
                     "{name} runs no programs: see `husillo measure`"
                 )));
             }
-            path => match std::fs::read_to_string(path) {
-                Ok(text) => Self::parse(path, &text),
-                Err(error) => {
-                    return Err(LoadError::File(format!(
-                        "no machine `{path}`: built in are micromill, free, router, lathe and drill; as a file: {error}"
-                    )));
-                }
-            },
+            path => Self::parse(
+                path,
+                &read_text(path, "machine", "micromill, free, router, lathe and drill")?,
+            ),
         }
         .map_err(LoadError::Findings)
     }
@@ -186,13 +191,7 @@ impl MachineFile {
     /// All mistakes of the text.
     pub fn parse(path: &str, text: &str) -> Result<Self, Vec<Finding>> {
         let mut findings = Vec::new();
-        let document = match toml::de::DeTable::parse(text) {
-            Ok(document) => document,
-            Err(error) => {
-                let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
-                return Err(vec![Finding::error("E0800", error.message(), place)]);
-            }
-        };
+        let document = document(path, text)?;
         let mut root = Table::new(
             path,
             text,

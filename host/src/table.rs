@@ -3,7 +3,20 @@
 use crate::diagnostics::{Finding, Place};
 use crate::quantity::{self, Quantity};
 use std::ops::{Range, RangeInclusive};
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// The document of a machine file.
+///
+/// # Errors
+///
+/// The text is no TOML: where, and why.
+pub fn document<'a>(path: &str, text: &'a str) -> Result<Spanned<DeTable<'a>>, Vec<Finding>> {
+    DeTable::parse(text).map_err(|error| {
+        let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
+        vec![Finding::error("E0800", error.message(), place)]
+    })
+}
 
 /// One table of a machine file.
 pub struct Table<'a, 'f> {

@@ -1,10 +1,10 @@
 //! Machine files of measuring machines.
 
 use super::scale::Scale;
-use crate::diagnostics::{Finding, Place};
-use crate::machine_file::LoadError;
+use crate::diagnostics::Finding;
+use crate::machine_file::{LoadError, read_text};
 use crate::quantity::{self, Quantity};
-use crate::table::Table;
+use crate::table::{Table, document};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 
 const CMM: &str = include_str!("../../../machines/cmm.toml");
@@ -71,14 +71,7 @@ impl CmmFile {
         match name {
             "cmm" => Self::parse("machines/cmm.toml", CMM),
             "cmm3" => Self::parse("machines/cmm3.toml", CMM3),
-            path => match std::fs::read_to_string(path) {
-                Ok(text) => Self::parse(path, &text),
-                Err(error) => {
-                    return Err(LoadError::File(format!(
-                        "no measuring machine `{path}`: built in are cmm and cmm3; as a file: {error}"
-                    )));
-                }
-            },
+            path => Self::parse(path, &read_text(path, "measuring machine", "cmm and cmm3")?),
         }
         .map_err(LoadError::Findings)
     }
@@ -90,13 +83,7 @@ impl CmmFile {
     /// All mistakes of the text.
     pub fn parse(path: &str, text: &str) -> Result<Self, Vec<Finding>> {
         let mut findings = Vec::new();
-        let document = match toml::de::DeTable::parse(text) {
-            Ok(document) => document,
-            Err(error) => {
-                let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
-                return Err(vec![Finding::error("E0800", error.message(), place)]);
-            }
-        };
+        let document = document(path, text)?;
         let (span, table) = (document.span(), document.get_ref());
         let mut root = Table::new(path, text, "the file", span, table, &mut findings);
         root.integer("schema", 1..=1);
