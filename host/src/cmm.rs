@@ -13,6 +13,8 @@ mod emulated;
 mod file;
 mod line;
 mod port;
+#[allow(dead_code)] // until the head and the routines use it
+mod prober;
 mod result_row;
 mod scale;
 mod session;
