@@ -10,7 +10,12 @@
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
 //! ```
 //!
-//! Everything is in motor steps.
+//! That is in motor steps. The errors of an axis' length are in nanometres, for positions that are measured or gone to:
+//!
+//! ```text
+//!  readings ──► ErrorTable, one an axis ──► Squareness ──► true position      Calibration: all of it, and back
+//!               scale, pitch, direction     three angles
+//! ```
 //!
 //! ```
 //! use husillo_backlash::{Backlash, Flank};
@@ -25,12 +30,20 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod compensator;
 mod lash;
+
+mod compensator;
 mod uniform;
 
+mod calibration;
+mod error_table;
+mod squareness;
+
+pub use calibration::Calibration;
 pub use compensator::Compensator;
+pub use error_table::{ErrorTable, Knot, TableError};
 pub use lash::{Flank, Lash};
+pub use squareness::Squareness;
 pub use uniform::Backlash;
 
 /// The README's example, as a doctest.

@@ -2,7 +2,9 @@
 
 use core::hint::black_box;
 
-use husillo_backlash::{Backlash, Compensator, Flank, Lash};
+use husillo_backlash::{
+    Backlash, Calibration, Compensator, ErrorTable, Flank, Knot, Lash, Squareness, TableError,
+};
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -20,5 +22,16 @@ pub fn keep() {
         Compensator::<3, Backlash>::is_straight_on as *const (),
         Compensator::<3, Backlash>::lash as *const (),
         Compensator::<3, Backlash>::lash_mut as *const (),
+        ErrorTable::<[Knot; 4]>::new as *const (),
+        ErrorTable::<[Knot; 4]>::position_nm as *const (),
+        ErrorTable::<[Knot; 4]>::reading_nm as *const (),
+        ErrorTable::<[Knot; 4]>::correction_nm as *const (),
+        ErrorTable::<[Knot; 4]>::scale_ppb as *const (),
+        ErrorTable::<[Knot; 4]>::knots as *const (),
+        <TableError as core::fmt::Display>::fmt as *const (),
+        Squareness::position_nm as *const (),
+        Squareness::reading_nm as *const (),
+        Calibration::<&[Knot]>::position_nm as *const (),
+        Calibration::<&[Knot]>::reading_nm as *const (),
     ]);
 }
