@@ -5,6 +5,7 @@
 //!  -1 0 +1 ► StepToggle ───► Levels  STEP DIR, one edge a step
 //!       │
 //!       ├──► StepDirection ► Levels + ticks   STEP DIR pulses with set-up, hold, high and low times
+//!       │                        └──► L297 ─► Levels  the chip behind CLOCK and CW/CCW, as a model
 //!       └──► Microstep ────► [i16; 2]         coil currents of a sine drive
 //! ```
 //!
@@ -27,6 +28,7 @@
 mod coil_driver;
 mod drive;
 mod driver;
+mod l297;
 mod levels;
 mod microstep;
 #[cfg(feature = "embedded-hal")]
@@ -40,6 +42,7 @@ mod tables;
 pub use coil_driver::CoilDriver;
 pub use drive::Drive;
 pub use driver::{Driver, FULL_CURRENT};
+pub use l297::{L297, L297Inputs};
 pub use levels::Levels;
 pub use microstep::Microstep;
 #[cfg(feature = "embedded-hal")]

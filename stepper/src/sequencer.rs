@@ -118,6 +118,20 @@ impl Sequencer {
         })
     }
 
+    /// An L297 in state 1, half step.
+    pub(crate) const fn l297() -> Sequencer {
+        Sequencer {
+            cycle: &tables::L297,
+            at: start(Driver::L297, Mode::Half),
+            stride: Mode::Half.stride(),
+            keep: 0xFF,
+            set: 0,
+            driver: Driver::L297,
+            mode: Mode::Half,
+            reversed: false,
+        }
+    }
+
     /// The same with the directions exchanged, for a motor or screw mounted the other way (the micro mill's X).
     #[must_use]
     pub const fn reversed(mut self) -> Sequencer {

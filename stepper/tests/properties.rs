@@ -1,8 +1,8 @@
 //! What holds for every driver, mode, state and walk.
 
 use husillo_stepper::{
-    AMPLITUDE, CoilDriver, Drive, Driver, Levels, Microstep, Mode, PulseTiming, Sequencer,
-    StepDirection, StepToggle, sine,
+    AMPLITUDE, CoilDriver, Drive, Driver, L297, L297Inputs, Levels, Microstep, Mode, PulseTiming,
+    Sequencer, StepDirection, StepToggle, sine,
 };
 use proptest::prelude::*;
 
@@ -42,6 +42,53 @@ fn walk() -> impl Strategy<Value = Vec<i8>> {
 }
 
 proptest! {
+    /// A board with an L297 behind STEP and DIR has the same phases as a controller that makes them itself, whatever the
+    /// steps and the changes of mode between them.
+    #[test]
+    fn an_l297_behind_pulses_is_the_sequencer(
+        steps in proptest::collection::vec((any::<bool>(), any::<bool>()), 0..200)
+    ) {
+        let mut chip = L297::new();
+        let mut own = Sequencer::new(Driver::L297, Mode::Half).unwrap();
+        let mut pulses = StepDirection::new(L297::timing(1_000_000));
+        // Between pulses STEP is low.
+        chip.set(L297Inputs { clock: false, ..L297Inputs::HIGH });
+        for (clockwise, half) in steps {
+            own.set_mode(if half { Mode::Half } else { Mode::Full }).unwrap();
+            let delta = if clockwise { 1 } else { -1 };
+            let mut present = pulses.start(delta);
+            while let Some(now) = present {
+                chip.set(L297Inputs {
+                    clock: now.levels.contains(Levels::STEP),
+                    clockwise: now.levels.contains(Levels::DIR),
+                    half,
+                    ..L297Inputs::HIGH
+                });
+                present = pulses.advance();
+            }
+            prop_assert_eq!(chip.outputs(), own.step(delta));
+        }
+    }
+
+    /// Without ENABLE an L297 drives nothing, and its states go on as with it.
+    #[test]
+    fn the_states_of_an_l297_go_on_without_enable(
+        steps in proptest::collection::vec((any::<bool>(), any::<bool>(), any::<bool>()), 0..100)
+    ) {
+        let (mut chip, mut always) = (L297::new(), L297::new());
+        for (enable, clockwise, half) in steps {
+            let inputs = L297Inputs { clockwise, half, ..L297Inputs::HIGH };
+            for clock in [false, true] {
+                chip.set(L297Inputs { clock, enable, ..inputs });
+                always.set(L297Inputs { clock, ..inputs });
+            }
+            prop_assert_eq!(chip.state(), always.state());
+            let driven = if enable { always.outputs() } else { Levels(0) };
+            let currents = |levels| Driver::L297.currents(levels);
+            prop_assert_eq!(currents(chip.outputs()), currents(driven));
+        }
+    }
+
     /// A walk and the same walk backwards end in the levels they began with.
     #[test]
     fn there_and_back_is_nothing(mut motor in sequencer(), walk in walk()) {

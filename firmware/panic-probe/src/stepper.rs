@@ -5,7 +5,7 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use husillo_stepper::{
-    CoilDriver, Drive, Driver, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection,
+    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection,
     StepDirectionPins, StepToggle, Switch, sine,
 };
 
@@ -19,6 +19,11 @@ pub fn keep() {
         Driver::currents as *const (),
         Driver::pins as *const (),
         Driver::by_name as *const (),
+        L297::new as *const (),
+        L297::set as *const (),
+        L297::outputs as *const (),
+        L297::state as *const (),
+        L297::timing as *const (),
         Levels::contains as *const (),
         Levels::is_high as *const (),
         Microstep::<64>::new as *const (),
