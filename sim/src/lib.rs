@@ -37,6 +37,7 @@ mod model;
 mod rig;
 mod servo_chain;
 mod spindle;
+mod winding;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
@@ -44,6 +45,7 @@ pub use model::AxisModel;
 pub use rig::Rig;
 pub use servo_chain::{SERVO_PERIOD_S, ServoChain, Surroundings};
 pub use spindle::Spindle;
+pub use winding::{Chopper, Current, Rotor, Winding};
 
 /// The README's example, as a doctest.
 #[cfg(doctest)]
