@@ -6,7 +6,7 @@ mod simulate;
 use crate::check::{self, Facts};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, Holes, Interpolate,
-    Measure, Output, Page, Shape, Steps, Target,
+    Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target,
 };
 use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
@@ -17,7 +17,7 @@ use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::source::Source;
-use crate::{commands, compare_page, compare_text, grid, interpolate, setup, steps};
+use crate::{commands, compare_page, compare_text, grid, interpolate, machines, setup, steps};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Machine};
 use std::fs::File;
@@ -68,9 +68,27 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Holes(args) => list_holes(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
+        Command::Machines(args) => show_machines(args),
         Command::Measure(args) => measure(args),
         Command::Emulate(args) => emulate(args),
     }
+}
+
+fn show_machines(args: &Machines) -> Result<u8, Failure> {
+    let text = match &args.action {
+        None => machines::list()?,
+        Some(MachinesAction::Show { machine, format }) => {
+            let shown = machines::show(&load(machine)?);
+            match format {
+                Output::Text => shown.text(),
+                Output::Json => {
+                    serde_json::to_string_pretty(&shown).map_err(io::Error::from)? + "\n"
+                }
+            }
+        }
+    };
+    io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(OK)
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {

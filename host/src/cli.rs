@@ -70,6 +70,11 @@ pub enum Command {
         husillo compare examples/gear.nc -m micromill --weights 5,1,3,1")]
     #[command(after_long_help = COMPARE_HELP)]
     Compare(Compare),
+    /// List the machines, or show one: resolution, rates, motor current, chopper and filter
+    #[command(after_help = "Examples:\n  \
+        husillo machines\n  \
+        husillo machines show micromill")]
+    Machines(Machines),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION   move, in mm where the machine file has a `count`, otherwise in counts\n  \
@@ -204,6 +209,26 @@ pub struct FormatArgs {
     /// Language of the programs [default: rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
+}
+
+/// `husillo machines`.
+#[derive(Debug, Args)]
+pub struct Machines {
+    #[command(subcommand)]
+    pub action: Option<MachinesAction>,
+}
+
+/// What to do with machines.
+#[derive(Debug, Subcommand)]
+pub enum MachinesAction {
+    /// Show what is known of one
+    Show {
+        /// A machine that is built in, or the path of a machine file
+        machine: String,
+        /// How to print it
+        #[arg(long, value_enum, default_value = "text")]
+        format: Output,
+    },
 }
 
 /// `husillo commands`.

@@ -1,16 +1,45 @@
 //! Machine files: TOML to a checked description, with every mistake at its place.
 
 use crate::diagnostics::{Finding, Place};
+use crate::power::Power;
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
 use husillo_gcode::Dialect;
 use std::ops::Range;
 
-const MICROMILL: &str = include_str!("../../machines/micromill.toml");
-const FREE: &str = include_str!("../../machines/free.toml");
-const ROUTER: &str = include_str!("../../machines/router.toml");
-const LATHE: &str = include_str!("../../machines/lathe.toml");
-const DRILL: &str = include_str!("../../machines/drill.toml");
+/// Name, path and text of the machines that need no file.
+const BUILT_IN: [(&str, &str, &str); 6] = [
+    (
+        "micromill",
+        "machines/micromill.toml",
+        include_str!("../../machines/micromill.toml"),
+    ),
+    (
+        "free",
+        "machines/free.toml",
+        include_str!("../../machines/free.toml"),
+    ),
+    (
+        "router",
+        "machines/router.toml",
+        include_str!("../../machines/router.toml"),
+    ),
+    (
+        "lathe",
+        "machines/lathe.toml",
+        include_str!("../../machines/lathe.toml"),
+    ),
+    (
+        "drill",
+        "machines/drill.toml",
+        include_str!("../../machines/drill.toml"),
+    ),
+    (
+        "microfactory",
+        "machines/microfactory.toml",
+        include_str!("../../machines/microfactory.toml"),
+    ),
+];
 
 /// A machine as its file describes it.
 #[allow(dead_code)] // all of a file is checked; homing is not simulated yet
@@ -76,6 +105,8 @@ pub struct AxisFile {
     pub mode: StepMode,
     /// Homing, when the axis has a switch.
     pub home: Option<Home>,
+    /// Winding, chopper and load, when they are known.
+    pub power: Option<Power>,
 }
 
 /// Travel of an axis.
@@ -165,23 +196,25 @@ impl MachineFile {
     ///
     /// The file cannot be read, or has mistakes.
     pub fn load(name: &str) -> Result<Self, LoadError> {
-        match name {
-            "micromill" => Self::parse("machines/micromill.toml", MICROMILL),
-            "free" => Self::parse("machines/free.toml", FREE),
-            "router" => Self::parse("machines/router.toml", ROUTER),
-            "lathe" => Self::parse("machines/lathe.toml", LATHE),
-            "drill" => Self::parse("machines/drill.toml", DRILL),
-            "cmm" | "cmm3" => {
-                return Err(LoadError::File(format!(
-                    "{name} runs no programs: see `husillo measure`"
-                )));
-            }
-            path => Self::parse(
-                path,
-                &read_text(path, "machine", "micromill, free, router, lathe and drill")?,
+        if matches!(name, "cmm" | "cmm3") {
+            return Err(LoadError::File(format!(
+                "{name} runs no programs: see `husillo measure`"
+            )));
+        }
+        let built_in = BUILT_IN.iter().find(|(known, ..)| *known == name);
+        match built_in {
+            Some((_, path, text)) => Self::parse(path, text),
+            None => Self::parse(
+                name,
+                &read_text(name, "machine", &Self::names().join(", "))?,
             ),
         }
         .map_err(LoadError::Findings)
+    }
+
+    /// The machines that need no file.
+    pub fn names() -> [&'static str; BUILT_IN.len()] {
+        BUILT_IN.map(|(name, ..)| name)
     }
 
     /// Reads the text of a machine file.
@@ -247,13 +280,10 @@ impl MachineFile {
 
     /// Where the travel of an axis stands in the machine file.
     pub fn travel_place(&self, axis: usize) -> Option<Place> {
-        let text = match self.path.as_str() {
-            "machines/micromill.toml" => MICROMILL.to_owned(),
-            "machines/free.toml" => FREE.to_owned(),
-            "machines/router.toml" => ROUTER.to_owned(),
-            "machines/lathe.toml" => LATHE.to_owned(),
-            "machines/drill.toml" => DRILL.to_owned(),
-            path => std::fs::read_to_string(path).ok()?,
+        let built_in = BUILT_IN.iter().find(|(_, path, _)| *path == self.path);
+        let text = match built_in {
+            Some((.., text)) => (*text).to_owned(),
+            None => std::fs::read_to_string(&self.path).ok()?,
         };
         let span = self.axes.get(axis)?.travel_span.clone();
         Some(Place::in_text(&self.path, &text, span))
@@ -399,6 +429,7 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
             .unwrap_or(Driver::StepDirection),
         mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
         home: table.optional_table("home", |home| read_home(home, step)),
+        power: table.optional_table("motor", Power::read).flatten(),
     })
 }
 
@@ -504,6 +535,11 @@ impl Table<'_, '_> {
 mod tests {
     use super::*;
 
+    fn text_of(wanted: &str) -> &'static str {
+        let found = BUILT_IN.iter().find(|(name, ..)| *name == wanted);
+        found.unwrap().2
+    }
+
     #[test]
     fn the_machines_that_are_built_in() {
         let micromill = MachineFile::load("micromill").unwrap();
@@ -532,7 +568,7 @@ mod tests {
 
     #[test]
     fn a_misspelt_key_is_pointed_at() {
-        let text = MICROMILL.replacen("backlash", "baklash", 1);
+        let text = text_of("micromill").replacen("backlash", "baklash", 1);
         let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
         assert_eq!(findings.len(), 1);
         assert_eq!(findings[0].message, "unknown key `baklash` in [axis.x]");
@@ -545,13 +581,13 @@ mod tests {
 
     #[test]
     fn wrong_values_are_found_all_at_once() {
-        let text = MICROMILL
+        let text = text_of("micromill")
             .replacen("\"0.14 um\"", "\"0.14 parsec\"", 1)
             .replacen("\"390 Hz\"", "390", 1)
             .replacen("\"pbl3717a\"", "\"pbl3717\"", 1);
         let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
         assert!(findings.len() >= 3, "{findings:#?}");
-        let text = DRILL.replacen(
+        let text = text_of("drill").replacen(
             "steps_per_mm = 107",
             "steps_per_mm = 107\nstep = \"1 um\"",
             1,

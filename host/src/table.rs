@@ -90,6 +90,29 @@ impl<'a, 'f> Table<'a, 'f> {
         integer
     }
 
+    /// A number that must be there, within a range; its unit is in the name of the key.
+    pub fn required_number(&mut self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+        let Some((value, span)) = self.value(key) else {
+            self.missing(key);
+            return None;
+        };
+        let written = match (value.as_float(), value.as_integer()) {
+            (Some(float), _) => float.as_str().parse().ok(),
+            (_, Some(integer)) => integer.as_str().parse().ok(),
+            _ => None,
+        };
+        let number = written.filter(|number| range.contains(number));
+        if number.is_none() {
+            let expected = format!(
+                "expected a number from {} to {}",
+                range.start(),
+                range.end()
+            );
+            self.wrong(span, &format!("`{key}` is out of range"), &expected);
+        }
+        number
+    }
+
     /// A quantity with its unit, as `accept` wants it.
     pub fn quantity<T>(
         &mut self,

@@ -1,0 +1,248 @@
+//! `husillo machines`: what is known of the machines.
+
+use crate::machine_file::{AxisFile, MachineFile, Travel};
+use crate::power::Power;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Electrical cycles a second at which the current of a winding is told.
+const CYCLES_HZ: [f64; 6] = [10.0, 30.0, 60.0, 100.0, 131.2, 200.0];
+
+/// A machine as it is shown.
+#[derive(Serialize)]
+pub struct Shown {
+    name: String,
+    title: String,
+    file: String,
+    axes: Vec<ShownAxis>,
+}
+
+#[derive(Serialize)]
+struct ShownAxis {
+    axis: char,
+    /// nm a step.
+    step_nm: f64,
+    travel_mm: Option<[f64; 2]>,
+    lash_steps: u32,
+    lash_um: f64,
+    max_rate_hz: u32,
+    max_speed_mm_per_min: f64,
+    pull_out_rate_hz: Option<u32>,
+    motor: Option<ShownMotor>,
+}
+
+#[derive(Serialize)]
+struct ShownMotor {
+    time_constant_ms: f64,
+    /// Full steps a second.
+    pull_out_full_steps_hz: Option<f64>,
+    chopper: Option<ShownChopper>,
+    filter_inductance_uh: f64,
+    filter_capacitance_nf: f64,
+    current: Vec<ShownCurrent>,
+}
+
+#[derive(Serialize)]
+struct ShownChopper {
+    off_us: f64,
+    peak_a: f64,
+}
+
+#[derive(Serialize)]
+struct ShownCurrent {
+    cycle_hz: f64,
+    supply_a: f64,
+    rms_a: f64,
+    peak_a: f64,
+    torque_nm: f64,
+}
+
+/// What is known of a machine.
+pub fn show(machine: &MachineFile) -> Shown {
+    Shown {
+        name: machine.name.clone(),
+        title: machine.title.clone(),
+        file: machine.path.clone(),
+        axes: machine.axes.iter().map(axis).collect(),
+    }
+}
+
+fn axis(file: &AxisFile) -> ShownAxis {
+    let step_nm = file.step.num as f64 / file.step.den as f64;
+    ShownAxis {
+        axis: char::from(file.letter),
+        step_nm,
+        travel_mm: match file.travel {
+            Travel::Range(range) => Some(range.map(|nm| nm as f64 / 1e6)),
+            Travel::Unknown | Travel::Unlimited => None,
+        },
+        lash_steps: file.lash_steps,
+        lash_um: f64::from(file.lash_steps) * step_nm / 1e3,
+        max_rate_hz: file.max_rate,
+        max_speed_mm_per_min: f64::from(file.max_rate) * step_nm * 60.0 / 1e6,
+        pull_out_rate_hz: file.pull_out_rate,
+        motor: file.power.as_ref().map(motor),
+    }
+}
+
+fn motor(power: &Power) -> ShownMotor {
+    let [inductance_h, capacitance_f] = power.filter();
+    let current = CYCLES_HZ.map(|cycle_hz| {
+        let current = power.winding.current(cycle_hz);
+        ShownCurrent {
+            cycle_hz,
+            supply_a: current.supply_a,
+            rms_a: current.rms_a,
+            peak_a: current.peak_a,
+            torque_nm: power.winding.torque(&power.rotor, cycle_hz),
+        }
+    });
+    ShownMotor {
+        time_constant_ms: power.winding.time_constant_s() * 1e3,
+        pull_out_full_steps_hz: power.pull_out_hz(),
+        chopper: power.winding.chopper.map(|chopper| ShownChopper {
+            off_us: chopper.off_s * 1e6,
+            peak_a: chopper.peak_a,
+        }),
+        filter_inductance_uh: inductance_h * 1e6,
+        filter_capacitance_nf: capacitance_f * 1e9,
+        current: current.into(),
+    }
+}
+
+impl Shown {
+    /// For people.
+    pub fn text(&self) -> String {
+        let mut text = format!("{}: {} ({})\n", self.name, self.title, self.file);
+        for axis in &self.axes {
+            // Writing to a string never fails.
+            let _ = axis.write(&mut text);
+        }
+        text
+    }
+}
+
+impl ShownAxis {
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        write!(
+            out,
+            "\n  {}  {:.4} um a step",
+            self.axis,
+            self.step_nm / 1e3
+        )?;
+        if let Some([low, high]) = self.travel_mm {
+            write!(out, ", travel {low} to {high} mm")?;
+        }
+        if self.lash_steps > 0 {
+            write!(
+                out,
+                ", lash {} steps ({:.1} um)",
+                self.lash_steps, self.lash_um
+            )?;
+        }
+        let speed = self.max_speed_mm_per_min;
+        writeln!(
+            out,
+            "\n     at most {} Hz, {speed:.2} mm/min",
+            self.max_rate_hz
+        )?;
+        if let Some(rate) = self.pull_out_rate_hz {
+            writeln!(out, "     started at once it loses steps above {rate} Hz")?;
+        }
+        match &self.motor {
+            Some(motor) => motor.write(out),
+            None => Ok(()),
+        }
+    }
+}
+
+impl ShownMotor {
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(
+            out,
+            "     winding  time constant {:.3} ms",
+            self.time_constant_ms
+        )?;
+        if let Some(ShownChopper { off_us, peak_a }) = self.chopper {
+            writeln!(
+                out,
+                "     chopper  T_off {off_us:.1} us, I_peak {peak_a:.3} A"
+            )?;
+        }
+        let (inductance, capacitance) = (self.filter_inductance_uh, self.filter_capacitance_nf);
+        writeln!(
+            out,
+            "     filter   L {inductance:.0} uH, C {capacitance:.1} nF"
+        )?;
+        match self.pull_out_full_steps_hz {
+            Some(hz) => writeln!(
+                out,
+                "     pull-out {hz:.0} full steps a second under its load"
+            )?,
+            None => writeln!(out, "     pull-out the load is more than the motor holds")?,
+        }
+        writeln!(out, "     cycles/s  supply A   rms A  peak A  torque mN m")?;
+        for row in &self.current {
+            writeln!(
+                out,
+                "     {:8.1}  {:8.3}  {:6.3}  {:6.3}  {:11.3}",
+                row.cycle_hz,
+                row.supply_a,
+                row.rms_a,
+                row.peak_a,
+                row.torque_nm * 1e3
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// The machines that need no file, a line each.
+///
+/// # Errors
+///
+/// None of them should have a mistake; if one has, it is named.
+pub fn list() -> Result<String, String> {
+    let mut text = String::new();
+    for name in MachineFile::names() {
+        let machine = MachineFile::load(name).map_err(|_| format!("{name}: its file is wrong"))?;
+        let _ = writeln!(text, "{name:14}{}", machine.title);
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Measured on the machine: 0.95 A at 10 Hz, 0.39 A at 131.2 Hz, above which it lost steps.
+    #[test]
+    fn the_microfactory_as_measured() {
+        let machine = MachineFile::load("microfactory").unwrap();
+        let motor = show(&machine).axes.remove(0).motor.unwrap();
+        let at = |hz: f64| {
+            let found = motor.current.iter().find(|row| row.cycle_hz == hz);
+            found.unwrap().supply_a
+        };
+        assert!((at(10.0) - 0.95).abs() < 0.005);
+        assert!((at(131.2) - 0.39).abs() < 0.005);
+        let pull_out = motor.pull_out_full_steps_hz.unwrap();
+        assert!((pull_out / 524.8 - 1.0).abs() < 0.01, "{pull_out}");
+    }
+
+    /// The formulas of the power stage, by hand: 0.69 * 56 k * 0.82 n, 0.083 * 5 / 1, a tenth of 10 mH, 4e-10 / 1 mH.
+    #[test]
+    fn chopper_and_filter_by_hand() {
+        let machine = MachineFile::load("micromill").unwrap();
+        let text = show(&machine).text();
+        for part in ["T_off 31.7 us, I_peak 0.415 A", "L 1000 uH, C 400.0 nF"] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+    }
+
+    #[test]
+    fn every_machine_is_listed() {
+        let text = list().unwrap();
+        assert_eq!(text.lines().count(), MachineFile::names().len());
+    }
+}

@@ -1,0 +1,74 @@
+//! The power stage of a motor as a machine file describes it: winding, chopper, rotor and load.
+
+use crate::table::Table;
+use husillo_sim::{Chopper, Rotor, Winding};
+
+/// Peak of the PBL3717A at full current: 0.083 of the reference voltage over the sense resistor (data sheet: 420 mV at 5 V).
+const PEAK_OF_REFERENCE: f64 = 0.083;
+/// Ratio of the time off to R C of the PBL3717A's pulse time: ln 2.
+const OFF_OF_RC: f64 = 0.69;
+/// The filter before the motor: a tenth of its inductance, and L C = 4e-10 s^2, a corner of 8 kHz.
+const FILTER_OF_WINDING: f64 = 0.1;
+const FILTER_LC: f64 = 4e-10;
+
+/// Winding, chopper and what the motor turns.
+#[derive(Clone, Copy, Debug)]
+pub struct Power {
+    /// The winding, with the chopper if there is one.
+    pub winding: Winding,
+    /// What the current pulls.
+    pub rotor: Rotor,
+    /// Torque of friction and gear, N m.
+    pub load_nm: f64,
+}
+
+impl Power {
+    /// Reads `[axis.x.motor]`; what is missing or wrong is told.
+    pub fn read(table: &mut Table<'_, '_>) -> Option<Self> {
+        let mut number = |key, range| table.required_number(key, range);
+        let resistance_ohm = number("resistance_ohm", 0.01..=10_000.0);
+        let inductance_mh = number("inductance_mh", 0.001..=10_000.0);
+        let supply_v = number("supply_v", 0.1..=1000.0);
+        let torque_nm_per_a = number("torque_nm_per_a", 1e-6..=1000.0);
+        let full_steps_per_turn = number("full_steps_per_turn", 4.0..=10_000.0);
+        let load_nm = number("load_nm", 0.0..=1000.0);
+        let chopper = table.optional_table("chopper", read_chopper).flatten();
+        Some(Self {
+            winding: Winding {
+                resistance_ohm: resistance_ohm?,
+                inductance_h: inductance_mh? * 1e-3,
+                supply_v: supply_v?,
+                chopper,
+            },
+            rotor: Rotor {
+                torque_nm_per_a: torque_nm_per_a?,
+                cycles_per_turn: full_steps_per_turn? / 4.0,
+            },
+            load_nm: load_nm?,
+        })
+    }
+
+    /// The rate in full steps/s at which the motor falls out of step; `None` where it does not turn its load at all.
+    pub fn pull_out_hz(&self) -> Option<f64> {
+        let cycles = self.winding.pull_out_hz(&self.rotor, self.load_nm)?;
+        Some(4.0 * cycles)
+    }
+
+    /// Inductance and capacitance of the filter between bridge and motor, H and F.
+    pub fn filter(&self) -> [f64; 2] {
+        let inductance = FILTER_OF_WINDING * self.winding.inductance_h;
+        [inductance, FILTER_LC / inductance]
+    }
+}
+
+fn read_chopper(table: &mut Table<'_, '_>) -> Option<Chopper> {
+    let mut number = |key, range| table.required_number(key, range);
+    let timing_kohm = number("timing_kohm", 0.1..=10_000.0);
+    let timing_nf = number("timing_nf", 0.001..=10_000.0);
+    let reference_v = number("reference_v", 0.01..=50.0);
+    let sense_ohm = number("sense_ohm", 0.001..=1000.0);
+    Some(Chopper {
+        peak_a: PEAK_OF_REFERENCE * reference_v? / sense_ohm?,
+        off_s: OFF_OF_RC * timing_kohm? * 1e3 * timing_nf? * 1e-9,
+    })
+}
