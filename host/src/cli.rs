@@ -2,6 +2,7 @@
 
 use crate::diagnostics::Format;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 
 /// Check, simulate and draw programs for small machines
 #[derive(Debug, Parser)]
@@ -77,14 +78,16 @@ pub enum Command {
     Machines(Machines),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
-        goto POSITION   move, in mm where the machine file has a `count`, otherwise in counts\n  \
-        zero            call the present place 0\n  \
-        touch +|-       search the work piece, touch it slowly, correct for pre-travel\n  \
-        calibrate +|-   touch a face that is at --reference: its pre-travel\n  \
-        status          position, version and status of the module\n\n\
-        The modules are reset first, so positions count from where the axis is.\n\n\
+        goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \
+        zero                  call the present place 0\n  \
+        touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
+        calibrate DIRECTION   touch a face that is at --reference: its pre-travel\n  \
+        status                position, version and status of the module\n\n\
+        A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
+        The modules are reset first, so positions count from where the axes are.\n\n\
         Examples:\n  \
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
+        husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 --contact 1:2000 --contact 3:..-2000\n  \
         husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
         husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
     Measure(Measure),
@@ -500,10 +503,30 @@ pub struct Compare {
     pub output: Option<String>,
 }
 
+/// The arguments, with directions of `measure` such as `-z` and `-1,0,0` written so that they are no options: `z-` and `(-1,0,0)`.
+pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut args: Vec<_> = args.collect();
+    if args.get(1).is_some_and(|command| command == "measure") {
+        for word in &mut args[2..] {
+            let Some(rest) = word.to_str().and_then(|word| word.strip_prefix('-')) else {
+                continue;
+            };
+            if matches!(rest, "x" | "y" | "z" | "X" | "Y" | "Z") {
+                *word = format!("{rest}-").into();
+            } else if rest.contains(',')
+                && rest.starts_with(|c: char| c.is_ascii_digit() || c == '.')
+            {
+                *word = format!("(-{rest})").into();
+            }
+        }
+    }
+    args
+}
+
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, touch +|-, calibrate +|-, status; several are done in turn
+    /// goto POSITION, zero, touch DIRECTION, calibrate DIRECTION, status; several are done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]
@@ -512,7 +535,7 @@ pub struct Measure {
     /// Serial device, tcp:HOST:PORT, or sim: simulated modules in simulated time
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: String,
-    /// Axis to move
+    /// Axis that is meant where an action names none
     #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
     pub axis: char,
     /// Pre-travel to subtract, instead of the machine's

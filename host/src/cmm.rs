@@ -1,33 +1,38 @@
 //! Measuring machines: `husillo measure` and `husillo emulate`.
 //!
 //! ```text
-//! file, action ─► session ─► axis ─► line ─► port ─┬─► emulated     simulated time
-//!                    └─► result_row                ├─► serial device, socket
-//! contact, modules ─► emulated ─► terminal ────────┘   real time
+//! file, action ─► session ─► head ─► line ─► port ─┬─► emulated     simulated time
+//!                    │         servo, way, touching  ├─► serial device, socket
+//!                    └─► result_row                  │
+//! contact, modules ─► emulated ─► terminal ──────────┘   real time
 //! ```
 
 mod action;
-mod axis;
 mod contact;
+mod direction;
 mod emulated;
 mod file;
+mod head;
 mod line;
 mod port;
-#[allow(dead_code)] // until the head and the routines use it
+#[allow(dead_code)] // until the routines use it
 mod prober;
 mod result_row;
 mod scale;
+mod servo;
 mod session;
 #[cfg(unix)]
 mod terminal;
+mod touching;
 mod trouble;
+mod way;
 
 pub use contact::Contact;
 
 use crate::cli::{Emulate, Measure, Output};
 use crate::machine_file::LoadError;
-use axis::Axis;
 use file::CmmFile;
+use head::Head;
 use result_row::{CSV_HEAD, ResultRow};
 use session::Session;
 use std::io::Write;
@@ -57,25 +62,12 @@ impl From<String> for Stopped {
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut session = Session::new(args, &machine)?;
-    let letter = args.axis.to_ascii_uppercase();
-    let axes = machine.axes.iter();
-    let file = *axes
-        .clone()
-        .find(|axis| axis.letter == letter)
-        .ok_or_else(|| {
-            let letters: Vec<_> = axes.map(|axis| axis.letter.to_string()).collect();
-            format!(
-                "{} has no axis {letter}: there is {}",
-                machine.title,
-                letters.join(", ")
-            )
-        })?;
     let line = session::open(args, &machine)?;
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let result = Axis::start(line, &machine, file).and_then(|mut axis| {
-        session.run(&mut axis, |row| {
+    let result = Head::start(line, &machine, args.repeat).and_then(|mut head| {
+        session.run(&mut head, |row| {
             if args.format == Output::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
             }

@@ -59,7 +59,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match app::run(&cli::Cli::parse()) {
+    match app::run(&cli::Cli::parse_from(cli::words(std::env::args_os()))) {
         Ok(code) => ExitCode::from(code),
         Err(app::Failure::Gone) => ExitCode::SUCCESS,
         Err(app::Failure::Usage(message)) => {

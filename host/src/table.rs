@@ -185,6 +185,43 @@ impl<'a, 'f> Table<'a, 'f> {
             self.wrong(span, &format!("`{key}` is no table"), "expected a table");
             return None;
         };
+        Some(self.inner(key, span, table, read))
+    }
+
+    /// A list of tables that may be there.
+    pub fn optional_tables<T>(
+        &mut self,
+        key: &str,
+        mut read: impl FnMut(&mut Table<'a, '_>) -> T,
+    ) -> Option<Vec<T>> {
+        let (value, span) = self.value(key)?;
+        let tables = value.as_array().and_then(|list| {
+            let tables = list
+                .iter()
+                .map(|item| Some((item.span(), item.get_ref().as_table()?)));
+            tables.collect::<Option<Vec<_>>>()
+        });
+        let Some(tables) = tables else {
+            self.wrong(
+                span,
+                &format!("`{key}` is no list of tables"),
+                "expected tables",
+            );
+            return None;
+        };
+        let read = tables
+            .into_iter()
+            .map(|(span, table)| self.inner(key, span, table, &mut read));
+        Some(read.collect())
+    }
+
+    fn inner<T>(
+        &mut self,
+        key: &str,
+        span: Range<usize>,
+        table: &'a DeTable<'a>,
+        read: impl FnOnce(&mut Table<'a, '_>) -> T,
+    ) -> T {
         let name = match self
             .name
             .strip_prefix('[')
@@ -196,7 +233,7 @@ impl<'a, 'f> Table<'a, 'f> {
         let mut inner = Table::new(self.path, self.text, &name, span, table, self.findings);
         let result = read(&mut inner);
         inner.finish();
-        Some(result)
+        result
     }
 
     /// Reports a key that must be there and is not.

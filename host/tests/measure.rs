@@ -105,6 +105,62 @@ fn moves_end_within_a_count() {
 }
 
 #[test]
+fn all_axes_go_in_straight_lines() {
+    let rows = measured(&[
+        "-m", "cmm3", "goto", "X1.5", "y-2", "Z0.25", "goto", "z-1", "X0", "goto", "Y-2", "status",
+    ]);
+    let at = |row: &Value, wanted: &[f64]| {
+        let position = row["position"].as_array().unwrap();
+        assert_eq!(position.len(), wanted.len());
+        for (value, wanted) in position.iter().zip(wanted) {
+            near(value, *wanted, 0.002);
+        }
+    };
+    at(&rows[0], &[1.5, -2.0, 0.25]);
+    at(&rows[1], &[0.0, -1.0]);
+    near(&rows[2]["position"], -2.0, 0.002);
+    assert_eq!([&rows[0]["axis"], &rows[1]["axis"]], ["XYZ", "XZ"]);
+    husillo()
+        .args(["measure", "-m", "cmm3", "goto", "X1", "Y250"])
+        .assert()
+        .code(1)
+        .stderr(contains(
+            "error: Y 250.0000 mm is outside the travel, -200.0000 mm to 200.0000 mm",
+        ));
+    husillo()
+        .args(["measure", "goto", "X1", "Y2"])
+        .assert()
+        .code(2)
+        .stderr(contains("has no axis Y: there is X"));
+}
+
+#[test]
+fn a_touch_in_any_direction_latches_all_axes() {
+    // Faces across X at 2 mm and across Z at -1 mm; the way to the first is twice that in Y.
+    let faces = ["-m", "cmm3", "--contact", "1:1000", "--contact", "3:..-500"];
+    let touches = [
+        "touch", "1,-0.5,0", "goto", "X0", "Y1", "touch", "-z", "--repeat", "2",
+    ];
+    let rows = measured(&[&faces[..], &touches[..]].concat());
+    let [x, y, z] = [0, 1, 2].map(|axis| &rows[0]["trigger"][axis]);
+    near(x, 2.0, 0.002);
+    near(y, -1.0, 0.002);
+    near(z, 0.0, 0.002);
+    assert_eq!(
+        (&rows[0]["axis"], &rows[2]["axis"]),
+        (&"XYZ".into(), &"Z".into())
+    );
+    near(&rows[2]["trigger"], -1.0, 0.002);
+    husillo()
+        .args(["measure", "-m", "cmm3", "touch", "-1,-1,0"])
+        .assert()
+        .code(1)
+        .stderr(contains(
+            "no contact from X 0.0000 mm, Y 0.0000 mm, Z 0.0000 mm to X -200.0000 mm, Y -200.0000 mm, Z 0.0000 mm",
+        ));
+}
+
+#[test]
 fn zero_moves_what_is_counted_and_not_the_travel() {
     let rows = measured(&["goto", "1000", "zero", "status", "goto", "-1000"]);
     near(&rows[1]["position"], 0.0, 1.0);
@@ -114,7 +170,7 @@ fn zero_moves_what_is_counted_and_not_the_travel() {
         .args(["measure", "goto", "1000", "zero", "goto", "7100"])
         .assert()
         .code(1)
-        .stderr(contains("error: 7100 counts is outside the travel, -9"));
+        .stderr(contains("error: X 7100 counts is outside the travel, -9"));
 }
 
 #[test]
@@ -196,7 +252,7 @@ fn failures_are_named() {
     // A servo too weak to follow.
     let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
     let weak = scratch("weak.toml");
-    std::fs::write(&weak, text.replace("p = 2000, i = 200", "p = 1, i = 0")).unwrap();
+    std::fs::write(&weak, text.replace("p = 2000, i = 50", "p = 1, i = 0")).unwrap();
     fails(
         &["-m", weak.to_str().unwrap(), "goto", "5000"],
         "error: position error at ",

@@ -13,16 +13,17 @@ use crate::UnitVector;
 /// no grid: one entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub struct PreTravel<const K: usize> {
+    /// Behind `used` all the same, so that tables of the same entries are equal.
     entries: [(UnitVector, i32); K],
+    /// At most `K`.
+    used: usize,
 }
 
 impl PreTravel<1> {
     /// The same pre-travel in all directions.
     #[must_use]
     pub const fn uniform(nm: i32) -> PreTravel<1> {
-        PreTravel {
-            entries: [(UnitVector::X, nm)],
-        }
+        PreTravel::new([(UnitVector::X, nm)])
     }
 }
 
@@ -30,13 +31,28 @@ impl<const K: usize> PreTravel<K> {
     /// A table of directions of travel and the pre-travel in nm along each.
     #[must_use]
     pub const fn new(entries: [(UnitVector, i32); K]) -> PreTravel<K> {
-        PreTravel { entries }
+        PreTravel { entries, used: K }
+    }
+
+    /// The same of a table whose length is known when it is read; `None` of more than `K` entries.
+    #[must_use]
+    pub fn of(entries: &[(UnitVector, i32)]) -> Option<PreTravel<K>> {
+        let mut table = PreTravel {
+            entries: [(UnitVector::X, 0); K],
+            used: entries.len(),
+        };
+        let places = table.entries.get_mut(..entries.len())?;
+        places
+            .iter_mut()
+            .zip(entries)
+            .for_each(|(to, from)| *to = *from);
+        Some(table)
     }
 
     /// The entries.
     #[must_use]
-    pub const fn entries(&self) -> &[(UnitVector, i32); K] {
-        &self.entries
+    pub fn entries(&self) -> &[(UnitVector, i32)] {
+        self.entries.get(..self.used).unwrap_or(&self.entries)
     }
 
     /// The pre-travel in nm along `direction`; 0 of an empty table.
@@ -46,14 +62,14 @@ impl<const K: usize> PreTravel<K> {
     #[must_use]
     pub fn along(&self, direction: &UnitVector) -> i32 {
         let mut nearest = u64::MAX;
-        for (entry, nm) in &self.entries {
+        for (entry, nm) in self.entries() {
             let square = square_distance(entry, direction);
             if square <= SAME {
                 return *nm;
             }
             nearest = nearest.min(square);
         }
-        let ends = self.entries.iter().fold(None, |ends, &(_, nm)| {
+        let ends = self.entries().iter().fold(None, |ends, &(_, nm)| {
             ends.map_or(Some((nm, nm)), |(low, high): (i32, i32)| {
                 Some((low.min(nm), high.max(nm)))
             })
@@ -63,7 +79,7 @@ impl<const K: usize> PreTravel<K> {
             return low;
         }
         let (mut weights, mut sum) = (0_u64, 0_u64);
-        for (entry, nm) in &self.entries {
+        for (entry, nm) in self.entries() {
             // nearest <= 2^32, so 2^44 over something not smaller: at most 2^12.
             let ratio = (nearest << 12)
                 .checked_div(square_distance(entry, direction))
@@ -116,6 +132,12 @@ mod tests {
         assert_eq!(table.along(&between), 6957);
         assert_eq!(PreTravel::uniform(-7).along(&between), -7);
         assert_eq!(PreTravel::new([]).along(&between), 0);
+        let roomy = PreTravel::<9>::of(table.entries()).unwrap();
+        assert_eq!(
+            (roomy.along(&between), roomy.entries()),
+            (6957, table.entries())
+        );
+        assert_eq!(PreTravel::<2>::of(table.entries()), None);
         let wide = PreTravel::new([(UnitVector::X, i32::MIN), (UnitVector::Y, i32::MAX)]);
         assert_eq!(wide.along(&between), 0);
     }

@@ -41,6 +41,7 @@ pub fn keep() {
         UnitVector::length_along as *const (),
         PreTravel::uniform as *const (),
         PreTravel::<6>::new as *const (),
+        PreTravel::<6>::of as *const (),
         PreTravel::<6>::entries as *const (),
         PreTravel::<6>::along as *const (),
         Tip::<6>::surface_nm as *const (),

@@ -1,7 +1,7 @@
 //! A simulated chain of modules with a work piece before their probes.
 
 use super::contact::Contact;
-use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
+use husillo_sim::{DcMotor, DcMotorModel, ServoChain, Surroundings};
 
 /// A servo period in ns.
 pub const PERIOD_NS: u64 = 512_000;
@@ -43,18 +43,16 @@ impl Emulated {
 
     /// A servo period: the bytes that the modules send in it.
     pub fn tick(&mut self) -> Vec<u8> {
-        for contact in &self.contacts {
-            let module = usize::from(contact.module - 1);
-            let counts = self.chain.motor(module).map_or(0, |motor| motor.counts());
-            // Another face of the same module may be the closed one.
-            let is_closed = self
-                .contacts
-                .iter()
-                .any(|other| other.module == contact.module && other.is_closed(counts));
-            let around = Surroundings {
-                limit_1: is_closed,
-                ..Surroundings::default()
-            };
+        let is_closed = self.contacts.iter().any(|contact| {
+            let motor = self.chain.motor(usize::from(contact.module - 1));
+            contact.is_closed(motor.map_or(0, DcMotor::counts))
+        });
+        // The probe is wired to limit 1 of every module.
+        let around = Surroundings {
+            limit_1: is_closed,
+            ..Surroundings::default()
+        };
+        for module in 0..self.chain.len() {
             self.chain.surround(module, around);
         }
         self.chain.tick()

@@ -5,10 +5,18 @@ use crate::diagnostics::Finding;
 use crate::machine_file::{LoadError, read_text};
 use crate::quantity::{self, Quantity};
 use crate::table::{Table, document};
+use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
+use toml::de::DeValue;
 
 const CMM: &str = include_str!("../../../machines/cmm.toml");
 const CMM3: &str = include_str!("../../../machines/cmm3.toml");
+
+/// Most entries of a table of pre-travel.
+pub const PLACES: usize = 32;
+
+/// Radius and pre-travel of a probe, amounts of the scale.
+pub type Stylus = Tip<PLACES>;
 
 /// A measuring machine as its file describes it.
 #[derive(Clone, Debug)]
@@ -55,10 +63,15 @@ pub struct ProbeFile {
     pub back_off: u32,
     /// Longest way beyond a contact, counts.
     pub over_travel: u32,
-    /// From touch to signal in the positive and the negative direction, as amounts of the scale.
-    pub pre_travel: [i64; 2],
-    /// Radius of the ball, as an amount of the scale; 0 measures its centre.
-    pub ball_radius: i64,
+    /// Radius of the ball (0 measures its centre) and way from touch to signal.
+    pub stylus: Stylus,
+}
+
+impl AxisFile {
+    /// 0 for X, 1 for Y, 2 for Z.
+    pub fn coordinate(&self) -> usize {
+        "XYZ".find(self.letter).unwrap_or_default()
+    }
 }
 
 impl CmmFile {
@@ -154,21 +167,79 @@ fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisFile 
 }
 
 fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeFile {
-    let amount = |table: &mut Table<'_, '_>, key| {
-        let amount = table.quantity(key, LENGTH, |quantity| scale.amount(quantity));
-        amount.unwrap_or_default()
-    };
-    let pre_travel = table.optional_table("pre_travel", |table| {
-        [amount(table, "positive"), amount(table, "negative")]
-    });
     ProbeFile {
         rate: rate(table, "rate", scale),
         slow_rate: rate(table, "slow_rate", scale),
         back_off: length(table, "back_off", scale),
         over_travel: length(table, "over_travel", scale),
-        pre_travel: pre_travel.unwrap_or_default(),
-        ball_radius: amount(table, "ball_radius"),
+        stylus: Tip {
+            radius_nm: short(table, "ball_radius", scale),
+            pre_travel: read_pre_travel(table, scale),
+        },
     }
+}
+
+/// One for the positive and one for the negative direction of every axis, or a list by direction.
+fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES> {
+    let is_list = |table: &mut Table<'_, '_>| {
+        let value = table.value("pre_travel");
+        value.is_some_and(|(value, _)| value.as_array().is_some())
+    };
+    if !is_list(table) {
+        let both = table.optional_table("pre_travel", |table| {
+            [
+                short(table, "positive", scale),
+                short(table, "negative", scale),
+            ]
+        });
+        return both_ways(both.unwrap_or_default());
+    }
+    let entries = table.optional_tables("pre_travel", |entry| {
+        let direction = entry.value("direction").and_then(|(value, span)| {
+            let parts = value.as_array().filter(|parts| parts.len() == 3);
+            let parts = parts.and_then(|parts| {
+                let number = |part: &DeValue<'_>| part.as_integer()?.to_string().parse().ok();
+                let parts: Option<Vec<i64>> =
+                    parts.iter().map(|part| number(part.get_ref())).collect();
+                UnitVector::new(parts?.try_into().ok()?)
+            });
+            if parts.is_none() {
+                entry.wrong(
+                    span,
+                    "`direction` is not understood",
+                    "expected whole numbers as in [0, 0, -1]",
+                );
+            }
+            parts
+        });
+        if direction.is_none() {
+            entry.missing("direction");
+        }
+        Some((direction?, short(entry, "length", scale)))
+    });
+    let entries: Vec<_> = entries.into_iter().flatten().flatten().collect();
+    PreTravel::of(&entries).unwrap_or_else(|| {
+        if let Some((_, span)) = table.value("pre_travel") {
+            table.wrong(span, "too many entries", &format!("{PLACES} at most"));
+        }
+        both_ways([0; 2])
+    })
+}
+
+/// Pre-travel of the positive and the negative direction of all axes.
+pub fn both_ways([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
+    let axes = [UnitVector::X, UnitVector::Y, UnitVector::Z];
+    let entries = axes.map(|axis| [(axis, positive), (axis.reversed(), negative)]);
+    // Six of the places.
+    PreTravel::of(entries.as_flattened()).expect("six fit")
+}
+
+/// A short length as an amount of the scale; 0 where there is none.
+fn short(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> i32 {
+    let amount = table.quantity(key, LENGTH, |quantity| {
+        i32::try_from(scale.amount(quantity)?).ok()
+    });
+    amount.unwrap_or_default()
 }
 
 fn read_link(table: &mut Table<'_, '_>) -> Baud {

@@ -1,19 +1,49 @@
 //! The result of one action, as text, JSON or a line of a table.
 
 use super::scale::Scale;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// A number, or one for each of several axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numbers(pub Vec<f64>);
+
+impl Serialize for Numbers {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self.0[..] {
+            [number] => number.serialize(to),
+            _ => self.0.serialize(to),
+        }
+    }
+}
+
+impl fmt::Display for Numbers {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, gap) in self
+            .0
+            .iter()
+            .zip([""].into_iter().chain(std::iter::repeat(" ")))
+        {
+            match out.precision() {
+                Some(places) => write!(out, "{gap}{number:.places$}")?,
+                None => write!(out, "{gap}{number}")?,
+            }
+        }
+        Ok(())
+    }
+}
 
 /// What came of an action, in the machine's unit.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ResultRow {
     /// Name of the action.
     pub action: &'static str,
-    /// `X`, `Y` or `Z`.
-    pub axis: char,
+    /// `X`, `Y`, `Z` or several of them.
+    pub axis: String,
     /// `mm` or `counts`.
     pub unit: &'static str,
-    /// Where the axis stands.
-    pub position: f64,
+    /// Where the axes stand.
+    pub position: Numbers,
     /// Of a touch.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub touch: Option<TouchFigures>,
@@ -26,14 +56,14 @@ pub struct ResultRow {
 }
 
 /// The figures of a touch.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct TouchFigures {
-    /// `+` or `-`.
-    pub direction: char,
+    /// `+` or `-` of an axis, or a unit vector.
+    pub direction: String,
     /// What was latched, mean of the touches.
-    pub trigger: f64,
-    /// Less pre-travel and ball: the place of the face.
-    pub corrected: f64,
+    pub trigger: Numbers,
+    /// Less pre-travel and ball: the place of the face, taken as across the direction.
+    pub corrected: Numbers,
     /// The pre-travel used, or found by a calibration.
     pub pre_travel: f64,
     /// Touches averaged.
@@ -58,7 +88,7 @@ impl ResultRow {
             position,
             ..
         } = self;
-        let touch = match self.touch {
+        let touch = match &self.touch {
             Some(t) => format!(
                 "{},{},{},{},{},{},{}",
                 t.direction,
@@ -78,10 +108,11 @@ impl ResultRow {
     pub fn text(&self, scale: Scale) -> String {
         let places = if scale.unit() == "mm" { 4 } else { 0 };
         let of = |value: f64| format!("{value:.places$} {}", self.unit);
+        let all = |values: &Numbers| format!("{values:.places$} {}", self.unit);
         let head = format!("{} {}", self.axis, self.action);
         if let Some(t) = &self.touch {
             let found = if self.action == "calibrate" {
-                let key = if t.direction == '+' {
+                let key = if t.direction == "+" {
                     "positive"
                 } else {
                     "negative"
@@ -97,8 +128,8 @@ impl ResultRow {
             return format!(
                 "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread {}, over-travel {} at most",
                 t.direction,
-                of(t.trigger),
-                of(t.corrected),
+                all(&t.trigger),
+                all(&t.corrected),
                 t.touches,
                 of(t.spread),
                 of(t.over_travel)
@@ -107,11 +138,11 @@ impl ResultRow {
         match &self.bits {
             Some(bits) => format!(
                 "{head}: at {}, version {}, {}",
-                of(self.position),
+                all(&self.position),
                 self.version.unwrap_or_default(),
                 bits.join(", ")
             ),
-            None => format!("{head}: at {}", of(self.position)),
+            None => format!("{head}: at {}", all(&self.position)),
         }
     }
 }

@@ -67,6 +67,17 @@ impl Scale {
         self.amount(Quantity::Steps(counts)).unwrap_or(counts.num)
     }
 
+    /// An amount as counts, to the nearest.
+    pub fn to_counts(self, amount: i64) -> i64 {
+        let amount = Fraction {
+            num: amount,
+            den: 1,
+        };
+        self.count
+            .and_then(|count| amount.over(count))
+            .unwrap_or(amount.num)
+    }
+
     /// A speed in counts a second; at least 1.
     pub fn rate(self, quantity: Quantity) -> Option<u32> {
         let rate = match quantity {

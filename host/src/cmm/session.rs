@@ -1,29 +1,29 @@
-//! `husillo measure`: actions on one axis, and what they give.
+//! `husillo measure`: actions on a machine, and what they give.
 
 use super::action::Action;
-use super::axis::Axis;
 use super::contact::Contact;
+use super::direction::Towards;
 use super::emulated::Emulated;
-use super::file::CmmFile;
+use super::file::{CmmFile, Stylus, both_ways};
+use super::head::Head;
 use super::line::Line;
 use super::port::Port;
-use super::result_row::{ResultRow, TouchFigures};
+use super::prober::Prober;
+use super::result_row::{Numbers, ResultRow, TouchFigures};
 use super::scale::Scale;
 use super::trouble::Trouble;
 use crate::cli::Measure;
-use husillo_probe::{Measurement, PreTravel, Tip, UnitVector};
-use husillo_transports::nmc::Status;
+use husillo_probe::{Measurement, PreTravel, UnitVector};
+use husillo_transports::nmc::{Reply, Status};
 
 /// All that `husillo measure` was asked for.
 pub struct Session {
     /// The unit of the machine.
     pub scale: Scale,
     actions: Vec<Action>,
-    letter: char,
-    touches: u8,
-    /// Positive and negative, amounts of the scale.
-    pre_travel: [i64; 2],
-    ball_radius: i64,
+    /// X, Y and Z as far as the machine has them.
+    axes: Vec<usize>,
+    stylus: Stylus,
     reference: Option<i64>,
 }
 
@@ -35,7 +35,14 @@ impl Session {
     /// A sentence about them.
     pub fn new(args: &Measure, machine: &CmmFile) -> Result<Self, String> {
         let scale = machine.scale;
-        let actions = Action::parse(&args.actions, scale)?;
+        let axis = coordinate(args.axis);
+        let axis = axis.ok_or_else(|| no_axis(machine, &args.axis.to_string()))?;
+        let actions = Action::parse(&args.actions, scale, axis)?;
+        let axes: Vec<_> = machine.axes.iter().map(|axis| axis.coordinate()).collect();
+        let mut named = actions.iter().flat_map(Action::axes);
+        if let Some(missing) = named.find(|axis| !axes.contains(axis)) {
+            return Err(no_axis(machine, &letters(&[missing])));
+        }
         let amount = |option: &str, text: &Option<String>| match text {
             Some(text) => match scale.parse(text).map(|length| scale.amount(length)) {
                 Ok(Some(amount)) => Ok(Some(amount)),
@@ -52,16 +59,17 @@ impl Session {
         if reference.is_none() && actions.iter().any(calibrates) {
             return Err("`calibrate` needs --reference, the place of the face".into());
         }
+        let mut stylus = machine.probe.stylus;
+        if let Some(amount) = amount("--pretravel", &args.pretravel)? {
+            let amount = i32::try_from(amount);
+            let amount = amount.map_err(|_| "--pretravel: no probe bends as far")?;
+            stylus.pre_travel = both_ways([amount; 2]);
+        }
         Ok(Self {
             scale,
             actions,
-            letter: args.axis.to_ascii_uppercase(),
-            touches: args.repeat,
-            pre_travel: match amount("--pretravel", &args.pretravel)? {
-                Some(amount) => [amount; 2],
-                None => machine.probe.pre_travel,
-            },
-            ball_radius: machine.probe.ball_radius,
+            axes,
+            stylus,
             reference,
         })
     }
@@ -73,102 +81,139 @@ impl Session {
     /// The first action that fails ends it.
     pub fn run(
         &mut self,
-        axis: &mut Axis,
+        head: &mut Head,
         mut tell: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for action in self.actions.clone() {
+            let mut axes = action.axes();
+            if axes.is_empty() {
+                axes.clone_from(&self.axes);
+            }
             let mut row = ResultRow {
-                axis: self.letter,
+                axis: letters(&axes),
                 unit: self.scale.unit(),
                 ..ResultRow::default()
             };
             match action {
                 Action::GoTo(goal) => {
                     row.action = "goto";
-                    axis.go_to(goal)?;
+                    let held = head.held();
+                    head.go_to([0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis])))?;
                 }
-                Action::Zero => {
+                Action::Zero(axis) => {
                     row.action = "zero";
-                    axis.set_zero()?;
+                    head.set_zero(axis)?;
                 }
-                Action::Touch { is_positive } => {
+                Action::Touch(towards) => {
                     row.action = "touch";
-                    let measurement = axis.touch(is_positive, self.touches)?;
-                    row.touch = Some(self.figures(&measurement, is_positive));
+                    let measurement = head.touch(&towards.direction, u64::MAX)?;
+                    row.touch = Some(self.figures(&measurement, &towards, &axes));
                 }
-                Action::Calibrate { is_positive } => {
+                Action::Calibrate(towards) => {
                     row.action = "calibrate";
-                    let measurement = axis.touch(is_positive, self.touches)?;
-                    self.calibrate(&measurement, is_positive);
-                    row.touch = Some(self.figures(&measurement, is_positive));
+                    let measurement = head.touch(&towards.direction, u64::MAX)?;
+                    self.calibrate(&measurement, &towards);
+                    row.touch = Some(self.figures(&measurement, &towards, &axes));
                 }
-                Action::Status => row.action = "status",
+                Action::Status(axis) => {
+                    row.action = "status";
+                    let reply: Reply = head.status(axis)?;
+                    row.bits = Some(names(reply.status));
+                    row.version = Some(reply.readings.version);
+                }
             }
-            let reply = axis.status()?;
-            row.position = self.number(reply.readings.position.into());
-            if action == Action::Status {
-                row.bits = Some(names(reply.status));
-                row.version = Some(reply.readings.version);
-            }
+            row.position = self.numbers(head.position()?, &axes);
             tell(&row);
         }
         Ok(())
     }
 
     /// The pre-travel that makes of this touch the reference.
-    fn calibrate(&mut self, measurement: &Measurement, is_positive: bool) {
-        let index = usize::from(!is_positive);
-        let uncorrected = self.corrected(measurement, [0; 2]);
-        let Some(reference) = self.reference else {
+    fn calibrate(&mut self, measurement: &Measurement, towards: &Towards) {
+        let (Some(axis), Some(reference)) = (towards.axis, self.reference) else {
             return;
         };
-        if let Some(place) = self.pre_travel.get_mut(index) {
-            let beyond = uncorrected.saturating_sub(reference);
-            *place = if is_positive {
-                beyond
-            } else {
-                beyond.saturating_neg()
-            };
-        }
-    }
-
-    /// The face, as an amount of the scale: `p - ed d - r n`.
-    fn corrected(&self, measurement: &Measurement, pre_travel: [i64; 2]) -> i64 {
-        // 2^31 nm are 2.1 m: no probe.
-        let short = |amount: i64| i32::try_from(amount).unwrap_or_default();
-        let [positive, negative] = pre_travel.map(short);
-        let tip = Tip {
-            radius_nm: short(self.ball_radius),
-            pre_travel: PreTravel::new([
-                (UnitVector::X, positive),
-                (UnitVector::X.reversed(), negative),
-            ]),
+        let ideal = Stylus {
+            pre_travel: both_ways([0; 2]),
+            ..self.stylus
         };
-        let touch = &measurement.touch;
-        let at = touch.position.map(|counts| self.scale.of_counts(counts));
-        let [face, ..] = tip.surface_nm(at, &touch.direction, &touch.direction.reversed());
-        face
-    }
-
-    fn figures(&self, measurement: &Measurement, is_positive: bool) -> TouchFigures {
-        let [positive, negative] = self.pre_travel;
-        let pre_travel = if is_positive { positive } else { negative };
-        let [trigger, ..] = measurement.touch.position;
-        let corrected = self.corrected(measurement, self.pre_travel);
-        TouchFigures {
-            direction: if is_positive { '+' } else { '-' },
-            trigger: self.number(trigger),
-            corrected: self.scale.number(corrected),
-            pre_travel: self.scale.number(pre_travel),
-            touches: measurement.touches,
-            spread: self.number(measurement.spread),
-            over_travel: self.number(measurement.over_travel),
+        let face = surface(&ideal, measurement)[axis];
+        let direction = measurement.touch.direction;
+        // The part along the axis is 1 or -1.
+        let beyond = (face - reference) * i64::from(direction.components()[axis].to_num::<i32>());
+        let of = |&(entry, nm): &(UnitVector, i32)| {
+            (
+                entry,
+                if entry == direction {
+                    beyond as i32
+                } else {
+                    nm
+                },
+            )
+        };
+        let entries: Vec<_> = self.stylus.pre_travel.entries().iter().map(of).collect();
+        if let Some(pre_travel) = PreTravel::of(&entries) {
+            self.stylus.pre_travel = pre_travel;
         }
     }
 
-    fn number(&self, counts: i64) -> f64 {
-        self.scale.number(self.scale.of_counts(counts))
+    fn figures(
+        &self,
+        measurement: &Measurement,
+        towards: &Towards,
+        axes: &[usize],
+    ) -> TouchFigures {
+        let pre_travel = self.stylus.pre_travel.along(&towards.direction);
+        TouchFigures {
+            direction: towards.text(),
+            trigger: self.numbers(measurement.touch.position, axes),
+            corrected: self.numbers(surface(&self.stylus, measurement), axes),
+            pre_travel: self.scale.number(pre_travel.into()),
+            touches: measurement.touches,
+            spread: self.scale.number(measurement.spread),
+            over_travel: self.scale.number(measurement.over_travel),
+        }
     }
+
+    /// Of these axes.
+    fn numbers(&self, place: [i64; 3], axes: &[usize]) -> Numbers {
+        let of = |axis: &usize| self.scale.number(place[*axis]);
+        Numbers(axes.iter().map(of).collect())
+    }
+}
+
+/// The face, as it lies where it is across the direction: `p - ed d - r n`.
+fn surface(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
+    let touch = &measurement.touch;
+    stylus.surface_nm(
+        touch.position,
+        &touch.direction,
+        &touch.direction.reversed(),
+    )
+}
+
+/// 0 for X to 2 for Z.
+fn coordinate(letter: char) -> Option<usize> {
+    "XYZ".find(letter.to_ascii_uppercase())
+}
+
+/// `XZ` of 0 and 2.
+fn letters(axes: &[usize]) -> String {
+    let letter = |axis: &usize| "XYZ".chars().nth(*axis);
+    axes.iter().filter_map(letter).collect()
+}
+
+fn no_axis(machine: &CmmFile, axis: &str) -> String {
+    let letters: Vec<_> = machine
+        .axes
+        .iter()
+        .map(|axis| axis.letter.to_string())
+        .collect();
+    let (title, axis) = (&machine.title, axis.to_ascii_uppercase());
+    format!(
+        "{title} has no axis {axis}: there is {}",
+        letters.join(", ")
+    )
 }
 
 /// Opens the port of the arguments.

@@ -19,8 +19,16 @@ pub enum Trouble {
     NoModule { wanted: u8, modules: u8 },
     /// The line is disturbed, or two modules answer at once.
     Doubtful,
-    /// The motor has no supply.
-    NoPower,
+    /// A motor has no supply.
+    NoPower { axis: char },
+    /// The machine has no such axis.
+    NoAxis { axis: char },
+    /// The profiles of the axes are not of one time.
+    Periods,
+    /// Not all modules have begun a move.
+    NotTogether,
+    /// A module has not seen what the others have.
+    NotSeen { axis: char },
     /// The servo has given up.
     PositionError { at: String },
     /// The motor's current was beyond its limit.
@@ -48,7 +56,13 @@ impl Trouble {
                 "`module` of an axis in the machine file is its address; 1 is the far end"
             }
             Self::Doubtful => "switch the modules off and on; --raw shows the bytes",
-            Self::NoPower => "switch the supply of the motor on",
+            Self::NoPower { .. } => "switch the supply of the motor on",
+            Self::NoAxis { .. } => "the axes are those of the machine file",
+            Self::Periods => "give all axes the same `rate_divisor`",
+            Self::NotTogether => "the line is disturbed: all axes have been stopped",
+            Self::NotSeen { .. } => {
+                "the contact of the probe is to be wired to limit 1 of every module; all axes have been stopped"
+            }
             Self::PositionError { .. } => {
                 "something blocks the axis, or `gains` and `rate` do not suit the motor; the servo is off now"
             }
@@ -84,7 +98,11 @@ impl fmt::Display for Trouble {
             Self::Doubtful => {
                 out.write_str("no undamaged answer while the modules got their addresses")
             }
-            Self::NoPower => out.write_str("no motor power"),
+            Self::NoPower { axis } => write!(out, "no motor power on {axis}"),
+            Self::NoAxis { axis } => write!(out, "the machine has no axis {axis}"),
+            Self::Periods => out.write_str("the modules of the axes do not step in one time"),
+            Self::NotTogether => out.write_str("not all modules have begun the move"),
+            Self::NotSeen { axis } => write!(out, "the module of {axis} has not seen the contact"),
             Self::PositionError { at } => write!(out, "position error at {at}"),
             Self::OverCurrent { at } => write!(out, "current beyond its limit at {at}"),
             Self::NotThere { goal, at } => write!(out, "stands at {at} instead of {goal}"),

@@ -1,0 +1,77 @@
+//! The probing cycle carried out by a head.
+
+use super::head::Head;
+use super::trouble::Trouble;
+use super::way::Way;
+use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
+use husillo_transports::nmc::{Homing, Status};
+
+impl Head {
+    /// Searches the work piece from where the head stands in any direction, at most so far and not beyond the travel, touches it slowly
+    /// and returns the mean of what was latched, in amounts of the scale.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`], the probing cycle's own among them.
+    pub fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+        let from = self.held();
+        let search = way.min(self.room(direction)).min(u32::MAX.into());
+        let amount = |counts: u32| {
+            let amount = self.scale.of_counts(counts.into());
+            u32::try_from(amount).unwrap_or(u32::MAX)
+        };
+        let mut cycle = Cycle::new(&Plan {
+            approach: from,
+            direction: *direction,
+            // Just cut to 32 bits.
+            search: search as u32,
+            over_travel: amount(self.probe.over_travel),
+            back_off: amount(self.probe.back_off),
+            touches: self.touches,
+            travel_speed: self.probe.rate,
+            probing_speed: self.probe.rate,
+            slow_speed: self.probe.slow_rate,
+            back_off_speed: self.probe.rate,
+            until: Edge::Made,
+        })
+        .map_err(Trouble::Plan)?;
+        let mut way = Way {
+            replies: self.read()?,
+            is_found: false,
+        };
+        loop {
+            let is_closed = |bit| way.replies.iter().any(|reply| reply.status.contains(bit));
+            let input = Input {
+                position: self.place_of(&way.replies),
+                // A contact is told once; whether it lasts is the level.
+                contact: way.is_found || is_closed(Status::LIMIT_1),
+                latched: self.latched(&way.replies),
+                // Each request is carried out before the next is asked for.
+                still: true,
+            };
+            way.is_found = false;
+            match cycle.tick(&input) {
+                Request::Move { target, speed } => {
+                    let along = [0, 1, 2].map(|axis| target[axis] - input.position[axis]);
+                    let is_search = target != from && direction.length_along(along) > 0;
+                    let search = is_search.then_some(Homing::LIMIT_1);
+                    // Within the travel and the over-travel.
+                    let goal = self.counts(target)?;
+                    way = self.travel(&goal, Some(speed), search)?;
+                }
+                // The modules stop by themselves.
+                Request::Stop | Request::Wait => {}
+                Request::Done(measurement) => return Ok(measurement),
+                Request::Failed(Failure::NoContact) => {
+                    // At most 2^32 - 1.
+                    let way = direction.scaled(search as i64);
+                    return Err(Trouble::NoContact {
+                        from: self.text(from),
+                        to: self.text([0, 1, 2].map(|axis| from[axis] + way[axis])),
+                    });
+                }
+                Request::Failed(failure) => return Err(Trouble::Probe(failure)),
+            }
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Straight ways of all axes of a head.
+
+use super::head::{Head, READ, is_done};
+use super::servo::Servo;
+use super::trouble::Trouble;
+use husillo_planner::{Direction, ServoLine};
+use husillo_transports::nmc::{
+    Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Status, Trajectory,
+};
+
+/// Longest time from the end of a profile until the axes stand, us.
+const SETTLING_US: u64 = 2_000_000;
+
+/// Readings in a row, all in position, before the axes stand.
+const STILL_READINGS: u32 = 3;
+
+/// How often a start is sent that no module has followed.
+const STARTS: u32 = 3;
+
+/// A way of the axes, or the end of one.
+pub struct Way {
+    /// The last reading of each.
+    pub replies: Vec<Reply>,
+    /// It was an event that ended it.
+    pub is_found: bool,
+}
+
+impl Head {
+    /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate` counts/s, and waits until all stand. With
+    /// a `search` each module ends it at the event, latches where it was and stops smoothly, whatever the host does; without event and
+    /// host the move ends at its goal.
+    ///
+    /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and started by one command to the group.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`]; an axis in trouble stops the others.
+    pub fn travel(
+        &mut self,
+        goal: &[i32],
+        rate: Option<u32>,
+        search: Option<Homing>,
+    ) -> Result<Way, Trouble> {
+        let Some(line) = self.line_to(goal, rate) else {
+            let replies = self.stand(Some(goal))?;
+            return Ok(Way {
+                replies,
+                is_found: false,
+            });
+        };
+        if let Some(events) = search {
+            self.command_each(|_| Command::SetHoming(events.with(Homing::SMOOTH)))?;
+        }
+        self.start_line(goal, &line, search.is_some())?;
+        let seconds = f64::from(line.duration_ticks) * self.period_s;
+        let end_us = self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US;
+        loop {
+            let mut replies = self.read()?;
+            let is_found = |reply: &Reply| {
+                search.is_some() && !reply.status.contains(Status::HOME_IN_PROGRESS)
+            };
+            if replies.iter().any(is_found) {
+                // Those that were read before it have seen it by now.
+                replies = self.read()?;
+                if let Some(index) = replies.iter().position(|reply| !is_found(reply)) {
+                    let _ = self.stop();
+                    let axis = self.axes[index].file.letter;
+                    return Err(Trouble::NotSeen { axis });
+                }
+                let replies = self.settle()?;
+                return Ok(Way {
+                    replies,
+                    is_found: true,
+                });
+            }
+            if replies.iter().all(is_done) {
+                if search.is_some() {
+                    // An event while it settles is none; the search is given up.
+                    self.command_each(|_| Command::SetHoming(Homing::default()))?;
+                }
+                let replies = self.stand(Some(goal))?;
+                return Ok(Way {
+                    replies,
+                    is_found: false,
+                });
+            }
+            if self.line.elapsed_us() > end_us {
+                return Err(self.not_there(goal, &replies));
+            }
+        }
+    }
+
+    /// The move from where the axes are held; `None` where there is no way.
+    fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
+        let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
+        for (axis, goal) in self.axes.iter().zip(goal) {
+            let coordinate = axis.file.coordinate();
+            // A travel of more than 2^31 counts is taken in parts: the next move does the rest.
+            ways[coordinate] = goal.saturating_sub(axis.held);
+            rates[coordinate] = axis.file.rate;
+            accelerations[coordinate] = axis.file.acceleration.into();
+        }
+        let direction = Direction::new(ways.map(i64::from))?;
+        let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
+        let acceleration = direction.acceleration_limit(&accelerations) as f64;
+        // 16.16 counts a period; 2^31 is beyond what any motor makes, so the casts' saturation does no harm.
+        let velocity = f64::from(rate) * self.period_s * 65536.0;
+        let acceleration = acceleration * self.period_s * self.period_s * 65536.0;
+        ServoLine::new(ways, velocity.round() as u32, acceleration.round() as u32)
+    }
+
+    /// Loads the trapezoids and starts them all at once.
+    fn start_line(
+        &mut self,
+        goal: &[i32],
+        line: &ServoLine<3>,
+        is_search: bool,
+    ) -> Result<(), Trouble> {
+        let is_alone = self.axes.len() == 1;
+        let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
+        for (index, goal) in goal.iter().enumerate() {
+            let axis = &mut self.axes[index];
+            let of = |all: [u32; 3]| match all[axis.file.coordinate()] {
+                // Where there is no way: nothing that could last.
+                0 => fastest(all),
+                part => part,
+            };
+            let trajectory = Trajectory {
+                position: Some(*goal),
+                velocity: Some(of(line.velocities)),
+                acceleration: Some(of(line.accelerations)),
+                mode: Mode::Trapezoid,
+                start_now: is_alone,
+                ..Trajectory::default()
+            };
+            let module = axis.file.module;
+            self.line
+                .command(module, Command::LoadTrajectory(trajectory))?;
+        }
+        if !is_alone {
+            self.start_group(goal, is_search)?;
+        }
+        for (axis, goal) in self.axes.iter_mut().zip(goal) {
+            axis.held = *goal;
+        }
+        Ok(())
+    }
+
+    /// One command for all. The leader alone answers it, so each is asked whether it has begun.
+    fn start_group(&mut self, goal: &[i32], is_search: bool) -> Result<(), Trouble> {
+        for _ in 0..STARTS {
+            match self.line.command(EVERY_GROUP, Command::StartMotion) {
+                // Without the leader's answer the others know.
+                Ok(_) | Err(Trouble::Link(Failure::Uncertain)) => {}
+                Err(trouble) => return Err(trouble),
+            }
+            let replies = self.read()?;
+            // Of ways so short that it cannot be told the end will tell.
+            let is_long = |(axis, (_, goal)): &(&Servo, (&Reply, &i32))| {
+                goal.abs_diff(axis.held) > 4 * axis.file.in_position
+            };
+            let has_begun = |(axis, (reply, goal)): (&Servo, (&Reply, &i32))| {
+                let at = reply.readings.position;
+                !is_done(reply)
+                    || is_search && !reply.status.contains(Status::HOME_IN_PROGRESS)
+                    || at.abs_diff(*goal) < at.abs_diff(axis.held)
+            };
+            let pairs = self.axes.iter().zip(replies.iter().zip(goal));
+            let begun: Vec<bool> = pairs.filter(is_long).map(has_begun).collect();
+            if !begun.contains(&false) {
+                return Ok(());
+            }
+            if begun.contains(&true) {
+                // The others would leave the line.
+                break;
+            }
+        }
+        let _ = self.stop();
+        Err(Trouble::NotTogether)
+    }
+
+    /// Waits until all axes stand: at the goal, or where they stop.
+    fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
+        let end_us = self.line.elapsed_us() + SETTLING_US;
+        let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
+        loop {
+            let replies = self.read()?;
+            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
+            let is_near = |to: &[i32]| {
+                let mut pairs = self.axes.iter().zip(at.iter().zip(to));
+                pairs.all(|(axis, (at, to))| axis.is_near(*at, *to))
+            };
+            let is_still = replies.iter().all(is_done)
+                && goal.is_none_or(is_near)
+                && before.as_deref().is_some_and(is_near);
+            still = if is_still { still + 1 } else { 0 };
+            if still >= STILL_READINGS {
+                return Ok(replies);
+            }
+            if self.line.elapsed_us() > end_us {
+                return Err(self.not_there(goal.unwrap_or(&at), &replies));
+            }
+            before = Some(at);
+        }
+    }
+
+    /// Waits until the axes have stopped by themselves, reads them until two readings agree, and holds them there.
+    fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
+        self.stand(None)?;
+        let mut replies = Vec::with_capacity(self.axes.len());
+        for index in 0..self.axes.len() {
+            let file = self.axes[index].file;
+            let jitter_counts = file.in_position.saturating_mul(2);
+            let reply = self.line.read_twice(file.module, READ, jitter_counts)?;
+            self.hold(index, reply.readings.position)?;
+            replies.push(reply);
+        }
+        Ok(replies)
+    }
+
+    /// The axis that is farthest from where it is to be.
+    fn not_there(&self, goal: &[i32], replies: &[Reply]) -> Trouble {
+        let far = |index: &usize| replies[*index].readings.position.abs_diff(goal[*index]);
+        let index = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
+        let axis = &self.axes[index];
+        Trouble::NotThere {
+            goal: axis.text(self.scale, goal[index]),
+            at: axis.text(self.scale, replies[index].readings.position),
+        }
+    }
+}
