@@ -1,0 +1,1 @@
+/* Grbl's parser names nothing of this header. */

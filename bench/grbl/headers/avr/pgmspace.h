@@ -1,0 +1,3 @@
+/* On a computer constants lie where everything lies. */
+#define PROGMEM
+#define PSTR(text) (text)
