@@ -6,7 +6,7 @@ mod simulate;
 use crate::check::{self, Facts};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, Holes, Interpolate,
-    Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target,
+    Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target, Tune,
 };
 use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
@@ -17,7 +17,9 @@ use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::source::Source;
-use crate::{commands, compare_page, compare_text, grid, interpolate, machines, setup, steps};
+use crate::{
+    commands, compare_page, compare_text, grid, interpolate, machines, setup, steps, tune,
+};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Machine};
 use std::fs::File;
@@ -71,6 +73,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Machines(args) => show_machines(args),
         Command::Measure(args) => measure(args),
         Command::Emulate(args) => emulate(args),
+        Command::Tune(args) => tune_servo(args),
     }
 }
 
@@ -96,6 +99,15 @@ fn measure(args: &Measure) -> Result<u8, Failure> {
     let result = cmm::measure(args, &mut io::stdout().lock(), &mut table);
     if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
         create(path)?.write_all(&table)?;
+    }
+    ended(result)
+}
+
+fn tune_servo(args: &Tune) -> Result<u8, Failure> {
+    let mut page = String::new();
+    let result = tune::tune(args, &mut io::stdout().lock(), &mut page);
+    if let Some(path) = args.output.as_ref().filter(|_| !page.is_empty()) {
+        create(path)?.write_all(page.as_bytes())?;
     }
     ended(result)
 }

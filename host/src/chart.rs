@@ -4,29 +4,36 @@ use crate::check::duration;
 use crate::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use std::fmt::Write;
 
-const LEFT: f64 = 78.0;
-const RIGHT: f64 = 990.0;
+/// Where time begins in the picture.
+pub const LEFT: f64 = 78.0;
+/// Where it ends.
+pub const RIGHT: f64 = 990.0;
 /// Millimetres a minute of a nanometre a second.
 const MM_PER_MIN: f64 = 60.0 / 1e6;
 /// Millimetres of a nanometre.
 const MM: f64 = 1e-6;
 
 /// One of the two stacked pictures.
-struct Panel {
-    top: f64,
-    bottom: f64,
-    low: f64,
-    high: f64,
+pub struct Panel {
+    /// Where its top is in the picture.
+    pub top: f64,
+    /// Where its bottom is.
+    pub bottom: f64,
+    /// The value at the bottom.
+    pub low: f64,
+    /// The value at the top.
+    pub high: f64,
 }
 
 impl Panel {
-    fn y(&self, value: f64) -> f64 {
+    /// Where a value is; those beyond the panel are at its edge.
+    pub fn y(&self, value: f64) -> f64 {
         let part = (value.clamp(self.low, self.high) - self.low) / (self.high - self.low);
         self.bottom - part * (self.bottom - self.top)
     }
 
     /// Lines and figures at round values, and the unit.
-    fn scale(&self, page: &mut String, name: &str) {
+    pub fn scale(&self, page: &mut String, name: &str) {
         let step = round_up((self.high - self.low) / 5.0 - 1e-9);
         let mut at = (self.low / step).ceil() * step;
         while at <= self.high + 1e-9 * step {
@@ -260,7 +267,8 @@ fn stops(page: &mut String, columns: &[Column], width: f64, y: f64) {
     }
 }
 
-fn time_scale(page: &mut String, seconds: f64) {
+/// Figures and lines of the time, which is as long as the picture is wide, below panels that end at 250 and 440.
+pub fn time_scale(page: &mut String, seconds: f64) {
     let (unit, name) = match seconds {
         s if s < 1.0 => (1e-3, "ms"),
         s if s < 180.0 => (1.0, "s"),
@@ -308,13 +316,13 @@ fn legend(page: &mut String) {
 }
 
 /// The next multiple of a round step, of which there are no more than `parts`.
-fn ceiling(value: f64, parts: f64) -> f64 {
+pub fn ceiling(value: f64, parts: f64) -> f64 {
     let step = round_up(value / parts);
     (value / step).ceil() * step
 }
 
 /// The next of 1, 2 or 5 times a power of ten.
-fn round_up(value: f64) -> f64 {
+pub fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
         .into_iter()
@@ -324,7 +332,7 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// A value with the decimals its step needs.
-fn figure(value: f64, step: f64) -> String {
+pub fn figure(value: f64, step: f64) -> String {
     let decimals = (-step.max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
     if text

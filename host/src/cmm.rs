@@ -10,11 +10,11 @@
 mod action;
 mod contact;
 mod direction;
-mod emulated;
-mod file;
+pub mod emulated;
+pub mod file;
 mod head;
-mod line;
-mod port;
+pub mod line;
+pub mod port;
 #[allow(dead_code)] // until the routines use it
 mod prober;
 mod result_row;
@@ -24,7 +24,7 @@ mod session;
 #[cfg(unix)]
 mod terminal;
 mod touching;
-mod trouble;
+pub mod trouble;
 mod way;
 
 pub use contact::Contact;
@@ -88,7 +88,7 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
 }
 
 /// A trouble with what to look at.
-fn told(trouble: &Trouble) -> String {
+pub fn told(trouble: &Trouble) -> String {
     match trouble.help() {
         Some(help) => format!("error: {trouble}\n  help: {help}"),
         None => format!("error: {trouble}"),

@@ -7,7 +7,7 @@
 //!            └─► feeder ─► steps
 //!                   └────► run ─► deviation, drawing, speed ─► report, chart
 //! one move, or grid ─► compare ─► method, curve, measure, decision ─► compare_text, compare_page
-//! a measuring machine ─► cmm
+//! a measuring machine ─► cmm, tune
 //! ```
 #![forbid(unsafe_code)]
 
@@ -52,6 +52,7 @@ mod source;
 mod speed;
 mod steps;
 mod table;
+mod tune;
 mod turning;
 mod turns;
 

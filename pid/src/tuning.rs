@@ -2,6 +2,7 @@
 
 use fixed::traits::Fixed;
 
+use crate::servo::ServoGains;
 use crate::settings::Gains;
 
 /// What a step response looks like.
@@ -222,6 +223,29 @@ impl Gains<f64> {
             derivative: self.derivative / period_s,
             ..self
         }
+    }
+
+    /// Gains per sample, in PWM a count, as the integers of the servo law: `256 Kp`, `256 Kd` and, as its total is divided by 256 before, `65536 Ki`, to
+    /// the nearest; limits are left at 0. `None` where one is negative, beyond 0x7FFF or not finite.
+    ///
+    /// ```
+    /// use husillo_pid::Gains;
+    ///
+    /// let gains = Gains { proportional: 7.8125, integral: 0.003, derivative: 62.5 }.to_servo().unwrap();
+    /// assert_eq!((gains.proportional, gains.integral, gains.derivative), (2000, 197, 16000));
+    /// ```
+    pub fn to_servo(self) -> Option<ServoGains> {
+        let whole = |gain: f64, unit: f64| {
+            let scaled = gain * unit + 0.5;
+            // Not for NaN either; the cast drops what is behind the point.
+            (gain >= 0.0 && scaled < 32_768.0).then_some(scaled as u16)
+        };
+        Some(ServoGains {
+            proportional: whole(self.proportional, 256.0)?,
+            derivative: whole(self.derivative, 256.0)?,
+            integral: whole(self.integral, 65_536.0)?,
+            ..ServoGains::default()
+        })
     }
 
     /// The nearest gains of a fixed-point type; `None` where one does not fit or is not finite.

@@ -2,7 +2,9 @@
 
 use fixed::types::{I16F16, I32F0};
 use husillo_pid::tuning::{Oscillation, Relay, Rule, Ultimate, oscillation, step_response};
-use husillo_pid::{Integration, Limits, Pid, State};
+use husillo_pid::{
+    Gains, Integration, Limits, Pid, RateRule, ServoGains, ServoLaw, ServoState, State, TotalLimit,
+};
 
 const PERIOD_S: f64 = 0.001;
 
@@ -112,6 +114,47 @@ fn rules_as_published() {
         .to_fixed::<I16F16>(),
         None
     );
+}
+
+/// A law with the integers drives as the gains say: PWM a count, a count of change, and a count and sample.
+#[test]
+fn integers_of_the_servo_law() {
+    let gains = Gains {
+        proportional: 3.5,
+        integral: 0.05,
+        derivative: 40.0,
+    };
+    let servo = ServoGains {
+        output_limit: 255,
+        error_limit: 1000,
+        integral_limit: 0x7fff,
+        ..gains.to_servo().unwrap()
+    };
+    let law = ServoLaw::new(&servo, RateRule::Loop, TotalLimit::BeforeScaling);
+    let mut axis = ServoState::on();
+    // 3.5 * 4 + 40 * 4, then without the change.
+    assert_eq!(law.tick(&mut axis, 4, 0, 0).pwm, 174);
+    for _ in 1..320 {
+        law.tick(&mut axis, 4, 0, 0);
+    }
+    // 14 and 0.05 * 4 * 320.
+    let pwm = law.tick(&mut axis, 4, 0, 0).pwm;
+    assert!((77..=79).contains(&pwm), "{pwm}");
+    for derivative in [128.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(
+            Gains {
+                derivative,
+                ..gains
+            }
+            .to_servo(),
+            None
+        );
+    }
+    let most = Gains {
+        derivative: 32_767.4 / 256.0,
+        ..gains
+    };
+    assert_eq!(most.to_servo().unwrap().derivative, 0x7fff);
 }
 
 #[test]

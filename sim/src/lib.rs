@@ -43,7 +43,7 @@ pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
-pub use servo_chain::{SERVO_PERIOD_S, ServoChain, Surroundings};
+pub use servo_chain::{FULL_CURRENT_A, SERVO_PERIOD_S, ServoChain, Surroundings};
 pub use spindle::Spindle;
 pub use winding::{Chopper, Current, Rotor, Winding};
 

@@ -12,7 +12,7 @@ pub const SERVO_PERIOD_S: f64 = 512e-6;
 
 /// Current at which the converter of a module reads 255, A: twice what the prototype's motor draws when it stands. Assumed; the original
 /// does not state it.
-const FULL_CURRENT_A: f64 = 3.0;
+pub const FULL_CURRENT_A: f64 = 3.0;
 
 /// What is at the inputs of a module.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]

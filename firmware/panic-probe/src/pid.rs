@@ -49,6 +49,7 @@ pub fn keep() {
         Relay::ultimate as *const (),
         Ultimate::gains as *const (),
         Gains::<f64>::per_sample as *const (),
+        Gains::<f64>::to_servo as *const (),
         Gains::<f64>::to_fixed::<I16F16> as *const (),
         PwmDirection::<Output, Output>::new as *const (),
         PwmDirection::<Output, Output>::set as *const (),

@@ -132,6 +132,25 @@ impl CmmFile {
         }
     }
 
+    /// The axis of a letter.
+    ///
+    /// # Errors
+    ///
+    /// A sentence with the letters that there are.
+    pub fn axis(&self, letter: char) -> Result<AxisFile, String> {
+        let letter = letter.to_ascii_uppercase();
+        let found = self.axes.iter().find(|axis| axis.letter == letter);
+        found.copied().ok_or_else(|| {
+            let letters = self.axes.iter().map(|axis| axis.letter.to_string());
+            let letters: Vec<_> = letters.collect();
+            format!(
+                "{} has no axis {letter}: there is {}",
+                self.title,
+                letters.join(", ")
+            )
+        })
+    }
+
     /// The highest address of a module.
     pub fn modules(&self) -> u8 {
         let modules = self.axes.iter().map(|axis| axis.module);
