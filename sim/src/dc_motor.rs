@@ -118,8 +118,13 @@ impl DcMotor {
 
     /// Angle in encoder counts, whole edges below it.
     pub fn counts(&self) -> i64 {
+        self.position_counts().floor() as i64
+    }
+
+    /// Angle in encoder counts, between the edges too: what the encoder does not tell.
+    pub fn position_counts(&self) -> f64 {
         let turns = self.angle_rad / std::f64::consts::TAU;
-        (turns * f64::from(self.model.counts_per_revolution)).floor() as i64
+        turns * f64::from(self.model.counts_per_revolution)
     }
 
     /// Speed in encoder counts a second.

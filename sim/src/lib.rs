@@ -37,7 +37,9 @@ mod model;
 mod rig;
 mod servo_chain;
 mod spindle;
+mod touch_probe;
 mod winding;
+mod work_piece;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
@@ -45,7 +47,9 @@ pub use model::AxisModel;
 pub use rig::Rig;
 pub use servo_chain::{FULL_CURRENT_A, SERVO_PERIOD_S, ServoChain, Surroundings};
 pub use spindle::Spindle;
+pub use touch_probe::{TouchProbe, TouchProbeModel};
 pub use winding::{Chopper, Current, Rotor, Winding};
+pub use work_piece::{Bore, PointMm, Shape, Solid, WorkPiece};
 
 /// The README's example, as a doctest.
 #[cfg(doctest)]
