@@ -88,13 +88,15 @@ pub enum Command {
         Examples:\n  \
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
         husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 --contact 1:2000 --contact 3:..-2000\n  \
+        husillo measure -m cmm3 --piece examples/piece.toml goto X20 Y20 Z-15 touch -z\n  \
         husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
         husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
     Measure(Measure),
     /// Simulated modules behind a pseudo-terminal, for any client of their protocol
     #[command(after_help = "Examples:\n  \
         husillo emulate cmm --link ./cmm\n  \
-        husillo emulate cmm --modules servo:4,servo:4 --link ./cmm --contact 1:3000 --contact 1:..-3000")]
+        husillo emulate cmm --modules servo:4,servo:4 --link ./cmm --contact 1:3000 --contact 1:..-3000\n  \
+        husillo emulate cmm3 --link ./cmm --piece examples/piece.toml")]
     Emulate(Emulate),
     /// Find the gains of a servo
     #[command(after_help = TUNE_HELP)]
@@ -569,6 +571,9 @@ pub struct Measure {
     /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<crate::cmm::Contact>,
+    /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub piece: Option<String>,
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
@@ -591,9 +596,12 @@ pub struct Emulate {
     /// Name for clients to open: a symbolic link, removed at the end
     #[arg(long, value_name = "PATH")]
     pub link: String,
-    /// Work piece: limit 1 of the module closes from COUNT on, or up to ..COUNT; may be repeated
+    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<crate::cmm::Contact>,
+    /// Work piece: solids and a probe, as in examples/piece.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub piece: Option<String>,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
     pub seconds: Option<f64>,

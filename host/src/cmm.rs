@@ -4,7 +4,7 @@
 //! file, action ─► session ─► head ─► line ─► port ─┬─► emulated     simulated time
 //!                    │         servo, way, touching  ├─► serial device, socket
 //!                    └─► result_row                  │
-//! contact, modules ─► emulated ─► terminal ──────────┘   real time
+//! contact, piece ─► emulated ─► terminal ─────────────┘   real time
 //! ```
 
 mod action;
@@ -14,6 +14,8 @@ pub mod emulated;
 pub mod file;
 mod head;
 pub mod line;
+mod piece;
+mod piece_file;
 pub mod port;
 #[allow(dead_code)] // until the routines use it
 mod prober;
@@ -33,6 +35,7 @@ use crate::cli::{Emulate, Measure, Output};
 use crate::machine_file::LoadError;
 use file::CmmFile;
 use head::Head;
+use piece::Mounted;
 use result_row::{CSV_HEAD, ResultRow};
 use session::Session;
 use std::io::Write;
@@ -62,7 +65,7 @@ impl From<String> for Stopped {
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut session = Session::new(args, &machine)?;
-    let line = session::open(args, &machine)?;
+    let line = session::open(args, &machine, mounted(args.piece.as_deref(), &machine)?)?;
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
@@ -85,6 +88,14 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     });
     result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
     written.map_err(|error| Stopped::Usage(error.to_string()))
+}
+
+/// The piece of this file on a machine.
+fn mounted(path: Option<&str>, machine: &CmmFile) -> Result<Option<Mounted>, Stopped> {
+    let piece = path.map(piece_file::load).transpose();
+    let piece = piece.map_err(Stopped::File)?;
+    let mounted = piece.map(|piece| Mounted::new(piece, machine));
+    Ok(mounted.transpose()?)
 }
 
 /// A trouble with what to look at.
@@ -110,7 +121,11 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         Some(list) => emulated::versions(list)?,
         None => vec![4; usize::from(machine.modules())],
     };
-    let mut emulated = emulated::Emulated::new(&versions, &args.contact)?;
+    let mut emulated = emulated::Emulated::new(
+        &versions,
+        &args.contact,
+        mounted(args.piece.as_deref(), &machine)?,
+    )?;
     let limit = args.seconds.map(Duration::from_secs_f64);
     let is_over = terminal::stop_flag()?;
     let mut terminal = terminal::Terminal::new(Path::new(&args.link))

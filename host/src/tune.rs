@@ -132,7 +132,7 @@ fn open(args: &Tune, machine: &CmmFile, file: &AxisFile) -> Result<Box<dyn Rig>,
         "sim" => return Ok(Box::new(direct::Direct::new(DcMotorModel::PROTOTYPE))),
         "line" => {
             let versions = vec![4; usize::from(machine.modules())];
-            Port::Simulated(Box::new(Emulated::new(&versions, &[])?), 0)
+            Port::Simulated(Box::new(Emulated::new(&versions, &[], None)?), 0)
         }
         name => Port::open(name).map_err(|error| format!("{name}: {error}"))?,
     };

@@ -212,6 +212,39 @@ fn touches_find_the_work_piece_from_both_sides() {
 }
 
 #[test]
+fn a_simulated_piece_is_touched_by_a_ball_on_a_stylus_that_bends() {
+    let piece = ["-m", "cmm3", "--piece", "../examples/piece.toml"];
+    // The top of the block, then the wall of its bore from within.
+    let down = [
+        "goto", "X20", "Y20", "Z-15", "touch", "-z", "goto", "Z-15", "goto", "X30", "Y30",
+    ];
+    let across = [
+        "goto", "Z-25", "touch", "+x", "touch", "-x", "goto", "X30", "touch", "0,1,0", "touch",
+        "1,-1,0",
+    ];
+    let rows = measured(&[&piece[..], &down[..], &across[..]].concat());
+    // The ball has 1 mm, the stylus bends 1 um along Z, 10 and 6 um along X; a count are 2 um, noise is 0.5 um.
+    near(&rows[1]["trigger"], -20.0 + 1.0 - 0.001, 0.004);
+    near(&rows[5]["trigger"], 38.0 - 1.0 + 0.010, 0.004);
+    near(&rows[6]["trigger"], 22.0 + 1.0 - 0.006, 0.004);
+    near(&rows[8]["trigger"], 38.0 - 1.0 + 0.008, 0.004);
+    let [x, y] = [0, 1].map(|axis| rows[9]["trigger"][axis].as_f64().unwrap() - 30.0);
+    assert!((x.hypot(y) - 7.008).abs() < 0.006, "{x} {y}");
+    let fails = |args: &[&str], message: &str| {
+        let assert = husillo().arg("measure").args(args).assert();
+        assert.code(2).stderr(contains(message));
+    };
+    fails(
+        &["--piece", "../examples/piece.toml", "touch", "+"],
+        "--piece is in mm, and Measuring machine, one axis, 400 counts a turn has no `count`",
+    );
+    fails(
+        &["-m", "cmm3", "--piece", "no.toml", "touch", "+"],
+        "no.toml",
+    );
+}
+
+#[test]
 fn a_calibration_finds_the_pre_travel_and_is_used_from_then_on() {
     let rows = measured(&[
         "calibrate",

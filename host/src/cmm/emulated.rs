@@ -1,6 +1,7 @@
 //! A simulated chain of modules with a work piece before their probes.
 
 use super::contact::Contact;
+use super::piece::Mounted;
 use husillo_sim::{DcMotor, DcMotorModel, ServoChain, Surroundings};
 
 /// A servo period in ns.
@@ -11,6 +12,7 @@ pub const PERIOD_NS: u64 = 512_000;
 pub struct Emulated {
     chain: ServoChain,
     contacts: Vec<Contact>,
+    piece: Option<Mounted>,
 }
 
 impl Emulated {
@@ -19,7 +21,11 @@ impl Emulated {
     /// # Errors
     ///
     /// A contact of a module that there is not.
-    pub fn new(versions: &[u8], contacts: &[Contact]) -> Result<Self, String> {
+    pub fn new(
+        versions: &[u8],
+        contacts: &[Contact],
+        piece: Option<Mounted>,
+    ) -> Result<Self, String> {
         if let Some(contact) = contacts
             .iter()
             .find(|contact| usize::from(contact.module) > versions.len())
@@ -33,6 +39,7 @@ impl Emulated {
         Ok(Self {
             chain: ServoChain::new(versions, DcMotorModel::PROTOTYPE),
             contacts: contacts.to_vec(),
+            piece,
         })
     }
 
@@ -47,6 +54,12 @@ impl Emulated {
             let motor = self.chain.motor(usize::from(contact.module - 1));
             contact.is_closed(motor.map_or(0, DcMotor::counts))
         });
+        let chain = &self.chain;
+        let is_closed = is_closed
+            || self
+                .piece
+                .as_mut()
+                .is_some_and(|piece| piece.is_closed(chain));
         // The probe is wired to limit 1 of every module.
         let around = Surroundings {
             limit_1: is_closed,

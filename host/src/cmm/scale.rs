@@ -14,6 +14,11 @@ impl Scale {
         Self { count }
     }
 
+    /// The way of a count in mm, where it is known.
+    pub fn count_mm(self) -> Option<f64> {
+        self.count.map(|nm| nm.num as f64 / nm.den as f64 / 1e6)
+    }
+
     /// The unit of what is read and printed.
     pub const fn unit(self) -> &'static str {
         match self.count {

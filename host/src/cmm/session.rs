@@ -7,6 +7,7 @@ use super::emulated::Emulated;
 use super::file::{CmmFile, Stylus, both_ways};
 use super::head::Head;
 use super::line::Line;
+use super::piece::Mounted;
 use super::port::Port;
 use super::prober::Prober;
 use super::result_row::{Numbers, ResultRow, TouchFigures};
@@ -35,14 +36,12 @@ impl Session {
     /// A sentence about them.
     pub fn new(args: &Measure, machine: &CmmFile) -> Result<Self, String> {
         let scale = machine.scale;
-        let axis = coordinate(args.axis);
-        let axis = axis.ok_or_else(|| no_axis(machine, &args.axis.to_string()))?;
+        let axis = machine.axis(args.axis)?.coordinate();
         let actions = Action::parse(&args.actions, scale, axis)?;
-        let axes: Vec<_> = machine.axes.iter().map(|axis| axis.coordinate()).collect();
-        let mut named = actions.iter().flat_map(Action::axes);
-        if let Some(missing) = named.find(|axis| !axes.contains(axis)) {
-            return Err(no_axis(machine, &letters(&[missing])));
+        for letter in letters(&actions.iter().flat_map(Action::axes).collect::<Vec<_>>()).chars() {
+            machine.axis(letter)?;
         }
+        let axes = machine.axes.iter().map(|axis| axis.coordinate()).collect();
         let amount = |option: &str, text: &Option<String>| match text {
             Some(text) => match scale.parse(text).map(|length| scale.amount(length)) {
                 Ok(Some(amount)) => Ok(Some(amount)),
@@ -192,28 +191,10 @@ fn surface(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
     )
 }
 
-/// 0 for X to 2 for Z.
-fn coordinate(letter: char) -> Option<usize> {
-    "XYZ".find(letter.to_ascii_uppercase())
-}
-
 /// `XZ` of 0 and 2.
 fn letters(axes: &[usize]) -> String {
     let letter = |axis: &usize| "XYZ".chars().nth(*axis);
     axes.iter().filter_map(letter).collect()
-}
-
-fn no_axis(machine: &CmmFile, axis: &str) -> String {
-    let letters: Vec<_> = machine
-        .axes
-        .iter()
-        .map(|axis| axis.letter.to_string())
-        .collect();
-    let (title, axis) = (&machine.title, axis.to_ascii_uppercase());
-    format!(
-        "{title} has no axis {axis}: there is {}",
-        letters.join(", ")
-    )
 }
 
 /// Opens the port of the arguments.
@@ -221,15 +202,17 @@ fn no_axis(machine: &CmmFile, axis: &str) -> String {
 /// # Errors
 ///
 /// A sentence about it.
-pub fn open(args: &Measure, machine: &CmmFile) -> Result<Line, String> {
+pub fn open(args: &Measure, machine: &CmmFile, piece: Option<Mounted>) -> Result<Line, String> {
     let contacts: &[Contact] = &args.contact;
     let port = if args.port == "sim" {
         let versions = vec![4; usize::from(machine.modules())];
-        Port::Simulated(Box::new(Emulated::new(&versions, contacts)?), 0)
-    } else if contacts.is_empty() {
+        Port::Simulated(Box::new(Emulated::new(&versions, contacts, piece)?), 0)
+    } else if contacts.is_empty() && piece.is_none() {
         Port::open(&args.port).map_err(|error| format!("{}: {error}", args.port))?
     } else {
-        return Err("--contact is for --port sim; `husillo emulate` has one of its own".into());
+        return Err(
+            "--contact and --piece are for --port sim; `husillo emulate` has its own".into(),
+        );
     };
     Ok(Line::new(port, args.raw))
 }

@@ -1,0 +1,197 @@
+//! Files of simulated work pieces and of the probe that touches them.
+
+use super::piece::Piece;
+use crate::diagnostics::Finding;
+use crate::machine_file::{LoadError, read_text};
+use crate::quantity::{self, Quantity};
+use crate::table::{Table, document};
+use husillo_sim::{Bore, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
+
+const LENGTH: &str = "a length as in \"8 mm\" or \"2 um\"";
+const POINT: &str = "expected three lengths, as in [\"10 mm\", \"0 mm\", \"-5 mm\"]";
+
+/// Loads a piece from the path of its file.
+///
+/// # Errors
+///
+/// The file cannot be read, or has mistakes.
+pub fn load(path: &str) -> Result<Piece, LoadError> {
+    let text = read_text(path, "work piece", "files such as examples/piece.toml")?;
+    parse(path, &text).map_err(LoadError::Findings)
+}
+
+fn parse(path: &str, text: &str) -> Result<Piece, Vec<Finding>> {
+    let mut findings = Vec::new();
+    let document = document(path, text)?;
+    let (span, table) = (document.span(), document.get_ref());
+    let mut root = Table::new(path, text, "the file", span, table, &mut findings);
+    root.integer("schema", 1..=1);
+    root.string("title");
+    let solids = root.optional_tables("solid", read_solid);
+    if solids.as_ref().is_none_or(Vec::is_empty) {
+        root.missing("solid");
+    }
+    let solids = solids.into_iter().flatten().collect();
+    let probe = root.table("probe", read_probe);
+    root.finish();
+    match probe {
+        Some(probe) if findings.is_empty() => Ok(Piece {
+            work: WorkPiece { solids },
+            probe,
+        }),
+        _ => Err(findings),
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Box,
+    Cylinder,
+    Sphere,
+    Plane,
+}
+
+fn read_solid(table: &mut Table<'_, '_>) -> Solid {
+    let kinds = [
+        ("box", Kind::Box),
+        ("cylinder", Kind::Cylinder),
+        ("sphere", Kind::Sphere),
+        ("plane", Kind::Plane),
+    ];
+    let kind = table.choice("kind", &kinds);
+    if kind.is_none() {
+        table.missing("kind");
+    }
+    let shape = match kind.unwrap_or(Kind::Sphere) {
+        Kind::Box => Shape::Box {
+            from_mm: point(table, "from"),
+            to_mm: point(table, "to"),
+        },
+        Kind::Cylinder => Shape::Cylinder {
+            from_mm: point(table, "from"),
+            to_mm: point(table, "to"),
+            radius_mm: size(table, "radius"),
+        },
+        Kind::Sphere => Shape::Sphere {
+            centre_mm: point(table, "centre"),
+            radius_mm: size(table, "radius"),
+        },
+        Kind::Plane => Shape::Plane {
+            point_mm: point(table, "point"),
+            // The length does not matter, the unit neither.
+            outward: point(table, "outward"),
+        },
+    };
+    let bores = table.optional_tables("bore", |bore| Bore {
+        from_mm: point(bore, "from"),
+        to_mm: point(bore, "to"),
+        radius_mm: size(bore, "radius"),
+    });
+    Solid {
+        shape,
+        bores: bores.unwrap_or_default(),
+    }
+}
+
+fn read_probe(table: &mut Table<'_, '_>) -> TouchProbe {
+    let model = TouchProbeModel {
+        ball_radius_mm: size(table, "ball_radius"),
+        bend_mm: length(table, "bend").unwrap_or_default(),
+        lobes_mm: length(table, "lobes").unwrap_or_default(),
+        axial_mm: length(table, "axial").unwrap_or_default(),
+        noise_mm: length(table, "noise").unwrap_or_default(),
+    };
+    let seed = table.integer("seed", 0..=i64::MAX).unwrap_or(1);
+    // Not negative.
+    TouchProbe::new(model, seed as u64)
+}
+
+/// A length above 0 that must be there, mm.
+fn size(table: &mut Table<'_, '_>, key: &'static str) -> f64 {
+    let found = length(table, key);
+    if found.is_none() {
+        table.missing(key);
+    }
+    if let (Some(0.0), Some((_, span))) = (found, table.value(key)) {
+        table.wrong(
+            span,
+            &format!("`{key}` does not fit"),
+            "expected more than 0",
+        );
+    }
+    found.unwrap_or(1.0)
+}
+
+/// A length of at least 0, mm.
+fn length(table: &mut Table<'_, '_>, key: &'static str) -> Option<f64> {
+    table.quantity(key, LENGTH, |quantity| mm(quantity).filter(|mm| *mm >= 0.0))
+}
+
+fn mm(quantity: Quantity) -> Option<f64> {
+    match quantity {
+        Quantity::Length(nm) => Some(nm.num as f64 / nm.den as f64 / 1e6),
+        _ => None,
+    }
+}
+
+/// A point that must be there, mm.
+fn point(table: &mut Table<'_, '_>, key: &'static str) -> PointMm {
+    let Some((value, span)) = table.value(key) else {
+        table.missing(key);
+        return [0.0; 3];
+    };
+    let parts: Option<Vec<f64>> = value.as_array().and_then(|parts| {
+        let part = |text: &str| mm(quantity::parse(text).ok()?);
+        parts
+            .iter()
+            .map(|one| part(one.get_ref().as_str()?))
+            .collect()
+    });
+    let point = parts.and_then(|parts| PointMm::try_from(parts).ok());
+    if point.is_none() {
+        table.wrong(span, &format!("`{key}` is not understood"), POINT);
+    }
+    point.unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXAMPLE: &str = include_str!("../../../examples/piece.toml");
+
+    #[test]
+    fn the_example() {
+        let piece = parse("piece.toml", EXAMPLE).unwrap();
+        assert_eq!(piece.work.solids.len(), 3);
+        // The top of the block, the middle of its bore, the top of the reference sphere.
+        assert_eq!(piece.work.distance_mm([12.0, 12.0, -19.0]), 1.0);
+        assert_eq!(piece.work.distance_mm([30.0, 30.0, -22.0]), 8.0);
+        assert_eq!(piece.work.distance_mm([-25.0, 25.0, -8.0]), 2.0);
+        assert_eq!(piece.probe.model().ball_radius_mm, 1.0);
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let fails = |from: &str, to: &str, message: &str| {
+            let findings = parse("piece.toml", &EXAMPLE.replacen(from, to, 1)).unwrap_err();
+            assert_eq!(findings[0].message, message);
+        };
+        fails("\"sphere\"", "\"ball\"", "unknown kind `ball`");
+        fails(
+            "radius = \"8 mm\"",
+            "radius = \"-8 mm\"",
+            "`radius` does not fit",
+        );
+        fails(
+            "noise = \"0.5 um\"",
+            "noise = 3",
+            "`noise` is not understood: a quantity is text with a unit",
+        );
+        fails(
+            "from = [\"10 mm\", ",
+            "from = [",
+            "`from` is not understood",
+        );
+    }
+}
