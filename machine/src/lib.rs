@@ -25,7 +25,10 @@ mod motors;
 mod servo_axis;
 mod servo_module;
 
+mod cell;
+
 pub use axis::{Axis, AxisRamp, Config};
+pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};

@@ -31,6 +31,7 @@
 #![deny(missing_docs)]
 
 mod axis;
+mod cell_rig;
 mod dc_motor;
 mod loss;
 mod model;
@@ -41,6 +42,7 @@ mod touch_probe;
 mod winding;
 mod work_piece;
 
+pub use cell_rig::CellRig;
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;

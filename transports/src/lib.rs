@@ -3,6 +3,7 @@
 //! ```text
 //!  nmc    Command ──► Frame ──► bytes        host: Startup ──► Step ──► Host ──► bytes out, Outcome
 //!         bytes ──► Receiver ──► Command     module: bytes ──► Module ──► Order, then Readings ──► bytes out
+//!  byte_commands   byte ──► ByteCommand      by mode, with a table of bytes
 //!  rs485  Turnaround: when to drive the line; Echo: what of the received bytes is one's own
 //! ```
 //!
@@ -27,6 +28,7 @@
 #![deny(missing_docs)]
 
 mod buffer;
+pub mod byte_commands;
 pub mod nmc;
 pub mod rs485;
 

@@ -5,11 +5,13 @@ use core::hint::black_box;
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, Config, Machine as AnyMachine, Means, Motors, Scale, ServoAxis, ServoModule,
+    Axis, Cell as AnyCell, Config, Machine as AnyMachine, Means, Motors, Scale, ServoAxis,
+    ServoModule,
 };
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
+type Cell = AnyCell<&'static [[i16; 2]]>;
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -40,6 +42,15 @@ pub fn keep() {
         Machine::position_steps as *const (),
         Machine::modal as *const (),
         Machine::config as *const (),
+        Cell::new as *const (),
+        Cell::command as *const (),
+        Cell::reset as *const (),
+        Cell::is_moving as *const (),
+        Cell::is_homed as *const (),
+        Cell::position_steps as *const (),
+        Cell::figure as *const (),
+        Cell::set_figure as *const (),
+        Cell::next_event as *const (),
         ServoAxis::new as *const (),
         ServoAxis::set_law as *const (),
         ServoAxis::set_position as *const (),

@@ -6,6 +6,7 @@ use core::hint::black_box;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
+use husillo_transports::byte_commands::ByteCommands;
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
     Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
@@ -21,6 +22,10 @@ pub fn keep() {
         Baud::characters_us as *const (),
         Baud::divisor as *const (),
         Baud::from_divisor as *const (),
+        ByteCommands::acknowledging as *const (),
+        ByteCommands::new as *const (),
+        ByteCommands::receive as *const (),
+        ByteCommands::reset as *const (),
         Command::decode as *const (),
         Command::finding as *const (),
         Command::frame as *const (),

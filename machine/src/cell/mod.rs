@@ -1,0 +1,482 @@
+//! The desktop microfactory: three linear axes and a stepping spindle, one task at a time.
+
+mod config;
+mod event;
+mod figure;
+mod play;
+mod task;
+
+pub use config::CellConfig;
+pub use event::{CellEvent, CellInputs, CellReport};
+
+use husillo_transports::byte_commands::ByteCommand;
+
+use crate::StepEvent;
+use figure::FigureMove;
+use play::Play;
+use task::{Task, Way};
+
+/// X, Y, Z and the spindle.
+pub const CELL_MOTORS: usize = 4;
+/// Index of the spindle among the motors.
+const SPINDLE: usize = 3;
+
+/// Where the motors' current is.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Power {
+    Off,
+    /// On; RESET is due.
+    Reset,
+    /// On; the delay is due.
+    Settle,
+    On,
+}
+
+/// A microfactory's controller: commands in, events out.
+///
+/// A task - homing, a jog, counted steps, a figure - begins when nothing else is under way. Positions are load steps from the
+/// place after homing; where an axis turns round, its lash is taken up first, and those steps count nowhere. `F` is where the
+/// figure is kept: moves in X and Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
+///
+/// **Switches.** An axis that closes its home switch in a jog, in counted steps or in a figure stops, is reported, and goes
+/// back off it; the task ends. An emergency stop acts on the next event, in every task, and stays until [`Cell::reset`].
+///
+/// Cost: an event takes some comparisons and two additions; a move of a figure a square root and a 64-bit division.
+///
+/// ```
+/// use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs};
+/// use husillo_transports::byte_commands::ByteCommand;
+///
+/// let mut cell = Cell::new(CellConfig::ORIGINAL, [[100, 50]]);
+/// cell.command(ByteCommand::Steps { motor: 1, forward: true, count: 3 });
+/// let mut steps = 0;
+/// loop {
+///     match cell.next_event(&CellInputs::default()) {
+///         CellEvent::Step(step) => steps += i32::from(step.delta[1]),
+///         CellEvent::Idle => break,
+///         _ => {}
+///     }
+/// }
+/// assert_eq!(steps, 3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Cell<F> {
+    config: CellConfig,
+    figure: F,
+    task: Task,
+    /// The move of the figure under way.
+    line: Option<FigureMove>,
+    power: Power,
+    plays: [Play; 3],
+    spindle: i32,
+    /// Ticks since the last event of an axis that the spindle's steps have used up already.
+    used_ticks: u32,
+    /// Ticks until the next step of a spindle that turns along.
+    spindle_ticks: u32,
+    /// The next step of the task, waiting for its time.
+    due: Option<Due>,
+    is_homed: bool,
+    report: Option<CellReport>,
+}
+
+/// A step that has been decided.
+#[derive(Copy, Clone, Debug)]
+struct Due {
+    wait_ticks: u32,
+    delta: [i8; CELL_MOTORS],
+}
+
+impl<F: AsRef<[[i16; 2]]>> Cell<F> {
+    /// At rest, motors off, not homed.
+    pub const fn new(config: CellConfig, figure: F) -> Self {
+        let [x, y, z] = config.lash_steps;
+        Self {
+            config,
+            figure,
+            task: Task::Idle,
+            line: None,
+            power: Power::Off,
+            plays: [Play::new(x), Play::new(y), Play::new(z)],
+            spindle: 0,
+            used_ticks: 0,
+            spindle_ticks: 0,
+            due: None,
+            is_homed: false,
+            report: None,
+        }
+    }
+
+    /// A command from the link. Says whether it is carried out: a task is begun only while none is under way, except that the
+    /// jog under way may be said again, which keeps it alive where there is a dead-man's time.
+    pub fn command(&mut self, command: ByteCommand) -> bool {
+        if self.task == Task::Emergency {
+            return false;
+        }
+        match command {
+            ByteCommand::Emergency => {
+                self.task = Task::Emergency;
+                self.due = None;
+                // The axes were stopped in full flight: where they are is not known for sure.
+                self.is_homed = false;
+                self.report = Some(CellReport::Emergency);
+                return true;
+            }
+            ByteCommand::Stop => {
+                // The step decided on is not made.
+                self.due = None;
+                if self.task != Task::Idle {
+                    self.task = Task::Idle;
+                    self.report = Some(CellReport::Stopped);
+                }
+                return true;
+            }
+            _ => {}
+        }
+        let Some(task) = Task::of(command, &self.config) else {
+            return false;
+        };
+        let is_said_again = match (self.task, task) {
+            (Task::Jog { way, .. }, Task::Jog { way: again, .. }) => way == again,
+            _ => false,
+        };
+        if self.task != Task::Idle && !is_said_again {
+            return false;
+        }
+        self.task = task;
+        true
+    }
+
+    /// What a panel's reset or power up does: out of an emergency stop, not homed, motors off.
+    pub fn reset(&mut self) {
+        self.task = Task::Idle;
+        self.power = Power::Off;
+        self.due = None;
+        self.is_homed = false;
+        self.report = None;
+    }
+
+    /// Whether a task is under way.
+    pub fn is_moving(&self) -> bool {
+        !matches!(self.task, Task::Idle | Task::Emergency)
+    }
+
+    /// Whether positions count from the home switches.
+    pub const fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
+    /// Load steps of X, Y and Z, and steps of the spindle.
+    pub fn position_steps(&self) -> [i32; CELL_MOTORS] {
+        let [x, y, z] = self.plays.map(|play| play.load());
+        [x, y, z, self.spindle]
+    }
+
+    /// The figure, to be read or edited while none is cut.
+    pub const fn figure(&self) -> &F {
+        &self.figure
+    }
+
+    /// Another figure; refused, and given back, while one is cut.
+    ///
+    /// # Errors
+    ///
+    /// The figure that was not taken.
+    pub fn set_figure(&mut self, figure: F) -> Result<(), F> {
+        if matches!(self.task, Task::Figure { .. } | Task::Approach { .. }) {
+            return Err(figure);
+        }
+        self.figure = figure;
+        Ok(())
+    }
+
+    /// What happens next, with the switches as they are now.
+    pub fn next_event(&mut self, inputs: &CellInputs) -> CellEvent {
+        if let Some(report) = self.report.take() {
+            return CellEvent::Report(report);
+        }
+        if !self.is_moving() {
+            if self.power == Power::Off {
+                return CellEvent::Idle;
+            }
+            self.power = Power::Off;
+            return CellEvent::Enable(false);
+        }
+        if let Some(event) = self.wake() {
+            return event;
+        }
+        if self.due.is_none() {
+            self.due = self.decide(inputs);
+        }
+        match self.due {
+            Some(due) => CellEvent::Step(self.merged(due)),
+            // The task has ended, or changed, with a report.
+            None => match self.report.take() {
+                Some(report) => CellEvent::Report(report),
+                None => CellEvent::Dwell { wait_ticks: 0 },
+            },
+        }
+    }
+
+    /// Current, RESET and the delay after them, before a task's first step.
+    fn wake(&mut self) -> Option<CellEvent> {
+        let (next, event) = match self.power {
+            Power::On => return None,
+            Power::Off => {
+                // Until it is homed the phases are anywhere, so RESET loses nothing.
+                let resets = self.config.resets_before_moves || !self.is_homed;
+                let next = if resets { Power::Reset } else { Power::Settle };
+                (next, CellEvent::Enable(true))
+            }
+            Power::Reset => (
+                Power::Settle,
+                CellEvent::Reset {
+                    ticks: self.config.reset_ticks,
+                },
+            ),
+            Power::Settle => (
+                Power::On,
+                CellEvent::Dwell {
+                    wait_ticks: self.config.settle_ticks,
+                },
+            ),
+        };
+        self.power = next;
+        self.used_ticks = 0;
+        self.spindle_ticks = self.config.spindle_interval();
+        Some(event)
+    }
+
+    /// The next step of the task; `None` where the task ends or changes.
+    fn decide(&mut self, inputs: &CellInputs) -> Option<Due> {
+        match self.task {
+            Task::Idle | Task::Emergency => None,
+            Task::Jog { way, left_ticks } => {
+                let interval = self.config.interval(way.motor);
+                let left_ticks = match left_ticks {
+                    Some(left) if left < interval => {
+                        return self.end(CellReport::DeadMan);
+                    }
+                    left => left.map(|left| left.wrapping_sub(interval)),
+                };
+                self.task = Task::Jog { way, left_ticks };
+                self.one_way(way, inputs).map(|(due, _)| due)
+            }
+            Task::Steps { way, left } => {
+                if left == 0 {
+                    return self.end(CellReport::Done);
+                }
+                let (due, counts) = self.one_way(way, inputs)?;
+                let left = left.wrapping_sub(u8::from(counts));
+                self.task = Task::Steps { way, left };
+                Some(due)
+            }
+            Task::Home { axis, left } => self.search(axis, left, inputs),
+            Task::BackOff { axis, left, homes } => self.back_off(axis, left, homes, inputs),
+            Task::Approach { left } => {
+                if inputs.contact {
+                    self.begin_move(0);
+                    self.report = Some(CellReport::Contact);
+                    return None;
+                }
+                if left == 0 {
+                    return self.end(CellReport::NoContact);
+                }
+                let way = Way {
+                    motor: 1,
+                    forward: true,
+                };
+                let (due, counts) = self.one_way(way, inputs)?;
+                self.task = Task::Approach {
+                    left: left.wrapping_sub(u32::from(counts)),
+                };
+                Some(due)
+            }
+            Task::Figure { index } => self.cut(index, inputs),
+        }
+    }
+
+    /// Ends the task.
+    fn end(&mut self, report: CellReport) -> Option<Due> {
+        self.task = Task::Idle;
+        self.report = Some(report);
+        None
+    }
+
+    /// A step of one motor, and whether it moves the load; at a home switch the task turns into going back off it.
+    fn one_way(&mut self, way: Way, inputs: &CellInputs) -> Option<(Due, bool)> {
+        let direction: i8 = if way.forward { 1 } else { -1 };
+        if !way.forward && self.stops_at(way.motor, inputs) {
+            return None;
+        }
+        let mut delta = [0; CELL_MOTORS];
+        if let Some(place) = delta.get_mut(usize::from(way.motor)) {
+            *place = direction;
+        }
+        let play = self.plays.get(usize::from(way.motor));
+        let counts = !play.is_some_and(|play| play.owes(direction));
+        let due = Due {
+            wait_ticks: self.config.interval(way.motor),
+            delta,
+        };
+        Some((due, counts))
+    }
+
+    /// Whether the switch of an axis that moves towards it is closed; then it goes back.
+    fn stops_at(&mut self, axis: u8, inputs: &CellInputs) -> bool {
+        let is_closed = inputs
+            .home
+            .get(usize::from(axis))
+            .is_some_and(|closed| *closed);
+        if is_closed {
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+                homes: false,
+            };
+            self.report = Some(CellReport::Switch { axis });
+        }
+        is_closed
+    }
+
+    /// Homing: towards the switch.
+    fn search(&mut self, axis: u8, left: u32, inputs: &CellInputs) -> Option<Due> {
+        let is_closed = inputs
+            .home
+            .get(usize::from(axis))
+            .is_some_and(|closed| *closed);
+        if is_closed {
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+                homes: true,
+            };
+            return None;
+        }
+        if left == 0 {
+            return self.end(CellReport::NoSwitch { axis });
+        }
+        self.task = Task::Home {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        let way = Way {
+            motor: axis,
+            forward: false,
+        };
+        self.one_way(way, inputs).map(|(due, _)| due)
+    }
+
+    /// Back off a switch: in homing the next axis follows.
+    fn back_off(&mut self, axis: u8, left: u16, homes: bool, inputs: &CellInputs) -> Option<Due> {
+        if left > 0 {
+            let way = Way {
+                motor: axis,
+                forward: true,
+            };
+            let (due, counts) = self.one_way(way, inputs)?;
+            self.task = Task::BackOff {
+                axis,
+                left: left.wrapping_sub(u16::from(counts)),
+                homes,
+            };
+            return Some(due);
+        }
+        let is_closed = inputs
+            .home
+            .get(usize::from(axis))
+            .is_some_and(|closed| *closed);
+        if is_closed {
+            return self.end(CellReport::StillClosed { axis });
+        }
+        if !homes {
+            return self.end(CellReport::Done);
+        }
+        if let Some(play) = self.plays.get_mut(usize::from(axis)) {
+            play.set_zero();
+        }
+        if axis < 2 {
+            self.task = Task::Home {
+                axis: axis.wrapping_add(1),
+                left: self.config.search_steps,
+            };
+            return None;
+        }
+        self.is_homed = true;
+        self.end(CellReport::Homed)
+    }
+
+    /// A step of the figure.
+    fn cut(&mut self, index: usize, inputs: &CellInputs) -> Option<Due> {
+        let Some(([x, z], wait_ticks)) = self.line.as_ref().and_then(FigureMove::peek) else {
+            // Below the length of a slice, so the sum does not wrap.
+            let next = index.wrapping_add(1);
+            if next >= self.figure.as_ref().len() {
+                return self.end(CellReport::Done);
+            }
+            self.begin_move(next);
+            return None;
+        };
+        for (axis, direction) in [(0, x), (2, z)] {
+            if direction < 0 && self.stops_at(axis, inputs) {
+                return None;
+            }
+        }
+        // Both axes take up what they owe before the tool goes on.
+        let [play_x, _, play_z] = &self.plays;
+        let [owes_x, owes_z] = [play_x.owes(x), play_z.owes(z)];
+        let (x, z, wait_ticks) = if owes_x || owes_z {
+            let only = |owes, direction| if owes { direction } else { 0 };
+            (only(owes_x, x), only(owes_z, z), self.config.interval(0))
+        } else {
+            if let Some(line) = &mut self.line {
+                line.advance();
+            }
+            (x, z, wait_ticks)
+        };
+        Some(Due {
+            wait_ticks,
+            delta: [x, 0, z, 0],
+        })
+    }
+
+    fn begin_move(&mut self, index: usize) {
+        let figure = self.figure.as_ref();
+        let way = figure.get(index).copied().unwrap_or_default();
+        self.line = Some(FigureMove::new(way, &self.config));
+        self.task = Task::Figure { index };
+    }
+
+    /// A step of the task, or one of the spindle that comes before it.
+    fn merged(&mut self, due: Due) -> StepEvent<CELL_MOTORS> {
+        let left = due.wait_ticks.saturating_sub(self.used_ticks);
+        let turns_along = self.config.spindle_turns_in_figures
+            && matches!(self.task, Task::Figure { .. } | Task::Approach { .. });
+        if turns_along && self.spindle_ticks <= left {
+            let wait_ticks = self.spindle_ticks;
+            // Not above `left`, so the sum is not above the wait of the step.
+            self.used_ticks = self.used_ticks.wrapping_add(wait_ticks);
+            self.spindle_ticks = self.config.spindle_interval();
+            return self.made(wait_ticks, [0, 0, 0, 1]);
+        }
+        // Above `left` where it turns along; otherwise it begins anew.
+        self.spindle_ticks = if turns_along {
+            self.spindle_ticks.wrapping_sub(left)
+        } else {
+            self.config.spindle_interval()
+        };
+        self.used_ticks = 0;
+        self.due = None;
+        self.made(left, due.delta)
+    }
+
+    /// A step that is made now: the positions follow.
+    fn made(&mut self, wait_ticks: u32, delta: [i8; CELL_MOTORS]) -> StepEvent<CELL_MOTORS> {
+        for (play, direction) in self.plays.iter_mut().zip(delta) {
+            play.step(direction);
+        }
+        let [.., turn] = delta;
+        // Of 2^32 steps, at 64 a second, none in two years.
+        self.spindle = self.spindle.wrapping_add(i32::from(turn));
+        StepEvent { wait_ticks, delta }
+    }
+}

@@ -1,0 +1,298 @@
+//! The desktop microfactory against a small model of its mechanics: screws with play, switches, a work piece.
+
+use husillo_machine::{
+    CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport, StepEvent,
+};
+use husillo_transports::byte_commands::ByteCommand;
+use proptest::prelude::*;
+
+const SQUARE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
+
+/// Motors, nuts on their screws, switches that close at a place of the nut.
+#[derive(Clone, Debug)]
+struct Model {
+    motor: [i32; CELL_MOTORS],
+    nut: [i32; 3],
+    lash: [i32; 3],
+    switches: [i32; 3],
+    /// The work piece begins here in Y.
+    face: i32,
+    has_current: bool,
+    time_ticks: u64,
+    resets: u32,
+}
+
+impl Model {
+    /// The nuts stand somewhere in their play, `from` steps of the motor from the switches.
+    fn new(config: &CellConfig, from: [i32; 3]) -> Self {
+        Self {
+            motor: [0; CELL_MOTORS],
+            nut: [0; 3],
+            lash: config.lash_steps.map(i32::from),
+            switches: from.map(|from| -from),
+            face: i32::MAX,
+            has_current: false,
+            time_ticks: 0,
+            resets: 0,
+        }
+    }
+
+    fn inputs(&self) -> CellInputs {
+        let mut home = [false; 3];
+        for (axis, closed) in home.iter_mut().enumerate() {
+            *closed = self.nut[axis] <= self.switches[axis];
+        }
+        CellInputs {
+            home,
+            contact: self.nut[1] >= self.face,
+        }
+    }
+
+    fn apply(&mut self, step: StepEvent<CELL_MOTORS>) {
+        assert!(self.has_current, "a step without current");
+        self.time_ticks += u64::from(step.wait_ticks);
+        for axis in 0..CELL_MOTORS {
+            self.motor[axis] += i32::from(step.delta[axis]);
+        }
+        for axis in 0..3 {
+            let motor = self.motor[axis];
+            self.nut[axis] = self.nut[axis].clamp(motor - self.lash[axis], motor);
+        }
+    }
+
+    /// Everything until the cell is idle: its reports, and where the nuts were after every step.
+    fn run<F: AsRef<[[i16; 2]]>>(
+        &mut self,
+        cell: &mut Cell<F>,
+    ) -> (Vec<CellReport>, Vec<[i32; 3]>) {
+        let (mut reports, mut path) = (Vec::new(), Vec::new());
+        for _ in 0..1_000_000 {
+            match cell.next_event(&self.inputs()) {
+                CellEvent::Step(step) => {
+                    self.apply(step);
+                    path.push(self.nut);
+                }
+                CellEvent::Dwell { wait_ticks } => self.time_ticks += u64::from(wait_ticks),
+                CellEvent::Enable(on) => self.has_current = on,
+                CellEvent::Reset { ticks } => {
+                    self.resets += 1;
+                    self.time_ticks += u64::from(ticks);
+                }
+                CellEvent::Report(report) => reports.push(report),
+                CellEvent::Idle => return (reports, path),
+            }
+        }
+        panic!("no end");
+    }
+}
+
+fn homed() -> (Cell<Vec<[i16; 2]>>, Model) {
+    let config = CellConfig::ORIGINAL;
+    let mut cell = Cell::new(config, SQUARE.to_vec());
+    let mut model = Model::new(&config, [700, 300, 1500]);
+    assert!(cell.command(ByteCommand::Home));
+    assert_eq!(model.run(&mut cell).0, [CellReport::Homed]);
+    (cell, model)
+}
+
+#[test]
+fn homing_frees_every_switch_by_its_back_off() {
+    let (cell, model) = homed();
+    assert!(cell.is_homed());
+    assert_eq!(cell.position_steps(), [0; CELL_MOTORS]);
+    for axis in 0..3 {
+        assert_eq!(model.nut[axis] - model.switches[axis], 200, "axis {axis}");
+    }
+    assert!(!model.has_current);
+    assert_eq!(model.resets, 1);
+}
+
+#[test]
+fn homing_without_a_switch_ends() {
+    let config = CellConfig::ORIGINAL;
+    let mut cell = Cell::new(config, SQUARE);
+    let mut model = Model::new(&config, [100, 1_000_000, 100]);
+    cell.command(ByteCommand::Home);
+    let (reports, _) = model.run(&mut cell);
+    assert_eq!(reports, [CellReport::NoSwitch { axis: 1 }]);
+    assert!(!cell.is_homed());
+}
+
+#[test]
+fn counted_steps_move_the_load_by_their_number_whatever_the_lash() {
+    let (mut cell, mut model) = homed();
+    let from = model.nut;
+    for (forward, count) in [(true, 255), (false, 40), (true, 1), (false, 216)] {
+        cell.command(ByteCommand::Steps {
+            motor: 2,
+            forward,
+            count,
+        });
+        model.run(&mut cell);
+    }
+    assert_eq!(model.nut, from);
+    assert_eq!(cell.position_steps()[2], 0);
+}
+
+#[test]
+fn a_switch_that_closes_stops_the_axis_and_it_goes_back() {
+    let (mut cell, mut model) = homed();
+    cell.command(ByteCommand::Jog {
+        motor: 0,
+        forward: false,
+    });
+    let (reports, path) = model.run(&mut cell);
+    assert_eq!(reports, [CellReport::Switch { axis: 0 }, CellReport::Done]);
+    let lowest = path.iter().map(|nut| nut[0]).min().unwrap();
+    assert_eq!(lowest, model.switches[0], "not a step beyond the switch");
+    assert_eq!(cell.position_steps()[0], 0);
+}
+
+#[test]
+fn a_figure_begins_at_contact_and_follows_its_lines() {
+    let (mut cell, mut model) = homed();
+    let [x, y, z] = model.nut;
+    model.face = y + 321;
+    cell.command(ByteCommand::Figure);
+    let before = model.time_ticks;
+    let (reports, path) = model.run(&mut cell);
+    assert_eq!(reports, [CellReport::Contact, CellReport::Done]);
+    assert_eq!(model.nut, [x + 1000, y + 321, z + 1000]);
+    // Along the diagonal both axes are level within a step.
+    for [now_x, _, now_z] in path.iter().rev().take(1000) {
+        assert!((now_x - x).abs_diff(now_z - z) <= 1, "{now_x} {now_z}");
+    }
+    // 321 + 4000 steps and a diagonal of 1414 at 100 a second; X takes up once, Z twice: back at -X, back at -Z, and both
+    // again before the diagonal, where one time serves both.
+    let steps = 321.0 + 4000.0 + 1000.0 * 2.0_f64.sqrt() + 600.0;
+    let seconds = (model.time_ticks - before) as f64 / 1e6;
+    assert!((seconds - steps / 100.0 - 0.010).abs() < 0.05, "{seconds}");
+    // The spindle turned along at 64 steps a second.
+    let turned = cell.position_steps()[3];
+    assert!((f64::from(turned) - seconds * 64.0).abs() < 3.0, "{turned}");
+}
+
+#[test]
+fn no_contact_no_figure() {
+    let (mut cell, mut model) = homed();
+    let from = model.nut;
+    cell.command(ByteCommand::Figure);
+    assert_eq!(model.run(&mut cell).0, [CellReport::NoContact]);
+    assert_eq!([model.nut[0], model.nut[2]], [from[0], from[2]]);
+}
+
+#[test]
+fn a_jog_ends_without_its_dead_man() {
+    let config = CellConfig {
+        dead_man_ticks: Some(250_000),
+        ..CellConfig::ORIGINAL
+    };
+    let mut cell = Cell::new(config, SQUARE);
+    let mut model = Model::new(&config, [10_000; 3]);
+    let jog = ByteCommand::Jog {
+        motor: 1,
+        forward: true,
+    };
+    cell.command(jog);
+    for _ in 0..20 {
+        cell.next_event(&model.inputs());
+    }
+    let before = cell.position_steps()[1];
+    assert!(cell.command(jog), "said again");
+    model.has_current = true;
+    assert_eq!(model.run(&mut cell).0, [CellReport::DeadMan]);
+    assert_eq!(cell.position_steps()[1] - before, 25);
+}
+
+#[test]
+fn the_originals_reset_before_every_move() {
+    let config = CellConfig {
+        resets_before_moves: true,
+        ..CellConfig::ORIGINAL
+    };
+    let mut cell = Cell::new(config, SQUARE);
+    let mut model = Model::new(&config, [10_000; 3]);
+    for _ in 0..3 {
+        cell.command(ByteCommand::Steps {
+            motor: 0,
+            forward: true,
+            count: 1,
+        });
+        model.run(&mut cell);
+    }
+    assert_eq!(model.resets, 3);
+    assert_eq!(model.time_ticks, 3 * (1_000 + 10_000 + 10_000));
+}
+
+fn command() -> impl Strategy<Value = ByteCommand> {
+    prop_oneof![
+        Just(ByteCommand::Home),
+        Just(ByteCommand::Figure),
+        (0..4_u8, any::<bool>()).prop_map(|(motor, forward)| ByteCommand::Jog { motor, forward }),
+        (0..4_u8, any::<bool>(), 1..=255_u8).prop_map(|(motor, forward, count)| {
+            ByteCommand::Steps {
+                motor,
+                forward,
+                count,
+            }
+        }),
+        Just(ByteCommand::Stop),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever is commanded and whenever it is stopped: once homed, the position is where the load is, and no axis goes beyond
+    /// its switch.
+    #[test]
+    fn positions_are_the_loads(
+        commands in prop::collection::vec((command(), 0..3000_usize), 0..12),
+        face in 0..400,
+    ) {
+        let (mut cell, mut model) = homed();
+        let zero = model.nut;
+        model.face = zero[1] + face;
+        for (command, events) in commands {
+            cell.command(command);
+            for _ in 0..events {
+                match cell.next_event(&model.inputs()) {
+                    CellEvent::Step(step) => model.apply(step),
+                    CellEvent::Enable(on) => model.has_current = on,
+                    _ => {}
+                }
+                for axis in 0..3 {
+                    prop_assert!(model.nut[axis] >= model.switches[axis]);
+                }
+            }
+            cell.command(ByteCommand::Stop);
+            let loads: [i32; 3] = std::array::from_fn(|axis| model.nut[axis] - zero[axis]);
+            prop_assert_eq!(&cell.position_steps()[..3], &loads);
+        }
+    }
+
+    /// An emergency stop acts on the next event, in every task, and holds until a reset.
+    #[test]
+    fn an_emergency_stop_is_for_good(first in command(), events in 0..2000_usize, then in command()) {
+        let (mut cell, mut model) = homed();
+        model.face = model.nut[1] + 50;
+        cell.command(first);
+        for _ in 0..events {
+            match cell.next_event(&model.inputs()) {
+                CellEvent::Step(step) => model.apply(step),
+                CellEvent::Enable(on) => model.has_current = on,
+                _ => {}
+            }
+        }
+        prop_assert!(cell.command(ByteCommand::Emergency));
+        let motors = model.motor;
+        let (reports, path) = model.run(&mut cell);
+        prop_assert_eq!(reports, [CellReport::Emergency]);
+        prop_assert!(path.is_empty() && model.motor == motors && !model.has_current);
+        prop_assert!(!cell.command(then));
+        prop_assert_eq!(cell.next_event(&model.inputs()), CellEvent::Idle);
+        cell.reset();
+        prop_assert!(cell.command(ByteCommand::Home));
+        prop_assert_eq!(model.run(&mut cell).0, [CellReport::Homed]);
+    }
+}
