@@ -18,7 +18,7 @@ use crate::holes;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::source::Source;
 use crate::{
-    commands, compare_page, compare_text, grid, interpolate, machines, setup, steps, tune,
+    cell, commands, compare_page, compare_text, grid, interpolate, machines, setup, steps, tune,
 };
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Machine};
@@ -71,6 +71,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
+        Command::Jog(args) => jog(args),
         Command::Measure(args) => measure(args),
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => tune_servo(args),
@@ -94,6 +95,16 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     Ok(OK)
 }
 
+fn jog(args: &cell::Jog) -> Result<u8, Failure> {
+    match cell::jog(args, &mut io::stdout().lock()) {
+        Ok(()) => Ok(OK),
+        Err(message) => {
+            eprintln!("error: {message}");
+            Ok(ERRORS)
+        }
+    }
+}
+
 fn measure(args: &Measure) -> Result<u8, Failure> {
     let mut table = Vec::new();
     let result = cmm::measure(args, &mut io::stdout().lock(), &mut table);
@@ -113,6 +124,11 @@ fn tune_servo(args: &Tune) -> Result<u8, Failure> {
 }
 
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
+    #[cfg(unix)]
+    if args.machine == "microfactory" {
+        cell::emulate(args, &mut io::stdout().lock())?;
+        return Ok(OK);
+    }
     ended(cmm::emulate(args, &mut io::stdout().lock()))
 }
 

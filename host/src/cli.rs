@@ -76,6 +76,17 @@ pub enum Command {
         husillo machines\n  \
         husillo machines show micromill")]
     Machines(Machines),
+    /// Move a microfactory by hand: home, counted steps, jogs, figures, emergency stop
+    #[command(after_help = "Actions, done in turn:\n  \
+        home         X, Y and Z to their switches and 200 steps back\n  \
+        x -25        steps of a motor: x, y, z, or c for the spindle\n  \
+        y+ 1.5s      turn a motor for a while\n  \
+        figure       feed Y until the tool touches, then cut the stored figure\n  \
+        stop, emergency\n\n\
+        Examples:\n  \
+        husillo jog home x 400 figure\n  \
+        husillo jog --port /dev/ttyUSB0 home y+ 1s")]
+    Jog(crate::cell::Jog),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \
@@ -588,8 +599,14 @@ pub struct Measure {
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
-    /// Machine: cmm, cmm3, or a TOML file
+    /// Machine: microfactory, cmm, cmm3, or a TOML file of a measuring machine
     pub machine: String,
+    /// Figure of a microfactory: a G-code program of straight moves in X and Z
+    #[arg(long, value_name = "FILE")]
+    pub figure: Option<String>,
+    /// As the original did: a microfactory that does not answer and has no dead-man's time
+    #[arg(long)]
+    pub faithful: bool,
     /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
     #[arg(long, value_name = "servo:V,..")]
     pub modules: Option<String>,

@@ -23,13 +23,12 @@ mod result_row;
 mod scale;
 mod servo;
 mod session;
-#[cfg(unix)]
-mod terminal;
 mod touching;
 pub mod trouble;
 mod way;
 
 pub use contact::Contact;
+pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Output};
 use crate::machine_file::LoadError;
@@ -113,6 +112,7 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
+    use crate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
 
@@ -126,10 +126,13 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         &args.contact,
         mounted(args.piece.as_deref(), &machine)?,
     )?;
-    let limit = args.seconds.map(Duration::from_secs_f64);
-    let is_over = terminal::stop_flag()?;
-    let mut terminal = terminal::Terminal::new(Path::new(&args.link))
-        .map_err(|error| format!("{}: {error}", args.link))?;
+    let pace = Pace {
+        speed: args.speed,
+        limit: args.seconds.map(Duration::from_secs_f64),
+        is_over: terminal::stop_flag()?,
+    };
+    let mut terminal =
+        Terminal::new(Path::new(&args.link)).map_err(|error| format!("{}: {error}", args.link))?;
     let modules = if versions.len() == 1 {
         "module"
     } else {
@@ -145,7 +148,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         args.link
     )
     .and_then(|()| out.flush())
-    .and_then(|()| terminal.run(&mut emulated, args.speed, limit, &is_over))
+    .and_then(|()| terminal.run(&mut emulated, &pace, out))
     .map_err(|error| Stopped::Machine(format!("error: {}: {error}", args.link)))
 }
 

@@ -13,6 +13,7 @@
 
 mod app;
 mod blocks;
+mod cell;
 mod chart;
 mod check;
 mod cli;
@@ -29,6 +30,7 @@ mod diagnostics;
 mod drawing;
 mod drill_code;
 mod drill_file;
+mod emulation;
 mod explain;
 mod explain_flow;
 mod feeder;
@@ -52,6 +54,8 @@ mod source;
 mod speed;
 mod steps;
 mod table;
+#[cfg(unix)]
+mod terminal;
 mod tune;
 mod turning;
 mod turns;

@@ -2,6 +2,7 @@
 
 use super::contact::Contact;
 use super::piece::Mounted;
+use crate::emulation::Emulation;
 use husillo_sim::{DcMotor, DcMotorModel, ServoChain, Surroundings};
 
 /// A servo period in ns.
@@ -69,6 +70,18 @@ impl Emulated {
             self.chain.surround(module, around);
         }
         self.chain.tick()
+    }
+}
+
+impl Emulation for Emulated {
+    const PERIOD_NS: u64 = PERIOD_NS;
+
+    fn send(&mut self, byte: u8) {
+        Emulated::send(self, byte);
+    }
+
+    fn tick(&mut self) -> Vec<u8> {
+        Emulated::tick(self)
     }
 }
 

@@ -27,6 +27,15 @@ impl Port {
     ///
     /// It cannot be opened.
     pub fn open(name: &str) -> io::Result<Self> {
+        Self::open_at(name, Baud::default().bits_per_s())
+    }
+
+    /// The same at another rate.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be opened.
+    pub fn open_at(name: &str, bits_per_s: u32) -> io::Result<Self> {
         if let Some(address) = name.strip_prefix("tcp:") {
             let mut last = io::Error::new(ErrorKind::InvalidInput, "no such address");
             for address in std::net::ToSocketAddrs::to_socket_addrs(address)? {
@@ -40,7 +49,7 @@ impl Port {
             }
             return Err(last);
         }
-        let port = serialport::new(name, Baud::default().bits_per_s()).open()?;
+        let port = serialport::new(name, bits_per_s).open()?;
         Ok(Self::Serial(port, Instant::now()))
     }
 

@@ -1,16 +1,27 @@
-//! `husillo emulate`: a simulated chain behind a pseudo-terminal, in real time.
+//! `husillo emulate`: a simulated device behind a pseudo-terminal, in real time.
 
-use super::emulated::{Emulated, PERIOD_NS};
-use super::port;
+use crate::cmm::read_port;
+use crate::emulation::Emulation;
 use serialport::{SerialPort, TTYPort};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufRead, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
 const MOST_BEHIND: u64 = 2000;
+
+/// How fast and how long an emulation runs.
+pub struct Pace {
+    /// Multiple of real time.
+    pub speed: f64,
+    /// End after so long.
+    pub limit: Option<Duration>,
+    /// End when this is set.
+    pub is_over: Arc<AtomicBool>,
+}
 
 /// A pseudo-terminal with a name of its own, until it is dropped.
 pub struct Terminal {
@@ -44,34 +55,46 @@ impl Terminal {
         })
     }
 
-    /// Runs the chain at `speed` times real time until told to stop, or for some time.
+    /// Runs the device at `speed` times real time until told to stop, or for some time. Lines of standard input are its panel, and what
+    /// it tells goes to `out`.
     ///
     /// # Errors
     ///
     /// The terminal fails.
-    pub fn run(
+    pub fn run<E: Emulation>(
         &mut self,
-        emulated: &mut Emulated,
-        speed: f64,
-        limit: Option<Duration>,
-        is_over: &Arc<AtomicBool>,
+        device: &mut E,
+        pace: &Pace,
+        out: &mut dyn Write,
     ) -> io::Result<()> {
+        let panel = panel();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
-        while !is_over.load(Ordering::Relaxed) && limit.is_none_or(|limit| start.elapsed() < limit)
-        {
-            for byte in port::read(&mut self.master)? {
-                emulated.send(byte);
+        let is_over = || {
+            let is_late = pace.limit.is_some_and(|limit| start.elapsed() >= limit);
+            is_late || pace.is_over.load(Ordering::Relaxed)
+        };
+        while !is_over() {
+            for byte in read_port(&mut self.master)? {
+                device.send(byte);
             }
-            let due = (start.elapsed().as_secs_f64() * speed * 1e9 / PERIOD_NS as f64) as u64;
-            let behind = due.saturating_sub(done + left_out);
+            while let Ok(line) = panel.try_recv() {
+                writeln!(out, "{}", device.control(line.trim()))?;
+            }
+            let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
+            let behind = (periods as u64).saturating_sub(done + left_out);
             left_out += behind.saturating_sub(MOST_BEHIND);
             for _ in 0..behind.min(MOST_BEHIND) {
                 done += 1;
-                let bytes = emulated.tick();
+                let bytes = device.tick();
                 if !bytes.is_empty() {
                     self.write(&bytes)?;
                 }
             }
+            let told = device.tell();
+            for line in &told {
+                writeln!(out, "{line}")?;
+            }
+            out.flush()?;
         }
         Ok(())
     }
@@ -90,6 +113,19 @@ impl Drop for Terminal {
         // Somebody may have removed it already.
         let _ = std::fs::remove_file(&self.link);
     }
+}
+
+/// The lines of standard input as they are typed; none any more where it has ended.
+fn panel() -> Receiver<String> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        for line in io::stdin().lock().lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
 }
 
 /// A flag that Ctrl-C and a request to end set.

@@ -1,0 +1,144 @@
+//! What to do with a microfactory, one thing after another.
+
+use std::fmt;
+use std::time::Duration;
+
+/// One action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Home X, Y and Z.
+    Home,
+    /// Turn a motor by so many steps, signed.
+    Steps {
+        /// 0 to 3.
+        motor: u8,
+        /// Not 0.
+        steps: i32,
+    },
+    /// Turn a motor for a while.
+    Jog {
+        /// 0 to 3.
+        motor: u8,
+        /// Forward, or clockwise.
+        forward: bool,
+        /// How long.
+        time: Duration,
+    },
+    /// Cut the stored figure.
+    Figure,
+    /// Stop.
+    Stop,
+    /// Emergency stop.
+    Emergency,
+}
+
+/// The motors' letters.
+const MOTORS: [&str; 4] = ["x", "y", "z", "c"];
+
+impl Action {
+    /// Reads words such as `home x 25 c+ 2s figure`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the first that is not understood.
+    pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
+        let mut words = words.iter();
+        let mut actions = Vec::new();
+        while let Some(word) = words.next() {
+            actions.push(match word.as_str() {
+                "home" => Self::Home,
+                "figure" => Self::Figure,
+                "stop" => Self::Stop,
+                "emergency" => Self::Emergency,
+                _ => Self::motor(word, words.next())?,
+            });
+        }
+        Ok(actions)
+    }
+
+    /// `x 25`, or `x+ 2s`.
+    fn motor(word: &str, amount: Option<&String>) -> Result<Self, String> {
+        let unknown = || {
+            format!(
+                "unknown action `{word}`: there are home, figure, stop, emergency, steps as in `x -25`, a jog as in `x+ 2s`"
+            )
+        };
+        let letter = word.trim_end_matches(['+', '-']);
+        let motor = MOTORS.iter().position(|name| *name == letter);
+        let motor = motor
+            .and_then(|motor| u8::try_from(motor).ok())
+            .ok_or_else(unknown)?;
+        let amount = amount.map(String::as_str).unwrap_or_default();
+        match word.strip_prefix(letter) {
+            Some("") => {
+                let steps = amount.parse().ok().filter(|steps| *steps != 0);
+                let steps = steps.ok_or_else(|| {
+                    format!("`{word}` by how many steps? As in `{word} 25` or `{word} -25`")
+                })?;
+                Ok(Self::Steps { motor, steps })
+            }
+            Some(sign @ ("+" | "-")) => {
+                let seconds = amount
+                    .strip_suffix('s')
+                    .and_then(|number| number.parse().ok());
+                let seconds = seconds.filter(|seconds| (0.0..=3600.0).contains(seconds));
+                let seconds =
+                    seconds.ok_or_else(|| format!("`{word}` how long? As in `{word} 1.5s`"))?;
+                Ok(Self::Jog {
+                    motor,
+                    forward: sign == "+",
+                    time: Duration::from_secs_f64(seconds),
+                })
+            }
+            _ => Err(unknown()),
+        }
+    }
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = |motor: &u8| MOTORS.get(usize::from(*motor)).copied().unwrap_or_default();
+        match self {
+            Self::Home => f.write_str("home"),
+            Self::Steps { motor, steps } => write!(f, "{} {steps:+}", name(motor)),
+            Self::Jog { motor, forward, .. } => {
+                write!(f, "{}{}", name(motor), if *forward { '+' } else { '-' })
+            }
+            Self::Figure => f.write_str("figure"),
+            Self::Stop => f.write_str("stop"),
+            Self::Emergency => f.write_str("emergency"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Vec<Action>, String> {
+        let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+        Action::parse(&words)
+    }
+
+    #[test]
+    fn words_are_actions() {
+        let actions = parse("home x -300 c+ 0.5s figure").unwrap();
+        let expected = [
+            Action::Home,
+            Action::Steps {
+                motor: 0,
+                steps: -300,
+            },
+            Action::Jog {
+                motor: 3,
+                forward: true,
+                time: Duration::from_millis(500),
+            },
+            Action::Figure,
+        ];
+        assert_eq!(actions, expected);
+        for text in ["fly", "x", "x 0", "x+ 3", "x++ 3s", "w 3", "x+ -1s"] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! `husillo jog`: its arguments.
+
+use clap::Args;
+
+/// `husillo jog`.
+#[derive(Debug, Args)]
+pub struct Jog {
+    /// Actions, done in turn
+    #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
+    pub actions: Vec<String>,
+    /// Port: sim, a serial device, or tcp:HOST:PORT
+    #[arg(long, value_name = "PORT", default_value = "sim")]
+    pub port: String,
+    /// Figure of the simulated device: a G-code program of straight moves in X and Z
+    #[arg(long, value_name = "FILE")]
+    pub figure: Option<String>,
+    /// The device does not answer, as the original did not: wait as long as it may take
+    #[arg(long)]
+    pub without_answers: bool,
+}

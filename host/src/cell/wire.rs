@@ -1,0 +1,116 @@
+//! Where the bytes of a microfactory go: a simulated device, a serial device, a socket.
+
+use super::device::Device;
+use crate::cmm::Port;
+use crate::emulation::Emulation;
+use std::collections::VecDeque;
+use std::io;
+use std::time::Duration;
+
+/// Bits a second of the link.
+const BAUD: u32 = 9600;
+
+/// A wire, with the time that passes on it.
+pub enum Wire {
+    /// A device in simulated time: ns since the beginning.
+    Simulated {
+        device: Box<Device>,
+        ns: u64,
+        answers: VecDeque<u8>,
+    },
+    /// A device of its own.
+    Real { port: Port, answers: VecDeque<u8> },
+}
+
+impl Wire {
+    /// To a simulated device.
+    pub fn simulated(device: Device) -> Self {
+        Self::Simulated {
+            device: Box::new(device),
+            ns: 0,
+            answers: VecDeque::new(),
+        }
+    }
+
+    /// To a serial device or `tcp:HOST:PORT`.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be opened.
+    pub fn open(name: &str) -> io::Result<Self> {
+        Ok(Self::Real {
+            port: Port::open_at(name, BAUD)?,
+            answers: VecDeque::new(),
+        })
+    }
+
+    /// Time since it was opened.
+    pub fn elapsed(&self) -> Duration {
+        match self {
+            Self::Simulated { ns, .. } => Duration::from_nanos(*ns),
+            Self::Real { port, .. } => Duration::from_micros(port.elapsed_us()),
+        }
+    }
+
+    /// Sends a byte.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn send(&mut self, byte: u8) -> io::Result<()> {
+        match self {
+            Self::Simulated { device, .. } => {
+                device.send(byte);
+                Ok(())
+            }
+            Self::Real { port, .. } => port.send(&[byte]),
+        }
+    }
+
+    /// The next byte that comes within a time.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn receive(&mut self, within: Duration) -> io::Result<Option<u8>> {
+        let end = self.elapsed() + within;
+        loop {
+            if let Some(byte) = self.answers().pop_front() {
+                return Ok(Some(byte));
+            }
+            if self.elapsed() >= end {
+                return Ok(None);
+            }
+            let left = end - self.elapsed();
+            match self {
+                Self::Simulated {
+                    device,
+                    ns,
+                    answers,
+                } => {
+                    *ns += Device::PERIOD_NS;
+                    answers.extend(device.tick());
+                }
+                Self::Real { port, answers } => {
+                    // A jog of an hour in one wait is below 2^32 us.
+                    let wait = u32::try_from(left.as_micros()).unwrap_or(u32::MAX);
+                    answers.extend(port.receive(wait)?);
+                }
+            }
+        }
+    }
+
+    /// What a simulated device has told; a real one has a panel of its own.
+    pub fn told(&mut self) -> Vec<String> {
+        match self {
+            Self::Simulated { device, .. } => device.tell(),
+            Self::Real { .. } => Vec::new(),
+        }
+    }
+
+    fn answers(&mut self) -> &mut VecDeque<u8> {
+        match self {
+            Self::Simulated { answers, .. } | Self::Real { answers, .. } => answers,
+        }
+    }
+}
