@@ -3,6 +3,7 @@
 mod rewrite;
 mod simulate;
 
+use crate::calibrate::{Calibrate, What};
 use crate::check::{self, Facts};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, Holes, Interpolate,
@@ -75,6 +76,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Measure(args) => measure(args),
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => tune_servo(args),
+        Command::Calibrate(args) => calibrate(args),
     }
 }
 
@@ -130,6 +132,14 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
         return Ok(OK);
     }
     ended(cmm::emulate(args, &mut io::stdout().lock()))
+}
+
+fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
+    let out = &mut io::stdout().lock();
+    ended(match &args.what {
+        What::Axis(args) => cmm::calibrate_axis(args, out),
+        What::Squareness(args) => cmm::calibrate_squareness(args, out),
+    })
 }
 
 /// The exit status of a command on a measuring machine.

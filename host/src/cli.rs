@@ -112,6 +112,8 @@ pub enum Command {
     /// Find the gains of a servo
     #[command(after_help = TUNE_HELP)]
     Tune(Tune),
+    /// Find the errors of a machine from measurements, as lines for its file
+    Calibrate(crate::calibrate::Calibrate),
 }
 
 /// What the methods of `husillo tune` do.

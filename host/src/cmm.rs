@@ -1,13 +1,17 @@
 //! Measuring machines: `husillo measure` and `husillo emulate`.
 //!
 //! ```text
-//! file, action ─► session ─► head ─► line ─► port ─┬─► emulated     simulated time
+//! file, action ─► session ─► calibrated ─► head ─► line ─► port ─┬─► emulated     simulated time
 //!                    │         servo, way, touching  ├─► serial device, socket
 //!                    └─► result_row                  │
 //! contact, piece ─► emulated ─► terminal ─────────────┘   real time
 //! ```
 
 mod action;
+mod axis_fit;
+mod calibrated;
+mod calibrating;
+mod calibration_file;
 mod contact;
 mod direction;
 pub mod emulated;
@@ -23,15 +27,18 @@ mod result_row;
 mod scale;
 mod servo;
 mod session;
+mod square_fit;
 mod touching;
 pub mod trouble;
 mod way;
 
+pub use calibrating::{calibrate_axis, calibrate_squareness};
 pub use contact::Contact;
 pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Output};
 use crate::machine_file::LoadError;
+use calibrated::Calibrated;
 use file::CmmFile;
 use head::Head;
 use piece::Mounted;
@@ -68,7 +75,8 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let result = Head::start(line, &machine, args.repeat).and_then(|mut head| {
+    let result = Head::start(line, &machine, args.repeat).and_then(|head| {
+        let mut head = Calibrated::new(head, machine.errors.clone());
         session.run(&mut head, |row| {
             if args.format == Output::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());

@@ -13,6 +13,7 @@
 
 mod app;
 mod blocks;
+mod calibrate;
 mod cell;
 mod chart;
 mod check;

@@ -19,6 +19,8 @@ pub enum Quantity {
     Speed(Fraction),
     /// A time in microseconds.
     Time(Fraction),
+    /// A way for a way, in parts in 10^9.
+    Ratio(Fraction),
 }
 
 /// A reduced fraction; `den` is at least 1.
@@ -97,6 +99,7 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "mm/s" => Quantity::Speed(scaled(60_000_000, 1)?),
         "in/min" => Quantity::Speed(scaled(25_400_000, 1)?),
         "s" => Quantity::Time(scaled(1_000_000, 1)?),
+        "um/m" | "\u{b5}m/m" | "\u{3bc}m/m" => Quantity::Ratio(scaled(1_000, 1)?),
         "ms" => Quantity::Time(scaled(1_000, 1)?),
         "" => return Err(format!("`{text}` has no unit")),
         other => return Err(format!("unknown unit `{other}`")),

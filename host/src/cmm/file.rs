@@ -1,5 +1,6 @@
 //! Machine files of measuring machines.
 
+use super::calibration_file::{self, Errors};
 use super::scale::Scale;
 use crate::diagnostics::Finding;
 use crate::machine_file::{LoadError, read_text};
@@ -31,6 +32,8 @@ pub struct CmmFile {
     pub probe: ProbeFile,
     /// Rate of the line after start-up.
     pub baud: Baud,
+    /// What is known of the errors of its axes.
+    pub errors: Errors,
 }
 
 /// An axis: a servo module and what it drives.
@@ -111,14 +114,23 @@ impl CmmFile {
                 _ => None,
             }),
         );
+        let mut errors = Errors::default();
+        let [x_errors, y_errors, z_errors] = &mut errors.axes;
         let axes = root.table("axis", |axes| {
-            let x = axes.table("x", |axis| read_axis(axis, 'X', scale));
-            let y = axes.optional_table("y", |axis| read_axis(axis, 'Y', scale));
-            let z = axes.optional_table("z", |axis| read_axis(axis, 'Z', scale));
-            [x, y, z].into_iter().flatten().collect()
+            let read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
+                *errors = calibration_file::read_axis(axis, scale);
+                read_axis(axis, letter, scale)
+            };
+            let x = axes.table("x", |axis| read(axis, 'X', x_errors));
+            let y = axes.optional_table("y", |axis| read(axis, 'Y', y_errors));
+            let z = axes.optional_table("z", |axis| read(axis, 'Z', z_errors));
+            [x, y, z].into_iter().flatten().collect::<Vec<_>>()
         });
         let probe = root.table("probe", |probe| read_probe(probe, scale));
         let baud = root.table("link", read_link);
+        let letters: &[AxisFile] = axes.as_deref().unwrap_or_default();
+        let letters: String = letters.iter().map(|axis| axis.letter).collect();
+        errors.squareness = calibration_file::read_squareness(&mut root, &letters);
         root.finish();
         match (axes, probe, baud) {
             (Some(axes), Some(probe), Some(baud)) if findings.is_empty() => Ok(Self {
@@ -127,6 +139,7 @@ impl CmmFile {
                 axes,
                 probe,
                 baud,
+                errors,
             }),
             _ => Err(findings),
         }

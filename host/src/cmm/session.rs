@@ -1,6 +1,7 @@
 //! `husillo measure`: actions on a machine, and what they give.
 
 use super::action::Action;
+use super::calibrated::Calibrated;
 use super::contact::Contact;
 use super::direction::Towards;
 use super::emulated::Emulated;
@@ -80,7 +81,7 @@ impl Session {
     /// The first action that fails ends it.
     pub fn run(
         &mut self,
-        head: &mut Head,
+        head: &mut Calibrated<Head>,
         mut tell: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for action in self.actions.clone() {
@@ -105,18 +106,18 @@ impl Session {
                 }
                 Action::Touch(towards) => {
                     row.action = "touch";
-                    let measurement = head.touch(&towards.direction, u64::MAX)?;
+                    let measurement = head.measure(&towards.direction, u64::MAX)?;
                     row.touch = Some(self.figures(&measurement, &towards, &axes));
                 }
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
-                    let measurement = head.touch(&towards.direction, u64::MAX)?;
+                    let measurement = head.measure(&towards.direction, u64::MAX)?;
                     self.calibrate(&measurement, &towards);
                     row.touch = Some(self.figures(&measurement, &towards, &axes));
                 }
                 Action::Status(axis) => {
                     row.action = "status";
-                    let reply: Reply = head.status(axis)?;
+                    let reply: Reply = head.inner().status(axis)?;
                     row.bits = Some(names(reply.status));
                     row.version = Some(reply.readings.version);
                 }

@@ -1,0 +1,129 @@
+//! Tables of text with a heading.
+
+use std::io::Read;
+
+/// Rows of a table by the names of their columns.
+pub struct Columns {
+    names: Vec<String>,
+    /// Number of the line, and its fields.
+    rows: Vec<(usize, Vec<String>)>,
+}
+
+/// One row.
+pub struct Row<'a> {
+    columns: &'a Columns,
+    line: usize,
+    fields: &'a [String],
+}
+
+impl Columns {
+    /// Reads a file, or standard input for `-`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: it cannot be read, or [`Columns::parse`].
+    pub fn read(path: &str, known: &[&str]) -> Result<Self, String> {
+        let mut text = String::new();
+        let read = if path == "-" {
+            std::io::stdin().read_to_string(&mut text).map(drop)
+        } else {
+            std::fs::read_to_string(path).map(|all| text = all)
+        };
+        read.map_err(|error| format!("{path}: {error}"))?;
+        Self::parse(&text, known).map_err(|why| format!("{path}: {why}"))
+    }
+
+    /// Reads a text with commas, semicolons or tabs; empty lines and what begins with `#` are left out.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: no heading, a column that nobody knows, a line with too many fields or too few.
+    pub fn parse(text: &str, known: &[&str]) -> Result<Self, String> {
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = (1..).zip(text.lines()).filter(|(_, line)| {
+            let line = line.trim();
+            !line.is_empty() && !line.starts_with('#')
+        });
+        let split = |line: &str| -> Vec<String> {
+            let fields = line.split([',', ';', '\t']);
+            fields.map(|field| field.trim().to_owned()).collect()
+        };
+        let heading = format!("expected a heading with {}", known.join(", "));
+        let (_, names) = lines.next().ok_or(heading.as_str())?;
+        let names: Vec<String> = split(&names.to_ascii_lowercase());
+        if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+            return Err(format!("line 1: unknown column `{name}`: {heading}"));
+        }
+        let rows: Vec<_> = lines.map(|(line, text)| (line, split(text))).collect();
+        if let Some((line, fields)) = rows.iter().find(|(_, row)| row.len() != names.len()) {
+            let (there, wanted) = (fields.len(), names.len());
+            return Err(format!(
+                "line {line}: {there} fields, {wanted} in the heading"
+            ));
+        }
+        Ok(Self { names, rows })
+    }
+
+    /// Whether there is such a column.
+    pub fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|there| there == name)
+    }
+
+    /// The rows in turn.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|(line, fields)| Row {
+            columns: self,
+            line: *line,
+            fields,
+        })
+    }
+}
+
+impl Row<'_> {
+    /// The field of a column.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        let column = self.columns.names.iter().position(|there| there == name)?;
+        self.fields.get(column).map(String::as_str)
+    }
+
+    /// The field of a column as `parse` reads it.
+    ///
+    /// # Errors
+    ///
+    /// A sentence with the line.
+    pub fn parsed<T>(
+        &self,
+        name: &str,
+        parse: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<T, String> {
+        let field = self
+            .get(name)
+            .ok_or_else(|| format!("there is no column `{name}`"))?;
+        parse(field).map_err(|why| format!("line {}: {name}: {why}", self.line))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_in_any_order() {
+        let text = "# gauge 7\nReading; nominal\n1.0; 2\n\n3;4\n";
+        let table = Columns::parse(text, &["nominal", "reading", "direction"]).unwrap();
+        let nominal: Vec<_> = table
+            .rows()
+            .map(|row| row.get("nominal").unwrap().to_owned())
+            .collect();
+        assert_eq!(nominal, ["2", "4"]);
+        assert!(!table.has("direction"));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let why = |text| Columns::parse(text, &["a", "b"]).err().unwrap();
+        assert_eq!(why(""), "expected a heading with a, b");
+        assert!(why("a,c\n").starts_with("line 1: unknown column `c`"));
+        assert_eq!(why("a,b\n1,2\n3\n"), "line 3: 1 fields, 2 in the heading");
+    }
+}

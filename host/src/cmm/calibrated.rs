@@ -1,0 +1,450 @@
+//! A machine whose errors are known: positions and goals are true ones.
+
+use super::calibration_file::Errors;
+use super::head::Head;
+use super::prober::{Prober, Touched};
+use super::trouble::Trouble;
+use husillo_backlash::Flank;
+use husillo_probe::{Measurement, UnitVector};
+use std::cmp::Ordering;
+
+/// A prober with its errors taken off. What it is asked for and what it tells are true positions, on square axes; the prober behind it works
+/// with readings, and keeps its own zero.
+pub struct Calibrated<P> {
+    prober: P,
+    errors: Errors,
+    /// The direction each axis was moved in last.
+    flanks: [Flank; 3],
+    /// The readings it was sent to last, while it is there: an axis that is sent there again does not turn round, though it stands a little
+    /// beside.
+    sent: Option<[i64; 3]>,
+    /// The place that is called 0.
+    zero: [i64; 3],
+}
+
+impl<P: Prober> Calibrated<P> {
+    /// A prober with these errors, not moved yet.
+    pub const fn new(prober: P, errors: Errors) -> Self {
+        Self {
+            prober,
+            errors,
+            flanks: [Flank::Unknown; 3],
+            sent: None,
+            zero: [0; 3],
+        }
+    }
+
+    /// The prober itself, for what has no position.
+    pub const fn inner(&mut self) -> &mut P {
+        &mut self.prober
+    }
+
+    /// The readings where it stands, or is to.
+    fn from(&mut self) -> Result<[i64; 3], Trouble> {
+        match self.sent {
+            Some(sent) => Ok(sent),
+            None => self.prober.position(),
+        }
+    }
+
+    /// The position at these readings.
+    fn position_of(&self, readings: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
+        let place = self.errors.position_nm(readings, flanks);
+        [0, 1, 2].map(|axis: usize| place[axis].saturating_sub(self.zero[axis]))
+    }
+
+    /// The readings to go to from these readings for a position, and the flanks then.
+    fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
+        let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.zero[axis]));
+        // Axes that lean move one another, so what turns round shows in the readings only.
+        let there = self.errors.reading_nm(goal, self.flanks);
+        let mut flanks = self.flanks;
+        for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
+            *flank = match to.cmp(&from) {
+                Ordering::Greater => Flank::Positive,
+                Ordering::Less => Flank::Negative,
+                Ordering::Equal => *flank,
+            };
+        }
+        (self.errors.reading_nm(goal, flanks), flanks)
+    }
+
+    /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the flanks at the contact.
+    fn touch_with<T>(
+        &mut self,
+        direction: &UnitVector,
+        way: u64,
+        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
+    ) -> Result<(T, [Flank; 3]), Trouble> {
+        let start = self.from()?;
+        let from = self.position_of(start, self.flanks);
+        // Straight in truth is straight by the readings, but for what a table bends; 17 m show it as well as any more.
+        let part = way.min(1 << 34);
+        let ahead = direction.scaled(part as i64);
+        let goal = [0, 1, 2].map(|axis: usize| from[axis].saturating_add(ahead[axis]));
+        let (end, flanks) = self.reading_of(start, goal);
+        let along = [0, 1, 2].map(|axis: usize| end[axis].saturating_sub(start[axis]));
+        let leaned = UnitVector::new(along).unwrap_or(*direction);
+        let squares = along.iter().map(|part| (*part as f64).powi(2));
+        let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * way as f64;
+        self.sent = None;
+        let touched = touch(&mut self.prober, &leaned, length.round() as u64)?;
+        // It has backed off: what went there has turned round.
+        let ways = along.into_iter().zip(flanks);
+        for (flank, (along, at_contact)) in self.flanks.iter_mut().zip(ways) {
+            *flank = match (along, at_contact) {
+                (0, _) => *flank,
+                (_, Flank::Positive) => Flank::Negative,
+                (_, Flank::Negative) => Flank::Positive,
+                (_, Flank::Unknown) => Flank::Unknown,
+            };
+        }
+        Ok((touched, flanks))
+    }
+}
+
+impl<P: Prober> Prober for Calibrated<P> {
+    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        let readings = self.prober.position()?;
+        Ok(self.position_of(readings, self.flanks))
+    }
+
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        let from = self.from()?;
+        let (reading, flanks) = self.reading_of(from, goal_nm);
+        // A move that fails halfway leaves the axes anywhere.
+        self.sent = None;
+        let reached = self.prober.go_to(reading)?;
+        self.flanks = flanks;
+        self.sent = Some(reading);
+        Ok(self.position_of(reached, flanks))
+    }
+
+    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
+        let (touched, flanks) = self.touch_with(direction, way_nm, P::touch)?;
+        Ok(Touched {
+            centre_nm: self.position_of(touched.centre_nm, flanks),
+            ..touched
+        })
+    }
+}
+
+impl Calibrated<Head> {
+    /// Where the axes are to be.
+    pub fn held(&self) -> [i64; 3] {
+        let readings = self.sent.unwrap_or(self.prober.held());
+        self.position_of(readings, self.flanks)
+    }
+
+    /// Calls the place that an axis holds 0.
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis.
+    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
+        if self.errors == Errors::default() {
+            // Its messages are in positions of its own.
+            self.sent = None;
+            return self.prober.set_zero(coordinate);
+        }
+        let held = self.held();
+        self.zero[coordinate] += held[coordinate];
+        Ok(())
+    }
+
+    /// Touches as [`Head::touch`] does, with all its figures.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::touch`].
+    pub fn measure(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+        let (mut measurement, flanks) = self.touch_with(direction, way, Head::touch)?;
+        let touch = &mut measurement.touch;
+        touch.position = self.position_of(touch.position, flanks);
+        // Along the axes it was another one, by their leans.
+        touch.direction = *direction;
+        Ok(measurement)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{AxisArgs, SquarenessArgs};
+    use crate::cmm::file::CmmFile;
+    use crate::cmm::{calibrate_axis, calibrate_squareness};
+    use std::fmt::Write;
+
+    const CMM3: &str = include_str!("../../../machines/cmm3.toml");
+
+    /// A machine whose scales and angles are wrong: truth from readings, in nm.
+    #[derive(Clone, Copy)]
+    struct Wrong {
+        scales: [f64; 3],
+        /// XY, XZ, YZ.
+        leans: [f64; 3],
+        /// Height of the pitch error of all axes, of 40 mm period.
+        pitch: f64,
+        /// Play of all axes.
+        play: f64,
+        count: i64,
+        at: [i64; 3],
+        flanks: [Flank; 3],
+        /// A face square to X, in truth.
+        face: f64,
+    }
+
+    impl Wrong {
+        /// 50 um/m and 100 um/m, in both senses.
+        const ASKED: Wrong = Wrong {
+            scales: [50e-6, -50e-6, 50e-6],
+            leans: [100e-6, -100e-6, 100e-6],
+            pitch: 0.0,
+            play: 0.0,
+            count: 2000,
+            at: [0; 3],
+            flanks: [Flank::Unknown; 3],
+            face: f64::INFINITY,
+        };
+
+        fn truth(&self, reading: [f64; 3], flanks: [Flank; 3]) -> [f64; 3] {
+            let along = |axis: usize| {
+                let play = match flanks[axis] {
+                    Flank::Positive => 0.5 * self.play,
+                    Flank::Negative => -0.5 * self.play,
+                    Flank::Unknown => 0.0,
+                };
+                let turn = (reading[axis] / 40e6 * std::f64::consts::TAU).sin();
+                reading[axis] * (1.0 + self.scales[axis]) + self.pitch * turn + play
+            };
+            let [x, y, z] = [along(0), along(1), along(2)];
+            let [xy, xz, yz] = self.leans;
+            [x + xy * y + xz * z, y + yz * z, z]
+        }
+
+        /// Readings at a true place, whole counts.
+        fn reading(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
+            let mut reading = truth;
+            for _ in 0..40 {
+                let there = self.truth(reading, flanks);
+                for axis in 0..3 {
+                    reading[axis] -= there[axis] - truth[axis];
+                }
+            }
+            reading.map(|nm| (nm / self.count as f64).round() as i64 * self.count)
+        }
+
+        /// The same as the centre of a ball comes out that is touched at 25 places: rounding to counts is averaged.
+        fn ball(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
+            let mut sum = [0.0; 3];
+            for touch in 0..25 {
+                let radius =
+                    [0.61, 0.38, 0.83].map(|part: f64| (part * f64::from(touch)).fract() * 10e6);
+                let place = [0, 1, 2].map(|axis| truth[axis] + radius[axis]);
+                let reading = self.reading(place, flanks);
+                for axis in 0..3 {
+                    sum[axis] += reading[axis] as f64 - radius[axis];
+                }
+            }
+            sum.map(|sum| (sum / 25.0).round() as i64)
+        }
+
+        fn real(&self) -> [f64; 3] {
+            self.truth(self.at.map(|nm| nm as f64), self.flanks)
+        }
+    }
+
+    impl Prober for Wrong {
+        fn position(&mut self) -> Result<[i64; 3], Trouble> {
+            Ok(self.at)
+        }
+
+        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+            for ((at, flank), goal) in self.at.iter_mut().zip(&mut self.flanks).zip(goal) {
+                let to = (goal as f64 / self.count as f64).round() as i64 * self.count;
+                *flank = Flank::towards((to - *at).signum() as i8).unwrap_or(*flank);
+                *at = to;
+            }
+            Ok(self.at)
+        }
+
+        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
+            let from = self.at;
+            // Bisected: how far until the face.
+            let (mut free, mut beyond) = (0, way as i64);
+            while beyond - free > 1 {
+                let middle = (free + beyond) / 2;
+                let step = direction.scaled(middle);
+                self.go_to([0, 1, 2].map(|axis: usize| from[axis] + step[axis]))?;
+                let is_free = self.real()[0] < self.face;
+                *(if is_free { &mut free } else { &mut beyond }) = middle;
+                self.at = from;
+            }
+            assert!(beyond < way as i64, "no contact");
+            let step = direction.scaled(beyond);
+            let centre_nm = self.go_to([0, 1, 2].map(|axis: usize| from[axis] + step[axis]))?;
+            let back = direction.scaled(beyond - 1_000_000);
+            self.go_to([0, 1, 2].map(|axis: usize| from[axis] + back[axis]))?;
+            Ok(Touched {
+                centre_nm,
+                touches: 1,
+                spread_nm: 0,
+            })
+        }
+    }
+
+    /// What the commands make of three passes of reference lengths every 10 mm and a bar of 250 mm on the machine: its file.
+    fn calibrated(machine: &Wrong, name: &str) -> CmmFile {
+        let folder = std::env::temp_dir().join(format!("husillo-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+        let mut text = CMM3.to_owned();
+        for (axis, letter) in [(0, 'x'), (1, 'y'), (2, 'z')] {
+            let mut table = "nominal,reading,direction\n".to_owned();
+            // Each pass somewhat farther, so that counts do not fall together.
+            let pass = |shift: f64| (-20..20).map(move |step| f64::from(step) * 10.0 + shift);
+            for nominal in [0.0, 3.3337, 6.6671].into_iter().flat_map(pass) {
+                for (sign, flank) in [('+', Flank::Positive), ('-', Flank::Negative)] {
+                    let mut truth = [0.0; 3];
+                    truth[axis] = nominal * 1e6;
+                    // The lengths lie along the axis, wherever that leans.
+                    let alone = Wrong {
+                        leans: [0.0; 3],
+                        ..*machine
+                    };
+                    let reading = alone.reading(truth, [flank; 3])[axis];
+                    let _ = writeln!(table, "{nominal:.4},{},{sign}", reading as f64 / 1e6);
+                }
+            }
+            std::fs::write(path("axis.csv"), table).unwrap();
+            let args = AxisArgs {
+                file: path("axis.csv"),
+                machine: "cmm3".into(),
+                axis: letter,
+                no_table: false,
+            };
+            let mut lines = Vec::new();
+            assert!(calibrate_axis(&args, &mut lines).is_ok());
+            text += str::from_utf8(&lines).unwrap();
+        }
+        // The machine as it reads with its axes corrected.
+        let scaled = CmmFile::parse("scaled.toml", &text).unwrap();
+        let mut table = "x1,y1,z1,x2,y2,z2\n".to_owned();
+        let half = 125e6 / 2.0_f64.sqrt();
+        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+            for side in [1.0, -1.0] {
+                for place in 0..4 {
+                    let centre =
+                        [0.37, -0.21, 0.11].map(|part: f64| part * f64::from(place) * 50e6);
+                    let mut line = Vec::new();
+                    for end in [-1.0, 1.0] {
+                        let mut truth = centre;
+                        truth[a] += end * half;
+                        truth[b] += end * side * half;
+                        let flanks = [Flank::Positive; 3];
+                        let reading = machine.ball(truth, flanks);
+                        let shown = scaled.errors.position_nm(reading, flanks);
+                        line.extend(shown.map(|nm| format!("{}", nm as f64 / 1e6)));
+                    }
+                    let _ = writeln!(table, "{}", line.join(","));
+                }
+            }
+        }
+        std::fs::write(path("bar.csv"), table).unwrap();
+        std::fs::write(path("scaled.toml"), &text).unwrap();
+        let args = SquarenessArgs {
+            file: path("bar.csv"),
+            machine: path("scaled.toml"),
+            length: None,
+        };
+        let mut lines = Vec::new();
+        assert!(calibrate_squareness(&args, &mut lines).is_ok());
+        text += str::from_utf8(&lines).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        CmmFile::parse("mine.toml", &text).unwrap()
+    }
+
+    /// Largest difference of truth and what the calibrated machine says, over the range, from the origin on, in nm: where it stands, and how
+    /// far that is from where it was sent.
+    fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
+        let mut calibrated = Calibrated::new(*machine, errors);
+        let mut worst = [0.0f64; 2];
+        let mut origin = None;
+        // Not the places it was calibrated at.
+        for x in -5..=5 {
+            for y in -5..=5 {
+                for z in -5..=5 {
+                    let goal = [x, y, z].map(|step: i64| step * 38_300_000 + 4_100_000);
+                    let goal = if (x + y + z) % 2 == 0 {
+                        goal
+                    } else {
+                        goal.map(|nm| -nm)
+                    };
+                    let there = calibrated.go_to(goal).unwrap();
+                    let truth = calibrated.inner().real();
+                    let errors =
+                        |to: [i64; 3]| [0, 1, 2].map(|axis: usize| truth[axis] - to[axis] as f64);
+                    // A reference length has no place of its own.
+                    let origin = *origin.get_or_insert(errors(there));
+                    for (worst, to) in worst.iter_mut().zip([there, goal]) {
+                        for (error, origin) in errors(to).into_iter().zip(origin) {
+                            *worst = worst.max((error - origin).abs());
+                        }
+                    }
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn scale_and_squareness_fall_below_a_micrometre() {
+        let machine = Wrong::ASKED;
+        let [before, _] = worst(&machine, Errors::default());
+        assert!(before > 50_000.0, "{before}");
+        let file = calibrated(&machine, "asked");
+        let [known, sent] = worst(&machine, file.errors);
+        println!(
+            "{before} nm before, {known} nm after, {sent} nm from the goal with its half count"
+        );
+        assert!(known < 1000.0 && sent < known + 1050.0, "{known} {sent}");
+    }
+
+    #[test]
+    fn pitch_and_play_as_well() {
+        let machine = Wrong {
+            pitch: 3000.0,
+            play: 4000.0,
+            count: 100,
+            ..Wrong::ASKED
+        };
+        let file = calibrated(&machine, "pitch");
+        assert_eq!(file.errors.axes[1].knots().len(), 120);
+        let [known, _] = worst(&machine, file.errors);
+        println!("{known} nm");
+        assert!(known < 1000.0, "{known}");
+    }
+
+    #[test]
+    fn a_touch_is_where_the_face_is() {
+        let mut machine = Wrong {
+            face: 31_234_567.0,
+            count: 100,
+            ..Wrong::ASKED
+        };
+        machine.go_to([0, 80_000_000, -60_000_000]).unwrap();
+        let file = calibrated(&machine, "touch");
+        let mut calibrated = Calibrated::new(machine, file.errors);
+        calibrated
+            .go_to([5_000_000, 90_000_000, 70_000_000])
+            .unwrap();
+        let touched = calibrated.touch(&UnitVector::X, 60_000_000).unwrap();
+        let [x, y, z] = touched.centre_nm;
+        assert!(x.abs_diff(31_234_567) < 200, "{touched:?}");
+        // And it went square to the face, not along the axis.
+        assert!(
+            y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
+            "{touched:?}"
+        );
+    }
+}

@@ -1,0 +1,150 @@
+//! `husillo calibrate axis` and `squareness`.
+
+use super::Stopped;
+use super::axis_fit::{AxisFit, Reading};
+use super::calibration_file::{axis_lines, squareness_lines};
+use super::file::CmmFile;
+use super::square_fit::{Ends, SquareFit};
+use crate::calibrate::columns::{Columns, Row};
+use crate::calibrate::{AxisArgs, SquarenessArgs};
+use husillo_backlash::Flank;
+use std::io::Write;
+
+/// `husillo calibrate axis`: the lines go to `out`.
+///
+/// # Errors
+///
+/// [`Stopped`]: a bad file, or readings that are no calibration.
+pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stopped> {
+    let machine = load(&args.machine)?;
+    let letter = args.axis.to_ascii_uppercase();
+    let place = machine.axes.iter().position(|axis| axis.letter == letter);
+    let index = "XYZ".find(letter).filter(|_| place.is_some());
+    let index = index.ok_or_else(|| format!("{} has no axis {letter}", machine.title))?;
+    let columns = Columns::read(&args.file, &["nominal", "reading", "direction"])?;
+    let readings: Result<Vec<Reading>, String> = columns
+        .rows()
+        .map(|row| {
+            let flank = match row.get("direction") {
+                None | Some("") => Flank::Unknown,
+                Some(_) => row.parsed("direction", direction)?,
+            };
+            Ok(Reading {
+                nominal: length(&machine, &row, "nominal")?,
+                // What the file corrects already is put back.
+                reading: machine.errors.axes[index]
+                    .reading_nm(length(&machine, &row, "reading")?, flank),
+                flank,
+            })
+        })
+        .collect();
+    let readings = readings.map_err(|why| format!("{}: {why}", args.file))?;
+    let resolution = machine.scale.of_counts(1) as f64;
+    let fit = AxisFit::new(&readings, resolution, args.no_table)
+        .map_err(|why| format!("{}: {why}", args.file))?;
+    let [before, scaled, after] = fit.spans.map(|nm| nm / 1e3);
+    let knots = fit.table.knots().len();
+    let noise = fit.noise / 1e3;
+    let told = if knots > 0 {
+        format!("{after:.2} um with its table of {knots} as well")
+    } else {
+        "no table: what is left is a straight line, or noise, or was not asked for".to_owned()
+    };
+    write!(
+        out,
+        "# {letter}: {} readings of {} lengths, a mean of them good to {noise:.2} um\n\
+         # errors span {before:.2} um; {scaled:.2} um with the scale; {told}\n{}",
+        readings.len(),
+        fit.places,
+        axis_lines(letter, &fit.table)
+    )
+    .map_err(failed)
+}
+
+/// `husillo calibrate squareness`: the lines go to `out`.
+///
+/// # Errors
+///
+/// [`Stopped`]: a bad file, or a bar that tells nothing.
+pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Result<(), Stopped> {
+    let machine = load(&args.machine)?;
+    let names = ["x1", "y1", "z1", "x2", "y2", "z2"];
+    let columns = Columns::read(&args.file, &names)?;
+    let end = |row: &Row<'_>, names: [&str; 3]| -> Result<[i64; 3], String> {
+        let mut place = [0; 3];
+        for (place, name) in place.iter_mut().zip(names) {
+            // A machine of two axes has no Z.
+            if !name.starts_with('z') || columns.has(name) {
+                *place = length(&machine, row, name)?;
+            }
+        }
+        Ok(machine.errors.squareness.reading_nm(place))
+    };
+    let places: Result<Vec<Ends>, String> = columns
+        .rows()
+        .map(|row| {
+            Ok([
+                end(&row, ["x1", "y1", "z1"])?,
+                end(&row, ["x2", "y2", "z2"])?,
+            ])
+        })
+        .collect();
+    let places = places.map_err(|why| format!("{}: {why}", args.file))?;
+    let given = match &args.length {
+        None => None,
+        Some(text) => {
+            Some(amount(&machine, text).map_err(|why| format!("--length: {why}"))? as f64)
+        }
+    };
+    let fit = SquareFit::new(&places, given).map_err(|why| format!("{}: {why}", args.file))?;
+    let [before, after] = fit.worst.map(|nm| nm / 1e3);
+    let whose = if given.is_some() { "" } else { " by itself" };
+    writeln!(
+        out,
+        "# {} places of a bar of {:.4} mm{whose}: off by {before:.2} um at most before, {after:.2} um after",
+        places.len(),
+        fit.length / 1e6
+    )
+    .map_err(failed)?;
+    for plane in fit.unknown() {
+        writeln!(
+            out,
+            "# {plane} is not known: the bar did not lie along both diagonals"
+        )
+        .map_err(failed)?;
+    }
+    write!(out, "{}", squareness_lines(&fit.squareness)).map_err(failed)
+}
+
+fn load(name: &str) -> Result<CmmFile, Stopped> {
+    let machine = CmmFile::load(name).map_err(Stopped::File)?;
+    if machine.scale.unit() == "mm" {
+        Ok(machine)
+    } else {
+        let why =
+            "has no `count`: nobody knows there how long a count is, so lengths cannot be compared";
+        Err(Stopped::Usage(format!("{name} {why}")))
+    }
+}
+
+fn direction(text: &str) -> Result<Flank, String> {
+    match text {
+        "+" => Ok(Flank::Positive),
+        "-" => Ok(Flank::Negative),
+        other => Err(format!("`{other}`: expected + or -")),
+    }
+}
+
+fn length(machine: &CmmFile, row: &Row<'_>, name: &str) -> Result<i64, String> {
+    row.parsed(name, |text| amount(machine, text))
+}
+
+fn amount(machine: &CmmFile, text: &str) -> Result<i64, String> {
+    let quantity = machine.scale.parse(text)?;
+    let amount = machine.scale.amount(quantity);
+    amount.ok_or_else(|| format!("`{text}` is no length"))
+}
+
+fn failed(error: std::io::Error) -> Stopped {
+    Stopped::Usage(error.to_string())
+}
