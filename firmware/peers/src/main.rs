@@ -1,0 +1,12 @@
+//! Counts other crates' kernels beside ours. Run by `table`.
+#![no_std]
+#![no_main]
+
+#[path = "../../count/src/report.rs"]
+mod report;
+
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+fn main() -> ! {
+    report::report(kernels::all)
+}
