@@ -98,13 +98,8 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
 }
 
 fn jog(args: &cell::Jog) -> Result<u8, Failure> {
-    match cell::jog(args, &mut io::stdout().lock()) {
-        Ok(()) => Ok(OK),
-        Err(message) => {
-            eprintln!("error: {message}");
-            Ok(ERRORS)
-        }
-    }
+    let is_well = cell::jog(args, &mut io::stdout().lock())?;
+    Ok(if is_well { OK } else { ERRORS })
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {

@@ -82,10 +82,12 @@ pub enum Command {
         x -25        steps of a motor: x, y, z, or c for the spindle\n  \
         y+ 1.5s      turn a motor for a while\n  \
         figure       feed Y until the tool touches, then cut the stored figure\n  \
-        stop, emergency\n\n\
+        stop, emergency\n  \
+        2: ACTION..  for the second --port alone; all: for all again\n\n\
         Examples:\n  \
         husillo jog home x 400 figure\n  \
-        husillo jog --port /dev/ttyUSB0 home y+ 1s")]
+        husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
+        husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
     Jog(crate::cell::Jog),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \

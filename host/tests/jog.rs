@@ -121,6 +121,42 @@ fn the_same_over_a_pseudo_terminal() {
     assert!(place.contains("from home; 0 lost"), "{place}");
 }
 
+fn jog_both(first: &Device, second: &Device, actions: &[&str]) -> assert_cmd::assert::Assert {
+    husillo()
+        .arg("jog")
+        .arg("--port")
+        .arg(&first.link)
+        .arg("--port")
+        .arg(&second.link)
+        .args(actions)
+        .assert()
+}
+
+#[test]
+fn two_machines_at_once() {
+    let (Some(mut first), Some(mut second)) = (Device::new("one", &[]), Device::new("two", &[]))
+    else {
+        return;
+    };
+    jog_both(
+        &first,
+        &second,
+        &["home", "1:", "x", "40", "2:", "x", "-7", "all:", "c", "3"],
+    )
+    .success()
+    .stdout(contains("1: x +40: ").and(contains("2: x -7: ")))
+    .stdout(contains(": 3 of 3 actions").count(2));
+    first.type_line("unplug", "unplugged");
+    jog_both(&first, &second, &["c", "9"])
+        .code(1)
+        .stdout(contains("0 of 1 actions, then no answer").and(contains("1 of 1 actions")));
+    let place = second.type_line("where", "lost");
+    assert!(
+        place.contains("x -7 ") && place.contains("spindle 12 "),
+        "{place}"
+    );
+}
+
 #[test]
 fn a_switch_and_an_emergency_at_the_panel() {
     let Some(mut device) = Device::new("panel", &[]) else {
@@ -174,7 +210,7 @@ fn wrong_actions_move_nothing() {
             .arg("jog")
             .args(actions)
             .assert()
-            .code(1)
+            .code(2)
             .stdout("")
             .stderr(contains(reason));
     }

@@ -32,6 +32,40 @@ pub enum Action {
     Emergency,
 }
 
+/// The actions of each of some machines: what comes after `2:` is for the second alone, after `all:` and at first for all.
+///
+/// # Errors
+///
+/// A sentence about the first word that is not understood.
+pub fn shares(words: &[String], machines: usize) -> Result<Vec<Vec<Action>>, String> {
+    let mut shares = vec![Vec::new(); machines];
+    let mut chosen = 0..machines;
+    let is_choice = |word: &String| word.ends_with(':');
+    let mut rest = words;
+    loop {
+        let length = rest.iter().position(is_choice).unwrap_or(rest.len());
+        let (now, after) = rest.split_at(length);
+        let actions = Action::parse(now)?;
+        for share in &mut shares[chosen] {
+            share.extend(&actions);
+        }
+        let Some((choice, after)) = after.split_first() else {
+            return Ok(shares);
+        };
+        let number = choice.trim_end_matches(':').parse::<usize>().ok();
+        chosen = match number.filter(|number| (1..=machines).contains(number)) {
+            Some(number) => number - 1..number,
+            None if choice == "all:" => 0..machines,
+            None => {
+                return Err(format!(
+                    "`{choice}`: there are `all:` and, for the machines by number, `1:` to `{machines}:`"
+                ));
+            }
+        };
+        rest = after;
+    }
+}
+
 /// The motors' letters.
 const MOTORS: [&str; 4] = ["x", "y", "z", "c"];
 
@@ -118,6 +152,21 @@ mod tests {
     fn parse(text: &str) -> Result<Vec<Action>, String> {
         let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         Action::parse(&words)
+    }
+
+    #[test]
+    fn every_machine_has_its_share() {
+        let words = "home 2: x 5 figure 1: y 2 all: stop";
+        let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+        let shares = shares(&words, 2).unwrap();
+        let names =
+            |share: &[Action]| -> Vec<String> { share.iter().map(Action::to_string).collect() };
+        assert_eq!(names(&shares[0]), ["home", "y +2", "stop"]);
+        assert_eq!(names(&shares[1]), ["home", "x +5", "figure", "stop"]);
+        for wrong in ["3: home", "0: home", "x: home", "home 1:x 3"] {
+            let words: Vec<String> = wrong.split_whitespace().map(str::to_owned).collect();
+            assert!(super::shares(&words, 2).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -8,9 +8,9 @@ pub struct Jog {
     /// Actions, done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
-    /// Port: sim, a serial device, or tcp:HOST:PORT
+    /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once
     #[arg(long, value_name = "PORT", default_value = "sim")]
-    pub port: String,
+    pub port: Vec<String>,
     /// Figure of the simulated device: a G-code program of straight moves in X and Z
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
