@@ -11,7 +11,7 @@ pub enum Class {
     Feed,
 }
 
-/// A point of the tool, and the point of the programmed path nearest to it; nm, axes X and Y.
+/// A point of the tool, and the point of the programmed path nearest to it; nm, in the axes of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Where the tool is.

@@ -71,6 +71,8 @@ pub struct MachineFile {
     pub simultaneous_axes: u32,
     /// What the motors do when nothing moves.
     pub idle: Idle,
+    /// The axes of pictures, by index: to the right and up.
+    pub view: [usize; 2],
 }
 
 /// One axis.
@@ -249,6 +251,7 @@ impl MachineFile {
         let motion = root
             .optional_table("motion", read_motion)
             .unwrap_or_default();
+        let view = root.optional_table("view", |view| view.choice("plane", &VIEWS));
         let spindle_counts = root
             .optional_table("spindle", |spindle| {
                 spindle
@@ -273,6 +276,7 @@ impl MachineFile {
                 spindle_counts,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 idle,
+                view: view.flatten().unwrap_or([0, 1]),
             }),
             _ => Err(findings),
         }
@@ -432,6 +436,13 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
         power: table.optional_table("motor", Power::read).flatten(),
     })
 }
+
+const VIEWS: [(&str, [usize; 2]); 4] = [
+    ("XY", [0, 1]),
+    ("XZ", [0, 2]),
+    ("ZX", [2, 0]),
+    ("YZ", [1, 2]),
+];
 
 const DRIVERS: [(&str, Driver); 5] = [
     ("pbl3717a", Driver::Pbl3717a),

@@ -22,7 +22,9 @@ pub struct Report {
     pub ideal: Vec<Ideal>,
     /// Whether `ideal` has every move; otherwise the points of `drawing` stand in.
     pub ideal_is_whole: bool,
-    /// Work area in X and Y, nm, in the frame of the drawing.
+    /// The axes to the right and up.
+    pub view: [char; 2],
+    /// Work area in them, nm, in the frame of the drawing.
     pub area: Option<[[f64; 2]; 2]>,
     /// Largest deviation in nm.
     pub largest_nm: f64,
@@ -53,7 +55,7 @@ pub struct AxisRow {
     pub lost_steps: u64,
 }
 
-/// A programmed move in X and Y, nm.
+/// A programmed move in the axes of the picture, nm.
 #[derive(Clone, Copy, Debug)]
 pub enum Ideal {
     /// Straight.
@@ -233,11 +235,14 @@ fn path_section(page: &mut String, report: &Report) {
             )
         })
         .collect();
-    page.push_str("<section><h2>Tool path</h2>\n");
+    let [right, up] = report.view;
+    let _ = writeln!(page, "<section><h2>Tool path in {right} and {up}</h2>");
     frame.open(
         page,
         "path",
-        "Path of the simulated tool over the programmed path, X to the right, Y up",
+        &format!(
+            "Path of the simulated tool over the programmed path, {right} to the right, {up} up"
+        ),
         &format!(
             "In mm: {}. Largest deviation {}.",
             extents.join(", "),
@@ -606,6 +611,7 @@ mod tests {
             drawing,
             ideal: vec![Ideal::Line([0.0; 2], [1e6, 2e6])],
             ideal_is_whole: true,
+            view: ['X', 'Y'],
             area: Some([[0.0; 2], [1e7, 7e6]]),
             largest_nm: 70.0,
             speed: Speed::new(1_000_000, None),

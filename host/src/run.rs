@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
             Origin::TakeUp => self.take_up(step, at),
             Origin::Rapid | Origin::Rest => self.arrived = machine.position_steps() == self.target,
         }
-        if self.drawing.wants([at[0], at[1]]) && origin != Origin::TakeUp {
+        if self.drawing.wants(self.flat(at)) && origin != Origin::TakeUp {
             self.drawing.add(self.point(at));
         }
         if self.phases_open {
@@ -201,9 +201,16 @@ impl<'a> Run<'a> {
     fn point(&self, at: [f64; 3]) -> Point {
         let ideal = self.path.nearest(at);
         Point {
-            tool: [at[0], at[1]],
-            ideal: [ideal[0], ideal[1]],
+            tool: self.flat(at),
+            ideal: self.flat(ideal),
         }
+    }
+
+    /// A point as the pictures show it.
+    #[inline]
+    const fn flat(&self, at: [f64; 3]) -> [f64; 2] {
+        let [right, up] = self.machine.view;
+        [at[right], at[up]]
     }
 
     /// Another move begins, or take-up does, or it ends.
@@ -280,18 +287,23 @@ impl<'a> Run<'a> {
             self.ideal_is_whole = false;
             return;
         }
-        let flat = |p: [Nm; 3]| [p[0].0 as f64, p[1].0 as f64];
+        let flat = |p: [Nm; 3]| self.flat(p.map(|Nm(nm)| nm as f64));
         let (from, to) = (flat(segment.from), flat(to));
+        let [right, up] = self.machine.view;
+        let is_seen_flat = |axes: [usize; 2]| axes == [right, up] || axes == [up, right];
         match &segment.command {
             Command::Linear { .. } | Command::Thread { .. } => {
                 self.ideal.push(Ideal::Line(from, to));
             }
-            Command::Arc { arc, .. } if arc.plane.axes() == [0, 1] => {
+            Command::Arc { arc, .. } if is_seen_flat(arc.plane.axes()) => {
                 let whole = arc.turns > 0 || from == to;
                 let end = if whole { from } else { to };
                 let counter_clockwise = arc.direction == Direction::CounterClockwise;
-                self.ideal
-                    .push(Ideal::Arc(from, end, flat(arc.centre), counter_clockwise));
+                // From behind, it turns the other way.
+                let from_behind = arc.plane.axes() != self.machine.view;
+                let seen = counter_clockwise != from_behind;
+                let arc = Ideal::Arc(from, end, flat(arc.centre), seen);
+                self.ideal.push(arc);
             }
             // Seen from the side: the points of the drawing show it.
             Command::Arc { .. } => self.ideal_is_whole = false,
@@ -307,7 +319,7 @@ impl<'a> Run<'a> {
             if let Some(count) = axis.and_then(|axis| self.reversals.get_mut(axis)) {
                 *count += 1;
             }
-            self.drawing.take_up([at[0], at[1]]);
+            self.drawing.take_up(self.flat(at));
         }
     }
 

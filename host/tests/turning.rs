@@ -90,3 +90,26 @@ fn cycles_stand_beside_parameters() {
     );
     assert!(text.ends_with("    10  rapid X20 Y0 Z7\n"), "{text}");
 }
+
+#[test]
+fn pictures_lie_in_the_plane_of_the_machine() {
+    for (machine, program, heading) in [
+        ("lathe", "../examples/turning.nc", "Tool path in Z and X"),
+        (
+            "microfactory",
+            "../examples/microfactory/square.nc",
+            "Tool path in X and Z",
+        ),
+    ] {
+        let page =
+            std::env::temp_dir().join(format!("husillo-{machine}-{}.html", std::process::id()));
+        husillo()
+            .args(["run", "-m", machine, program, "-o"])
+            .arg(&page)
+            .assert()
+            .success();
+        let text = std::fs::read_to_string(&page).unwrap();
+        std::fs::remove_file(page).unwrap();
+        assert!(text.contains(heading), "{machine}");
+    }
+}

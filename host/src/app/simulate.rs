@@ -288,8 +288,9 @@ fn make_report(
         Travel::Range(range) => Some(range.map(|at| at as f64)),
         Travel::Unknown | Travel::Unlimited => None,
     };
-    let area = machine_frame(0)
-        .zip(machine_frame(1))
+    let [right, up] = job.machine.view;
+    let area = machine_frame(right)
+        .zip(machine_frame(up))
         .map(|([x0, x1], [y0, y1])| [[x0, y0], [x1, y1]]);
     Report {
         program: job.name().to_owned(),
@@ -301,6 +302,10 @@ fn make_report(
         ideal: std::mem::take(&mut run.ideal),
         ideal_is_whole: run.ideal_is_whole,
         area,
+        view: job
+            .machine
+            .view
+            .map(|axis| char::from(job.machine.axes[axis].letter)),
         largest_nm: results.max_deviation_nm,
         speed: run.speed.clone(),
         has_ramps: job
