@@ -22,6 +22,9 @@ mod take_up;
 mod machine;
 mod motors;
 
+mod closed_loop;
+mod step_encoder;
+
 mod servo_axis;
 mod servo_module;
 
@@ -29,6 +32,7 @@ mod cell;
 
 pub use axis::{Axis, AxisRamp, Config};
 pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport};
+pub use closed_loop::{ClosedLoop, Followed};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};
@@ -37,3 +41,4 @@ pub use scale::Scale;
 pub use segment::Segment;
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
 pub use servo_module::{ServoModule, ServoModuleOutput};
+pub use step_encoder::{AxisEncoder, OnLoss};

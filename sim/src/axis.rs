@@ -34,6 +34,7 @@ pub(crate) struct Axis {
     /// Where the drive counts 0: the nominal angle of the first levels.
     zero: i64,
     step: i64,
+    is_blocked: bool,
     pub(crate) lost_steps: u64,
 }
 
@@ -62,8 +63,32 @@ impl Axis {
             lash: i64::from(model.lash_steps) * step,
             zero: (start + quarter / 2) / quarter * quarter,
             step,
+            is_blocked: false,
             lost_steps: 0,
         }
+    }
+
+    /// Whether something holds the rotor: then no change of the field turns it.
+    pub(crate) const fn block(&mut self, is_blocked: bool) {
+        self.is_blocked = is_blocked;
+    }
+
+    /// Turns the rotor by about so many steps, as the load may when it is stronger: to where it stays. How many.
+    pub(crate) fn push(&mut self, steps: i32) -> i32 {
+        let way = match self.stage {
+            // Equilibria are a cycle apart.
+            Stage::Coils(_) => {
+                let cycles = (i64::from(steps) * self.step + 32768).div_euclid(65536);
+                self.slip -= cycles * 65536;
+                cycles * 65536
+            }
+            Stage::StepDirection { .. } => i64::from(steps) * self.step,
+        };
+        self.turn(way);
+        let made = way / self.step;
+        self.lost_steps += made.unsigned_abs();
+        // As near as a cycle to what was asked.
+        made as i32
     }
 
     /// The levels the driver sees.
@@ -75,7 +100,7 @@ impl Axis {
     /// New levels at time `now`, different from the old ones. What was lost, if anything.
     #[inline]
     pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
-        let in_time = now - self.changed_at >= self.pull_out_ticks;
+        let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
         let angle = self.equilibrium[usize::from(levels)];
         let jump = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
         if in_time && angle < NO_CURRENT && jump != i16::MIN && self.slip == 0 {
@@ -118,7 +143,7 @@ impl Axis {
         if field_jump == i64::from(i16::MIN) && self.last_jump > 0 {
             field_jump = -field_jump; // as near either way; it went on the way it went before
         }
-        let in_time = in_time || off_before;
+        let in_time = in_time || (off_before && !self.is_blocked);
         self.changed_at = now;
         self.last_jump = field_jump.clamp(-32767, 32767) as i16;
         let pull = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
@@ -129,6 +154,7 @@ impl Axis {
         self.slip = slip_before + field_jump - moved;
         let worse = self.slip.abs() - slip_before.abs();
         let cause = match (in_time, pull) {
+            (false, _) if self.is_blocked => Cause::Blocked,
             (false, _) => Cause::TooFast,
             (true, i16::MIN) => Cause::HalfCycle,
             _ => Cause::Slipped,
@@ -143,13 +169,18 @@ impl Axis {
         if !counts {
             return None;
         }
-        let in_time = now - self.changed_at >= self.pull_out_ticks;
+        let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
         self.changed_at = now;
         if self.levels & Levels::ENABLE.0 == 0 {
             return Some(self.lose(self.step, Cause::NoCurrent));
         }
         if !in_time {
-            return Some(self.lose(self.step, Cause::TooFast));
+            let cause = if self.is_blocked {
+                Cause::Blocked
+            } else {
+                Cause::TooFast
+            };
+            return Some(self.lose(self.step, cause));
         }
         let positive = (self.levels & Levels::DIR.0 != 0) != self.reversed;
         self.turn(if positive { self.step } else { -self.step });

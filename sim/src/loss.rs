@@ -9,6 +9,8 @@ pub enum Cause {
     HalfCycle,
     /// The levels changed while the coils had no current.
     NoCurrent,
+    /// Something held the rotor.
+    Blocked,
     /// The rotor, already behind, went to another equilibrium than the one the field came from.
     Slipped,
 }

@@ -56,6 +56,20 @@ impl<const N: usize> Rig<N> {
         self.events += 1;
     }
 
+    /// Holds the rotor of an axis where it is, or lets it go: a chip in the guide, an end stop. While it is held every change of
+    /// its field is lost.
+    pub fn block(&mut self, axis: usize, is_blocked: bool) {
+        if let Some(axis) = self.axes.get_mut(axis) {
+            axis.block(is_blocked);
+        }
+    }
+
+    /// Turns the rotor of an axis by about so many steps against its field, as a load that is stronger does, and returns by how many:
+    /// with coils by whole electrical cycles, where it rests again.
+    pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
+        self.axes.get_mut(axis).map_or(0, |axis| axis.push(steps))
+    }
+
     /// Lets `wait_ticks` timer ticks pass.
     pub fn wait(&mut self, wait_ticks: u64) {
         self.now += wait_ticks;

@@ -5,12 +5,13 @@ use core::hint::black_box;
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, Cell as AnyCell, Config, Machine as AnyMachine, Means, Motors, Scale, ServoAxis,
-    ServoModule,
+    Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Machine as AnyMachine, Means,
+    Motors, Scale, ServoAxis, ServoModule,
 };
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
+type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 type Cell = AnyCell<&'static [[i16; 2]]>;
 
 /// Keeps every function in the program.
@@ -42,6 +43,14 @@ pub fn keep() {
         Machine::position_steps as *const (),
         Machine::modal as *const (),
         Machine::config as *const (),
+        ClosedLoop::new as *const (),
+        ClosedLoop::machine as *const (),
+        ClosedLoop::machine_mut as *const (),
+        ClosedLoop::hold as *const (),
+        ClosedLoop::resume as *const (),
+        ClosedLoop::abort as *const (),
+        ClosedLoop::is_stopped as *const (),
+        ClosedLoop::next_event as *const (),
         Cell::new as *const (),
         Cell::command as *const (),
         Cell::reset as *const (),

@@ -1,0 +1,326 @@
+//! Stepping axes with encoders on motors that lose steps: nothing is lost unreported, and what is corrected ends exactly.
+
+use husillo_encoder::Extended;
+use husillo_gcode::Dialect;
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Event, Followed, Machine, Motors, OnLoss,
+    Scale,
+};
+use husillo_sim::{AxisModel, Rig};
+use husillo_stepper::{Drive, Driver, Mode, Sequencer};
+use proptest::prelude::*;
+
+const LASH: u32 = 5;
+
+/// Two axes of 1 um a full step, with encoders, in simulated time.
+struct Cell {
+    loop_: ClosedLoop<2>,
+    motors: Motors<2, Drive>,
+    rig: Rig<2>,
+    counters: [Extended<16>; 2],
+    ratio: [i64; 2],
+    /// Sum of what was told as lost.
+    lost: [i32; 2],
+    seen: Vec<Followed<2>>,
+    events: u32,
+}
+
+impl Cell {
+    fn new(encoder: AxisEncoder, ramp: Option<AxisRamp>, pull_out_ticks: u32) -> Cell {
+        let axis = Axis {
+            scale: Scale::new(1000, 1).unwrap(),
+            travel: None,
+            max_rate_hz: 1000,
+            lash_steps: LASH,
+            ramp,
+        };
+        let machine = Machine::new(Config {
+            axes: [axis; 2],
+            timer_hz: 1_000_000,
+            dialect: Dialect::RS274,
+            arc_tolerance: None,
+            rapid: None,
+            top_feed: None,
+            corner_deviation: None,
+            spindle_counts: None,
+        });
+        let drive = || Drive::Coils(Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap());
+        let motors = Motors::new([drive(), drive()], husillo_machine::Idle::Hold);
+        let model = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
+            .with_lash(LASH)
+            .with_pull_out_ticks(pull_out_ticks);
+        let rig = Rig::new([model; 2], *motors.levels());
+        Cell {
+            loop_: ClosedLoop::new(machine, [Some(encoder); 2]),
+            motors,
+            rig,
+            counters: [Extended::new(0); 2],
+            ratio: [encoder.counts.into(), encoder.steps.into()],
+            lost: [0; 2],
+            seen: Vec::new(),
+            events: 0,
+        }
+    }
+
+    /// What the encoders say: a 16-bit counter each.
+    fn counts(&mut self) -> [i64; 2] {
+        let [counts, steps] = self.ratio;
+        let motor = self.rig.motor();
+        for (counter, motor) in self.counters.iter_mut().zip(motor) {
+            counter.update((i64::from(motor) * counts).div_euclid(steps) as u32);
+        }
+        self.counters.map(|counter| counter.position())
+    }
+
+    /// Until there is nothing more, with `before` called before each event.
+    fn run(&mut self, mut before: impl FnMut(&mut Cell)) {
+        loop {
+            before(self);
+            let counts = self.counts();
+            let Some(entry) = self.loop_.next_event(&counts) else {
+                return;
+            };
+            match entry {
+                Followed::Event(Event::Step(step)) => {
+                    let levels = *self.motors.step(&step.delta);
+                    self.rig.apply(&levels, step.wait_ticks);
+                    self.events += 1;
+                }
+                Followed::Event(Event::Dwell { wait_ticks }) => self.rig.wait(wait_ticks.into()),
+                Followed::Event(_) => {}
+                Followed::Lost { axis, steps } => {
+                    self.lost[axis] += steps;
+                    self.seen.push(entry);
+                }
+                Followed::Corrected { .. } | Followed::Stalled { .. } => self.seen.push(entry),
+            }
+            assert!(self.events < 2_000_000, "hangs");
+        }
+    }
+
+    /// Takes lines and makes them.
+    fn program(&mut self, lines: &[String], mut before: impl FnMut(&mut Cell)) {
+        for line in lines {
+            while !self.loop_.machine().has_room() {
+                self.run(&mut before);
+            }
+            self.loop_.machine_mut().line(line.as_bytes()).unwrap();
+        }
+        self.run(&mut before);
+    }
+}
+
+fn encoder(on_loss: OnLoss, counts: u32, steps: u32) -> AxisEncoder {
+    AxisEncoder {
+        counts,
+        steps,
+        tolerance_steps: 3,
+        on_loss,
+        correction_rate_hz: 200,
+        settle_ticks: 20_000,
+        attempts: 3,
+    }
+}
+
+/// Any path of straight lines within 0.6 mm, and its end in steps.
+fn program() -> impl Strategy<Value = (Vec<String>, [i32; 2])> {
+    proptest::collection::vec((-300i32..300, -300i32..300, any::<bool>()), 1..6).prop_map(|moves| {
+        let line = |&(x, y, rapid): &(i32, i32, bool)| {
+            let code = if rapid { "G0" } else { "G1 F20" };
+            format!(
+                "{code} X{:.3} Y{:.3}",
+                f64::from(x) / 1e3,
+                f64::from(y) / 1e3
+            )
+        };
+        let end = moves.last().map_or([0; 2], |&(x, y, _)| [x, y]);
+        (moves.iter().map(line).collect(), end)
+    })
+}
+
+/// Events before which an axis is pushed by some cycles.
+fn pushes() -> impl Strategy<Value = Vec<(u32, usize, i32)>> {
+    proptest::collection::vec(
+        (1u32..900, 0usize..2, prop_oneof![-2i32..=-1, 1i32..=2]),
+        0..5,
+    )
+}
+
+fn ramp() -> impl Strategy<Value = Option<AxisRamp>> {
+    prop_oneof![
+        Just(None),
+        Just(Some(AxisRamp {
+            acceleration_hz_per_s: 2000,
+            start_rate_hz: 0,
+            jerk_hz_per_s2: None,
+            junction_hz: Some(100),
+        }))
+    ]
+}
+
+/// Encoders finer and coarser than a step, and odd ratios.
+fn ratio() -> impl Strategy<Value = (u32, u32)> {
+    prop_oneof![
+        Just((1, 1)),
+        Just((4, 1)),
+        Just((1000, 7)),
+        Just((1, 3)),
+        Just((3, 2))
+    ]
+}
+
+fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Cell) + '_ {
+    let mut left = pushes.to_vec();
+    move |cell| {
+        left.retain(|&(event, axis, cycles)| {
+            let is_now = cell.events >= event;
+            if is_now {
+                cell.rig.push(axis, 4 * cycles);
+            }
+            !is_now
+        });
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    /// Whatever was lost is reported, to the step where a count is no longer than a step, and the program goes on to its end.
+    #[test]
+    fn nothing_is_lost_unreported(
+        (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
+    ) {
+        let mut cell = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
+        // Where the motors would be.
+        let mut ideal = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
+        ideal.program(&lines, |_| {});
+        prop_assert_eq!(ideal.rig.tool(), end);
+        prop_assert_eq!(&ideal.seen, &[]);
+        cell.program(&lines, push_at(&pushes));
+        let slack = steps.div_ceil(counts) as i32 - 1;
+        for axis in 0..2 {
+            let behind = ideal.rig.motor()[axis] - cell.rig.motor()[axis];
+            prop_assert!((cell.lost[axis] - behind).abs() <= slack, "{} of {behind}", cell.lost[axis]);
+        }
+    }
+
+    /// Lost steps are given again: motors and tool end exactly where they should (within a count, where that is longer than a step), and
+    /// every loss is told, and told as right.
+    #[test]
+    fn corrected_moves_end_exactly(
+        (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
+    ) {
+        let mut cell = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        ideal.program(&lines, |_| {});
+        cell.program(&lines, push_at(&pushes));
+        let slack = steps.div_ceil(counts) as i32 - 1;
+        // Pushed on, the nut stays within its play until the axis turns round.
+        let is_pushed_on = |axis: usize| pushes.iter().any(|push| push.1 == axis);
+        for (axis, end) in end.into_iter().enumerate() {
+            let off = cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]);
+            prop_assert!(off <= slack as u32, "motor {off}");
+            let off = (cell.rig.tool()[axis] - end).abs();
+            prop_assert!(off <= slack || is_pushed_on(axis) && off <= slack + LASH as i32, "tool {off}");
+        }
+        let lost = cell.seen.iter().filter(|seen| matches!(seen, Followed::Lost { .. })).count();
+        let right = cell.seen.iter().filter(|seen| matches!(seen, Followed::Corrected { .. })).count();
+        prop_assert_eq!(lost, right);
+        prop_assert!(!cell.loop_.is_stopped());
+    }
+
+    /// An axis that is blocked for good ends with a report, and nothing hangs; freed and resumed it ends exactly.
+    #[test]
+    fn a_blocked_axis_is_reported(
+        (lines, _) in program(), at in 0u32..200, axis in 0usize..2, ramp in ramp(), (counts, steps) in ratio(),
+    ) {
+        let mut cell = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        ideal.program(&lines, |_| {});
+        for line in &lines {
+            cell.loop_.machine_mut().line(line.as_bytes()).unwrap();
+        }
+        cell.run(|cell| if cell.events >= at { cell.rig.block(axis, true) });
+        let slack = steps.div_ceil(counts) - 1;
+        let is_behind = (0..2).any(|axis| cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]) > slack);
+        if is_behind {
+            let stalled = matches!(cell.seen.last(), Some(Followed::Stalled { axis: there, .. }) if *there == axis);
+            prop_assert!(stalled && cell.loop_.is_stopped(), "{:?}", cell.seen);
+        }
+        cell.rig.block(axis, false);
+        cell.loop_.resume();
+        cell.run(|_| {});
+        for axis in 0..2 {
+            prop_assert!(cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]) <= slack);
+        }
+    }
+
+    /// A stop stands until the operator resumes; then what was lost is given again and the program ends exactly.
+    #[test]
+    fn a_stop_waits_for_the_operator((lines, _) in program(), pushes in pushes(), ramp in ramp()) {
+        let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
+        let mut ideal = Cell::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
+        ideal.program(&lines, |_| {});
+        for line in &lines {
+            cell.loop_.machine_mut().line(line.as_bytes()).unwrap();
+        }
+        let mut push = push_at(&pushes);
+        let mut stops = 0;
+        cell.run(&mut push);
+        while cell.loop_.is_stopped() {
+            stops += 1;
+            prop_assert!(stops < 20);
+            let counts = cell.counts();
+            prop_assert_eq!(cell.loop_.next_event(&counts), None);
+            cell.loop_.resume();
+            cell.run(&mut push);
+        }
+        prop_assert_eq!(cell.rig.motor(), ideal.rig.motor());
+    }
+}
+
+/// Steps that come too fast are lost in earnest: what is not made is told.
+#[test]
+fn a_motor_that_is_too_slow_is_reported() {
+    let lines = ["G0 X0.4".to_owned(), "G1 F6 X0.1 Y0.05".to_owned()];
+    let mut ideal = Cell::new(encoder(OnLoss::Report, 4, 1), None, 0);
+    ideal.program(&lines, |_| {});
+    // 1 kHz, for a motor that makes 800 Hz.
+    let mut cell = Cell::new(encoder(OnLoss::Report, 4, 1), None, 1250);
+    cell.program(&lines, |_| {});
+    assert!(
+        cell.rig.lost_steps()[0] > 100,
+        "{:?}",
+        cell.rig.lost_steps()
+    );
+    let behind = ideal.rig.motor()[0] - cell.rig.motor()[0];
+    assert!(
+        behind != 0 && cell.lost[0] == behind,
+        "{} of {behind}",
+        cell.lost[0]
+    );
+    // Never more than the tolerance and one event beyond it at once.
+    let most = cell.seen.iter().map(|seen| match seen {
+        Followed::Lost { steps, .. } => steps.abs(),
+        _ => 0,
+    });
+    assert!(most.max().unwrap() <= 3 + 4, "{:?}", cell.seen);
+}
+
+/// After an abort with steps missing they are given again before the next line moves, and outputs are switched off first.
+#[test]
+fn an_abort_puts_the_axes_right() {
+    let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), None, 0);
+    cell.loop_.machine_mut().line(b"G1 F6 X0.1 Y0.02").unwrap();
+    cell.run(|cell| {
+        if cell.events == 40 {
+            cell.rig.push(0, -8);
+            cell.events += 1
+        }
+    });
+    assert!(cell.loop_.is_stopped());
+    cell.loop_.abort();
+    cell.loop_.machine_mut().line(b"G0 X0.05 Y0").unwrap();
+    cell.run(|_| {});
+    assert_eq!(cell.rig.tool(), [50, 0]);
+}
