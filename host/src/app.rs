@@ -372,7 +372,9 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
         return Ok(ERRORS);
     }
-    board.apply(&options)?;
+    if let Some(fit) = board.apply(&options)? {
+        eprintln!("{name}: {fit}");
+    }
     if args.order == DrillOrder::Shortest {
         board.sort_shortest();
     }

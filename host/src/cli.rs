@@ -334,7 +334,25 @@ pub struct Holes {
     /// Only the holes and slots of this tool; may be repeated
     #[arg(long, value_name = "N")]
     pub only: Vec<u16>,
-    /// Move the board by X,Y millimetres; `corner` puts its least X and Y at 0,0
+    /// Turn the board over: x changes the sign of X, y that of Y
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub mirror: Option<Mirror>,
+    /// Turn the board counter-clockwise by so many degrees, after --mirror
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value = "0",
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
+    pub turn: f64,
+    /// Place of a hole in the file, and where it was measured; two or more turn and move the board onto them (least squares)
+    #[arg(long, value_name = "X,Y=X,Y", allow_hyphen_values = true)]
+    pub reference: Vec<String>,
+    /// Let --reference stretch the board as well, by the scale and the skew it finds
+    #[arg(long)]
+    pub stretch: bool,
+    /// Move the board by X,Y millimetres, after all this; `corner` puts its least X and Y at 0,0
     #[arg(long, value_name = "X,Y|corner", allow_hyphen_values = true)]
     pub shift: Option<String>,
     /// Depth of the holes below the surface, which is Z0
@@ -378,6 +396,15 @@ pub enum DrillOutput {
     Gcode,
     /// The program of the circuit-board drill: three-byte records, one tool a file.
     Drill,
+}
+
+/// The axis whose sign changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mirror {
+    /// X.
+    X,
+    /// Y.
+    Y,
 }
 
 /// Unit of a drill file.

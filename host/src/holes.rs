@@ -5,6 +5,7 @@ use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machine_file::{MachineFile, Travel};
 use crate::order;
 use crate::panel::{Panel, Refused};
+use crate::placement::{Fit, Placement};
 use crate::quantity::{self, Quantity};
 use husillo_gcode::Nm;
 use husillo_gcode::excellon::{
@@ -49,14 +50,7 @@ pub struct Options {
     overrides: Overrides,
     tools: Vec<(u16, Nm)>,
     only: Vec<u16>,
-    shift: Option<Shift>,
-}
-
-/// Where a board is moved.
-#[derive(Clone, Copy, Debug)]
-enum Shift {
-    By([Nm; 2]),
-    Corner,
+    placement: Placement,
 }
 
 impl Options {
@@ -93,7 +87,7 @@ impl Options {
                 .map(|text| tool(text))
                 .collect::<Result<_, _>>()?,
             only: args.only.clone(),
-            shift: args.shift.as_deref().map(shift).transpose()?,
+            placement: Placement::new(args)?,
         })
     }
 }
@@ -112,17 +106,6 @@ fn tool(text: &str) -> Result<(u16, Nm), String> {
         Some(diameter) if diameter.0 > 0 => Ok((number, diameter)),
         _ => Err(refused()),
     }
-}
-
-fn shift(text: &str) -> Result<Shift, String> {
-    if text == "corner" {
-        return Ok(Shift::Corner);
-    }
-    let by = text
-        .split_once(',')
-        .and_then(|(x, y)| Some([length(x)?, length(y)?]));
-    by.map(Shift::By)
-        .ok_or_else(|| format!("--shift {text}: two lengths as in 5,-2.5 or 0.1in,0, or corner"))
 }
 
 /// A length of the command line: millimetres, unless it has a unit.
@@ -337,12 +320,12 @@ fn because(reason: Reason) -> String {
 }
 
 impl Board {
-    /// Leaves the tools that were asked for, and moves the board.
+    /// Leaves the tools that were asked for, and places the board; what a fit to measured holes found.
     ///
     /// # Errors
     ///
     /// A tool without holes and slots, or a place that is out of reach.
-    pub fn apply(&mut self, options: &Options) -> Result<(), String> {
+    pub fn apply(&mut self, options: &Options) -> Result<Option<Fit>, String> {
         let in_use = self.tools_in_use();
         if let Some(tool) = options.only.iter().find(|tool| !in_use.contains(tool)) {
             return Err(format!(
@@ -357,34 +340,7 @@ impl Board {
             self.tools
                 .retain(|tool| options.only.contains(&tool.number));
         }
-        let by = match options.shift {
-            None => return Ok(()),
-            Some(Shift::By(by)) => by,
-            Some(Shift::Corner) => match self.extent() {
-                Some([low, _]) => low.map(|nm| Nm(-nm.0)),
-                None => return Ok(()),
-            },
-        };
-        // All of them are within 2^50 nm before and, as far as they are used, after.
-        let shift = |at: &mut [Nm; 2]| {
-            for (at, by) in at.iter_mut().zip(by) {
-                at.0 += by.0;
-            }
-        };
-        self.holes.iter_mut().for_each(|hole| shift(&mut hole.at));
-        for slot in &mut self.slots {
-            shift(&mut slot.from);
-            shift(&mut slot.to);
-            if let Path::Centre(_, centre) = &mut slot.path {
-                shift(centre);
-            }
-        }
-        match self.extent() {
-            Some(ends) if ends.iter().flatten().any(|nm| nm.0.abs() > Nm::LIMIT.0) => {
-                Err("--shift moves holes out of reach".into())
-            }
-            _ => Ok(()),
-        }
+        options.placement.apply(self)
     }
 
     /// Says what is beyond the travel of a machine whose zero is that of the file.
@@ -471,7 +427,7 @@ impl Board {
     }
 
     /// Least and greatest coordinates of the middles of holes and the ends of slots.
-    fn extent(&self) -> Option<[[Nm; 2]; 2]> {
+    pub fn extent(&self) -> Option<[[Nm; 2]; 2]> {
         let ends = self.slots.iter().flat_map(|slot| [slot.from, slot.to]);
         self.holes
             .iter()

@@ -45,6 +45,7 @@ mod measure;
 mod method;
 mod order;
 mod panel;
+mod placement;
 mod power;
 mod program;
 mod quantity;

@@ -679,3 +679,70 @@ fn records_are_within_half_a_step(file: &str) {
         }
     }
 }
+
+/// A board drilled from behind, 90 degrees turned, laid on two measured holes.
+#[test]
+fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
+    let file = scratch("placed.drl");
+    std::fs::write(
+        &file,
+        "M48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX10.0Y5.0\nX60.0Y5.0\nX60.0Y25.0\nM30\n",
+    )
+    .unwrap();
+    let holes = |args: &[&str]| -> Vec<[f64; 2]> {
+        let output = husillo()
+            .args(["holes", "--format", "json"])
+            .arg(&file)
+            .args(args)
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let number = |value: &Value| value.as_f64().unwrap();
+        let rows = json["holes"].as_array().unwrap().iter();
+        rows.map(|row| [number(&row[0]), number(&row[1])]).collect()
+    };
+    assert_eq!(holes(&["--mirror", "x"])[1], [-60.0, 5.0]);
+    assert_eq!(holes(&["--turn", "90"])[2], [-25.0, 60.0]);
+    assert_eq!(
+        holes(&["--mirror", "x", "--turn", "-90", "--shift", "corner"]),
+        [[0.0, 0.0], [0.0, 50.0], [20.0, 50.0]]
+    );
+    // Measured 0.1 mm higher at 50 mm, and 0.05 mm too long: the board turns about the middle of the two and is not stretched.
+    let measured = ["--reference", "10,5=12,5", "--reference", "60,5=62.05,5.1"];
+    let placed = holes(&measured);
+    assert!((placed[0][0] - 12.025).abs() < 1e-4 && (placed[1][1] - 5.1).abs() < 1e-3);
+    husillo()
+        .arg("holes")
+        .arg(&file)
+        .args(measured)
+        .assert()
+        .success()
+        .stderr(contains(
+            "turned by 0.1145 degrees; longer than the file by 1002 um/m",
+        ))
+        .stderr(contains("the worst reference is 25.0 um off"));
+    let stretched = holes(&[&measured[..], &["--stretch"]].concat());
+    assert!((stretched[0][0] - 12.0).abs() < 1e-6 && (stretched[1][0] - 62.05).abs() < 1e-6);
+    for (args, reason) in [
+        (&["--reference", "1,1=2,2"][..], "two at least"),
+        (&["--reference", "1,1"], "as in 5,5=5.02,4.97"),
+        (&["--stretch"], "goes with --reference"),
+        (
+            &["--reference", "1,1=2,2", "--reference", "1,1=2,2"],
+            "less than a millimetre apart",
+        ),
+    ] {
+        husillo()
+            .arg("holes")
+            .arg(&file)
+            .args(args)
+            .assert()
+            .code(2)
+            .stderr(contains(reason));
+    }
+}

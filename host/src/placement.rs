@@ -1,0 +1,397 @@
+//! Where a board lies on the machine: mirrored, turned, fitted to measured holes, moved.
+
+use crate::cli::{Holes, Mirror};
+use crate::holes::{Board, length};
+use husillo_gcode::excellon::Path;
+use husillo_gcode::{Direction, Nm};
+use std::fmt;
+
+/// What the command line says about the place of a board.
+#[derive(Debug, Default)]
+pub struct Placement {
+    mirror: Option<Mirror>,
+    turn_degrees: f64,
+    /// Where a hole is in the file, and where it was measured, nm.
+    references: Vec<[[f64; 2]; 2]>,
+    stretches: bool,
+    shift: Option<Shift>,
+}
+
+/// Where a board is moved.
+#[derive(Clone, Copy, Debug)]
+enum Shift {
+    By([Nm; 2]),
+    Corner,
+}
+
+/// What a fit to measured holes found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Turn of the board, degrees.
+    pub turn_degrees: f64,
+    /// How much longer it is than the file in X and Y, parts in a million.
+    pub scale_ppm: [f64; 2],
+    /// How far the angle between X and Y is from a right one, um/m; two holes say nothing of it.
+    pub skew_ppm: Option<f64>,
+    /// Largest distance of a measured hole from where it is now expected, nm.
+    pub residual_nm: f64,
+}
+
+/// `p -> M p + t`.
+#[derive(Clone, Copy, Debug)]
+struct Affine {
+    matrix: [[f64; 2]; 2],
+    offset: [f64; 2],
+}
+
+impl Affine {
+    const NONE: Self = Self {
+        matrix: [[1.0, 0.0], [0.0, 1.0]],
+        offset: [0.0; 2],
+    };
+
+    fn turned(degrees: f64) -> Self {
+        // A quarter turn is exact.
+        let (sin, cos) = match degrees.rem_euclid(360.0) {
+            0.0 => (0.0, 1.0),
+            90.0 => (1.0, 0.0),
+            180.0 => (0.0, -1.0),
+            270.0 => (-1.0, 0.0),
+            other => other.to_radians().sin_cos(),
+        };
+        Self {
+            matrix: [[cos, -sin], [sin, cos]],
+            offset: [0.0; 2],
+        }
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [[a, b], [c, d]] = self.matrix;
+        [
+            a * x + b * y + self.offset[0],
+            c * x + d * y + self.offset[1],
+        ]
+    }
+
+    /// First the other, then this.
+    fn after(&self, first: &Self) -> Self {
+        let column = |j: usize| {
+            let from = [first.matrix[0][j], first.matrix[1][j]];
+            let [x, y] = self.at(from);
+            [x - self.offset[0], y - self.offset[1]]
+        };
+        let ([a, c], [b, d]) = (column(0), column(1));
+        Self {
+            matrix: [[a, b], [c, d]],
+            offset: self.at(first.offset),
+        }
+    }
+
+    fn is_mirrored(&self) -> bool {
+        let [[a, b], [c, d]] = self.matrix;
+        a * d - b * c < 0.0
+    }
+
+    /// The point, to the nearest nanometre; `None` out of reach.
+    fn place(&self, at: [Nm; 2]) -> Option<[Nm; 2]> {
+        let [x, y] = self.at(at.map(|nm| nm.0 as f64));
+        let near = |value: f64| {
+            let nm = Nm(value.round() as i64);
+            (nm.0.abs() <= Nm::LIMIT.0).then_some(nm)
+        };
+        Some([near(x)?, near(y)?])
+    }
+}
+
+impl Placement {
+    /// Reads the options.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the option that is wrong.
+    pub fn new(args: &Holes) -> Result<Self, String> {
+        let references: Vec<_> = args
+            .reference
+            .iter()
+            .map(|text| reference(text))
+            .collect::<Result<_, _>>()?;
+        if references.len() == 1 {
+            return Err(
+                "one --reference says nothing of the turn: two at least, or --shift".into(),
+            );
+        }
+        if args.stretch && references.is_empty() {
+            return Err("--stretch goes with --reference".into());
+        }
+        Ok(Self {
+            mirror: args.mirror,
+            turn_degrees: args.turn,
+            references,
+            stretches: args.stretch,
+            shift: args.shift.as_deref().map(shift).transpose()?,
+        })
+    }
+
+    /// Moves holes and slots; what a fit found.
+    ///
+    /// # Errors
+    ///
+    /// Something ends out of reach; references that lie on one place.
+    pub fn apply(&self, board: &mut Board) -> Result<Option<Fit>, String> {
+        let mirrored = Affine {
+            matrix: match self.mirror {
+                None => Affine::NONE.matrix,
+                Some(Mirror::X) => [[-1.0, 0.0], [0.0, 1.0]],
+                Some(Mirror::Y) => [[1.0, 0.0], [0.0, -1.0]],
+            },
+            offset: [0.0; 2],
+        };
+        let mut map = Affine::turned(self.turn_degrees).after(&mirrored);
+        let mut found = None;
+        if !self.references.is_empty() {
+            let pairs: Vec<_> = (self.references.iter())
+                .map(|[file, measured]| [map.at(*file), *measured])
+                .collect();
+            let (fitted, fit) = fit(&pairs, self.stretches)?;
+            map = fitted.after(&map);
+            found = Some(fit);
+        }
+        move_all(&map, board)?;
+        let by = match (self.shift, board.extent()) {
+            (Some(Shift::By(by)), _) => by.map(|nm| nm.0 as f64),
+            (Some(Shift::Corner), Some([low, _])) => low.map(|nm| -(nm.0 as f64)),
+            (None, _) | (_, None) => return Ok(found),
+        };
+        let shifted = Affine {
+            offset: by,
+            ..Affine::NONE
+        };
+        move_all(&shifted, board)?;
+        Ok(found)
+    }
+}
+
+fn move_all(map: &Affine, board: &mut Board) -> Result<(), String> {
+    let far = "the board is moved out of reach: see --shift, --turn and --reference";
+    for hole in &mut board.holes {
+        hole.at = map.place(hole.at).ok_or(far)?;
+    }
+    for slot in &mut board.slots {
+        slot.from = map.place(slot.from).ok_or(far)?;
+        slot.to = map.place(slot.to).ok_or(far)?;
+        let turned = |direction| match (map.is_mirrored(), direction) {
+            (false, direction) => direction,
+            (true, Direction::Clockwise) => Direction::CounterClockwise,
+            (true, Direction::CounterClockwise) => Direction::Clockwise,
+        };
+        slot.path = match slot.path {
+            Path::Straight => Path::Straight,
+            Path::Radius(direction, radius) => Path::Radius(turned(direction), radius),
+            Path::Centre(direction, centre) => {
+                Path::Centre(turned(direction), map.place(centre).ok_or(far)?)
+            }
+        };
+    }
+    Ok(())
+}
+
+/// The map that brings the first of each pair nearest to the second, by least squares: turn and offset, or with `stretches` all of it.
+fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String> {
+    let count = pairs.len() as f64;
+    let mean =
+        |of: usize, axis: usize| pairs.iter().map(|pair| pair[of][axis]).sum::<f64>() / count;
+    let [from, to] = [0, 1].map(|of| [mean(of, 0), mean(of, 1)]);
+    // Sums of products about the means: of the file with itself, and with what was measured.
+    let (mut own, mut cross) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+    for [file, measured] in pairs {
+        let [p, q] = [
+            [file[0] - from[0], file[1] - from[1]],
+            [measured[0] - to[0], measured[1] - to[1]],
+        ];
+        for i in 0..2 {
+            for j in 0..2 {
+                own[i][j] += p[i] * p[j];
+                cross[i][j] += q[i] * p[j];
+            }
+        }
+    }
+    let size = own[0][0] + own[1][1];
+    if size < 1e12 {
+        return Err("the holes of --reference are less than a millimetre apart".into());
+    }
+    let (along, across) = (cross[0][0] + cross[1][1], cross[1][0] - cross[0][1]);
+    let angle = across.atan2(along);
+    let rigid = Affine::turned(angle.to_degrees()).matrix;
+    let similar = along.hypot(across) / size;
+    let determinant = own[0][0] * own[1][1] - own[0][1] * own[1][0];
+    // Holes on a line tell nothing of what is across it.
+    let whole = (pairs.len() > 2 && determinant > 1e-6 * size * size).then(|| {
+        let [[a, b], [c, d]] = cross;
+        let [[e, f], [g, h]] = own;
+        [
+            [(a * h - b * g) / determinant, (b * e - a * f) / determinant],
+            [(c * h - d * g) / determinant, (d * e - c * f) / determinant],
+        ]
+    });
+    let (scale, skew) = match whole {
+        None => ([similar; 2], None),
+        Some([[a, b], [c, d]]) => {
+            let [x, y] = [a.hypot(c), b.hypot(d)];
+            ([x, y], Some((a * b + c * d) / (x * y)))
+        }
+    };
+    let matrix = match (stretches, whole) {
+        (false, _) => rigid,
+        (true, Some(whole)) => whole,
+        (true, None) => rigid.map(|row| row.map(|value| value * similar)),
+    };
+    let turned = Affine {
+        matrix,
+        offset: [0.0; 2],
+    }
+    .at(from);
+    let map = Affine {
+        matrix,
+        offset: [to[0] - turned[0], to[1] - turned[1]],
+    };
+    let residual_nm = pairs
+        .iter()
+        .map(|[file, measured]| {
+            let [x, y] = map.at(*file);
+            (x - measured[0]).hypot(y - measured[1])
+        })
+        .fold(0.0, f64::max);
+    let fit = Fit {
+        turn_degrees: angle.to_degrees(),
+        scale_ppm: scale.map(|scale| (scale - 1.0) * 1e6),
+        skew_ppm: skew.map(|skew| skew * 1e6),
+        residual_nm,
+    };
+    Ok((map, fit))
+}
+
+impl fmt::Display for Fit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y] = self.scale_ppm;
+        write!(
+            f,
+            "turned by {:.4} degrees; longer than the file by {x:.0} um/m in X and {y:.0} in Y",
+            self.turn_degrees
+        )?;
+        if let Some(skew) = self.skew_ppm {
+            write!(f, ", out of square by {skew:.0} um/m")?;
+        }
+        write!(
+            f,
+            "; the worst reference is {:.1} um off",
+            self.residual_nm / 1e3
+        )
+    }
+}
+
+/// `X,Y=X,Y`: in the file, and measured.
+fn reference(text: &str) -> Result<[[f64; 2]; 2], String> {
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',')?;
+        Some([length(x)?, length(y)?].map(|nm| nm.0 as f64))
+    };
+    let pair = text
+        .split_once('=')
+        .and_then(|(file, measured)| Some([point(file)?, point(measured)?]));
+    pair.ok_or_else(|| {
+        format!(
+            "--reference {text}: a place in the file and where it was measured, as in 5,5=5.02,4.97"
+        )
+    })
+}
+
+fn shift(text: &str) -> Result<Shift, String> {
+    if text == "corner" {
+        return Ok(Shift::Corner);
+    }
+    let by = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([length(x)?, length(y)?]));
+    by.map(Shift::By)
+        .ok_or_else(|| format!("--shift {text}: two lengths as in 5,-2.5 or 0.1in,0, or corner"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const MM: f64 = 1e6;
+
+    #[test]
+    fn quarter_turns_and_mirrors_are_exact() {
+        let at = [Nm(3_000_001), Nm(-7)];
+        for (degrees, expected) in [
+            (90.0, [Nm(7), Nm(3_000_001)]),
+            (180.0, [Nm(-3_000_001), Nm(7)]),
+            (-90.0, [Nm(-7), Nm(-3_000_001)]),
+        ] {
+            assert_eq!(Affine::turned(degrees).place(at), Some(expected));
+        }
+    }
+
+    /// Four corners of a board that is 100 um/m too long in X, 50 too short in Y, 30 out of square, turned and moved.
+    #[test]
+    fn a_fit_finds_scale_and_skew() {
+        let skewed = Affine {
+            matrix: [[1.000_1, 30e-6], [0.0, 0.999_95]],
+            offset: [0.0; 2],
+        };
+        let placed = Affine {
+            offset: [12.0 * MM, -3.0 * MM],
+            ..Affine::turned(1.5)
+        }
+        .after(&skewed);
+        let corners = [[0.0, 0.0], [80.0, 0.0], [80.0, 40.0], [0.0, 40.0]];
+        let pairs = corners.map(|[x, y]| {
+            let file = [x * MM, y * MM];
+            [file, placed.at(file)]
+        });
+        let (map, found) = fit(&pairs, true).unwrap();
+        assert!((found.scale_ppm[0] - 100.0).abs() < 0.1, "{found:?}");
+        assert!((found.scale_ppm[1] + 50.0).abs() < 0.1, "{found:?}");
+        assert!((found.skew_ppm.unwrap() - 30.0).abs() < 0.1, "{found:?}");
+        assert!((found.turn_degrees - 1.5).abs() < 0.001 && found.residual_nm < 1.0);
+        assert!(!map.is_mirrored());
+        // As a stiff board: half of what is left at the corners.
+        let (_, stiff) = fit(&pairs, false).unwrap();
+        assert!((1e3..6e3).contains(&stiff.residual_nm), "{stiff:?}");
+    }
+
+    #[test]
+    fn holes_on_a_line_say_nothing_of_the_skew() {
+        let pairs = [[0.0; 2], [10.0 * MM, 0.0], [30.0 * MM, 0.0]].map(|at| [at, at]);
+        let (_, found) = fit(&pairs, true).unwrap();
+        assert_eq!(found.skew_ppm, None);
+        assert!(fit(&[[[0.0; 2]; 2], [[100.0, 0.0]; 2]], false).is_err());
+    }
+
+    proptest! {
+        /// A board that was only turned and moved is found where it is, from two holes as from more.
+        #[test]
+        fn a_stiff_board_is_found(
+            degrees in -180.0..180.0_f64,
+            offset in prop::array::uniform2(-1e8..1e8_f64),
+            holes in prop::collection::vec(prop::array::uniform2(-1e8..1e8_f64), 2..6),
+        ) {
+            let far = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > 1e7;
+            prop_assume!(holes.iter().any(|hole| far(hole, &holes[0])));
+            let placed = Affine { offset, ..Affine::turned(degrees) };
+            let pairs: Vec<_> = holes.iter().map(|hole| [*hole, placed.at(*hole)]).collect();
+            for stretches in [false, true] {
+                let (map, found) = fit(&pairs, stretches).unwrap();
+                prop_assert!(found.residual_nm < 1.0, "{:?}", found);
+                let [x, y] = map.at([5e7, -3e7]);
+                let [ideal_x, ideal_y] = placed.at([5e7, -3e7]);
+                if !stretches {
+                    prop_assert!((x - ideal_x).hypot(y - ideal_y) < 1.0);
+                }
+            }
+        }
+    }
+}
