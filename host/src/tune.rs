@@ -96,6 +96,12 @@ fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
     if args.current.is_some_and(|current| current % 2 == 0) {
         return Err("--current: the module takes even limits for a sense that shrinks with the current; give an odd one".into());
     }
+    let given = [args.p, args.i, args.d, args.integral_limit];
+    if args.method != TuneMethod::Step && given.iter().any(Option::is_some) {
+        return Err(
+            "--p, --i, --d and --integral-limit are for --method step: the others find them".into(),
+        );
+    }
     Ok(Gains {
         proportional: args.p.unwrap_or(file.proportional),
         integral: args.i.unwrap_or(file.integral),

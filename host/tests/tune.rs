@@ -243,6 +243,10 @@ fn mistakes_are_told() {
             "leaves no room",
         ),
         (
+            &["--method", "relay", "--p", "100"],
+            "are for --method step: the others find them",
+        ),
+        (
             &["--method", "step", "--axis", "y"],
             "has no axis Y: there is X",
         ),

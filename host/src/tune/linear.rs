@@ -8,8 +8,10 @@ use super::stand::Stand;
 use super::stepwise::stepwise;
 use super::ultimate::ultimate;
 use crate::cmm::file::CmmFile;
+use fixed::types::{I16F16, I32F0};
 use husillo_pid::tuning::{Rule, Ultimate};
-use husillo_sim::{DcMotorModel, SERVO_PERIOD_S};
+use husillo_pid::{Conditional, Integration, Limits, Pid, State};
+use husillo_sim::{DcMotor, DcMotorModel, SERVO_PERIOD_S};
 
 /// Without friction but for the viscous one, without inductance, and with an encoder as fine as no module's.
 const LINEAR: DcMotorModel = DcMotorModel {
@@ -151,5 +153,40 @@ fn gains_place_every_move() {
             result.is_good() && result.moves == 300,
             "{gains:?} {result:?}"
         );
+    }
+}
+
+/// The gains of a rule hold the motor with the controller of `pid`, too, whose gains have no end at 0x7FFF: as the rule has them, in fixed point.
+#[test]
+fn gains_hold_the_motor_with_a_pid() {
+    let relay = by_relay(DcMotorModel::PROTOTYPE, 0);
+    for rule in [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid] {
+        let gains = relay.gains(rule).per_sample(SERVO_PERIOD_S);
+        let limits = Limits {
+            low: I32F0::from_num(-255),
+            high: I32F0::from_num(255),
+        };
+        let gains = gains.to_fixed::<I16F16>().unwrap();
+        let pid = Pid::new(gains, Integration::Backward, limits).unwrap();
+        let pid = pid.with_anti_windup(Conditional);
+        let (mut motor, mut state) = (DcMotor::new(DcMotorModel::PROTOTYPE), State::default());
+        let mut farthest = 0;
+        for (goal, tick) in [100, -30, 2, 1000]
+            .iter()
+            .flat_map(|goal| (0..4000).map(move |tick| (*goal, tick)))
+        {
+            let counts = motor.counts() as i32;
+            let drive = pid.update(&mut state, I32F0::from_num(goal), I32F0::from_num(counts));
+            motor.advance(
+                f64::from(drive.to_num::<i32>()) / 255.0,
+                0.0,
+                SERVO_PERIOD_S,
+            );
+            // The last half second of two.
+            if tick >= 3000 {
+                farthest = farthest.max(counts.abs_diff(goal));
+            }
+        }
+        assert!(farthest <= 1, "{rule:?} {farthest}");
     }
 }
