@@ -14,6 +14,7 @@ mod nmc;
 mod parameters;
 mod planner;
 mod reader;
+mod servo;
 mod stepper;
 
 pub use backlash::backlash;
@@ -28,13 +29,14 @@ pub use nmc::{nmc_host, nmc_module};
 pub use parameters::parameters;
 pub use planner::planner;
 pub use reader::reader;
+pub use servo::servo;
 pub use stepper::stepper;
 
 /// A target: takes any bytes.
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 13] = [
+pub const TARGETS: [(&str, Target); 14] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -48,6 +50,7 @@ pub const TARGETS: [(&str, Target); 13] = [
     ("machine", machine),
     ("nmc_host", nmc_host),
     ("nmc_module", nmc_module),
+    ("servo", servo),
 ];
 
 #[cfg(test)]

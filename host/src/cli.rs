@@ -616,6 +616,9 @@ pub struct Measure {
     /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
+    /// Share of wrong bits on the simulated line, such as 1e-5
+    #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
+    pub noise: f64,
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
@@ -650,6 +653,9 @@ pub struct Emulate {
     /// Work piece: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
+    /// Share of wrong bits on the simulated line, such as 1e-5
+    #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
+    pub noise: f64,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
     pub seconds: Option<f64>,
@@ -752,6 +758,13 @@ pub enum TuneRule {
     ZieglerNichols,
     /// Gentler.
     TyreusLuyben,
+}
+
+/// A number from 0 to below 1.
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number| (0.0..1.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0 to below 1".into())
 }
 
 /// A number above 0 and below a billion.

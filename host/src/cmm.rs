@@ -18,6 +18,8 @@ pub mod emulated;
 pub mod file;
 mod head;
 pub mod line;
+#[cfg(test)]
+mod noise_test;
 mod piece;
 mod piece_file;
 pub mod port;
@@ -133,7 +135,8 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         &versions,
         &args.contact,
         mounted(args.piece.as_deref(), &machine)?,
-    )?;
+    )?
+    .with_noise(args.noise);
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),

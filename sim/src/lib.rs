@@ -40,6 +40,7 @@ mod servo_chain;
 mod spindle;
 mod touch_probe;
 mod winding;
+mod wire;
 mod work_piece;
 
 pub use cell_rig::CellRig;
@@ -47,10 +48,11 @@ pub use dc_motor::{DcMotor, DcMotorModel};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;
-pub use servo_chain::{FULL_CURRENT_A, SERVO_PERIOD_S, ServoChain, Surroundings};
+pub use servo_chain::{Damage, FULL_CURRENT_A, SERVO_PERIOD_S, ServoChain, Surroundings};
 pub use spindle::Spindle;
 pub use touch_probe::{TouchProbe, TouchProbeModel};
 pub use winding::{Chopper, Current, Rotor, Winding};
+pub use wire::{Noise, Wire};
 pub use work_piece::{Bore, PointMm, Shape, Solid, WorkPiece};
 
 /// The README's example, as a doctest.

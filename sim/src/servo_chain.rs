@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use husillo_machine::{ServoAxis, ServoInputs, ServoModule};
-use husillo_transports::nmc::Baud;
+use husillo_transports::nmc::{Baud, Frame, Receiver, Verdict, unseen_pairs_in_halves};
 
-use crate::{DcMotor, DcMotorModel};
+use crate::{DcMotor, DcMotorModel, Noise, Wire};
 
 /// A servo period, s.
 pub const SERVO_PERIOD_S: f64 = 512e-6;
@@ -27,9 +27,29 @@ pub struct Surroundings {
     pub without_power: bool,
 }
 
+/// What noise did to the packets of a line.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Damage {
+    /// Wrong bits, those in silence too.
+    pub wrong_bits: u64,
+    /// Replies sent.
+    pub replies: u64,
+    /// Pairs of wrong bits in them that their sums would not show, in halves: see `husillo_transports::nmc::unseen_pairs_in_halves`.
+    pub pairs_in_halves: u64,
+    /// Replies that arrived otherwise than they were sent.
+    pub damaged_replies: u64,
+    /// Those of them that have the right length and sum: nothing shows it.
+    pub unseen_replies: u64,
+    /// Commands that modules took for sound and that were never sent so.
+    pub unseen_commands: u64,
+}
+
 /// A module with its motor.
 #[derive(Clone, Debug)]
 struct Node {
+    version: u8,
+    /// Neither hears nor answers, and the motor has no drive.
+    is_dead: bool,
     module: ServoModule,
     motor: DcMotor,
     counts_per_revolution: i64,
@@ -40,13 +60,16 @@ struct Node {
 impl Node {
     /// A servo period of motor and module.
     fn tick(&mut self) -> Option<Baud> {
-        let duty = if self.around.without_power {
+        let duty = if self.around.without_power || self.is_dead {
             0.0
         } else {
             self.duty
         };
         self.motor
             .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
+        if self.is_dead {
+            return None;
+        }
         let counts = self.motor.counts();
         let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
         let output = self.module.tick(&ServoInputs {
@@ -83,6 +106,15 @@ pub struct ServoChain {
     to_modules: VecDeque<u8>,
     /// Bytes that still fit the line in the period that goes on; the fraction is kept for the next.
     room: f64,
+    /// To the modules, and from them.
+    wires: [Wire; 2],
+    /// Bits of silence that are less than one, on both.
+    silence: [f64; 2],
+    /// Packets as they were sent, and as they arrive.
+    receivers: [Receiver; 2],
+    /// The last whole packet sent.
+    sent: Option<Frame>,
+    damage: Damage,
 }
 
 impl ServoChain {
@@ -91,6 +123,8 @@ impl ServoChain {
         let nodes = versions
             .iter()
             .map(|&version| Node {
+                version,
+                is_dead: false,
                 module: ServoModule::new(version),
                 motor: DcMotor::new(motor),
                 counts_per_revolution: motor.counts_per_revolution.into(),
@@ -103,6 +137,43 @@ impl ServoChain {
             baud: Baud::default(),
             to_modules: VecDeque::new(),
             room: 0.0,
+            wires: [
+                Wire::new(Noise::default(), 1),
+                Wire::new(Noise::default(), 2),
+            ],
+            silence: [0.0; 2],
+            receivers: [Receiver::new(), Receiver::new()],
+            sent: None,
+            damage: Damage::default(),
+        }
+    }
+
+    /// With noise on both pairs of wires; the same seed gives the same noise.
+    pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoChain {
+        let seed = seed.wrapping_mul(2);
+        self.wires = [
+            Wire::new(noise, seed),
+            Wire::new(noise, seed.wrapping_add(1)),
+        ];
+        self
+    }
+
+    /// What noise has done so far.
+    pub fn damage(&self) -> Damage {
+        let [to, from] = &self.wires;
+        Damage {
+            wrong_bits: to.wrong_bits() + from.wrong_bits(),
+            ..self.damage
+        }
+    }
+
+    /// Takes a module's supply away, or gives it back: then it is as after power-up, without an address, and those beyond it are
+    /// deaf until it gets one. From 0 on; nothing where there is none.
+    pub fn set_dead(&mut self, module: usize, is_dead: bool) {
+        if let Some(node) = self.nodes.get_mut(module) {
+            node.is_dead = is_dead;
+            node.module = ServoModule::new(node.version);
+            node.duty = 0.0;
         }
     }
 
@@ -146,15 +217,25 @@ impl ServoChain {
     /// A servo period: bytes that fit the line arrive, motors turn, modules act; the bytes they send come back, all of a
     /// reply at once.
     pub fn tick(&mut self) -> Vec<u8> {
+        let bits = f64::from(self.baud.bits_per_s()) * SERVO_PERIOD_S;
         // Ten bits a byte.
-        self.room += f64::from(self.baud.bits_per_s()) / 10.0 * SERVO_PERIOD_S;
+        self.room += bits / 10.0;
+        let mut carried = 0.0;
         while self.room >= 1.0 {
             self.room -= 1.0;
             let Some(byte) = self.to_modules.pop_front() else {
                 self.room = self.room.min(1.0);
                 break;
             };
-            self.deliver(byte);
+            carried += 10.0;
+            self.note_sent(byte);
+            for heard in self.wires[0].carry(byte) {
+                self.deliver(heard);
+            }
+        }
+        let silence = self.silence(0, bits - carried);
+        for heard in self.wires[0].rest(silence) {
+            self.deliver(heard);
         }
         let mut replies: Vec<Vec<u8>> = Vec::new();
         for node in &mut self.nodes {
@@ -167,12 +248,52 @@ impl ServoChain {
             }
         }
         self.enable();
-        together(&replies)
+        self.tell(&together(&replies), bits)
+    }
+
+    /// The status line of a period.
+    fn tell(&mut self, reply: &[u8], bits: f64) -> Vec<u8> {
+        let silence = self.silence(1, bits - 10.0 * reply.len() as f64);
+        let [_, wire] = &mut self.wires;
+        let mut heard: Vec<u8> = reply.iter().flat_map(|byte| wire.carry(*byte)).collect();
+        if reply.is_empty() {
+            return wire.rest(silence);
+        }
+        // A byte that began too late ends in the silence after it, which is a character at least.
+        heard.extend(wire.rest(silence.max(10)));
+        let has_its_sum = heard.split_last().is_some_and(|(sum, rest)| {
+            *sum == rest.iter().fold(0, |sum: u8, byte| sum.wrapping_add(*byte))
+        });
+        self.damage.replies += 1;
+        self.damage.pairs_in_halves += u64::from(unseen_pairs_in_halves(reply.len() as u16));
+        self.damage.damaged_replies += u64::from(heard != reply);
+        self.damage.unseen_replies +=
+            u64::from(heard != reply && heard.len() == reply.len() && has_its_sum);
+        heard
+    }
+
+    /// Whole bits of silence on a wire; what is over is kept for the next period, and so is what is missing.
+    fn silence(&mut self, wire: usize, bits: f64) -> u64 {
+        let due = self.silence[wire] + bits;
+        let whole = due.floor().max(0.0);
+        self.silence[wire] = due - whole;
+        whole as u64
+    }
+
+    fn note_sent(&mut self, byte: u8) {
+        if self.receivers[0].push(byte) == Some(Verdict::Sound) {
+            self.sent = Some(frame(&self.receivers[0]));
+        }
     }
 
     fn deliver(&mut self, byte: u8) {
         self.enable();
-        for node in &mut self.nodes {
+        if self.receivers[1].push(byte) == Some(Verdict::Sound)
+            && self.sent != Some(frame(&self.receivers[1]))
+        {
+            self.damage.unseen_commands += 1;
+        }
+        for node in self.nodes.iter_mut().filter(|node| !node.is_dead) {
             node.module.link().push(byte);
         }
     }
@@ -186,6 +307,10 @@ impl ServoChain {
             enabled = enabled && link.enables_next();
         }
     }
+}
+
+fn frame(receiver: &Receiver) -> Frame {
+    Frame::new(receiver.address(), receiver.code(), receiver.data())
 }
 
 /// What the line carries when several drive it: low wins.

@@ -4,6 +4,7 @@
 //!  nmc    Command ──► Frame ──► bytes        host: Startup ──► Step ──► Host ──► bytes out, Outcome
 //!         bytes ──► Receiver ──► Command     module: bytes ──► Module ──► Order, then Readings ──► bytes out
 //!  byte_commands   byte ──► ByteCommand      by mode, with a table of bytes
+//!  drill  Step ──► Host ──► one byte, its echo     Device: byte ──► echo, Order ──► the machine
 //!  rs485  Turnaround: when to drive the line; Echo: what of the received bytes is one's own
 //! ```
 //!
@@ -29,6 +30,7 @@
 
 mod buffer;
 pub mod byte_commands;
+pub mod drill;
 pub mod nmc;
 pub mod rs485;
 

@@ -3,10 +3,13 @@
 use super::contact::Contact;
 use super::piece::Mounted;
 use crate::emulation::Emulation;
-use husillo_sim::{DcMotor, DcMotorModel, ServoChain, Surroundings};
+use husillo_sim::{DcMotor, DcMotorModel, Noise, ServoChain, Surroundings};
 
 /// A servo period in ns.
 pub const PERIOD_NS: u64 = 512_000;
+
+/// The same noise in every run.
+const NOISE_SEED: u64 = 2026;
 
 /// Modules, their motors and what they touch.
 #[derive(Clone, Debug)]
@@ -14,6 +17,8 @@ pub struct Emulated {
     chain: ServoChain,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
+    #[cfg(test)]
+    interruption: Option<(usize, u64)>,
 }
 
 impl Emulated {
@@ -41,7 +46,40 @@ impl Emulated {
             chain: ServoChain::new(versions, DcMotorModel::PROTOTYPE),
             contacts: contacts.to_vec(),
             piece,
+            #[cfg(test)]
+            interruption: None,
         })
+    }
+
+    /// With wrong bits on the line, this share of all.
+    pub fn with_noise(self, bit_errors: f64) -> Self {
+        Self {
+            chain: self
+                .chain
+                .with_noise(Noise::of_bits(bit_errors), NOISE_SEED),
+            ..self
+        }
+    }
+
+    /// As [`with_noise`](Self::with_noise), of any kind and seed.
+    #[cfg(test)]
+    pub fn with_faults(self, noise: Noise, seed: u64) -> Self {
+        Self {
+            chain: self.chain.with_noise(noise, seed),
+            ..self
+        }
+    }
+
+    /// The simulated modules.
+    #[cfg(test)]
+    pub fn chain(&mut self) -> &mut ServoChain {
+        &mut self.chain
+    }
+
+    /// Gives the supply of a module back after so many periods, 1000 at least; it goes away half a second before.
+    #[cfg(test)]
+    pub fn interrupt(&mut self, module: usize, periods: u64) {
+        self.interruption = Some((module, periods));
     }
 
     /// Puts a byte on the command line.
@@ -51,6 +89,8 @@ impl Emulated {
 
     /// A servo period: the bytes that the modules send in it.
     pub fn tick(&mut self) -> Vec<u8> {
+        #[cfg(test)]
+        self.fail();
         let is_closed = self.contacts.iter().any(|contact| {
             let motor = self.chain.motor(usize::from(contact.module - 1));
             contact.is_closed(motor.map_or(0, DcMotor::counts))
@@ -70,6 +110,24 @@ impl Emulated {
             self.chain.surround(module, around);
         }
         self.chain.tick()
+    }
+
+    #[cfg(test)]
+    fn fail(&mut self) {
+        const OUTAGE: u64 = 1000;
+        self.interruption = match self.interruption.take() {
+            Some((module, 0)) => {
+                self.chain.set_dead(module, false);
+                None
+            }
+            Some((module, left)) => {
+                if left == OUTAGE {
+                    self.chain.set_dead(module, true);
+                }
+                Some((module, left - 1))
+            }
+            None => None,
+        };
     }
 }
 

@@ -88,12 +88,12 @@ impl Head {
         // A reset has done it already, but not on every module.
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
-        let reply = self.line.command(module, Command::ReadStatus(READ))?;
+        let reply = self.read_axis_twice(&axis, READ)?;
         axis.check(self.scale, &reply)?;
         self.hold(index, reply.readings.position)
     }
 
-    /// What the module of an axis says of itself.
+    /// What the module of a standing axis says of itself.
     ///
     /// # Errors
     ///
@@ -103,9 +103,8 @@ impl Head {
             .with(Items::AUXILIARY)
             .with(Items::CURRENT)
             .with(Items::DEVICE);
-        let axis = self.axis(coordinate)?;
-        let module = axis.file.module;
-        self.line.command(module, Command::ReadStatus(items))
+        let axis = *self.axis(coordinate)?;
+        self.read_axis_twice(&axis, items)
     }
 
     /// Goes to a place in a straight line and returns where the axes stand.
@@ -245,6 +244,23 @@ impl Head {
         Ok(replies)
     }
 
+    /// Reads all axes, which stand, until two readings of each agree: what is told or kept comes from these.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or readings that do not agree.
+    pub(super) fn read_twice(&mut self) -> Result<Vec<Reply>, Trouble> {
+        let axes = self.axes.clone();
+        axes.iter()
+            .map(|axis| self.read_axis_twice(axis, READ))
+            .collect()
+    }
+
+    fn read_axis_twice(&mut self, axis: &Servo, items: Items) -> Result<Reply, Trouble> {
+        let jitter_counts = axis.file.in_position.saturating_mul(2);
+        self.line.read_twice(axis.file.module, items, jitter_counts)
+    }
+
     /// Tells an axis that stands what to hold, so that the next way is known exactly.
     pub(super) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
         let module = self.axes[index].file.module;
@@ -286,7 +302,7 @@ const fn stop(way: StopWay) -> Command {
 
 impl Prober for Head {
     fn position(&mut self) -> Result<[i64; 3], Trouble> {
-        let replies = self.read()?;
+        let replies = self.read_twice()?;
         Ok(self.place_of(&replies))
     }
 

@@ -21,6 +21,16 @@ impl Line {
         Self { port, host, is_raw }
     }
 
+    #[cfg(test)]
+    pub fn port(&mut self) -> &mut Port {
+        &mut self.port
+    }
+
+    #[cfg(test)]
+    pub fn into_port(self) -> Port {
+        self.port
+    }
+
     /// Time since the port was opened, us.
     pub fn elapsed_us(&self) -> u64 {
         self.port.elapsed_us()

@@ -207,12 +207,16 @@ pub fn open(args: &Measure, machine: &CmmFile, piece: Option<Mounted>) -> Result
     let contacts: &[Contact] = &args.contact;
     let port = if args.port == "sim" {
         let versions = vec![4; usize::from(machine.modules())];
-        Port::Simulated(Box::new(Emulated::new(&versions, contacts, piece)?), 0)
-    } else if contacts.is_empty() && piece.is_none() {
+        Port::Simulated(
+            Box::new(Emulated::new(&versions, contacts, piece)?.with_noise(args.noise)),
+            0,
+        )
+    } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
         Port::open(&args.port).map_err(|error| format!("{}: {error}", args.port))?
     } else {
         return Err(
-            "--contact and --piece are for --port sim; `husillo emulate` has its own".into(),
+            "--contact, --piece and --noise are for --port sim; `husillo emulate` has its own"
+                .into(),
         );
     };
     Ok(Line::new(port, args.raw))

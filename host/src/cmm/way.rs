@@ -1,6 +1,6 @@
 //! Straight ways of all axes of a head.
 
-use super::head::{Head, READ, is_done};
+use super::head::{Head, is_done};
 use super::servo::Servo;
 use super::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};
@@ -49,16 +49,14 @@ impl Head {
             });
         };
         if let Some(events) = search {
-            self.command_each(|_| Command::SetHoming(events.with(Homing::SMOOTH)))?;
+            self.arm(events.with(Homing::SMOOTH))?;
         }
         self.start_line(goal, &line, search.is_some())?;
         let seconds = f64::from(line.duration_ticks) * self.period_s;
         let end_us = self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US;
         loop {
             let mut replies = self.read()?;
-            let is_found = |reply: &Reply| {
-                search.is_some() && !reply.status.contains(Status::HOME_IN_PROGRESS)
-            };
+            let is_found = |reply: &Reply| search.is_some() && !searches(reply);
             if replies.iter().any(is_found) {
                 // Those that were read before it have seen it by now.
                 replies = self.read()?;
@@ -68,6 +66,11 @@ impl Head {
                     return Err(Trouble::NotSeen { axis });
                 }
                 let replies = self.settle()?;
+                // One reading may be wrong and not show it; two alike are not.
+                if let Some(index) = replies.iter().position(searches) {
+                    let axis = self.axes[index].file.letter;
+                    return Err(Trouble::NotSeen { axis });
+                }
                 return Ok(Way {
                     replies,
                     is_found: true,
@@ -88,6 +91,19 @@ impl Head {
                 return Err(self.not_there(goal, &replies));
             }
         }
+    }
+
+    /// Sets every module to latch at an event.
+    fn arm(&mut self, events: Homing) -> Result<(), Trouble> {
+        for axis in &self.axes {
+            let command = Command::SetHoming(events);
+            let reply = self.line.command(axis.file.module, command)?;
+            if !searches(&reply) {
+                // It has heard something else, and what it has latched is of another search.
+                return Err(Trouble::Link(Failure::Uncertain));
+            }
+        }
+        Ok(())
     }
 
     /// The move from where the axes are held; `None` where there is no way.
@@ -162,7 +178,7 @@ impl Head {
             let has_begun = |(axis, (reply, goal)): (&Servo, (&Reply, &i32))| {
                 let at = reply.readings.position;
                 !is_done(reply)
-                    || is_search && !reply.status.contains(Status::HOME_IN_PROGRESS)
+                    || is_search && !searches(reply)
                     || at.abs_diff(*goal) < at.abs_diff(axis.held)
             };
             let pairs = self.axes.iter().zip(replies.iter().zip(goal));
@@ -207,13 +223,9 @@ impl Head {
     /// Waits until the axes have stopped by themselves, reads them until two readings agree, and holds them there.
     fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
         self.stand(None)?;
-        let mut replies = Vec::with_capacity(self.axes.len());
-        for index in 0..self.axes.len() {
-            let file = self.axes[index].file;
-            let jitter_counts = file.in_position.saturating_mul(2);
-            let reply = self.line.read_twice(file.module, READ, jitter_counts)?;
+        let replies = self.read_twice()?;
+        for (index, reply) in replies.iter().enumerate() {
             self.hold(index, reply.readings.position)?;
-            replies.push(reply);
         }
         Ok(replies)
     }
@@ -228,4 +240,9 @@ impl Head {
             at: axis.text(self.scale, replies[index].readings.position),
         }
     }
+}
+
+/// Whether it waits for an event.
+fn searches(reply: &Reply) -> bool {
+    reply.status.contains(Status::HOME_IN_PROGRESS)
 }

@@ -1,0 +1,270 @@
+//! Any commands, bytes and faults at a servo module with a motor behind it.
+
+use husillo_machine::{ServoInputs, ServoModule};
+use husillo_transports::nmc::{
+    Baud, Command, Gains, Group, Homing, Items, Mode, Reset, Stop, StopWay, Trajectory,
+};
+
+use crate::bytes::Bytes;
+
+/// Periods a trapezoid is watched for.
+const PERIODS: u8 = 64;
+
+/// What the motor and its surroundings do, from period to period.
+struct Bench {
+    counts: i32,
+    inputs: ServoInputs,
+    /// Pulls the motor along with the drive, or not at all.
+    follows: bool,
+}
+
+/// A module gets packets, sound and damaged, in any order, while its motor follows, sticks, loses its supply or meets a switch.
+///
+/// - The drive never exceeds the output limit in force, and is nothing while amplifier, supply or servo are off and no PWM is set.
+/// - A trapezoid never commands a position outside of where it began and where it goes.
+/// - A switch that a search waits for latches where the motor is and stops it there: nothing is commanded beyond.
+/// - A damaged packet changes nothing but the reply.
+pub fn servo(data: &[u8]) {
+    let mut bytes = Bytes::new(data);
+    let version = [4, 5, 10][usize::from(bytes.byte() % 3)];
+    let mut module = ServoModule::new(version);
+    module.link().set_enabled(true);
+    let mut bench = Bench {
+        counts: bytes.i32(),
+        inputs: ServoInputs {
+            has_power: true,
+            ..ServoInputs::default()
+        },
+        follows: true,
+    };
+    let mut limit = 0_u8; // of the output: gains are 0 after power-up
+    let mut pwm = None;
+    for _ in 0..64 {
+        if bytes.is_empty() {
+            break;
+        }
+        match bytes.byte() % 8 {
+            // Bytes as they come, which may be half a packet of another module.
+            0 => {
+                for _ in 0..bytes.byte() % 24 {
+                    module.link().push(bytes.byte());
+                }
+                (limit, pwm) = (255, Some(255)); // they may have been anything
+            }
+            1 => {
+                let mut deaf = module;
+                damaged(&mut module, &mut bytes);
+                bench.inputs.counts = bench.counts;
+                let inputs = bench.inputs;
+                assert_eq!(module.tick(&inputs), deaf.tick(&inputs));
+                assert_eq!(*module.axis(), *deaf.axis());
+            }
+            2 => {
+                let flags = bytes.byte();
+                bench.follows = flags & 1 != 0;
+                bench.inputs.limit_1 = flags & 2 != 0;
+                bench.inputs.limit_2 = flags & 4 != 0;
+                bench.inputs.index = flags & 8 != 0;
+                bench.inputs.has_power = flags & 0x30 != 0x30;
+                bench.inputs.current = bytes.byte();
+            }
+            3 => {
+                // The motor is turned by hand, or the encoder loses its place.
+                bench.counts = bench.counts.wrapping_add(bytes.i32());
+            }
+            4 => {
+                limit = 255;
+                trapezoid(&mut module, &mut bench, &mut bytes);
+            }
+            _ => {
+                let command = command(&mut bytes);
+                match command {
+                    Command::SetGain(gains) if command.is_in_range(version) => {
+                        limit = limit.max(gains.output_limit);
+                    }
+                    Command::LoadTrajectory(load) => pwm = pwm.max(load.pwm),
+                    _ => {}
+                }
+                let address = module.link().address();
+                for byte in command.frame(address).bytes() {
+                    module.link().push(*byte);
+                }
+            }
+        }
+        for _ in 0..1 + bytes.byte() % 8 {
+            let drive = bench.tick(&mut module);
+            let most = limit.max(pwm.unwrap_or_default());
+            assert!(drive <= most, "{drive} above {most}");
+        }
+    }
+}
+
+impl Bench {
+    /// A period; the size of the drive.
+    fn tick(&mut self, module: &mut ServoModule) -> u8 {
+        self.inputs.counts = self.counts;
+        let output = module.tick(&self.inputs);
+        while module.link().transmit().is_some() {}
+        if !output.amplifier {
+            assert_eq!(output.drive.pwm, 0, "the amplifier is off");
+        }
+        if !self.inputs.has_power {
+            assert!(!module.axis().status().is_on, "no supply, no servo");
+        }
+        if self.follows {
+            // As far as commanded, without a delay; or as far as driven.
+            let axis = module.axis();
+            let ahead = axis.commanded().wrapping_sub(axis.position());
+            self.counts = self.counts.wrapping_add(ahead);
+        }
+        output.drive.pwm
+    }
+}
+
+/// Servo on, a trapezoid from where it is: between both ends all the way.
+fn trapezoid(module: &mut ServoModule, bench: &mut Bench, bytes: &mut Bytes<'_>) {
+    let say = |module: &mut ServoModule, command: Command| {
+        let address = module.link().address();
+        module.link().forget_partial();
+        for byte in command.frame(address).bytes() {
+            module.link().push(*byte);
+        }
+    };
+    let gains = Gains {
+        proportional: 100,
+        error_limit: 0x3FFF,
+        output_limit: 255,
+        rate_divisor: 1,
+        ..Gains::default()
+    };
+    (bench.follows, bench.inputs.has_power) = (true, true);
+    bench.tick(module);
+    let on = Stop {
+        amplifier: true,
+        way: Some(StopWay::Abrupt),
+    };
+    for command in [
+        Command::SetHoming(Homing::default()),
+        Command::SetGain(gains),
+        Command::StopMotor(on),
+        Command::ResetPosition(Reset::Zero),
+    ] {
+        say(module, command);
+        bench.tick(module);
+    }
+    let goal = bytes.i32().max(-i32::MAX);
+    let velocity = bytes.i32() as u32 & 0x7FFF_FFFF;
+    let acceleration = bytes.i32() as u32 & 0x7FFF_FFFF;
+    say(
+        module,
+        Command::LoadTrajectory(Trajectory {
+            position: Some(goal),
+            velocity: Some(velocity),
+            acceleration: Some(acceleration),
+            mode: Mode::Trapezoid,
+            start_now: true,
+            ..Trajectory::default()
+        }),
+    );
+    let begin = module.axis().commanded();
+    // The search is armed together with the move, so that the switch may come at any period of it.
+    let switch_at = bytes.byte() % (2 * PERIODS);
+    bench.tick(module);
+    let search = Homing::LIMIT_1.with(Homing::ABRUPT);
+    say(module, Command::SetHoming(search));
+    let mut stopped = None;
+    for period in 0..PERIODS {
+        let was_searching = module.axis().status().is_searching;
+        if period == switch_at {
+            bench.inputs.limit_1 ^= true;
+        }
+        bench.tick(module);
+        if was_searching && period == switch_at {
+            assert!(!module.axis().status().is_searching, "the switch was met");
+            stopped = Some(module.axis().home());
+        }
+        assert!(stopped.is_none_or(|at| at == module.axis().commanded()));
+        let commanded = module.axis().commanded();
+        assert!(
+            (begin.min(goal)..=begin.max(goal)).contains(&commanded),
+            "{commanded} on the way from {begin} to {goal}"
+        );
+    }
+}
+
+/// A packet with one wrong byte.
+fn damaged(module: &mut ServoModule, bytes: &mut Bytes<'_>) {
+    let address = module.link().address();
+    let frame = command(bytes).frame(address);
+    let length = frame.bytes().len();
+    // Not the header or the length, after which other bytes would be the packet.
+    let place = length - 1 - usize::from(bytes.byte()) % (length - 3).max(1);
+    let wrong = bytes.byte().max(1);
+    module.link().forget_partial();
+    for (at, byte) in frame.bytes().iter().enumerate() {
+        let heard = if at == place { byte ^ wrong } else { *byte };
+        module.link().push(heard);
+    }
+}
+
+fn command(bytes: &mut Bytes<'_>) -> Command {
+    match bytes.byte() % 14 {
+        0 => Command::ResetPosition(Reset::Zero),
+        1 => Command::ResetPosition(
+            [Reset::Home, Reset::To(bytes.i32())][usize::from(bytes.byte() & 1)],
+        ),
+        2 => Command::SetAddress {
+            address: bytes.byte() % 33,
+            group: Group {
+                address: bytes.byte() | 0x80,
+                is_leader: bytes.byte() & 1 == 0,
+            },
+        },
+        3 => Command::DefineStatus(Items(bytes.byte())),
+        4 => Command::ReadStatus(Items(bytes.byte())),
+        5 | 6 => Command::LoadTrajectory(load(bytes)),
+        7 => Command::StartMotion,
+        8 => Command::SetGain(Gains {
+            proportional: bytes.i32() as u16,
+            derivative: bytes.i32() as u16,
+            integral: bytes.i32() as u16,
+            integration_limit: bytes.i32() as u16,
+            output_limit: bytes.byte(),
+            current_limit: bytes.byte(),
+            error_limit: bytes.i32() as u16,
+            rate_divisor: bytes.byte(),
+            dead_band: bytes.byte(),
+            ..Gains::default()
+        }),
+        9 | 10 => Command::StopMotor(Stop {
+            amplifier: bytes.byte() & 3 != 0,
+            way: [
+                None,
+                Some(StopWay::Off),
+                Some(StopWay::Abrupt),
+                Some(StopWay::Smooth),
+                Some(StopWay::Here(bytes.i32())),
+            ][usize::from(bytes.byte() % 5)],
+        }),
+        11 => Command::SetHoming(Homing(bytes.byte())),
+        12 => [Command::ClearBits, Command::SaveHome][usize::from(bytes.byte() & 1)],
+        _ => [
+            Command::HardReset(None),
+            Command::SetBaud(Baud::B115200),
+            Command::NoOperation,
+        ][usize::from(bytes.byte() % 3)],
+    }
+}
+
+fn load(bytes: &mut Bytes<'_>) -> Trajectory {
+    let fields = bytes.byte();
+    Trajectory {
+        position: (fields & 1 != 0).then(|| bytes.i32()),
+        velocity: (fields & 2 != 0).then(|| bytes.i32() as u32),
+        acceleration: (fields & 4 != 0).then(|| bytes.i32() as u32),
+        pwm: (fields & 8 != 0).then(|| bytes.byte()),
+        mode: [Mode::Trapezoid, Mode::Velocity, Mode::Pwm][usize::from(bytes.byte() % 3)],
+        reverse: fields & 0x40 != 0,
+        start_now: fields & 0x80 != 0,
+    }
+}

@@ -1,0 +1,276 @@
+//! A serial line with noise: bits, as a UART receives them.
+
+/// How bad a line is.
+#[derive(Copy, Clone, PartialEq, Debug, Default)]
+pub struct Noise {
+    /// Chance of each bit to arrive wrong, those of silence too.
+    pub bit_errors: f64,
+    /// Chance of each byte to be lost where it was sent or taken.
+    pub lost: f64,
+    /// Chance of each byte to come twice.
+    pub doubled: f64,
+}
+
+impl Noise {
+    /// Wrong bits alone.
+    pub fn of_bits(bit_errors: f64) -> Noise {
+        Noise {
+            bit_errors,
+            ..Noise::default()
+        }
+    }
+}
+
+/// Bits of a character: start, eight of data from the lowest, stop.
+const CHARACTER_BITS: u64 = 10;
+
+/// One direction of a line, 8N1: bytes or silence in, what a receiver makes of them out.
+///
+/// ```text
+///  ‾‾‾|_start_| d0 d1 d2 d3 d4 d5 d6 d7 |‾stop‾|‾‾‾
+/// ```
+///
+/// A wrong bit of data is a wrong bit of the byte. A wrong start bit loses the byte, and what follows is read from the next
+/// zero on, across the ends of bytes; a zero in silence is the start of a byte FF; where the stop bit is no one, the byte is thrown away and
+/// the receiver waits for a one.
+///
+/// ```
+/// use husillo_sim::{Noise, Wire};
+///
+/// let mut good = Wire::new(Noise::default(), 1);
+/// assert_eq!(good.carry(0x55), [0x55]);
+/// assert!(good.rest(1_000_000).is_empty());
+/// ```
+#[derive(Clone, Debug)]
+pub struct Wire {
+    noise: Noise,
+    random: u64,
+    /// Bits that come before the next wrong one.
+    until_wrong: u64,
+    receiver: Uart,
+    wrong_bits: u64,
+}
+
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Uart {
+    Idle,
+    /// Bits of data so far, and their number.
+    Data(u8, u8),
+    /// After a missing stop bit, until the line is at rest.
+    Broken,
+}
+
+impl Wire {
+    /// With noise of this seed: the same seed gives the same noise.
+    pub fn new(noise: Noise, seed: u64) -> Wire {
+        let mut wire = Wire {
+            noise,
+            // Zero is the one state that the generator never leaves.
+            random: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1,
+            until_wrong: 0,
+            receiver: Uart::Idle,
+            wrong_bits: 0,
+        };
+        wire.until_wrong = wire.next_gap();
+        wire
+    }
+
+    /// Carries a byte; what arrives meanwhile.
+    pub fn carry(&mut self, byte: u8) -> Vec<u8> {
+        if self.noise.lost > 0.0 && self.chance() < self.noise.lost {
+            return self.rest(CHARACTER_BITS);
+        }
+        let mut heard = self.character(byte);
+        if self.noise.doubled > 0.0 && self.chance() < self.noise.doubled {
+            heard.extend(self.character(byte));
+        }
+        heard
+    }
+
+    /// Silence for some bits; what arrives meanwhile.
+    pub fn rest(&mut self, bits: u64) -> Vec<u8> {
+        let mut heard = Vec::new();
+        let mut left = bits;
+        while left > 0 {
+            if self.receiver == Uart::Idle {
+                // Nothing happens up to the next wrong bit.
+                let quiet = left.min(self.until_wrong);
+                self.until_wrong -= quiet;
+                left -= quiet;
+                if left == 0 {
+                    break;
+                }
+            }
+            heard.extend(self.bit(true));
+            left -= 1;
+        }
+        heard
+    }
+
+    /// Wrong bits so far.
+    pub fn wrong_bits(&self) -> u64 {
+        self.wrong_bits
+    }
+
+    fn character(&mut self, byte: u8) -> Vec<u8> {
+        if self.receiver == Uart::Idle && self.until_wrong >= CHARACTER_BITS {
+            self.until_wrong -= CHARACTER_BITS;
+            return vec![byte];
+        }
+        let data = (0..8).map(|place| byte >> place & 1 == 1);
+        let bits = [false].into_iter().chain(data).chain([true]);
+        bits.filter_map(|bit| self.bit(bit)).collect()
+    }
+
+    /// A bit on the line, as it was sent.
+    fn bit(&mut self, sent: bool) -> Option<u8> {
+        let bit = if self.until_wrong == 0 {
+            self.until_wrong = self.next_gap();
+            self.wrong_bits += 1;
+            !sent
+        } else {
+            self.until_wrong -= 1;
+            sent
+        };
+        let (next, byte) = match (self.receiver, bit) {
+            (Uart::Idle, false) => (Uart::Data(0, 0), None),
+            (Uart::Data(byte, 8), true) => (Uart::Idle, Some(byte)),
+            (Uart::Data(_, 8), false) | (Uart::Broken, false) => (Uart::Broken, None),
+            (Uart::Data(bits, count), bit) => {
+                let data = bits >> 1 | u8::from(bit) << 7;
+                (Uart::Data(data, count + 1), None)
+            }
+            (Uart::Idle | Uart::Broken, true) => (Uart::Idle, None),
+        };
+        self.receiver = next;
+        byte
+    }
+
+    /// Right bits before the next wrong one: geometric.
+    fn next_gap(&mut self) -> u64 {
+        if self.noise.bit_errors <= 0.0 {
+            return u64::MAX;
+        }
+        let gap = (1.0 - self.chance()).ln() / (-self.noise.bit_errors).ln_1p();
+        gap as u64 // saturates
+    }
+
+    /// From 0 up to 1.
+    fn chance(&mut self) -> f64 {
+        // xorshift64*, Vigna 2016; its upper 53 bits.
+        self.random ^= self.random >> 12;
+        self.random ^= self.random << 25;
+        self.random ^= self.random >> 27;
+        let bits = self.random.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
+        bits as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wire whose next wrong bit is that one, and no other after it.
+    fn one_wrong_bit(at: u64) -> Wire {
+        Wire {
+            until_wrong: at,
+            ..Wire::new(Noise::default(), 1)
+        }
+    }
+
+    fn carried(wire: &mut Wire, bytes: &[u8]) -> Vec<u8> {
+        let mut heard: Vec<u8> = bytes.iter().flat_map(|byte| wire.carry(*byte)).collect();
+        heard.extend(wire.rest(40));
+        heard
+    }
+
+    #[test]
+    fn a_wrong_bit_of_data_is_a_wrong_bit_of_the_byte() {
+        for place in 0..8 {
+            let heard = carried(&mut one_wrong_bit(11 + place), &[0x12, 0x34, 0x56]);
+            assert_eq!(heard, [0x12, 0x34 ^ (1 << place), 0x56]);
+        }
+    }
+
+    #[test]
+    fn a_wrong_stop_bit_loses_its_byte() {
+        // The line is at rest one bit later: what follows has its own start bit in the waiting, and is lost too where it stays low.
+        let mut wire = one_wrong_bit(19);
+        assert_eq!(carried(&mut wire, &[0x12, 0x34]), [0x12]);
+    }
+
+    #[test]
+    fn a_wrong_start_bit_shifts_what_follows() {
+        // 34 is 0 0 1 0 1 1 0 0 on the line: its first zero is taken for the start, so 0 1 0 1 1 0 0 and the stop bit are data; the
+        // start bit of the next byte stands where a stop bit should.
+        let heard = carried(&mut one_wrong_bit(10), &[0x12, 0x34, 0xff]);
+        assert_eq!(heard, [0x12]);
+        let heard = carried(&mut one_wrong_bit(10), &[0x12, 0x34]);
+        assert_eq!(heard, [0x12, 0x9a]);
+    }
+
+    #[test]
+    fn a_wrong_bit_in_silence_is_a_byte() {
+        assert_eq!(one_wrong_bit(5).rest(100), [0xff]);
+        let mut wire = one_wrong_bit(5);
+        assert!(wire.rest(12).is_empty(), "not all of it yet");
+        assert_eq!(wire.rest(10), [0xff]);
+    }
+
+    #[test]
+    fn bits_are_wrong_as_often_as_they_should() {
+        let mut wire = Wire::new(Noise::of_bits(1e-3), 7);
+        let bytes = 100_000_u64;
+        let mut damaged = 0;
+        for _ in 0..bytes {
+            damaged += u32::from(wire.carry(0xa5) != [0xa5]);
+            wire.rest(50);
+        }
+        // 6000 wrong bits expected, deviation 77. A byte is damaged by its own ten bits and by those of the silence before it, where a
+        // zero begins a byte too early: once in 50 (the tenth bit before it does no harm), deviation 44.
+        let wrong = wire.wrong_bits();
+        assert!((5700..6300).contains(&wrong), "{wrong}");
+        assert!((1700..2100).contains(&damaged), "{damaged}");
+    }
+
+    #[test]
+    fn bytes_are_lost_and_doubled() {
+        let noise = |lost, doubled| Noise {
+            lost,
+            doubled,
+            ..Noise::default()
+        };
+        assert!(Wire::new(noise(1.0, 0.0), 1).carry(1).is_empty());
+        assert_eq!(Wire::new(noise(0.0, 1.0), 1).carry(1), [1, 1]);
+    }
+
+    /// Start and stop bits are under no sum: one wrong bit can shift what follows so that its sum is right again. Of a reply with position
+    /// and home that is one wrong bit of its 110 (a silent character before it counts) in some hundred replies.
+    #[test]
+    fn a_single_wrong_bit_is_hardly_ever_unseen() {
+        let (replies, mut unseen) = (20_000_i32, 0_u32);
+        for number in 0..replies {
+            let position = number * 7919 % 6001 - 3000;
+            let home = [0_i32, 3000, -3000][number as usize % 3];
+            let status = [0x08_u8, 0x09, 0x88, 0x29][number as usize / 3 % 4];
+            let mut reply = vec![status];
+            reply.extend(position.to_le_bytes());
+            reply.extend(home.to_le_bytes());
+            reply.push(sum(&reply));
+            for at in 0..10 * (reply.len() as u64 + 1) {
+                let mut wire = one_wrong_bit(at);
+                let mut heard = wire.rest(10);
+                heard.extend(carried(&mut wire, &reply));
+                let (last, rest) = heard.split_last().expect("most of it");
+                unseen +=
+                    u32::from(heard != reply && heard.len() == reply.len() && *last == sum(rest));
+            }
+        }
+        println!("{:.4} a reply", f64::from(unseen) / f64::from(replies));
+        assert!(unseen > 0);
+    }
+
+    fn sum(bytes: &[u8]) -> u8 {
+        bytes.iter().fold(0, |sum, byte| sum.wrapping_add(*byte))
+    }
+}

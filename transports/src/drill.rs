@@ -1,0 +1,49 @@
+//! The link of the circuit-board drill: one byte at a time, each echoed.
+//!
+//! ```text
+//!  host ── b ─►  X lo hi  Y lo hi  Z 00 00 ...  f ─► e ─►        2400 baud, 8 bits, no parity
+//!       ◄─ b ──  X lo hi  Y lo hi  Z 00 00 ...  f ◄─ e ◄─ when the program is done
+//! ```
+//!
+//! | byte | answer | |
+//! | --- | --- | --- |
+//! | `B` | `B` | link test; also sent after a reset, when the axes are home |
+//! | `c` | `c` | the program is empty, the present place is X 0, Y 0 |
+//! | `r` | `r` when done | home Z, Y, X |
+//! | `b` | `b`, then every byte, then `f` | records of three bytes; `f` where the second or a later one would begin ends the program |
+//! | `e` | `e` when done | run the program; `E` meanwhile stops after the record that is being done |
+//! | `m` | `m`, an advance in steps, `m` when home | keys `D I F R U L O S r c B e a`, each echoed when done; `Q` ends with `m` |
+//!
+//! The device holds 8192 bytes. The next byte (but `f` at the end) gets `w` instead of its echo: the device does what it holds, begins anew, keeps the
+//! byte and echoes it then; a record may lie across that border. The host has to be silent meanwhile.
+//!
+//! [`Device`] is the controller's end, as it was or with its flaws mended, each by a name ([`Rules`]); [`Host`] the other, with waits and
+//! retries as they were or as they should be ([`Timing`]).
+//!
+//! # Faults
+//!
+//! An echo shows every wrong bit but one that the way back undoes, so an error rate p leaves p^2 a bit. A byte that is lost has no echo, one that
+//! comes twice has two, and what follows the second is no echo of what was sent; letters of axes are no commands, so a device that has
+//! lost its place does not answer them. Nothing is run before `e` or a border, and the host knows which bytes were: after an error what is
+//! certainly done is [`Host::done_bytes`], and at most [`Host::begun_bytes`] may be. Going on after an error is
+//! [`Step::Resync`], [`Step::Home`], [`Step::Clear`], and the program from there.
+//!
+//! What echoes cannot show: `m` with one wrong bit is `e`, so the host empties the program before; the same for every other letter
+//! is harmless: `b` for `B`, `c`, `r`, and `c`, `r`, `B` for `b`.
+
+mod device;
+mod host;
+mod order;
+mod rules;
+mod step;
+mod timing;
+
+pub use device::Device;
+pub use host::Host;
+pub use order::{Axis, Order};
+pub use rules::Rules;
+pub use step::{Failure, Outcome, Progress, Refused, Step};
+pub use timing::Timing;
+
+/// Bytes that the controller's memory holds.
+pub const MEMORY_BYTES: usize = 8192;

@@ -1,0 +1,331 @@
+//! The controller's end of the line.
+
+use crate::buffer::Buffer;
+
+use super::{Axis, Order, Rules};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Idle,
+    /// Bytes since `b`.
+    Download(u32),
+    /// The next byte is the advance; homes then, or does not.
+    Advance {
+        homes: bool,
+    },
+    Manual,
+}
+
+/// What keeps the controller from hearing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Work {
+    None,
+    /// One order, or two, then an answer.
+    Orders([Option<Order>; 2], Option<u8>),
+    /// The program from this byte on, then that.
+    Program(usize, After),
+}
+
+/// What follows a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    Answer(u8),
+    /// The byte that came when the memory was full.
+    Store(u8),
+    /// It was `b`, which begins a program.
+    Begin,
+}
+
+/// The drill's controller on the line: bytes in, one [`Order`] after another, bytes out. `N` is its memory, 8192 in the original.
+///
+/// | when | call |
+/// | --- | --- |
+/// | a byte arrives | [`push`](Device::push) |
+/// | the machine is free | [`take`](Device::take), and [`done`](Device::done) when that is carried out |
+/// | the transmitter is free | [`transmit`](Device::transmit) |
+///
+/// Bytes that arrive while it works are lost but for the first, which the receiver keeps, and for `E`: see [`Rules`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Device<const N: usize> {
+    rules: Rules,
+    mode: Mode,
+    memory: Buffer<N>,
+    /// Bytes of a record that began before the memory did.
+    carried: Buffer<2>,
+    work: Work,
+    /// An order is being carried out.
+    is_busy: bool,
+    stops: bool,
+    /// What came while nobody listened.
+    unheard: Option<u8>,
+    advance: u8,
+    out: Buffer<4>,
+    sent: usize,
+}
+
+impl<const N: usize> Device<N> {
+    /// After a reset: it homes, then says `B`.
+    pub const fn new(rules: Rules) -> Device<N> {
+        Device {
+            rules,
+            mode: Mode::Idle,
+            memory: Buffer::new(),
+            carried: Buffer::new(),
+            work: Work::Orders([Some(Order::Home), None], Some(b'B')),
+            is_busy: false,
+            stops: false,
+            unheard: None,
+            advance: 0,
+            out: Buffer::new(),
+            sent: 0,
+        }
+    }
+
+    /// Takes a byte of the line.
+    pub fn push(&mut self, byte: u8) {
+        match self.work {
+            Work::None => self.hear(byte),
+            Work::Program(_, After::Answer(_)) => self.stops |= byte == b'E',
+            Work::Program(..) if self.rules.stops_at_border => self.stops |= byte == b'E',
+            Work::Program(..) | Work::Orders(..) => {
+                self.unheard.get_or_insert(byte);
+            }
+        }
+    }
+
+    /// What the machine has to do next; nothing while the last order is not [`done`](Device::done).
+    pub fn take(&mut self) -> Option<Order> {
+        if self.is_busy {
+            return None;
+        }
+        loop {
+            let order = match self.work {
+                Work::None => return None,
+                Work::Orders([first, second], answer) => {
+                    self.work = Work::Orders([second, None], answer);
+                    first
+                }
+                Work::Program(at, after) => {
+                    // Below N + 2 as long as there is a record.
+                    self.work = Work::Program(at.wrapping_add(3), after);
+                    if self.stops { None } else { self.record(at) }
+                }
+            };
+            if order.is_some() {
+                self.is_busy = true;
+                return order;
+            }
+            self.finish();
+        }
+    }
+
+    /// The order is carried out.
+    pub fn done(&mut self) {
+        self.is_busy = false;
+    }
+
+    /// The next byte for the line.
+    pub fn transmit(&mut self) -> Option<u8> {
+        let byte = self.out.bytes().get(self.sent).copied();
+        if byte.is_some() {
+            self.sent = self.sent.wrapping_add(1); // 4 at most
+        } else {
+            self.out.clear();
+            self.sent = 0;
+        }
+        byte
+    }
+
+    /// Bytes in the memory.
+    pub fn stored(&self) -> &[u8] {
+        self.memory.bytes()
+    }
+
+    fn hear(&mut self, byte: u8) {
+        match self.mode {
+            Mode::Idle => self.command(byte),
+            Mode::Download(count) => self.download(byte, count),
+            Mode::Advance { homes } => {
+                self.advance = byte;
+                self.out.push(byte);
+                self.mode = Mode::Manual;
+                if homes {
+                    self.work = Work::Orders([Some(Order::Home), None], Some(b'm'));
+                }
+            }
+            Mode::Manual => self.key(byte),
+        }
+    }
+
+    fn command(&mut self, byte: u8) {
+        match byte {
+            b'B' => self.out.push(byte),
+            b'c' => self.clear(),
+            b'r' => self.work = Work::Orders([Some(Order::Home), None], Some(byte)),
+            b'e' => self.run(After::Answer(byte)),
+            b'b' if self.is_full() => {
+                self.out.push(b'w');
+                let after = if self.rules.begins_when_full {
+                    After::Begin
+                } else {
+                    self.mode = Mode::Download(0);
+                    After::Store(byte)
+                };
+                self.run(after);
+            }
+            b'b' => {
+                self.mode = Mode::Download(0);
+                self.out.push(byte);
+            }
+            b'm' => {
+                self.mode = Mode::Advance { homes: true };
+                self.out.push(byte);
+            }
+            _ => {} // no answer
+        }
+    }
+
+    /// The end needs no room; any other byte waits until there is some.
+    fn download(&mut self, byte: u8, count: u32) {
+        let may_end = count > 0 || self.rules.ends_when_empty;
+        if byte == b'f' && may_end && count.checked_rem(3) == Some(0) {
+            self.mode = Mode::Idle;
+            self.out.push(byte);
+        } else if self.is_full() {
+            self.out.push(b'w');
+            self.run(After::Store(byte));
+        } else {
+            self.store(byte, count);
+        }
+    }
+
+    fn store(&mut self, byte: u8, count: u32) {
+        self.memory.push(byte);
+        self.mode = Mode::Download(next(count));
+        self.out.push(byte);
+    }
+
+    fn key(&mut self, byte: u8) {
+        let advance = i16::from(self.advance);
+        let in_z = match advance {
+            0 if self.rules.zero_is_no_move => 0,
+            0 => 256,
+            steps => steps,
+        };
+        let order = match byte {
+            b'D' => Order::Jog(Axis::X, advance),
+            b'I' => Order::Jog(Axis::X, -advance), // 255 at most
+            b'F' => Order::Jog(Axis::Y, advance),
+            b'R' => Order::Jog(Axis::Y, -advance),
+            b'U' => Order::Jog(Axis::Z, -in_z), // 256 at most
+            b'L' => Order::Jog(Axis::Z, in_z),
+            b'O' => Order::Spindle(true),
+            b'S' => Order::Spindle(false),
+            b'r' => Order::Home,
+            b'c' => return self.clear(),
+            b'e' => return self.run(After::Answer(byte)),
+            b'a' => {
+                self.mode = Mode::Advance { homes: false };
+                return self.out.push(byte);
+            }
+            b'Q' => {
+                self.mode = Mode::Idle;
+                return self.out.push(b'm');
+            }
+            _ => return self.out.push(byte),
+        };
+        let is_move = !matches!(order, Order::Jog(_, 0));
+        self.work = Work::Orders([is_move.then_some(order), None], Some(byte));
+    }
+
+    fn clear(&mut self) {
+        self.memory.clear();
+        self.carried.clear();
+        self.work = Work::Orders([Some(Order::Zero), None], Some(b'c'));
+    }
+
+    fn run(&mut self, after: After) {
+        self.stops = false;
+        self.work = Work::Program(0, after);
+    }
+
+    fn is_full(&self) -> bool {
+        self.memory.bytes().len() >= N
+    }
+
+    /// The record that begins at this byte of what is carried and stored.
+    fn record(&self, at: usize) -> Option<Order> {
+        let carried = self.carried.bytes();
+        let byte = |place: usize| {
+            let all = carried.iter().chain(self.memory.bytes());
+            // Places are below N + 5; only the first records look into what is carried.
+            match place.checked_sub(carried.len()) {
+                Some(place) => self.memory.bytes().get(place).copied(),
+                None => all.copied().nth(place),
+            }
+        };
+        let letter = byte(at)?;
+        let low = byte(at.wrapping_add(1))?;
+        let high = byte(at.wrapping_add(2))?;
+        let steps = u16::from_le_bytes([low, high]);
+        match letter {
+            b'f' => None,
+            b'Y' => Some(Order::Move(Axis::Y, steps)),
+            b'Z' if self.rules.z_is_depth => Some(Order::Drill(steps)),
+            b'Z' => Some(Order::Drill(0)),
+            _ => Some(Order::Move(Axis::X, steps)),
+        }
+    }
+
+    /// Nothing is left to do of what kept it busy.
+    fn finish(&mut self) {
+        let work = core::mem::replace(&mut self.work, Work::None);
+        match work {
+            Work::None => {}
+            Work::Orders(_, answer) => answer.into_iter().for_each(|byte| self.out.push(byte)),
+            Work::Program(_, After::Answer(byte)) => self.out.push(byte),
+            Work::Program(_, After::Begin) => {
+                self.restart_memory();
+                self.mode = Mode::Download(0);
+                self.out.push(b'b');
+            }
+            Work::Program(_, After::Store(_)) if self.stops => {
+                self.memory.clear();
+                self.carried.clear();
+                self.mode = Mode::Idle;
+                self.out.push(b'E');
+            }
+            Work::Program(_, After::Store(byte)) => {
+                self.restart_memory();
+                if let Mode::Download(count) = self.mode {
+                    self.store(byte, count);
+                }
+            }
+        }
+        if let (Work::None, Some(byte)) = (self.work, self.unheard.take()) {
+            self.hear(byte);
+        }
+    }
+
+    /// The memory is empty again, but for the part of a record at its end.
+    fn restart_memory(&mut self) {
+        let bytes = self.memory.bytes();
+        let length = self.carried.bytes().len().wrapping_add(bytes.len()); // at most N + 2
+        let part = length.checked_rem(3).unwrap_or_default();
+        let from = bytes.len().saturating_sub(part);
+        let mut carried = Buffer::new();
+        carried.extend(bytes.get(from..).unwrap_or_default());
+        self.carried = carried;
+        self.memory.clear();
+    }
+}
+
+/// A count that keeps its remainder by three when it has come to its end.
+fn next(count: u32) -> u32 {
+    // 2^32 - 1 is a multiple of 3.
+    if count == u32::MAX - 1 {
+        2
+    } else {
+        count.wrapping_add(1)
+    }
+}

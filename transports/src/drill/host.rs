@@ -1,0 +1,432 @@
+//! The host's end of the line.
+
+use super::{Failure, Outcome, Progress, Refused, Step, Timing};
+
+/// Bytes that bring any device to rest: four `f` close any record and meet the place where `f` ends a program, `Q` leaves the manual mode,
+/// and an idle device ignores all of them. `B` is the test.
+const RESYNC: [u8; 6] = [b'f', b'f', b'f', b'f', b'Q', b'B'];
+
+/// Bytes that a device may hold beyond those that were echoed, when a failure is noticed and mended: one that came twice, one whose echo is
+/// missing, and the four of [`RESYNC`].
+const BEYOND: u32 = 6;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Unknown,
+    Idle,
+    /// Bytes since `b`.
+    Download(u32),
+    Manual,
+}
+
+/// What is waited for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    /// A byte is to be sent.
+    Send(u8),
+    /// The answer to it.
+    Answer(u8),
+    /// The same, late.
+    Late,
+    /// The echo that follows a `w`.
+    Border,
+    /// Silence after the answer.
+    Guard,
+    /// The byte of this number is next; what comes of those before is thrown away.
+    Resync(u8),
+    Boot,
+    Over(Outcome),
+}
+
+/// A host of the drill: one [`Step`] at a time.
+///
+/// | when | call |
+/// | --- | --- |
+/// | something is to be done | [`start`](Host::start) |
+/// | the port takes bytes | [`transmit`](Host::transmit) |
+/// | a byte arrives | [`push`](Host::push) |
+/// | after each of these and after the time it names | [`poll`](Host::poll) |
+///
+/// What was done for certain is [`done_bytes`](Host::done_bytes), what may have been begun [`begun_bytes`](Host::begun_bytes): whoever goes
+/// on after a failure has to look at the board between these two. `now_us` wraps; calls may be up to 2^31 us apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Host {
+    timing: Timing,
+    memory_bytes: u32,
+    step: Step,
+    mode: Mode,
+    phase: Phase,
+    /// What the device has to say.
+    answer: u8,
+    /// The next byte of a step of two, and what the device says after it without being asked.
+    then: Option<u8>,
+    last: Option<u8>,
+    /// Left for this byte.
+    tries: u8,
+    /// Answers more that may come, since the byte was sent again.
+    repeats: u8,
+    since_us: u32,
+    wait_us: u32,
+    /// Bytes stored since the program was cleared.
+    stored: u32,
+    /// Nothing was stored since.
+    is_clear: bool,
+    /// The program has its end, and can be run.
+    is_whole: bool,
+    done: u32,
+    begun: u32,
+    stops: bool,
+    /// Came while nothing was awaited.
+    unasked: Option<u8>,
+    heard: Option<u8>,
+}
+
+impl Host {
+    /// Of a device in an unknown state with a memory of so many bytes, [`MEMORY_BYTES`](super::MEMORY_BYTES).
+    pub const fn new(timing: Timing, memory_bytes: u32) -> Host {
+        Host {
+            timing,
+            memory_bytes,
+            step: Step::Resync,
+            mode: Mode::Unknown,
+            phase: Phase::Idle,
+            answer: 0,
+            then: None,
+            last: None,
+            tries: 0,
+            repeats: 0,
+            since_us: 0,
+            wait_us: 0,
+            stored: 0,
+            is_clear: false,
+            is_whole: false,
+            done: 0,
+            begun: 0,
+            stops: false,
+            unasked: None,
+            heard: None,
+        }
+    }
+
+    /// Begins a step. One that follows a byte nobody asked for fails at once.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing is sent then.
+    pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
+        if self.phase != Phase::Idle {
+            return Err(Refused::Busy);
+        }
+        let byte = self.first_byte(step)?;
+        self.step = step;
+        (self.stops, self.repeats) = (false, 0);
+        self.answer = if step == Step::Quit { b'm' } else { byte };
+        (self.then, self.last) = match step {
+            Step::Manual(advance) => (Some(advance), Some(b'm')),
+            Step::Advance(advance) => (Some(advance), None),
+            _ => (None, None),
+        };
+        let is_harmless = matches!(step, Step::Test | Step::Clear);
+        self.tries = if self.timing.resends_anything || is_harmless {
+            self.timing.tries.max(1)
+        } else {
+            1
+        };
+        let unasked = self.unasked.take();
+        match step {
+            Step::Resync | Step::AwaitBoot => {
+                self.lose();
+                self.heard = None;
+                let (phase, wait_us) = match step {
+                    Step::Resync => (Phase::Resync(0), 0),
+                    _ => (Phase::Boot, self.timing.home_us),
+                };
+                self.wait(phase, wait_us, now_us);
+            }
+            _ => match unasked {
+                Some(b'B') => self.fail(Failure::Restarted),
+                Some(byte) => self.fail(Failure::Unasked(byte)),
+                None => self.phase = Phase::Send(byte),
+            },
+        }
+        Ok(())
+    }
+
+    /// Asks the device to stop a program after the record that it is at; the step ends as stopped then. While a full memory is run only
+    /// a device of [`Rules::stops_at_border`](super::Rules::stops_at_border) hears it. The byte that is to be sent; `None` where nothing
+    /// runs.
+    pub fn stop(&mut self) -> Option<u8> {
+        let runs = match self.phase {
+            Phase::Answer(_) | Phase::Late => self.step == Step::Execute,
+            phase => phase == Phase::Border,
+        };
+        self.stops |= runs;
+        runs.then_some(b'E')
+    }
+
+    /// The next byte for the line, once; `None` when there is none for now.
+    pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
+        match self.phase {
+            Phase::Send(byte) => {
+                self.wait(Phase::Answer(byte), self.answer_us(), now_us);
+                if matches!(self.step, Step::Execute | Step::Key(b'e')) {
+                    self.begun = self.stored;
+                }
+                Some(byte)
+            }
+            Phase::Resync(number) if self.left_us(now_us) == 0 => {
+                let byte = RESYNC.get(usize::from(number)).copied()?;
+                self.heard = None;
+                let next = Phase::Resync(number.wrapping_add(1)); // 6 at most
+                self.wait(next, self.timing.pause_us, now_us);
+                Some(byte)
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes a byte of the line.
+    pub fn push(&mut self, byte: u8, now_us: u32) {
+        match self.phase {
+            Phase::Answer(_) | Phase::Late => self.hear(byte, now_us),
+            Phase::Border if self.stops && byte == b'E' => {
+                self.lose();
+                self.phase = Phase::Over(Outcome::Stopped);
+            }
+            Phase::Border if byte == self.answer => {
+                self.done = self.begun;
+                self.settle(now_us);
+            }
+            Phase::Guard if byte == self.answer && self.repeats > 0 => {
+                self.repeats = self.repeats.saturating_sub(1);
+            }
+            Phase::Border | Phase::Guard if byte == b'B' => self.fail(Failure::Restarted),
+            Phase::Border => self.fail(Failure::Wrong(byte)),
+            Phase::Guard => self.fail(Failure::Unasked(byte)),
+            Phase::Boot if byte == b'B' => {
+                self.stored = 0;
+                self.mode = Mode::Idle;
+                self.phase = Phase::Over(Outcome::Done);
+            }
+            Phase::Resync(_) => self.heard = Some(byte),
+            Phase::Idle | Phase::Send(_) | Phase::Over(_) => self.unasked = Some(byte),
+            Phase::Boot => {}
+        }
+    }
+
+    /// Goes on where time or bytes allow it.
+    pub fn poll(&mut self, now_us: u32) -> Progress {
+        let left_us = self.left_us(now_us);
+        match self.phase {
+            Phase::Idle => return Progress::Idle,
+            Phase::Send(_) => return Progress::Sending,
+            Phase::Over(_) => {}
+            _ if left_us > 0 => return Progress::Waiting { us: left_us },
+            Phase::Resync(number) if usize::from(number) < RESYNC.len() => {
+                return Progress::Sending;
+            }
+            Phase::Resync(_) if self.heard == Some(b'B') => {
+                self.mode = Mode::Idle;
+                self.phase = Phase::Over(Outcome::Done);
+            }
+            Phase::Guard => self.phase = Phase::Over(Outcome::Done),
+            Phase::Answer(sent) if self.tries > 1 => {
+                self.tries = self.tries.saturating_sub(1);
+                self.repeats = self.repeats.saturating_add(1);
+                self.phase = Phase::Send(sent);
+                return Progress::Sending;
+            }
+            Phase::Answer(_) if self.timing.late_us > 0 => {
+                self.wait(Phase::Late, self.timing.late_us, now_us);
+                return Progress::Waiting {
+                    us: self.left_us(now_us),
+                };
+            }
+            Phase::Answer(_) | Phase::Late | Phase::Resync(_) | Phase::Border | Phase::Boot => {
+                self.fail(Failure::Silent);
+            }
+        }
+        let Phase::Over(outcome) = self.phase else {
+            return Progress::Idle; // every arm above has ended the step
+        };
+        self.phase = Phase::Idle;
+        Progress::Done(outcome)
+    }
+
+    /// Bytes stored since the program was cleared.
+    pub const fn stored_bytes(&self) -> u32 {
+        self.stored
+    }
+
+    /// Bytes of the program that the device has done for certain since it was cleared: whole records.
+    pub const fn done_bytes(&self) -> u32 {
+        self.done
+    }
+
+    /// Bytes that it may have done: more than [`done_bytes`](Self::done_bytes) only while a program runs, and after a failure.
+    pub const fn begun_bytes(&self) -> u32 {
+        self.begun
+    }
+
+    fn first_byte(&self, step: Step) -> Result<u8, Refused> {
+        let (byte, mode) = match step {
+            Step::Resync | Step::AwaitBoot => return Ok(0),
+            Step::Test => (b'B', Mode::Idle),
+            Step::Clear => (b'c', Mode::Idle),
+            Step::Home => (b'r', Mode::Idle),
+            Step::Begin => (b'b', Mode::Idle),
+            Step::Execute => (b'e', Mode::Idle),
+            Step::Manual(_) => (b'm', Mode::Idle),
+            Step::Key(byte) => (byte, Mode::Manual),
+            Step::Advance(_) => (b'a', Mode::Manual),
+            Step::Quit => (b'Q', Mode::Manual),
+            Step::Store(byte) => (byte, self.download()?),
+            Step::End => (b'f', self.download()?),
+        };
+        let is_at_end = matches!(self.mode, Mode::Download(count) if count > 0 && count.checked_rem(3) == Some(0));
+        match step {
+            _ if mode != self.mode => Err(Refused::Mode),
+            // These are steps of their own.
+            Step::Key(b'a' | b'Q') => Err(Refused::Mode),
+            // One wrong bit makes `e` of `m`.
+            Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
+            Step::End if !is_at_end => Err(Refused::Incomplete),
+            // It would end the program here.
+            Step::Store(b'f') if is_at_end => Err(Refused::Incomplete),
+            Step::Execute if !self.is_whole => Err(Refused::Incomplete),
+            _ => Ok(byte),
+        }
+    }
+
+    fn download(&self) -> Result<Mode, Refused> {
+        match self.mode {
+            Mode::Download(_) => Ok(self.mode),
+            _ => Err(Refused::Mode),
+        }
+    }
+
+    /// How long the answer to the next byte may take.
+    fn answer_us(&self) -> u32 {
+        match self.step {
+            Step::Execute | Step::Key(b'e') => self.timing.run_us,
+            Step::Home | Step::Key(_) => self.timing.home_us,
+            _ => self.timing.echo_us,
+        }
+    }
+
+    fn hear(&mut self, byte: u8, now_us: u32) {
+        let is_border = matches!(self.step, Step::Store(_))
+            && self.stored > 0
+            && self.stored.checked_rem(self.memory_bytes) == Some(0);
+        if is_border && byte == b'w' {
+            self.begun = whole(self.stored);
+            self.wait(Phase::Border, self.timing.run_us, now_us);
+        } else if byte == self.answer && !is_border {
+            self.settle(now_us);
+        } else if byte == b'B' {
+            self.fail(Failure::Restarted);
+        } else {
+            self.fail(Failure::Wrong(byte));
+        }
+    }
+
+    /// The answer is there: the next byte, the next answer, or what the step has changed.
+    fn settle(&mut self, now_us: u32) {
+        if let Some(next) = self.then.take() {
+            self.answer = next;
+            self.phase = Phase::Send(next);
+            return;
+        }
+        if let Some(last) = self.last.take() {
+            self.answer = last;
+            self.tries = 1;
+            return self.wait(Phase::Answer(last), self.timing.home_us, now_us);
+        }
+        match self.step {
+            Step::Clear | Step::Key(b'c') => {
+                (self.stored, self.done, self.begun) = (0, 0, 0);
+                (self.is_clear, self.is_whole) = (true, false);
+            }
+            Step::Begin => {
+                self.mode = Mode::Download(0);
+                self.is_clear = false;
+            }
+            Step::Store(_) => {
+                if let Mode::Download(count) = self.mode {
+                    self.mode = Mode::Download(count.saturating_add(1)); // 4 GB take 200 days
+                    self.stored = self.stored.saturating_add(1);
+                }
+            }
+            Step::End => (self.mode, self.is_whole) = (Mode::Idle, true),
+            Step::Quit => self.mode = Mode::Idle,
+            Step::Manual(_) => self.mode = Mode::Manual,
+            Step::Execute if self.stops => {
+                self.phase = Phase::Over(Outcome::Stopped);
+                return;
+            }
+            Step::Execute => {
+                self.done = self.begun;
+                // Of a longer program the device holds the end alone.
+                self.is_whole = self.stored <= self.memory_bytes;
+            }
+            _ => {}
+        }
+        let guard_us = if self.repeats > 0 {
+            // What was sent again may be answered again.
+            self.timing.guard_us.saturating_add(self.timing.late_us)
+        } else {
+            self.timing.guard_us
+        };
+        if guard_us > 0 && !matches!(self.step, Step::Store(_)) {
+            self.wait(Phase::Guard, guard_us, now_us);
+        } else {
+            self.phase = Phase::Over(Outcome::Done);
+        }
+    }
+
+    fn fail(&mut self, failure: Failure) {
+        self.lose();
+        self.phase = Phase::Over(Outcome::Failed(failure));
+    }
+
+    /// From here on the device's state is not known.
+    fn lose(&mut self) {
+        if let Mode::Download(_) = self.mode {
+            let border = self
+                .stored
+                .checked_div(self.memory_bytes)
+                .unwrap_or_default()
+                .saturating_add(1)
+                .saturating_mul(self.memory_bytes);
+            let at_border =
+                self.stored > 0 && self.stored.checked_rem(self.memory_bytes) == Some(0);
+            if at_border {
+                self.begun = self.begun.max(whole(self.stored));
+            }
+            if self.stored.saturating_add(BEYOND) > border {
+                self.begun = whole(border);
+            }
+        }
+        self.mode = Mode::Unknown;
+        (self.is_clear, self.is_whole) = (false, false);
+    }
+
+    /// From now on, and for a character that is on the line.
+    fn wait(&mut self, phase: Phase, us: u32, now_us: u32) {
+        self.phase = phase;
+        self.since_us = now_us;
+        let is_sent = matches!(phase, Phase::Answer(_)) || matches!(phase, Phase::Resync(1..));
+        let flight_us = if is_sent { self.timing.character_us } else { 0 };
+        self.wait_us = us.saturating_add(flight_us).min(i32::MAX as u32);
+    }
+
+    fn left_us(&self, now_us: u32) -> u32 {
+        self.wait_us
+            .saturating_sub(now_us.wrapping_sub(self.since_us))
+    }
+}
+
+/// Bytes of whole records.
+fn whole(bytes: u32) -> u32 {
+    bytes.wrapping_sub(bytes.checked_rem(3).unwrap_or_default()) // a remainder is not above
+}

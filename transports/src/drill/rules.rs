@@ -1,0 +1,40 @@
+//! Flaws of the original controller, each with a name.
+
+/// What the controller does where the original is flawed: `true` is mended.
+///
+/// Sources: the original's assembly text, which its description contradicts in places; the text of the program wins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rules {
+    /// `b` while the memory is full: what is in it is run first, and `b` begins a program. The original stores the `b` as data as well, so
+    /// that every record after it is off by a byte.
+    pub begins_when_full: bool,
+    /// `f` directly behind `b` ends an empty program. The original takes it for the first byte of a record.
+    pub ends_when_empty: bool,
+    /// `E` is heard while a full memory is run, and answered by `E` instead of the late echo; other bytes are ignored. The original
+    /// hears nothing and finds the first such byte afterwards, as data.
+    pub stops_at_border: bool,
+    /// An advance of 0 steps is no move. The original makes 256 steps of it in Z.
+    pub zero_is_no_move: bool,
+    /// The Z word of a record is a depth in steps, 0 being the whole way. The original ignores it.
+    pub z_is_depth: bool,
+}
+
+impl Rules {
+    /// As the original.
+    pub const FAITHFUL: Rules = Rules {
+        begins_when_full: false,
+        ends_when_empty: false,
+        stops_at_border: false,
+        zero_is_no_move: false,
+        z_is_depth: false,
+    };
+
+    /// All mended.
+    pub const FIXED: Rules = Rules {
+        begins_when_full: true,
+        ends_when_empty: true,
+        stops_at_border: true,
+        zero_is_no_move: true,
+        z_is_depth: true,
+    };
+}

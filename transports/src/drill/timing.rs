@@ -1,0 +1,60 @@
+//! How long the host waits, and what it sends again.
+
+/// Waits in microseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Time of a character on the line.
+    pub character_us: u32,
+    /// From the last bit sent to the whole echo.
+    pub echo_us: u32,
+    /// More of it once, for an echo that is late; 0 = none.
+    pub late_us: u32,
+    /// How often a byte is sent until it is echoed; at least 1.
+    pub tries: u8,
+    /// Whether that holds for every byte, as in the original, where a late echo makes the device store a byte twice. Otherwise for `B` and
+    /// `c` alone, which may be done twice.
+    pub resends_anything: bool,
+    /// Silence after a byte that ends something, before it is believed: an echo more means a byte more.
+    pub guard_us: u32,
+    /// Homing, and a reset with its homing.
+    pub home_us: u32,
+    /// A whole program, or a full memory.
+    pub run_us: u32,
+    /// Between the bytes that bring an unknown device to rest.
+    pub pause_us: u32,
+}
+
+impl Timing {
+    /// For a line of so many baud: the echo may take two characters and 10 ms, and 100 ms more once; a minute for homing.
+    ///
+    /// `run_us` is the longest time of a program or of 8192 bytes of it, which is the caller's to know: one drilling takes up to 15 s.
+    pub const fn of(bits_per_s: u32, run_us: u32) -> Timing {
+        let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
+            Some(us) => us,
+            None => 0,
+        };
+        Timing {
+            character_us,
+            echo_us: character_us.saturating_mul(2).saturating_add(10_000),
+            late_us: 100_000,
+            tries: 3,
+            resends_anything: false,
+            guard_us: character_us.saturating_mul(3),
+            home_us: 60_000_000,
+            run_us,
+            pause_us: 100_000,
+        }
+    }
+
+    /// The original's: 10 ms, three times, whatever the byte. At 2400 baud no echo can be there in that time, so every byte is stored
+    /// more than once: for tests of the original's end only.
+    pub const fn original(bits_per_s: u32, run_us: u32) -> Timing {
+        Timing {
+            echo_us: 10_000,
+            late_us: 0,
+            resends_anything: true,
+            guard_us: 0,
+            ..Timing::of(bits_per_s, run_us)
+        }
+    }
+}

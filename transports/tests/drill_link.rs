@@ -1,0 +1,536 @@
+//! The drill's link, both ends in virtual time, on good lines and bad ones.
+
+use husillo_transports::drill::{
+    Axis, Device, Failure, Host, MEMORY_BYTES, Order, Outcome, Progress, Refused, Rules, Step,
+    Timing,
+};
+
+/// A character at 2400 baud.
+const CHARACTER_US: u32 = 4167;
+
+/// An order takes this long.
+const ORDER_US: u32 = 20_000;
+
+/// What happens to one byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Fault {
+    Lost,
+    Doubled,
+    Flipped(u8),
+    /// By more than the host waits for an echo, by less than it waits for a late one; and by more than that.
+    Late(u32),
+}
+
+/// When something happens: at this byte, counted in both directions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Event {
+    Byte(Fault),
+    /// The reset button.
+    Reset,
+    /// From here on no byte gets through.
+    Unplugged,
+}
+
+/// A device with a machine of a few numbers, and the line.
+struct Bench<const N: usize> {
+    rules: Rules,
+    device: Device<N>,
+    host: Host,
+    now_us: u32,
+    /// Of both directions: when it arrives, whether at the host, and what.
+    flying: Vec<(u32, bool, u8)>,
+    carried: u64,
+    event: Option<(u64, Event)>,
+    is_unplugged: bool,
+    busy_until_us: u32,
+    is_busy: bool,
+    free_us: [u32; 2],
+    position: [u16; 2],
+    /// Places that were drilled.
+    holes: Vec<[u16; 2]>,
+    orders: Vec<Order>,
+}
+
+impl<const N: usize> Bench<N> {
+    fn new(rules: Rules, timing: Timing) -> Self {
+        let mut bench = Bench {
+            rules,
+            device: Device::new(rules),
+            host: Host::new(timing, N as u32),
+            now_us: 0,
+            flying: Vec::new(),
+            carried: 0,
+            event: None,
+            is_unplugged: false,
+            busy_until_us: 0,
+            is_busy: false,
+            free_us: [0; 2],
+            position: [0; 2],
+            holes: Vec::new(),
+            orders: Vec::new(),
+        };
+        assert_eq!(bench.run(Step::AwaitBoot), Ok(Outcome::Done));
+        bench
+    }
+
+    fn fixed() -> Self {
+        Self::new(Rules::FIXED, Timing::of(2400, 60_000_000))
+    }
+
+    fn send(&mut self, to_host: bool, byte: u8) {
+        let number = self.carried;
+        self.carried += 1;
+        let free_us = &mut self.free_us[usize::from(to_host)];
+        let begin_us = self.now_us.max(*free_us);
+        *free_us = begin_us + CHARACTER_US;
+        let arrives_us = begin_us + CHARACTER_US;
+        let event = match self.event {
+            Some((at, event)) if at == number => Some(event),
+            _ => None,
+        };
+        if event == Some(Event::Unplugged) {
+            self.is_unplugged = true;
+        }
+        if event == Some(Event::Reset) {
+            self.device = Device::new(self.rules);
+            self.is_busy = false;
+            self.flying.clear();
+            return;
+        }
+        if self.is_unplugged {
+            return;
+        }
+        let mut fly = |us, byte| self.flying.push((us, to_host, byte));
+        match event {
+            Some(Event::Byte(Fault::Lost)) => {}
+            Some(Event::Byte(Fault::Doubled)) => {
+                fly(arrives_us, byte);
+                fly(arrives_us + CHARACTER_US, byte);
+                self.free_us[usize::from(to_host)] += CHARACTER_US;
+            }
+            Some(Event::Byte(Fault::Flipped(bit))) => fly(arrives_us, byte ^ (1 << bit)),
+            Some(Event::Byte(Fault::Late(us))) => fly(arrives_us + us, byte),
+            _ => fly(arrives_us, byte),
+        }
+    }
+
+    /// A millisecond of everything.
+    fn tick(&mut self) {
+        self.now_us += 1000;
+        let now_us = self.now_us;
+        let mut arrived: Vec<_> = self
+            .flying
+            .iter()
+            .copied()
+            .filter(|one| one.0 <= now_us)
+            .collect();
+        arrived.sort_by_key(|one| one.0);
+        self.flying.retain(|one| one.0 > now_us);
+        for (_, to_host, byte) in arrived {
+            if to_host {
+                self.host.push(byte, now_us);
+            } else {
+                self.device.push(byte);
+            }
+        }
+        if self.is_busy && now_us >= self.busy_until_us {
+            self.is_busy = false;
+            self.device.done();
+        }
+        if !self.is_busy {
+            if let Some(order) = self.device.take() {
+                (self.is_busy, self.busy_until_us) = (true, now_us + ORDER_US);
+                self.orders.push(order);
+                match order {
+                    Order::Home | Order::Zero => self.position = [0; 2],
+                    Order::Move(Axis::X, to) => self.position[0] = to,
+                    Order::Move(_, to) => self.position[1] = to,
+                    Order::Drill(_) => self.holes.push(self.position),
+                    Order::Jog(..) | Order::Spindle(_) => {}
+                }
+            }
+        }
+        while let Some(byte) = self.device.transmit() {
+            self.send(true, byte);
+        }
+    }
+
+    fn run(&mut self, step: Step) -> Result<Outcome, Refused> {
+        self.host.start(step, self.now_us)?;
+        for _ in 0..400_000 {
+            if let Some(byte) = self.host.transmit(self.now_us) {
+                self.send(false, byte);
+            }
+            if let Progress::Done(outcome) = self.host.poll(self.now_us) {
+                return Ok(outcome);
+            }
+            self.tick();
+        }
+        panic!("the host hangs in {step:?}");
+    }
+
+    /// Homes, clears, stores, runs; the first failure ends it.
+    fn program(&mut self, bytes: &[u8]) -> Result<(), (Step, Outcome)> {
+        let head = [Step::Home, Step::Clear, Step::Begin];
+        let body = bytes.iter().map(|byte| Step::Store(*byte));
+        let steps = head
+            .into_iter()
+            .chain(body)
+            .chain([Step::End, Step::Execute, Step::Test]);
+        for step in steps {
+            match self
+                .run(step)
+                .unwrap_or_else(|refused| panic!("{step:?}: {refused}"))
+            {
+                Outcome::Done => {}
+                outcome => return Err((step, outcome)),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Records of holes at these places.
+fn drill(holes: &[[u16; 2]]) -> Vec<u8> {
+    let hole = |[x, y]: &[u16; 2]| {
+        let ([x0, x1], [y0, y1]) = (x.to_le_bytes(), y.to_le_bytes());
+        [b'X', x0, x1, b'Y', y0, y1, b'Z', 0, 0]
+    };
+    holes.iter().flat_map(hole).collect()
+}
+
+#[test]
+fn the_examples_of_the_protocol() {
+    let mut bench = Bench::<MEMORY_BYTES>::new(Rules::FAITHFUL, Timing::of(2400, 60_000_000));
+    assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
+    let hole = drill(&[[1070, 535]]);
+    assert_eq!(hole, [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0x00, 0x00]);
+    assert_eq!(bench.program(&hole), Ok(()));
+    assert_eq!(bench.holes, [[1070, 535]]);
+    assert_eq!((bench.host.done_bytes(), bench.host.begun_bytes()), (9, 9));
+    // The same again.
+    assert_eq!(bench.run(Step::Execute), Ok(Outcome::Done));
+    assert_eq!(bench.holes.len(), 2);
+}
+
+/// The memory of the original, a program of three times that: every hole once, in its place, records across both borders, and a byte
+/// `w` as data elsewhere.
+#[test]
+fn a_long_program_is_done_in_parts() {
+    for rules in [Rules::FAITHFUL, Rules::FIXED] {
+        let holes: Vec<[u16; 2]> = (0..2000).map(|number| [0x7777 + number, number]).collect();
+        let mut bench = Bench::<MEMORY_BYTES>::new(rules, Timing::of(2400, 2_000_000_000));
+        assert_eq!(bench.program(&drill(&holes)), Ok(()));
+        assert_eq!(bench.holes, holes);
+        assert_eq!(bench.host.done_bytes(), 18_000);
+        // The device holds no more than the end.
+        assert_eq!(bench.run(Step::Execute), Err(Refused::Incomplete));
+    }
+}
+
+#[test]
+fn what_must_not_be_sent_is_refused() {
+    let mut bench = Bench::<64>::fixed();
+    let mut refused = |step| bench.run(step).expect_err("refused");
+    assert_eq!(refused(Step::Begin), Refused::NotCleared);
+    assert_eq!(refused(Step::Manual(1)), Refused::NotCleared);
+    assert_eq!(refused(Step::Execute), Refused::Incomplete);
+    assert_eq!(refused(Step::Store(1)), Refused::Mode);
+    assert_eq!(refused(Step::Key(b'D')), Refused::Mode);
+    assert_eq!(bench.run(Step::Clear), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Begin), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::End), Err(Refused::Incomplete));
+    for byte in [b'X', b'f', b'f'] {
+        assert_eq!(bench.run(Step::Store(byte)), Ok(Outcome::Done));
+    }
+    assert_eq!(bench.run(Step::Store(b'f')), Err(Refused::Incomplete));
+    assert_eq!(bench.run(Step::End), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Manual(1)), Err(Refused::NotCleared));
+}
+
+#[test]
+fn the_manual_mode() {
+    for (rules, most) in [(Rules::FAITHFUL, 256), (Rules::FIXED, 0)] {
+        let mut bench = Bench::<64>::new(rules, Timing::of(2400, 60_000_000));
+        assert_eq!(bench.run(Step::Clear), Ok(Outcome::Done));
+        bench.orders.clear();
+        assert_eq!(bench.run(Step::Manual(10)), Ok(Outcome::Done));
+        for key in *b"DIFRULOSx" {
+            assert_eq!(bench.run(Step::Key(key)), Ok(Outcome::Done), "{key}");
+        }
+        assert_eq!(bench.run(Step::Advance(0)), Ok(Outcome::Done));
+        assert_eq!(bench.run(Step::Key(b'L')), Ok(Outcome::Done));
+        assert_eq!(bench.run(Step::Quit), Ok(Outcome::Done));
+        assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
+        let mut wanted = vec![
+            Order::Home,
+            Order::Jog(Axis::X, 10),
+            Order::Jog(Axis::X, -10),
+            Order::Jog(Axis::Y, 10),
+            Order::Jog(Axis::Y, -10),
+            Order::Jog(Axis::Z, -10),
+            Order::Jog(Axis::Z, 10),
+            Order::Spindle(true),
+            Order::Spindle(false),
+        ];
+        if most > 0 {
+            wanted.push(Order::Jog(Axis::Z, most));
+        }
+        assert_eq!(bench.orders, wanted);
+    }
+}
+
+/// Each flaw by its name: mended in one kind of device, there in the other.
+#[test]
+fn flaws_are_there_or_mended() {
+    // An empty program.
+    for (rules, stored) in [(Rules::FAITHFUL, 1), (Rules::FIXED, 0)] {
+        let mut device = idle::<64>(rules);
+        assert_eq!(said(&mut device, b"bf"), b"bf");
+        assert_eq!(device.stored().len(), stored);
+    }
+    // `b` when the memory is full: a device that holds two programs of three bytes.
+    for (rules, says, stored) in [
+        (Rules::FAITHFUL, b"wb", &b"b"[..]),
+        (Rules::FIXED, b"wb", &b""[..]),
+    ] {
+        let mut device = idle::<6>(rules);
+        said(&mut device, b"bX\x01\x00fbY\x02\x00f");
+        assert_eq!(device.stored().len(), 6);
+        assert_eq!(said(&mut device, b"b"), says);
+        assert_eq!(device.stored(), stored);
+    }
+    // `E` while a full memory is run.
+    for rules in [Rules::FAITHFUL, Rules::FIXED] {
+        let mut device = idle::<6>(rules);
+        said(&mut device, b"bX\x01\x00Y\x02\x00");
+        device.push(b'X');
+        assert_eq!(device.transmit(), Some(b'w'));
+        assert_eq!(device.take(), Some(Order::Move(Axis::X, 1)));
+        device.push(b'E');
+        device.done();
+        let rest: Vec<u8> = said(&mut device, b"");
+        // The original keeps it, behind the byte that waits.
+        let wanted: &[u8] = if rules.stops_at_border { b"E" } else { b"XE" };
+        assert_eq!(rest, wanted);
+    }
+    // The Z word.
+    for (rules, depth) in [(Rules::FAITHFUL, 0), (Rules::FIXED, 300)] {
+        let mut device = idle::<64>(rules);
+        said(&mut device, b"bZ\x2c\x01f");
+        device.push(b'e');
+        assert_eq!(device.take(), Some(Order::Drill(depth)));
+    }
+}
+
+fn idle<const N: usize>(rules: Rules) -> Device<N> {
+    let mut device = Device::new(rules);
+    assert_eq!(said(&mut device, b""), b"B");
+    device
+}
+
+/// What a device says to these bytes, each when it is done with the last.
+fn said<const N: usize>(device: &mut Device<N>, bytes: &[u8]) -> Vec<u8> {
+    let mut all = Vec::new();
+    let mut settle = |device: &mut Device<N>| {
+        for _ in 0..100 {
+            all.extend(std::iter::from_fn(|| device.transmit()));
+            device.done();
+            device.take();
+        }
+    };
+    settle(device);
+    for byte in bytes {
+        device.push(*byte);
+        settle(device);
+    }
+    all
+}
+
+/// `E` during a program: it stops after the record, and begins anew the next time.
+#[test]
+fn a_program_is_stopped() {
+    let mut bench = Bench::<64>::fixed();
+    for step in [Step::Clear, Step::Begin] {
+        assert_eq!(bench.run(step), Ok(Outcome::Done));
+    }
+    for byte in drill(&[[1, 2], [3, 4]]) {
+        assert_eq!(bench.run(Step::Store(byte)), Ok(Outcome::Done));
+    }
+    assert_eq!(bench.run(Step::End), Ok(Outcome::Done));
+    assert_eq!(bench.host.stop(), None, "nothing runs");
+    bench
+        .host
+        .start(Step::Execute, bench.now_us)
+        .expect("whole");
+    let mut outcome = None;
+    for round in 0..10_000 {
+        if let Some(byte) = bench.host.transmit(bench.now_us) {
+            bench.send(false, byte);
+        }
+        if round == 40 {
+            let byte = bench.host.stop().expect("it runs");
+            bench.send(false, byte);
+        }
+        if let Progress::Done(done) = bench.host.poll(bench.now_us) {
+            outcome = Some(done);
+            break;
+        }
+        bench.tick();
+    }
+    assert_eq!(outcome, Some(Outcome::Stopped));
+    assert!(bench.holes.len() < 2, "{:?}", bench.holes);
+    assert_eq!((bench.host.done_bytes(), bench.host.begun_bytes()), (0, 18));
+    bench.holes.clear();
+    assert_eq!(bench.run(Step::Execute), Ok(Outcome::Done));
+    assert_eq!(bench.holes, [[1, 2], [3, 4]]);
+}
+
+/// The holes of the short program. Its bytes have letters of commands among them: 42 is the word of a reset, 62 begins a program, 66
+/// ends one, 77 is the wait.
+const HOLES: [[u16; 2]; 4] = [
+    [0x4262, 0x6501],
+    [0x7263, 0x6666],
+    [0x7777, 0x4242],
+    [0x0000, 0x6d63],
+];
+
+fn events() -> impl Iterator<Item = Event> {
+    let bytes = (0..8).map(Fault::Flipped).chain([
+        Fault::Lost,
+        Fault::Doubled,
+        Fault::Late(30_000),
+        Fault::Late(60_000),
+        Fault::Late(200_000),
+    ]);
+    bytes
+        .map(Event::Byte)
+        .chain([Event::Reset, Event::Unplugged])
+}
+
+/// Every event at every byte of a short program that crosses the border of a small memory three times: either all holes are drilled, each
+/// once and in its place, or an error is reported; what is reported as done is done, what is not reported as begun is not; and afterwards
+/// the operator brings the link up and goes on from where it stopped.
+#[test]
+fn any_event_at_any_byte_is_survived_or_reported() {
+    for rules in [Rules::FIXED, Rules::FAITHFUL] {
+        let new = || Bench::<10>::new(rules, Timing::of(2400, 60_000_000));
+        let program = drill(&HOLES);
+        let mut good = new();
+        let first = good.carried;
+        assert_eq!(good.program(&program), Ok(()));
+        assert_eq!(good.holes, HOLES);
+        let (mut reported, mut unharmed) = (0, 0);
+        for place in first..good.carried {
+            for event in events() {
+                let mut bench = new();
+                bench.event = Some((place, event));
+                let context = format!("{rules:?}, {event:?} at {}", place - first);
+                match survives(&mut bench, &HOLES, &context) {
+                    true => unharmed += 1,
+                    false => reported += 1,
+                }
+            }
+        }
+        println!("{reported} reported, {unharmed} without harm");
+        assert!(reported > 500 && unharmed > 50, "{reported}, {unharmed}");
+    }
+}
+
+/// The same anywhere in long programs, in the memory of the original for some.
+#[test]
+fn events_in_long_programs_are_survived_or_reported() {
+    let (mut state, mut reported) = (7_u64, 0);
+    let mut random = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let events: Vec<Event> = events().collect();
+    for round in 0..60 {
+        let holes: Vec<[u16; 2]> = (0..150)
+            .map(|_| [random(65_536) as u16, random(65_536) as u16])
+            .collect();
+        let mut bench = Bench::<256>::new(Rules::FIXED, Timing::of(2400, 60_000_000));
+        let place = bench.carried + random(2 * 9 * 150);
+        let event = events[random(events.len() as u64) as usize];
+        bench.event = Some((place, event));
+        let context = format!("round {round}, {event:?} at {place}");
+        reported += u32::from(!survives(&mut bench, &holes, &context));
+    }
+    assert!(reported > 30, "{reported}");
+}
+
+/// Drills these holes; `false` where an error was reported. Then what was drilled is what the host says, and the rest is drilled after
+/// the link is up again.
+fn survives<const N: usize>(bench: &mut Bench<N>, holes: &[[u16; 2]], context: &str) -> bool {
+    let program = drill(holes);
+    if bench.program(&program).is_ok() {
+        assert_eq!(bench.holes, holes, "{context}");
+        return true;
+    }
+    let (done, begun) = (
+        bench.host.done_bytes() as usize,
+        bench.host.begun_bytes() as usize,
+    );
+    // The device may still be at work.
+    let rest = |bench: &mut Bench<N>| (0..4000).for_each(|_| bench.tick());
+    rest(bench);
+    let count = |bytes: usize| {
+        let records = program[..bytes.min(program.len())].chunks(3);
+        records.filter(|record| record[0] == b'Z').count()
+    };
+    let drilled = bench.holes.len();
+    assert!(
+        (count(done)..=count(begun)).contains(&drilled),
+        "{context}: {drilled} holes; {done} bytes reported done, {begun} begun"
+    );
+    assert_eq!(bench.holes, holes[..drilled], "{context}: in their places");
+    // The cable is in again; then from the first hole that is not there.
+    (bench.event, bench.is_unplugged) = (None, false);
+    for _ in 0..2 {
+        bench.run(Step::Resync).expect("idle");
+        rest(bench);
+    }
+    assert_eq!(
+        bench.run(Step::Resync),
+        Ok(Outcome::Done),
+        "{context}: no way back"
+    );
+    bench.holes.truncate(drilled);
+    if drilled < holes.len() {
+        assert_eq!(
+            bench.program(&drill(&holes[drilled..])),
+            Ok(()),
+            "{context}"
+        );
+    }
+    assert_eq!(bench.holes, holes, "{context}");
+    false
+}
+
+/// The original's host at its own rate: every byte is stored more than once. That is why it is no default.
+#[test]
+fn blind_repetition_is_what_it_was() {
+    let mut bench = Bench::<64>::new(Rules::FAITHFUL, Timing::original(2400, 60_000_000));
+    let result = bench.program(&drill(&[[1, 2]]));
+    assert!(result.is_err() || bench.holes != [[1, 2]], "{result:?}");
+}
+
+/// A reset is told from a silence when the device says so.
+#[test]
+fn a_boot_byte_is_heard_at_any_time() {
+    let mut bench = Bench::<64>::fixed();
+    bench.send(true, b'B');
+    for _ in 0..20 {
+        bench.tick();
+    }
+    assert_eq!(
+        bench.run(Step::Test),
+        Ok(Outcome::Failed(Failure::Restarted))
+    );
+    assert_eq!(bench.run(Step::Test), Err(Refused::Mode));
+    assert_eq!(bench.run(Step::Resync), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
+}
