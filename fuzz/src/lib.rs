@@ -3,6 +3,7 @@
 
 mod backlash;
 mod bytes;
+mod drill;
 mod excellon;
 mod expressions;
 mod format;
@@ -18,6 +19,7 @@ mod servo;
 mod stepper;
 
 pub use backlash::backlash;
+pub use drill::drill;
 pub use excellon::excellon;
 pub use expressions::expressions;
 pub use format::format;
@@ -36,7 +38,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 14] = [
+pub const TARGETS: [(&str, Target); 15] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -51,6 +53,7 @@ pub const TARGETS: [(&str, Target); 14] = [
     ("nmc_host", nmc_host),
     ("nmc_module", nmc_module),
     ("servo", servo),
+    ("drill", drill),
 ];
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
 use husillo_transports::byte_commands::ByteCommands;
+use husillo_transports::drill;
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
     Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
@@ -121,6 +122,23 @@ pub fn keep() {
         flush_byte as *const (),
         reported_velocity as *const (),
         unseen_pairs_in_halves as *const (),
+        drill::Device::<64>::done as *const (),
+        drill::Device::<64>::new as *const (),
+        drill::Device::<64>::push as *const (),
+        drill::Device::<64>::stored as *const (),
+        drill::Device::<64>::take as *const (),
+        drill::Device::<64>::transmit as *const (),
+        drill::Host::begun_bytes as *const (),
+        drill::Host::done_bytes as *const (),
+        drill::Host::new as *const (),
+        drill::Host::poll as *const (),
+        drill::Host::push as *const (),
+        drill::Host::start as *const (),
+        drill::Host::stop as *const (),
+        drill::Host::stored_bytes as *const (),
+        drill::Host::transmit as *const (),
+        drill::Timing::of as *const (),
+        drill::Timing::original as *const (),
     ]);
 }
 
