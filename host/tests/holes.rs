@@ -689,22 +689,10 @@ fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
         "M48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX10.0Y5.0\nX60.0Y5.0\nX60.0Y25.0\nM30\n",
     )
     .unwrap();
+    let path = file.to_str().unwrap();
     let holes = |args: &[&str]| -> Vec<[f64; 2]> {
-        let output = husillo()
-            .args(["holes", "--format", "json"])
-            .arg(&file)
-            .args(args)
-            .output()
-            .unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
-        let number = |value: &Value| value.as_f64().unwrap();
-        let rows = json["holes"].as_array().unwrap().iter();
-        rows.map(|row| [number(&row[0]), number(&row[1])]).collect()
+        let holes = points(&list(&[&[path], args].concat()));
+        holes.into_iter().map(|[x, y, _]| [x, y]).collect()
     };
     assert_eq!(holes(&["--mirror", "x"])[1], [-60.0, 5.0]);
     assert_eq!(holes(&["--turn", "90"])[2], [-25.0, 60.0]);

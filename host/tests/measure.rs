@@ -1,13 +1,14 @@
 //! `husillo measure` and `husillo emulate`, as a user calls them.
 
+mod emulated;
+
 use assert_cmd::Command;
+use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Stdio};
 
 fn husillo() -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
@@ -42,49 +43,6 @@ fn scratch(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     std::fs::create_dir_all(&folder).unwrap();
     folder.join(name)
-}
-
-/// A chain on a pseudo-terminal, ended when dropped.
-struct Chain {
-    process: Child,
-    link: PathBuf,
-    /// Open, so that it may print.
-    _output: BufReader<ChildStdout>,
-}
-
-impl Chain {
-    /// `None`, with a message, where there are no pseudo-terminals.
-    fn new(name: &str, args: &[&str]) -> Option<Chain> {
-        let link = scratch(name);
-        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-            .args(["emulate", "cmm", "--for", "120", "--link"])
-            .arg(&link)
-            .args(args)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut output = BufReader::new(process.stdout.take().unwrap());
-        let mut told = String::new();
-        output.read_line(&mut told).unwrap();
-        let chain = Chain {
-            process,
-            link,
-            _output: output,
-        };
-        if told.is_empty() {
-            eprintln!("skipped: no pseudo-terminal here");
-            return None;
-        }
-        Some(chain)
-    }
-}
-
-impl Drop for Chain {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-        let _ = std::fs::remove_file(&self.link);
-    }
 }
 
 #[test]
@@ -345,12 +303,13 @@ fn a_dead_port_is_told() {
 fn the_same_through_a_pseudo_terminal() {
     let args = ["--contact", "1:318", "--contact", "1:..-118"];
     let modules = ["--modules", "servo:4,servo:4", "--speed", "10"];
-    let Some(chain) = Chain::new("measure-chain", &[&args[..], &modules[..]].concat()) else {
+    let Some(chain) = Emulated::new("cmm", "measure-chain", &[&args[..], &modules[..]].concat())
+    else {
         return;
     };
     let actions = ["touch", "+", "goto", "0", "touch", "-", "--pretravel", "18"];
     let simulated = measured(&[&actions[..], &args[..]].concat());
-    let port = ["--port", chain.link.to_str().unwrap()];
+    let port = ["--port", chain.port()];
     let real = measured(&[&actions[..], &port[..]].concat());
     assert_eq!(real.len(), 3);
     for row in [&simulated, &real] {

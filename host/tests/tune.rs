@@ -1,12 +1,13 @@
 //! `husillo tune`, as a user calls it.
 
+mod emulated;
+
 use assert_cmd::Command;
+use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Stdio};
 
 fn husillo() -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
@@ -300,54 +301,12 @@ fn a_page_stands_alone() {
     assert!(!page.contains("NaN") && !page.contains("inf"));
 }
 
-/// A chain on a pseudo-terminal, ended when dropped.
-struct Chain {
-    process: Child,
-    link: PathBuf,
-    /// Open, so that it may print.
-    _output: BufReader<ChildStdout>,
-}
-
-impl Chain {
-    /// `None`, with a message, where there are no pseudo-terminals.
-    fn new(name: &str, speed: &str) -> Option<Self> {
-        let link = scratch(name);
-        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-            .args(["emulate", "cmm", "--for", "120", "--speed", speed, "--link"])
-            .arg(&link)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut output = BufReader::new(process.stdout.take().unwrap());
-        let mut told = String::new();
-        output.read_line(&mut told).unwrap();
-        let chain = Self {
-            process,
-            link,
-            _output: output,
-        };
-        if told.is_empty() {
-            eprintln!("skipped: no pseudo-terminal here");
-            return None;
-        }
-        Some(chain)
-    }
-}
-
-impl Drop for Chain {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-        let _ = std::fs::remove_file(&self.link);
-    }
-}
-
 #[test]
 fn the_same_through_a_pseudo_terminal() {
-    let Some(chain) = Chain::new("tune-chain", "4") else {
+    let Some(chain) = Emulated::new("cmm", "tune-chain", &["--speed", "4"]) else {
         return;
     };
-    let port = ["--port", chain.link.to_str().unwrap()];
+    let port = ["--port", chain.port()];
     let step = ["--method", "step", "--moves", "4"];
     let found = tuned(&[&step[..], &port[..]].concat());
     assert_eq!(found["check"]["within_1_count"], 4);

@@ -12,6 +12,13 @@ pub struct CellInputs {
     pub contact: bool,
 }
 
+impl CellInputs {
+    /// Whether the home switch of an axis is closed; the spindle has none.
+    pub(super) fn is_home(&self, axis: u8) -> bool {
+        self.home.get(usize::from(axis)) == Some(&true)
+    }
+}
+
 /// What happens next.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CellEvent {

@@ -323,10 +323,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
 
     /// Whether the switch of an axis that moves towards it is closed; then it goes back.
     fn stops_at(&mut self, axis: u8, inputs: &CellInputs) -> bool {
-        let is_closed = inputs
-            .home
-            .get(usize::from(axis))
-            .is_some_and(|closed| *closed);
+        let is_closed = inputs.is_home(axis);
         if is_closed {
             self.task = Task::BackOff {
                 axis,
@@ -340,11 +337,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
 
     /// Homing: towards the switch.
     fn search(&mut self, axis: u8, left: u32, inputs: &CellInputs) -> Option<Due> {
-        let is_closed = inputs
-            .home
-            .get(usize::from(axis))
-            .is_some_and(|closed| *closed);
-        if is_closed {
+        if inputs.is_home(axis) {
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
@@ -381,11 +374,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             };
             return Some(due);
         }
-        let is_closed = inputs
-            .home
-            .get(usize::from(axis))
-            .is_some_and(|closed| *closed);
-        if is_closed {
+        if inputs.is_home(axis) {
             return self.end(CellReport::StillClosed { axis });
         }
         if !homes {

@@ -1,0 +1,75 @@
+//! `husillo emulate` in the background, until it is dropped.
+
+#![allow(dead_code)] // every test file uses what it needs of it
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+/// A device behind a pseudo-terminal.
+pub struct Emulated {
+    process: Child,
+    panel: ChildStdin,
+    output: BufReader<ChildStdout>,
+    /// What a client opens.
+    pub link: PathBuf,
+}
+
+impl Emulated {
+    /// `None`, with a message, where there are no pseudo-terminals. `name` is for this test alone.
+    pub fn new(machine: &str, name: &str, args: &[&str]) -> Option<Emulated> {
+        let link = std::env::temp_dir().join(format!("husillo-{name}-{}", std::process::id()));
+        let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(["emulate", machine, "--for", "120", "--link"])
+            .arg(&link)
+            .args(args)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
+        let mut told = String::new();
+        output.read_line(&mut told).unwrap();
+        let device = Emulated {
+            panel: process.stdin.take().unwrap(),
+            process,
+            output,
+            link,
+        };
+        if told.is_empty() {
+            eprintln!("skipped: no pseudo-terminal here");
+            return None;
+        }
+        Some(device)
+    }
+
+    /// The link as an argument.
+    pub fn port(&self) -> &str {
+        self.link.to_str().unwrap()
+    }
+
+    /// Types a line at the panel and reads until the answer to it.
+    pub fn type_line(&mut self, line: &str, answer: &str) -> String {
+        writeln!(self.panel, "{line}").unwrap();
+        self.read_until(answer)
+    }
+
+    /// The next line with something in it.
+    pub fn read_until(&mut self, wanted: &str) -> String {
+        let mut line = String::new();
+        while !line.contains(wanted) {
+            line.clear();
+            assert_ne!(self.output.read_line(&mut line).unwrap(), 0, "no {wanted}");
+        }
+        line
+    }
+}
+
+impl Drop for Emulated {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let _ = std::fs::remove_file(&self.link);
+    }
+}
