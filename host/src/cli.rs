@@ -208,6 +208,9 @@ pub struct Run {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
+    /// Push a motor by STEPS before a step event, as an overload does; may be repeated
+    #[arg(long, value_name = "AXIS:EVENT:STEPS")]
+    pub lose: Vec<crate::encoder_file::Push>,
 }
 
 /// `husillo check`.

@@ -3,7 +3,7 @@
 use crate::blocks;
 use crate::source::Source;
 use crate::turning::Turning;
-use husillo_machine::{Event, Machine, Pause, Refused};
+use husillo_machine::{ClosedLoop, Event, Followed, Machine, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -56,6 +56,71 @@ pub fn feed(
         return Ok(());
     }
     while pull(machine, &mut each)? == Pulled::Event {}
+    Ok(())
+}
+
+/// Runs a program to its end, or to where the machine stops, on a machine with encoders; `each` gets every entry it gives, and returns the counts
+/// after it.
+///
+/// # Errors
+///
+/// Those of [`feed`].
+pub fn feed_followed(
+    source: &mut Source,
+    machine: &mut ClosedLoop<3>,
+    mut counts: [i64; 3],
+    mut each: impl FnMut(&ClosedLoop<3>, &Followed<3>) -> io::Result<[i64; 3]>,
+) -> io::Result<()> {
+    let config = machine.machine().config();
+    let dialect = config.dialect;
+    let mut turning = config
+        .spindle_counts
+        .map(|counts| Turning::new(counts, config.timer_hz));
+    let mut pull = |machine: &mut ClosedLoop<3>| -> io::Result<Pulled> {
+        let Some(mut entry) = machine.next_event(&counts) else {
+            return Ok(match machine.is_stopped() {
+                true => Pulled::End,
+                false => Pulled::Nothing,
+            });
+        };
+        if let (Followed::Event(event), Some(turning)) = (&mut entry, &mut turning) {
+            *event = turning.timed(event)?;
+        }
+        counts = each(machine, &entry)?;
+        Ok(match entry {
+            Followed::Event(Event::Pause(Pause::End { .. })) => Pulled::End,
+            _ => Pulled::Event,
+        })
+    };
+    let mut ended = false;
+    blocks::each_block(
+        source,
+        dialect,
+        machine,
+        |machine| machine.machine().modal(),
+        |machine, given, block| {
+            while !machine.machine().has_room() {
+                if pull(machine)? == Pulled::End {
+                    ended = true;
+                    return Ok(ControlFlow::Break(()));
+                }
+            }
+            block
+                .map_err(Refused::from)
+                .and_then(|block| machine.machine_mut().block(&block))
+                .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
+            Ok(if machine.machine().has_ended() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
+        },
+    )?;
+    if ended {
+        return Ok(());
+    }
+    // Behind the end of the program the axes are still looked at.
+    while pull(machine)? != Pulled::Nothing && !machine.is_stopped() {}
     Ok(())
 }
 

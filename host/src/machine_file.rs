@@ -1,6 +1,7 @@
 //! Machine files: TOML to a checked description, with every mistake at its place.
 
 use crate::diagnostics::{Finding, Place};
+use crate::encoder_file::EncoderFile;
 use crate::power::Power;
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
@@ -109,6 +110,8 @@ pub struct AxisFile {
     pub home: Option<Home>,
     /// Winding, chopper and load, when they are known.
     pub power: Option<Power>,
+    /// Encoder on the motor, if there is one.
+    pub encoder: Option<EncoderFile>,
 }
 
 /// Travel of an axis.
@@ -434,6 +437,9 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
         mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
         home: table.optional_table("home", |home| read_home(home, step)),
         power: table.optional_table("motor", Power::read).flatten(),
+        encoder: table
+            .optional_table("encoder", |table| EncoderFile::read(table, step, max_rate))
+            .flatten(),
     })
 }
 

@@ -32,6 +32,7 @@ mod drawing;
 mod drill_code;
 mod drill_file;
 mod emulation;
+mod encoder_file;
 mod explain;
 mod explain_flow;
 mod feeder;

@@ -2,12 +2,13 @@
 
 use crate::deviation::{Deviation, Path};
 use crate::drawing::{Class, Drawing, Point};
+use crate::encoder_file::Push;
 use crate::machine_file::MachineFile;
 use crate::report::{Ideal, Motor};
 use crate::setup;
 use crate::speed::{Circle, Move, Speed, Stop};
 use husillo_gcode::{Command, Direction, Feed, Nm};
-use husillo_machine::{Event, Machine, Motors, Origin, Segment, StepEvent};
+use husillo_machine::{ClosedLoop, Event, Followed, Machine, Motors, Origin, Segment, StepEvent};
 use husillo_sim::Rig;
 use husillo_stepper::Drive;
 use std::io::{self, Write};
@@ -57,6 +58,10 @@ pub struct Run<'a> {
     origin: Origin,
     take_up_axis: Option<usize>,
     trace: Option<Box<dyn Write>>,
+    /// Losses to come, those of later events last.
+    pushes: Vec<Push>,
+    /// What the encoders told.
+    pub told: Vec<String>,
 }
 
 impl std::fmt::Debug for Run<'_> {
@@ -114,6 +119,8 @@ impl<'a> Run<'a> {
             origin: Origin::Rest,
             take_up_axis: None,
             trace,
+            pushes: Vec::new(),
+            told: Vec::new(),
         };
         run.phases = [0, 1, 2].map(|axis| vec![(0, run.currents(axis))]);
         if let Some(trace) = &mut run.trace {
@@ -122,6 +129,84 @@ impl<'a> Run<'a> {
                 .map_err(|error| error.to_string())?;
         }
         Ok(run)
+    }
+
+    /// Motors are pushed at these events.
+    pub fn set_pushes(&mut self, pushes: &[Push]) {
+        self.pushes = pushes.to_vec();
+    }
+
+    /// Takes one entry of a machine with encoders, and returns where these are then.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    pub fn followed(
+        &mut self,
+        machine: &ClosedLoop<3>,
+        entry: &Followed<3>,
+    ) -> io::Result<[i64; 3]> {
+        let letter = |axis: usize| char::from(self.machine.axes[axis].letter);
+        let after = format!("after {} step events", self.events);
+        match *entry {
+            Followed::Event(Event::Step(step)) if machine.is_correcting() => {
+                self.apply(&step);
+            }
+            Followed::Event(ref event) => self.event(machine.machine(), event)?,
+            Followed::Lost { axis, steps } => {
+                let letter = letter(axis);
+                self.told
+                    .push(format!("{letter} is {steps} steps behind, {after}"));
+            }
+            Followed::Corrected { axis } => {
+                let letter = letter(axis);
+                self.told.push(format!("{letter} is right again, {after}"));
+            }
+            Followed::Stalled { axis, steps } => {
+                let letter = letter(axis);
+                self.told.push(format!(
+                    "{letter} is stalled, {steps} steps behind, {after}"
+                ));
+            }
+        }
+        Ok(self.counts())
+    }
+
+    /// What the encoders read, from the homed position on.
+    pub fn counts(&self) -> [i64; 3] {
+        let motor = self.rig.motor();
+        [0, 1, 2].map(|axis| match &self.machine.axes[axis].encoder {
+            None => 0,
+            Some(file) => {
+                let counts = i64::from(motor[axis]) * i64::from(file.encoder.counts);
+                counts.div_euclid(file.encoder.steps.into())
+            }
+        })
+    }
+
+    /// A step of the motors.
+    #[inline]
+    fn apply(&mut self, step: &StepEvent<3>) {
+        self.events += 1;
+        self.ticks += u64::from(step.wait_ticks);
+        if !self.pushes.is_empty() {
+            self.push();
+        }
+        let levels = self.motors.step(&step.delta);
+        self.rig.apply(levels, step.wait_ticks);
+        self.tool = self.rig.tool();
+    }
+
+    /// The losses of this event.
+    #[cold]
+    fn push(&mut self) {
+        let events = self.events;
+        let (now, later) = self.pushes.iter().partition(|push| push.event <= events);
+        self.pushes = later;
+        let now: Vec<Push> = now;
+        for push in now {
+            self.rig.push(push.axis, push.steps);
+        }
     }
 
     /// Takes one event of the machine.
@@ -147,16 +232,12 @@ impl<'a> Run<'a> {
 
     #[inline]
     fn step(&mut self, machine: &Machine<3>, step: &StepEvent<3>) -> io::Result<()> {
-        self.events += 1;
-        self.ticks += u64::from(step.wait_ticks);
-        let levels = self.motors.step(&step.delta);
-        self.rig.apply(levels, step.wait_ticks);
-        let tool = self.rig.tool();
+        self.apply(step);
+        let tool = self.tool;
         for ((low, high), tool) in self.low.iter_mut().zip(&mut self.high).zip(tool) {
             *low = tool.min(*low);
             *high = tool.max(*high);
         }
-        self.tool = tool;
         let origin = machine.origin();
         let at = self.tool_nm();
         if self.arrived || origin != self.origin {

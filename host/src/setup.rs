@@ -2,7 +2,7 @@
 
 use crate::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, AxisRamp, Config, Motors, Scale};
+use husillo_machine::{Axis, AxisEncoder, AxisRamp, Config, Motors, Scale};
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
 
@@ -34,6 +34,13 @@ pub fn dialect(
         let names = Dialect::ALL.map(|dialect| dialect.name()).join(", ");
         format!("unknown dialect `{name}`: there are {names}")
     })
+}
+
+/// The encoders of the axes.
+pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; 3] {
+    file.axes
+        .each_ref()
+        .map(|axis| Some(axis.encoder.as_ref()?.encoder(file.timer_hz)))
 }
 
 /// The configuration of `husillo_machine`.

@@ -129,6 +129,11 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> ClosedLoop<N, P, 
         matches!(self.state, State::Stopped)
     }
 
+    /// Whether the step given last was one that is given again.
+    pub const fn is_correcting(&self) -> bool {
+        matches!(self.state, State::Correcting(_))
+    }
+
     /// Goes on by the operator's word: what is missing is given again.
     fn restart(&mut self, state: State) {
         for watch in self.axes.iter_mut().flatten() {

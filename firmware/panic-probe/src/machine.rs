@@ -50,6 +50,7 @@ pub fn keep() {
         ClosedLoop::resume as *const (),
         ClosedLoop::abort as *const (),
         ClosedLoop::is_stopped as *const (),
+        ClosedLoop::is_correcting as *const (),
         ClosedLoop::next_event as *const (),
         Cell::new as *const (),
         Cell::command as *const (),

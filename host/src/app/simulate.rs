@@ -8,6 +8,8 @@ use crate::feeder;
 use crate::machine_file::Travel;
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
+use crate::setup;
+use husillo_machine::ClosedLoop;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -25,6 +27,8 @@ struct Results {
     rms_deviation_nm: f64,
     reversals: [u64; 3],
     lost_steps: u64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    encoders: Vec<String>,
     feed_nm: i64,
     rapid_nm: i64,
     errors: u64,
@@ -76,16 +80,33 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut run = Run::new(&job.machine, trace)?;
     let mut source = job.open()?;
     let mut machine = job.new_machine(!args.no_compensation);
+    run.set_pushes(&args.lose);
     let bar = progress(facts.events);
     let mut countdown = PROGRESS_EVENTS;
-    feeder::feed(&mut source, &mut machine, |machine, event| {
+    let mut tick = || {
         countdown -= 1;
         if countdown == 0 {
             countdown = PROGRESS_EVENTS;
             bar.inc(PROGRESS_EVENTS);
         }
-        run.event(machine, event)
-    })?;
+    };
+    let encoders = setup::encoders(&job.machine);
+    let mut has_stopped = false;
+    if encoders.iter().any(Option::is_some) {
+        let mut closed = ClosedLoop::new(machine, encoders);
+        let counts = run.counts();
+        feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
+            tick();
+            run.followed(closed, entry)
+        })?;
+        has_stopped = closed.is_stopped();
+        machine = closed.machine().clone();
+    } else {
+        feeder::feed(&mut source, &mut machine, |machine, event| {
+            tick();
+            run.event(machine, event)
+        })?;
+    }
     bar.finish_and_clear();
     run.finish()?;
 
@@ -125,8 +146,15 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
             )?;
         }
     }
+    if has_stopped {
+        eprintln!("{}: stopped: an axis is not where it should be", job.name());
+        return Ok(ERRORS);
+    }
     Ok(OK)
 }
+
+/// Reports of the encoders that are printed; JSON has all.
+const MOST_TOLD: usize = 20;
 
 /// Events between two updates of the progress bar.
 const PROGRESS_EVENTS: u64 = 1 << 20;
@@ -182,6 +210,7 @@ fn results(
         rms_deviation_nm: rounded(run.deviation.rms_nm()),
         reversals: run.reversals,
         lost_steps: run.lost_steps().iter().sum(),
+        encoders: run.told.clone(),
         feed_nm: facts.feed_nm.round() as i64,
         rapid_nm: facts.rapid_nm.round() as i64,
         errors,
@@ -228,6 +257,12 @@ fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Re
             0 => writeln!(out)?,
             lost => writeln!(out, ", {lost} STEPS LOST")?,
         }
+    }
+    for told in run.told.iter().take(MOST_TOLD) {
+        writeln!(out, "Encoders   {told}")?;
+    }
+    if let Some(more @ 1..) = run.told.len().checked_sub(MOST_TOLD) {
+        writeln!(out, "           and {more} more")?;
     }
     Ok(())
 }
