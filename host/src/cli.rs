@@ -93,8 +93,11 @@ pub enum Command {
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \
         zero                  call the present place 0\n  \
+        home [x|y|z]          search the index of the encoder and call it 0\n  \
+        jog DIRECTION TIME    run for a time as 2s at the speed of moves, or with `slow` of a search\n  \
         touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
         calibrate DIRECTION   touch a face that is at --reference: its pre-travel\n  \
+        calibrate sphere|ring X.. Y.. Z.. R..  touch a body of this radius with about this centre: pre-travel by direction\n  \
         status                position, version and status of the module\n\n\
         A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
         The modules are reset first, so positions count from where the axes are.\n\n\
@@ -592,7 +595,7 @@ pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, touch DIRECTION, calibrate DIRECTION, status; several are done in turn
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]

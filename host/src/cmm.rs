@@ -17,14 +17,16 @@ mod direction;
 pub mod emulated;
 pub mod file;
 mod head;
+mod homing;
+mod jog;
 pub mod line;
 #[cfg(test)]
 mod noise_test;
 mod piece;
 mod piece_file;
 pub mod port;
-#[allow(dead_code)] // until the routines use it
 mod prober;
+mod reference;
 mod result_row;
 mod scale;
 mod servo;

@@ -166,7 +166,8 @@ fn touches_find_the_work_piece_from_both_sides() {
         "--contact",
         "2:509",
     ]);
-    near(&rows[0]["corrected"], 1.0, 0.002);
+    // The ball has a radius of 1 mm.
+    near(&rows[0]["corrected"], 2.0, 0.002);
 }
 
 #[test]
@@ -203,6 +204,104 @@ fn a_simulated_piece_is_touched_by_a_ball_on_a_stylus_that_bends() {
 }
 
 #[test]
+fn home_is_where_the_index_is_met_from_below() {
+    // The index is at every 400 counts, and at 0 when it is switched on.
+    let rows = measured(&[
+        "home", "x", "goto", "-50", "goto", "130", "home", "goto", "-400",
+    ]);
+    for (row, wanted) in rows.iter().zip([0.0, -50.0, 130.0, 0.0, -400.0]) {
+        near(&row["position"], wanted, 1.0);
+    }
+    // The second one is the next: 400 farther, so 400 less are left of the travel of 8000.
+    let far = ["goto", "7590", "home", "goto", "0"];
+    let rows = measured(&far);
+    near(&rows[1]["position"], 0.0, 1.0);
+    let rows = measured(&["-m", "cmm3", "--axis", "y", "goto", "0.1", "home", "status"]);
+    near(&rows[1]["position"], 0.0, 0.002);
+    // None between 50 and 300.
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let short = scratch("short.toml");
+    std::fs::write(&short, text.replace("\"8000 counts\"]", "\"300 counts\"]")).unwrap();
+    husillo()
+        .args([
+            "measure",
+            "-m",
+            short.to_str().unwrap(),
+            "goto",
+            "50",
+            "home",
+        ])
+        .assert()
+        .code(1)
+        .stderr(contains("error: no index of X up to the end of the travel"));
+}
+
+#[test]
+fn an_axis_is_jogged_at_two_speeds_and_within_its_travel() {
+    let rows = measured(&["jog", "+x", "2s", "jog", "-", "500ms", "slow", "goto", "0"]);
+    let at = |row: &Value| row["position"].as_f64().unwrap();
+    // 1200 counts/s for 2 s, with ramps of 0.2 s; 200 counts/s for half a second.
+    assert!((2250.0..2450.0).contains(&at(&rows[0])), "{rows:?}");
+    assert!(
+        (75.0..125.0).contains(&(at(&rows[0]) - at(&rows[1]))),
+        "{rows:?}"
+    );
+    near(&rows[2]["position"], 0.0, 1.0);
+    let rows = measured(&["jog", "-x", "60s"]);
+    assert!((-8000.0..-7500.0).contains(&at(&rows[0])), "{rows:?}");
+}
+
+#[test]
+fn a_ring_calibrates_the_probe_and_what_it_prints_is_read() {
+    // The bore of the piece as a ring of 8 mm.
+    let ring = [
+        "goto",
+        "X30",
+        "Y30",
+        "calibrate",
+        "ring",
+        "X30.2",
+        "Y29.9",
+        "Z-25",
+        "R8",
+    ];
+    let piece = ["-m", "cmm3", "--piece", "../examples/piece.toml"];
+    let rows = measured(&[&piece[..], &ring[..]].concat());
+    let found = &rows[1]["calibration"];
+    near(&found["centre"][0], 30.0, 0.003);
+    near(&found["centre"][1], 30.0, 0.003);
+    // The stylus bends 8 um on average, 10 um along +X and 6 um along -X.
+    near(&found["effective_radius"], 1.0 - 0.008, 0.001);
+    let table = found["table"].as_array().unwrap();
+    let length = |index: usize| table[index]["length"].as_f64().unwrap();
+    assert_eq!(table.len(), 12);
+    assert!(length(0) - length(6) > 0.001, "{table:?}");
+    let output = husillo()
+        .arg("measure")
+        .args(piece)
+        .args(ring)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let (_, printed) = text.split_once("machine file:\n").unwrap();
+    let file = std::fs::read_to_string("../machines/cmm3.toml").unwrap();
+    let (before, after) = file.split_once("pre_travel = {").unwrap();
+    let before = before.replace("ball_radius", "# ball_radius");
+    let (_, after) = after.split_once('\n').unwrap();
+    let after = after.replacen("ball_radius", "# ball_radius", 1);
+    let (printed, _) = printed.split_once("]\nX").unwrap_or((printed, ""));
+    let calibrated = scratch("calibrated.toml");
+    std::fs::write(&calibrated, format!("{before}{printed}\n{after}")).unwrap();
+    let across = [
+        "goto", "X30", "Y30", "goto", "Z-25", "touch", "+x", "goto", "X30", "touch", "-x",
+    ];
+    let machine = ["-m", calibrated.to_str().unwrap()];
+    let rows = measured(&[&machine[..], &piece[2..], &across[..]].concat());
+    let [right, left] = [2, 4].map(|row: usize| rows[row]["corrected"].as_f64().unwrap());
+    assert!((right - left - 16.0).abs() < 0.004, "{left} {right}");
+}
+
+#[test]
 fn a_calibration_finds_the_pre_travel_and_is_used_from_then_on() {
     let rows = measured(&[
         "calibrate",
@@ -222,6 +321,11 @@ fn a_calibration_finds_the_pre_travel_and_is_used_from_then_on() {
         .assert()
         .code(2)
         .stderr(contains("`calibrate` needs --reference"));
+    husillo()
+        .args(["measure", "calibrate", "sphere", "X0", "Y0", "R10"])
+        .assert()
+        .code(2)
+        .stderr(contains("`calibrate sphere` where, and how large?"));
 }
 
 #[test]

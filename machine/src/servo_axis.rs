@@ -146,6 +146,16 @@ impl ServoAxis {
         self.loaded = Some(motion);
     }
 
+    /// The motion that waits for [`start`](Self::start).
+    pub const fn loaded(&self) -> Option<ServoMotion> {
+        self.loaded
+    }
+
+    /// Whether the command moves: a profile that is not at rest.
+    pub const fn is_moving(&self) -> bool {
+        self.profile.velocity() != 0
+    }
+
     /// Starts the motion that was loaded; `false` where there is none. A servo that was off holds the present position first.
     pub fn start(&mut self) -> bool {
         let Some(motion) = self.loaded.take() else {

@@ -112,15 +112,13 @@ impl ServoModule {
                 self.axis.set_position(position);
             }
             Command::LoadTrajectory(trajectory) => self.load(&trajectory),
-            Command::StartMotion => {
-                self.axis.start();
-            }
+            Command::StartMotion => self.start(),
             Command::SetGain(gains) => self.axis.set_law(law(&gains, self.link.version())),
             Command::StopMotor(stop) => self.stop(stop),
             Command::SetHoming(homing) => self.search(homing),
             Command::ClearBits => self.axis.clear(),
             Command::SaveHome => self.axis.save_home(),
-            // Outputs that nothing is at here, and a path mode that version 4 has not; the others are the link's own.
+            // Pins that are the owner's and a path mode (see the README); the others are the link's own.
             _ => {}
         }
     }
@@ -156,6 +154,17 @@ impl ServoModule {
             },
         });
         if trajectory.start_now {
+            self.start();
+        }
+    }
+
+    /// Version 4 begins a trapezoid from standstill only: one that comes while the axis is commanded to move waits in the buffer for
+    /// the next start.
+    fn start(&mut self) {
+        let waits = self.link.version() < 5
+            && self.axis.is_moving()
+            && matches!(self.axis.loaded(), Some(ServoMotion::Trapezoid { .. }));
+        if !waits {
             self.axis.start();
         }
     }

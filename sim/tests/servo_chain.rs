@@ -21,8 +21,12 @@ fn run(chain: &mut ServoChain, periods: u32) {
 
 /// Addresses, gains that suit the prototype's motor, servo on.
 fn started(modules: usize) -> ServoChain {
-    let mut chain = ServoChain::new(&vec![4; modules], DcMotorModel::PROTOTYPE);
-    for address in 1..=modules as u8 {
+    started_with(&vec![4; modules])
+}
+
+fn started_with(versions: &[u8]) -> ServoChain {
+    let mut chain = ServoChain::new(versions, DcMotorModel::PROTOTYPE);
+    for address in 1..=versions.len() as u8 {
         let set = Command::SetAddress {
             address,
             group: Group::NONE,
@@ -77,6 +81,24 @@ fn a_move_ends_within_a_count() {
     }
     // The other one has not moved.
     assert!((chain.axis(0).unwrap().position()).abs() <= 1);
+}
+
+#[test]
+fn version_4_begins_a_trapezoid_from_standstill_only() {
+    for (version, goes_to) in [(4, 1000), (5, -1000)] {
+        let mut chain = started_with(&[version]);
+        ask(&mut chain, 1, trapezoid(1000));
+        run(&mut chain, 500);
+        assert!(!chain.axis(0).unwrap().status().is_done);
+        ask(&mut chain, 1, trapezoid(-1000));
+        run(&mut chain, 10_000);
+        let at = chain.axis(0).unwrap().commanded();
+        assert_eq!(at, goes_to, "version {version}");
+        // It has waited in the buffer.
+        ask(&mut chain, 1, Command::StartMotion);
+        run(&mut chain, 10_000);
+        assert_eq!(chain.axis(0).unwrap().commanded(), -1000);
+    }
 }
 
 #[test]

@@ -65,6 +65,8 @@ pub fn keep() {
         ServoAxis::set_law as *const (),
         ServoAxis::set_position as *const (),
         ServoAxis::load as *const (),
+        ServoAxis::loaded as *const (),
+        ServoAxis::is_moving as *const (),
         ServoAxis::start as *const (),
         ServoAxis::stop as *const (),
         ServoAxis::search as *const (),

@@ -1,7 +1,9 @@
 //! What to do with a machine, one thing after another.
 
 use super::direction::Towards;
+use super::reference::{Body, ReferenceBody};
 use super::scale::Scale;
+use crate::quantity::{self, Quantity};
 
 /// One action. Axes are 0 for X to 2 for Z, lengths amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,10 +12,20 @@ pub enum Action {
     GoTo([Option<i64>; 3]),
     /// Call the present place of an axis 0.
     Zero(usize),
+    /// Search the index of an axis and call it 0.
+    Home(usize),
+    /// Run an axis for some seconds.
+    Jog {
+        towards: Towards,
+        seconds: f64,
+        is_slow: bool,
+    },
     /// Touch the work piece.
     Touch(Towards),
     /// Touch a face at a known place and find the pre-travel.
     Calibrate(Towards),
+    /// Calibrate the probe on a sphere or a ring.
+    CalibrateOn(ReferenceBody),
     /// Say where an axis is and how it does.
     Status(usize),
 }
@@ -32,18 +44,38 @@ impl Action {
                 "goto" => {
                     let mut goal = [None; 3];
                     while let Some((coordinate, text)) = words.peek().and_then(|word| named(word)) {
-                        goal[coordinate] = Some(position(text, scale)?);
+                        goal[coordinate] = Some(position(word, text, scale)?);
                         words.next();
                     }
                     if goal == [None; 3] {
                         let text = words.next();
                         let text = text.ok_or("`goto` where? As in `goto 1200` or `goto X10 Y-2.5`")?;
-                        goal[axis] = Some(position(text, scale)?);
+                        goal[axis] = Some(position(word, text, scale)?);
                     }
                     Self::GoTo(goal)
                 }
                 "zero" => Self::Zero(axis),
+                "home" => {
+                    let letter = words.next_if(|word| matches!(*word, "x" | "y" | "z" | "X" | "Y" | "Z"));
+                    let named = letter.and_then(|letter| "XYZ".find(&letter.to_ascii_uppercase()));
+                    Self::Home(named.unwrap_or(axis))
+                }
+                "jog" => {
+                    let towards = towards(word, words.next(), axis)?;
+                    if towards.axis.is_none() {
+                        return Err("`jog` goes along an axis, as in `jog +x 2s`".into());
+                    }
+                    let time = words.next().unwrap_or_default();
+                    Self::Jog {
+                        towards,
+                        seconds: seconds(time)?,
+                        is_slow: words.next_if(|word| *word == "slow").is_some(),
+                    }
+                }
                 "touch" => Self::Touch(towards(word, words.next(), axis)?),
+                "calibrate" if words.peek().is_some_and(|word| body(word).is_some()) => {
+                    Self::CalibrateOn(reference(&mut words, scale)?)
+                }
                 "calibrate" => {
                     let towards = towards(word, words.next(), axis)?;
                     if towards.axis.is_none() {
@@ -54,7 +86,7 @@ impl Action {
                 "status" => Self::Status(axis),
                 other => {
                     return Err(format!(
-                        "unknown action `{other}`: there are goto POSITION, zero, touch DIRECTION, calibrate DIRECTION, status"
+                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status"
                     ));
                 }
             });
@@ -66,8 +98,11 @@ impl Action {
     pub fn axes(&self) -> Vec<usize> {
         match self {
             Self::GoTo(goal) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
-            Self::Zero(axis) | Self::Status(axis) => vec![*axis],
-            Self::Touch(towards) | Self::Calibrate(towards) => towards.axis.into_iter().collect(),
+            Self::Zero(axis) | Self::Home(axis) | Self::Status(axis) => vec![*axis],
+            Self::Touch(towards) | Self::Calibrate(towards) | Self::Jog { towards, .. } => {
+                towards.axis.into_iter().collect()
+            }
+            Self::CalibrateOn(_) => Vec::new(),
         }
     }
 }
@@ -82,11 +117,61 @@ fn named(word: &str) -> Option<(usize, &str)> {
     begins.then_some((axis, number))
 }
 
-fn position(text: &str, scale: Scale) -> Result<i64, String> {
+/// A time such as `2s` or `300ms`.
+fn seconds(text: &str) -> Result<f64, String> {
+    match quantity::parse(text) {
+        Ok(Quantity::Time(us)) if us.num >= 0 => Ok(us.num as f64 / us.den as f64 / 1e6),
+        _ => Err(format!(
+            "`jog` how long? `{text}` is no time; as in `jog +x 2s`"
+        )),
+    }
+}
+
+/// A body to calibrate on.
+fn body(word: &str) -> Option<Body> {
+    match word {
+        "sphere" => Some(Body::Sphere),
+        "ring" => Some(Body::Ring),
+        _ => None,
+    }
+}
+
+/// `sphere X-25 Y25 Z-20 R10`.
+fn reference<'a>(
+    words: &mut impl Iterator<Item = &'a str>,
+    scale: Scale,
+) -> Result<ReferenceBody, String> {
+    let name = words.next().unwrap_or_default();
+    let place = |words: &[&str]| {
+        let mut centre = [None; 3];
+        let mut radius = None;
+        for word in words {
+            if let Some(text) = word.strip_prefix(['R', 'r']) {
+                radius = Some(position("calibrate", text, scale).ok()?);
+            } else {
+                let (coordinate, text) = named(word)?;
+                centre[coordinate] = Some(position("calibrate", text, scale).ok()?);
+            }
+        }
+        let [x, y, z] = centre;
+        Some(([x?, y?, z?], radius.filter(|radius| *radius > 0)?))
+    };
+    let words: Vec<&str> = words.take(4).collect();
+    let (centre, radius) = place(&words).ok_or_else(|| {
+        format!("`calibrate {name}` where, and how large? As in `calibrate {name} X-25 Y25 Z-20 R10`: its centre and its radius")
+    })?;
+    Ok(ReferenceBody {
+        body: body(name).unwrap_or(Body::Sphere),
+        centre,
+        radius,
+    })
+}
+
+fn position(action: &str, text: &str, scale: Scale) -> Result<i64, String> {
     let amount = scale.amount(scale.parse(text)?);
     amount.ok_or_else(|| {
         let unit = scale.unit();
-        format!("`goto {text}`: a position of this machine is in {unit}")
+        format!("`{action} {text}`: a position of this machine is in {unit}")
     })
 }
 

@@ -152,6 +152,42 @@ impl Calibrated<Head> {
         Ok(())
     }
 
+    /// Home on the index as [`Head::home`] has it: 0 of the readings, from which the errors count.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::home`].
+    pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
+        self.sent = None;
+        self.prober.home(coordinate)?;
+        self.zero[coordinate] = 0;
+        // It ran beyond the index and came back.
+        self.flanks[coordinate] = Flank::Negative;
+        Ok(())
+    }
+
+    /// Runs an axis as [`Head::jog`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::jog`].
+    pub fn jog(
+        &mut self,
+        coordinate: usize,
+        is_positive: bool,
+        seconds: f64,
+        is_slow: bool,
+    ) -> Result<(), Trouble> {
+        self.sent = None;
+        self.prober.jog(coordinate, is_positive, seconds, is_slow)?;
+        self.flanks[coordinate] = if is_positive {
+            Flank::Positive
+        } else {
+            Flank::Negative
+        };
+        Ok(())
+    }
+
     /// Touches as [`Head::touch`] does, with all its figures.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ const CMM: &str = include_str!("../../../machines/cmm.toml");
 const CMM3: &str = include_str!("../../../machines/cmm3.toml");
 
 /// Most entries of a table of pre-travel.
-pub const PLACES: usize = 32;
+pub const PLACES: usize = 64;
 
 /// Radius and pre-travel of a probe, amounts of the scale.
 pub type Stylus = Tip<PLACES>;

@@ -103,7 +103,7 @@ impl Head {
             .with(Items::AUXILIARY)
             .with(Items::CURRENT)
             .with(Items::DEVICE);
-        let axis = *self.axis(coordinate)?;
+        let axis = self.axes[self.index(coordinate)?];
         self.read_axis_twice(&axis, items)
     }
 
@@ -125,15 +125,15 @@ impl Head {
     ///
     /// There is no such axis.
     pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
-        let axis = self.axis(coordinate)?;
-        axis.origin = axis.held;
+        let index = self.index(coordinate)?;
+        self.axes[index].origin = self.axes[index].held;
         Ok(())
     }
 
-    /// An axis, 0 for X to 2 for Z.
-    fn axis(&mut self, coordinate: usize) -> Result<&mut Servo, Trouble> {
-        let mut axes = self.axes.iter_mut();
-        let found = axes.find(|axis| axis.file.coordinate() == coordinate);
+    /// The place in the machine file of an axis, 0 for X to 2 for Z.
+    pub(super) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
+        let mut axes = self.axes.iter();
+        let found = axes.position(|axis| axis.file.coordinate() == coordinate);
         found.ok_or(Trouble::NoAxis {
             axis: "XYZ".chars().nth(coordinate).unwrap_or('?'),
         })
@@ -269,19 +269,11 @@ impl Head {
         Ok(())
     }
 
-    /// Stops all axes at once, where they are.
+    /// Stops all axes at once, where they are; each gets its command, whatever the others answer.
     pub(super) fn stop(&mut self) -> Result<(), Trouble> {
-        self.command_each(|_| stop(StopWay::Abrupt))
-    }
-
-    /// A command for each module; all get theirs, whatever the others answer.
-    pub(super) fn command_each(
-        &mut self,
-        command: impl Fn(&Servo) -> Command,
-    ) -> Result<(), Trouble> {
         let mut result = Ok(());
         for axis in &self.axes {
-            let answer = self.line.command(axis.file.module, command(axis));
+            let answer = self.line.command(axis.file.module, stop(StopWay::Abrupt));
             result = result.and(answer.map(drop));
         }
         result
@@ -293,7 +285,8 @@ pub(super) fn is_done(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE)
 }
 
-const fn stop(way: StopWay) -> Command {
+/// Stops, with the amplifier on.
+pub(super) const fn stop(way: StopWay) -> Command {
     Command::StopMotor(Stop {
         amplifier: true,
         way: Some(way),

@@ -47,6 +47,9 @@ pub struct ResultRow {
     /// Of a touch.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub touch: Option<TouchFigures>,
+    /// Of a calibration on a body of known size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<CalibrationFigures>,
     /// Of a status: the names of the bits that are set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bits: Option<Vec<&'static str>>,
@@ -72,6 +75,55 @@ pub struct TouchFigures {
     pub spread: f64,
     /// The longest way beyond the contact.
     pub over_travel: f64,
+}
+
+/// What a calibration on a body found.
+#[derive(Clone, Debug, Serialize)]
+pub struct CalibrationFigures {
+    /// `sphere` or `ring`.
+    pub body: &'static str,
+    /// Its centre.
+    pub centre: Numbers,
+    /// Touches that were fitted.
+    pub touches: u32,
+    /// The farthest of them less the nearest, with one pre-travel for all directions: what the table corrects.
+    pub form: f64,
+    /// Radius of the ball, as it was given.
+    pub ball_radius: f64,
+    /// The same less the mean pre-travel: what the ball measures like.
+    pub effective_radius: f64,
+    /// The pre-travel by direction.
+    pub table: Vec<Entry>,
+}
+
+/// One direction of travel and its pre-travel.
+#[derive(Clone, Debug, Serialize)]
+pub struct Entry {
+    /// As whole numbers.
+    pub direction: [i64; 3],
+    /// From touch to signal.
+    pub length: f64,
+}
+
+impl CalibrationFigures {
+    /// For people, and for the machine file.
+    fn text(&self, head: &str, unit: &str, places: usize) -> String {
+        let mut text = format!(
+            "{head} {}\n    centre     {:.places$} {unit}, effective radius {:.places$} {unit}\n    {} touches, {:.places$} {unit} apart before correction by direction\n    for [probe] of the machine file:\n    ball_radius = \"{} {unit}\"\n    pre_travel = [",
+            self.body,
+            self.centre,
+            self.effective_radius,
+            self.touches,
+            self.form,
+            self.ball_radius
+        );
+        for Entry { direction, length } in &self.table {
+            let entry =
+                format!("\n        {{ direction = {direction:?}, length = \"{length} {unit}\" }},");
+            text.push_str(&entry);
+        }
+        text + "\n    ]"
+    }
 }
 
 /// The columns of [`ResultRow::csv`].
@@ -134,6 +186,9 @@ impl ResultRow {
                 of(t.spread),
                 of(t.over_travel)
             );
+        }
+        if let Some(found) = &self.calibration {
+            return found.text(&head, self.unit, places);
         }
         match &self.bits {
             Some(bits) => format!(

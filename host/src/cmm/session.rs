@@ -11,7 +11,8 @@ use super::line::Line;
 use super::piece::Mounted;
 use super::port::Port;
 use super::prober::Prober;
-use super::result_row::{Numbers, ResultRow, TouchFigures};
+use super::reference::{Body, FoundProbe};
+use super::result_row::{CalibrationFigures, Entry, Numbers, ResultRow, TouchFigures};
 use super::scale::Scale;
 use super::trouble::Trouble;
 use crate::cli::Measure;
@@ -104,6 +105,24 @@ impl Session {
                     row.action = "zero";
                     head.set_zero(axis)?;
                 }
+                Action::Home(axis) => {
+                    row.action = "home";
+                    head.home(axis)?;
+                }
+                Action::Jog {
+                    towards,
+                    seconds,
+                    is_slow,
+                } => {
+                    row.action = "jog";
+                    let is_positive = towards.text() == "+";
+                    head.jog(
+                        towards.axis.unwrap_or_default(),
+                        is_positive,
+                        seconds,
+                        is_slow,
+                    )?;
+                }
                 Action::Touch(towards) => {
                     row.action = "touch";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
@@ -114,6 +133,16 @@ impl Session {
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
                     self.calibrate(&measurement, &towards);
                     row.touch = Some(self.figures(&measurement, &towards, &axes));
+                }
+                Action::CalibrateOn(body) => {
+                    row.action = "calibrate";
+                    // Four times the way back after a touch.
+                    let clearance = self
+                        .scale
+                        .of_counts(i64::from(head.inner().probe.back_off) * 4);
+                    let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
+                    self.stylus = found.stylus;
+                    row.calibration = Some(self.found(&found, body.body));
                 }
                 Action::Status(axis) => {
                     row.action = "status";
@@ -172,6 +201,31 @@ impl Session {
             touches: measurement.touches,
             spread: self.scale.number(measurement.spread),
             over_travel: self.scale.number(measurement.over_travel),
+        }
+    }
+
+    fn found(&self, found: &FoundProbe, body: Body) -> CalibrationFigures {
+        let number = |amount: i64| self.scale.number(amount);
+        let count = found.table.len().max(1) as i64;
+        let sum: i64 = found.table.iter().map(|(_, nm)| i64::from(*nm)).sum();
+        CalibrationFigures {
+            body: match body {
+                Body::Sphere => "sphere",
+                Body::Ring => "ring",
+            },
+            centre: Numbers(found.centre.map(number).to_vec()),
+            touches: found.residuals.points,
+            form: number(found.residuals.form_nm),
+            ball_radius: number(found.stylus.radius_nm.into()),
+            effective_radius: number(i64::from(found.stylus.radius_nm) - sum / count),
+            table: found
+                .table
+                .iter()
+                .map(|(direction, nm)| Entry {
+                    direction: *direction,
+                    length: number((*nm).into()),
+                })
+                .collect(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::head::Head;
 use super::trouble::Trouble;
-use super::way::Way;
+use super::way::{Search, Way};
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Status};
 
@@ -54,7 +54,10 @@ impl Head {
                 Request::Move { target, speed } => {
                     let along = [0, 1, 2].map(|axis| target[axis] - input.position[axis]);
                     let is_search = target != from && direction.length_along(along) > 0;
-                    let search = is_search.then_some(Homing::LIMIT_1);
+                    let search = is_search.then_some(Search {
+                        events: Homing::LIMIT_1,
+                        only: None,
+                    });
                     // Within the travel and the over-travel.
                     let goal = self.counts(target)?;
                     way = self.travel(&goal, Some(speed), search)?;

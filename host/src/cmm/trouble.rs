@@ -37,12 +37,16 @@ pub enum Trouble {
     NotThere { goal: String, at: String },
     /// The goal is not within the travel.
     OutsideTravel { goal: String, travel: [String; 2] },
+    /// No index on the way.
+    NoIndex { axis: char },
     /// No contact on the way.
     NoContact { from: String, to: String },
     /// Another end of the probing cycle.
     Probe(husillo_probe::Failure),
     /// A plan that is none.
     Plan(husillo_probe::PlanError),
+    /// Touches that are not of the body they should be of.
+    Fit(husillo_probe::FitError),
 }
 
 impl Trouble {
@@ -59,6 +63,7 @@ impl Trouble {
             Self::NoPower { .. } => "switch the supply of the motor on",
             Self::NoAxis { .. } => "the axes are those of the machine file",
             Self::Periods => "give all axes the same `rate_divisor`",
+            Self::NoIndex { .. } => "is the index of the encoder connected? A scale may have none",
             Self::NotTogether => "the line is disturbed: all axes have been stopped",
             Self::NotSeen { .. } => {
                 "the contact of the probe is to be wired to limit 1 of every module; all axes have been stopped"
@@ -110,9 +115,11 @@ impl fmt::Display for Trouble {
                 let [low, high] = travel;
                 write!(out, "{goal} is outside the travel, {low} to {high}")
             }
+            Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
             Self::Probe(failure) => failure.fmt(out),
             Self::Plan(error) => error.fmt(out),
+            Self::Fit(error) => error.fmt(out),
         }
     }
 }

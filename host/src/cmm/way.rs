@@ -25,6 +25,42 @@ pub struct Way {
     pub is_found: bool,
 }
 
+/// What ends a way before its goal.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// Any of these, on each of the axes that search.
+    pub events: Homing,
+    /// The axis, by its place in the machine file, that searches alone.
+    pub only: Option<usize>,
+}
+
+impl Search {
+    fn is_for(self, index: usize) -> bool {
+        self.only.is_none_or(|only| only == index)
+    }
+
+    /// Whether a module that searched has found it.
+    fn is_found(self, reply: &Reply) -> bool {
+        !searches(reply)
+    }
+
+    /// The axes that search, and whether each has found it.
+    fn found_by(self, replies: &[Reply]) -> Vec<(usize, bool)> {
+        let all = replies.iter().enumerate();
+        all.filter(|(index, _)| self.is_for(*index))
+            .map(|(index, reply)| (index, self.is_found(reply)))
+            .collect()
+    }
+}
+
+/// Counts/s and counts/s^2 in the units of a module, 2^-16 counts a period and a period^2; at least 1.
+pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
+    // 2^31 is beyond what any motor makes, so the casts' saturation does no harm.
+    let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
+    let acceleration = (acceleration as f64 * period_s * period_s * 65536.0).round() as u32;
+    (velocity.max(1), acceleration.max(1))
+}
+
 impl Head {
     /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate` counts/s, and waits until all stand. With
     /// a `search` each module ends it at the event, latches where it was and stops smoothly, whatever the host does; without event and
@@ -39,7 +75,7 @@ impl Head {
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
-        search: Option<Homing>,
+        search: Option<Search>,
     ) -> Result<Way, Trouble> {
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
@@ -48,21 +84,23 @@ impl Head {
                 is_found: false,
             });
         };
-        if let Some(events) = search {
-            self.arm(events.with(Homing::SMOOTH))?;
+        if let Some(search) = search {
+            self.arm(search)?;
         }
-        self.start_line(goal, &line, search.is_some())?;
+        self.start_line(goal, &line, search)?;
         let seconds = f64::from(line.duration_ticks) * self.period_s;
         let end_us = self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US;
         loop {
             let mut replies = self.read()?;
-            let is_found = |reply: &Reply| search.is_some() && !searches(reply);
-            if replies.iter().any(is_found) {
+            let found_by = |replies: &[Reply]| search.map(|search| search.found_by(replies));
+            let found = found_by(&replies).unwrap_or_default();
+            if found.iter().any(|(_, is_found)| *is_found) {
                 // Those that were read before it have seen it by now.
                 replies = self.read()?;
-                if let Some(index) = replies.iter().position(|reply| !is_found(reply)) {
+                let found = found_by(&replies).unwrap_or_default();
+                if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
                     let _ = self.stop();
-                    let axis = self.axes[index].file.letter;
+                    let axis = self.axes[*index].file.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
                 let replies = self.settle()?;
@@ -77,9 +115,9 @@ impl Head {
                 });
             }
             if replies.iter().all(is_done) {
-                if search.is_some() {
+                if let Some(search) = search {
                     // An event while it settles is none; the search is given up.
-                    self.command_each(|_| Command::SetHoming(Homing::default()))?;
+                    self.disarm(search)?;
                 }
                 let replies = self.stand(Some(goal))?;
                 return Ok(Way {
@@ -93,14 +131,28 @@ impl Head {
         }
     }
 
-    /// Sets every module to latch at an event.
-    fn arm(&mut self, events: Homing) -> Result<(), Trouble> {
-        for axis in &self.axes {
-            let command = Command::SetHoming(events);
+    /// Arms the search of the axes that it is for.
+    fn arm(&mut self, search: Search) -> Result<(), Trouble> {
+        for (index, axis) in self.axes.iter().enumerate() {
+            if !search.is_for(index) {
+                continue;
+            }
+            let command = Command::SetHoming(search.events.with(Homing::SMOOTH));
             let reply = self.line.command(axis.file.module, command)?;
             if !searches(&reply) {
                 // It has heard something else, and what it has latched is of another search.
                 return Err(Trouble::Link(Failure::Uncertain));
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the search up.
+    fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
+        for (index, axis) in self.axes.iter().enumerate() {
+            if search.is_for(index) {
+                let command = Command::SetHoming(Homing::default());
+                self.line.command(axis.file.module, command)?;
             }
         }
         Ok(())
@@ -111,18 +163,16 @@ impl Head {
         let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.file.coordinate();
-            // A travel of more than 2^31 counts is taken in parts: the next move does the rest.
+            // Beyond 2^31 counts it would only be slower.
             ways[coordinate] = goal.saturating_sub(axis.held);
             rates[coordinate] = axis.file.rate;
             accelerations[coordinate] = axis.file.acceleration.into();
         }
         let direction = Direction::new(ways.map(i64::from))?;
         let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
-        let acceleration = direction.acceleration_limit(&accelerations) as f64;
-        // 16.16 counts a period; 2^31 is beyond what any motor makes, so the casts' saturation does no harm.
-        let velocity = f64::from(rate) * self.period_s * 65536.0;
-        let acceleration = acceleration * self.period_s * self.period_s * 65536.0;
-        ServoLine::new(ways, velocity.round() as u32, acceleration.round() as u32)
+        let acceleration = direction.acceleration_limit(&accelerations);
+        let (velocity, acceleration) = per_period(rate, acceleration, self.period_s);
+        ServoLine::new(ways, velocity, acceleration)
     }
 
     /// Loads the trapezoids and starts them all at once.
@@ -130,7 +180,7 @@ impl Head {
         &mut self,
         goal: &[i32],
         line: &ServoLine<3>,
-        is_search: bool,
+        search: Option<Search>,
     ) -> Result<(), Trouble> {
         let is_alone = self.axes.len() == 1;
         let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
@@ -154,7 +204,7 @@ impl Head {
                 .command(module, Command::LoadTrajectory(trajectory))?;
         }
         if !is_alone {
-            self.start_group(goal, is_search)?;
+            self.start_group(goal, search)?;
         }
         for (axis, goal) in self.axes.iter_mut().zip(goal) {
             axis.held = *goal;
@@ -163,7 +213,7 @@ impl Head {
     }
 
     /// One command for all. The leader alone answers it, so each is asked whether it has begun.
-    fn start_group(&mut self, goal: &[i32], is_search: bool) -> Result<(), Trouble> {
+    fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Trouble> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
                 // Without the leader's answer the others know.
@@ -178,7 +228,7 @@ impl Head {
             let has_begun = |(axis, (reply, goal)): (&Servo, (&Reply, &i32))| {
                 let at = reply.readings.position;
                 !is_done(reply)
-                    || is_search && !searches(reply)
+                    || search.is_some_and(|search| search.is_found(reply))
                     || at.abs_diff(*goal) < at.abs_diff(axis.held)
             };
             let pairs = self.axes.iter().zip(replies.iter().zip(goal));
@@ -221,7 +271,7 @@ impl Head {
     }
 
     /// Waits until the axes have stopped by themselves, reads them until two readings agree, and holds them there.
-    fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
+    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
         self.stand(None)?;
         let replies = self.read_twice()?;
         for (index, reply) in replies.iter().enumerate() {
