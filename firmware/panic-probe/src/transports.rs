@@ -7,7 +7,6 @@ use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
 use husillo_transports::byte_commands::ByteCommands;
-use husillo_transports::drill;
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
     Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
@@ -17,6 +16,7 @@ use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
 
 /// Keeps every function in the program.
 pub fn keep() {
+    drill::keep();
     black_box([
         Auxiliary::contains as *const (),
         Baud::bits_per_s as *const (),
@@ -122,23 +122,6 @@ pub fn keep() {
         flush_byte as *const (),
         reported_velocity as *const (),
         unseen_pairs_in_halves as *const (),
-        drill::Device::<64>::done as *const (),
-        drill::Device::<64>::new as *const (),
-        drill::Device::<64>::push as *const (),
-        drill::Device::<64>::stored as *const (),
-        drill::Device::<64>::take as *const (),
-        drill::Device::<64>::transmit as *const (),
-        drill::Host::begun_bytes as *const (),
-        drill::Host::done_bytes as *const (),
-        drill::Host::new as *const (),
-        drill::Host::poll as *const (),
-        drill::Host::push as *const (),
-        drill::Host::start as *const (),
-        drill::Host::stop as *const (),
-        drill::Host::stored_bytes as *const (),
-        drill::Host::transmit as *const (),
-        drill::Timing::of as *const (),
-        drill::Timing::original as *const (),
     ]);
 }
 
@@ -210,5 +193,34 @@ impl embedded_io::Write for Port {
 impl embedded_io::ReadReady for Port {
     fn read_ready(&mut self) -> Result<bool, embedded_io::ErrorKind> {
         black_box(Ok(true))
+    }
+}
+
+/// The drill's link, whose ends are named as those of the servo network.
+mod drill {
+    use core::hint::black_box;
+
+    use husillo_transports::drill::{Device, Host, Timing};
+
+    pub fn keep() {
+        black_box([
+            Device::<64>::done as *const (),
+            Device::<64>::new as *const (),
+            Device::<64>::push as *const (),
+            Device::<64>::stored as *const (),
+            Device::<64>::take as *const (),
+            Device::<64>::transmit as *const (),
+            Host::begun_bytes as *const (),
+            Host::done_bytes as *const (),
+            Host::new as *const (),
+            Host::poll as *const (),
+            Host::push as *const (),
+            Host::start as *const (),
+            Host::stop as *const (),
+            Host::stored_bytes as *const (),
+            Host::transmit as *const (),
+            Timing::of as *const (),
+            Timing::original as *const (),
+        ]);
     }
 }
