@@ -1,8 +1,10 @@
 //! Arcs: their centre, and how far the end is off the circle through the start. All in integers.
 
-use crate::error::ErrorKind;
-use crate::nm::{Measure, Nm};
-use crate::wide::{Ratio, product, root, square};
+use crate::block::Letters;
+use crate::fault::{Fault, Reason};
+use crate::modal::coordinate;
+use crate::nm::Nm;
+use crate::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};
 
 /// A plane of arcs.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
@@ -42,6 +44,33 @@ impl Plane {
             Plane::Xy => [b'I', b'J'],
             Plane::Zx => [b'K', b'I'],
             Plane::Yz => [b'J', b'K'],
+        }
+    }
+
+    /// The letters of its centre words.
+    pub(crate) const fn centre(self) -> Letters {
+        match self {
+            Plane::Xy => const { Letters::new(b"IJ") },
+            Plane::Zx => const { Letters::new(b"IK") },
+            Plane::Yz => const { Letters::new(b"JK") },
+        }
+    }
+
+    /// The letters that shape an arc in it, and those of them that are axes.
+    pub(crate) const fn shape(self) -> (Letters, Letters) {
+        match self {
+            Plane::Xy => const { (Letters::new(b"XYIJR"), Letters::new(b"XY")) },
+            Plane::Zx => const { (Letters::new(b"ZXIKR"), Letters::new(b"ZX")) },
+            Plane::Yz => const { (Letters::new(b"YZJKR"), Letters::new(b"YZ")) },
+        }
+    }
+
+    /// The letters of an arc in it, beside those of axes.
+    pub(crate) const fn arc_letters(self) -> Letters {
+        match self {
+            Plane::Xy => const { Letters::new(b"IJRP") },
+            Plane::Zx => const { Letters::new(b"IKRP") },
+            Plane::Yz => const { Letters::new(b"JKRP") },
         }
     }
 
@@ -86,122 +115,128 @@ pub struct Arc<const N: usize> {
     pub resolution: Nm,
 }
 
-/// From one point to another; both lie within [`Nm::LIMIT`], or a number was too large.
+/// From one point to another in the plane of two axes; both lie within [`Nm::LIMIT`], or a number was too large.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn between(from: [Nm; 2], to: [Nm; 2]) -> Result<[i64; 2], ErrorKind> {
+pub(crate) fn between<const N: usize>(
+    from: &[Nm; N],
+    to: &[Nm; N],
+    axes: [usize; 2],
+) -> Option<[i64; 2]> {
     let mut delta = [0; 2];
-    for (delta, (to, from)) in delta.iter_mut().zip(to.into_iter().zip(from)) {
-        *delta = to.0.checked_sub(from.0).ok_or(ErrorKind::NumberTooLarge)?;
+    for (delta, axis) in delta.iter_mut().zip(axes) {
+        let (from, to) = (coordinate(from, axis), coordinate(to, axis));
+        *delta = to.0.checked_sub(from.0)?;
         if delta.unsigned_abs() > 1 << 52 {
-            return Err(ErrorKind::NumberTooLarge);
+            return None;
         }
     }
-    Ok(delta)
+    Some(delta)
 }
 
-/// `| |start - centre| - |end - centre| |` in whole nanometres, off by at most 0.502 nm, and the start radius rounded down.
+/// Places behind the point of a distance.
+const BITS: u32 = 9;
+
+/// The distance of two points in 2^-9 nm, rounded down; 2^64 - 1 where one is beyond [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn mismatch(start: [i64; 2], end: [i64; 2]) -> (Nm, Nm) {
-    /// Places behind the point of the two roots.
-    const BITS: u32 = 9;
-    // Squares of at most 2^105 leave room for them.
-    let [start, end] = [start, end].map(|[x, y]| root(square(x, y) << (2 * BITS)));
-    let off = start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS;
-    (Nm(off as i64), Nm((start >> BITS) as i64))
+fn distance<const N: usize>(from: &[Nm; N], to: &[Nm; N], axes: [usize; 2]) -> u64 {
+    match between(from, to, axes) {
+        // A square of at most 2^105, its root below 2^53.
+        Some([x, y]) => root_to(square(x, y), WHOLE_DIGITS + BITS).0,
+        None => u64::MAX,
+    }
 }
 
-/// What the geometry makes of an arc with a centre: the mismatch, or the verdict against it.
+/// How far two distances differ, in whole nanometres, off by at most 0.502 nm.
+const fn apart(start: u64, end: u64) -> Nm {
+    Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
+}
+
+/// `| |start - centre| - |end - centre| |`.
+pub(crate) fn mismatch<const N: usize>(
+    centre: &[Nm; N],
+    start: &[Nm; N],
+    end: &[Nm; N],
+    axes: [usize; 2],
+) -> Nm {
+    apart(distance(centre, start, axes), distance(centre, end, axes))
+}
+
+/// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict against it.
 ///
 /// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius: what other
 /// controllers accept is accepted.
-pub(crate) fn with_centre(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> Result<Nm, ErrorKind> {
-    let (start, end) = (between(centre, from)?, between(centre, to)?);
-    let (off, radius) = mismatch(start, end);
-    if start == [0, 0] {
-        return Err(ErrorKind::NoCentre);
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn with_centre<const N: usize>(
+    from: &[Nm; N],
+    to: &[Nm; N],
+    centre: &[Nm; N],
+    axes: [usize; 2],
+    mismatch: &mut Nm,
+) -> Result<(), Fault> {
+    let (start, end) = (distance(centre, from, axes), distance(centre, to, axes));
+    // A start out of range differs too much.
+    if end == u64::MAX {
+        return Err(Fault::at_motion(Reason::NumberTooLarge));
     }
-    // radius < 2^53, off < 2^53: no overflow.
-    let refused = off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius.0);
-    if refused {
-        Err(ErrorKind::EndOffArc(Measure::of(off)))
-    } else {
-        Ok(off)
+    if start == 0 {
+        return Err(Fault::at_motion(Reason::NoCentre));
     }
+    let off = apart(start, end);
+    *mismatch = off;
+    // start < 2^62, off < 2^53: no overflow.
+    let radius = (start >> BITS) as i64;
+    if off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius) {
+        // Without axis words in the plane the arc is a full circle, which fits.
+        return Err(Fault::at_axes(Reason::EndOffArc));
+    }
+    Ok(())
 }
 
-/// An arc given by its radius: the centre rounded once to nm, how short the radius was, and the mismatch left.
-#[derive(Copy, Clone, Eq, PartialEq, Debug)]
-pub(crate) struct ByRadius {
-    pub(crate) centre: [Nm; 2],
-    pub(crate) short: bool,
-    pub(crate) mismatch: Nm,
-}
-
-/// The centre of the arc of this signed radius: negative radii mean the longer way round.
+/// Turns the way from the start to the end of an arc of this radius into the way to its centre, rounded once to nm; `left`
+/// of the way to the end, or right of it.
 ///
-/// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits) is stretched to it.
+/// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits) is stretched to it:
+/// then `short` is by how much. With an error of a radius it is what it should have been at least.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn with_radius(
-    from: [Nm; 2],
-    to: [Nm; 2],
+    chord: &mut [i64; 2],
     radius: Nm,
-    direction: Direction,
-) -> Result<ByRadius, ErrorKind> {
-    let chord = between(from, to)?;
-    if chord == [0, 0] {
-        return Err(ErrorKind::RadiusToSamePoint);
+    left: bool,
+    short: &mut Nm,
+) -> Result<(), Fault> {
+    if chord[0] == 0 && chord[1] == 0 {
+        return Err(Fault::at_motion(Reason::RadiusToSamePoint));
     }
     let chord_square = square(chord[0], chord[1]);
-    let magnitude = radius.0.unsigned_abs();
-    let diameter = magnitude << 1;
+    let diameter = radius.0.unsigned_abs() << 1;
     let four = product(diameter, diameter); // radius <= 2^50
-    let (numerator, short) = match four.checked_sub(chord_square) {
-        Some(rest) => (rest, Nm(0)),
+    let numerator = match four.checked_sub(chord_square) {
+        Some(rest) => rest,
         None => {
-            // Half the chord, rounded up.
-            let mut twice = root(chord_square);
-            if product(twice, twice) < chord_square {
-                twice = twice.wrapping_add(1);
-            }
-            let least = twice.wrapping_add(1) >> 1;
-            let missing = least.wrapping_sub(magnitude) as i64;
+            // Half the chord, rounded up: the least m with (2 m)^2 > chord^2 - 1.
+            let least = (root(chord_square.wrapping_sub(1)) >> 1).wrapping_add(1) as i64;
+            let missing = least.wrapping_sub(radius.0);
             // missing <= 5000 where it is multiplied.
-            if missing > 5_000 || missing.wrapping_mul(100) > radius.0.saturating_abs() {
-                return Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(least as i64))));
+            if missing > 5_000 || missing.wrapping_mul(100) > radius.0 {
+                *short = Nm(least);
+                return Err(Fault::at(Reason::RadiusTooSmall, b'R'));
             }
-            (0, Nm(missing))
+            *short = Nm(missing);
+            0
         }
     };
-    // Left of the chord for the short way counter-clockwise; each of the other choice turns it over.
-    let left = (direction == Direction::CounterClockwise) != (radius.0 < 0);
     let across = if left {
         [chord[1].wrapping_neg(), chord[0]]
     } else {
         [chord[1], chord[0].wrapping_neg()]
     };
     let ratio = Ratio::of_roots(numerator, chord_square);
-    let mut centre = from;
-    for ((centre, along), across) in centre.iter_mut().zip(chord).zip(across) {
+    for (way, across) in chord.iter_mut().zip(across) {
         // Both below 2^53, in 2^-6: halved and rounded, halves away from zero.
-        let twice = (along << 6).wrapping_add(ratio.of(across));
-        let half = (twice.unsigned_abs().wrapping_add(1 << 6) >> 7) as i64;
-        let offset = if twice < 0 { half.wrapping_neg() } else { half };
-        *centre = centre
-            .0
-            .checked_add(offset)
-            .and_then(|sum| Nm(sum).within_limit())
-            .ok_or(ErrorKind::NumberTooLarge)?;
+        let twice = (*way << 6).wrapping_add(ratio.of(across));
+        *way = twice.wrapping_add(1 << 6).wrapping_add(twice >> 63) >> 7;
     }
-    let (start, end) = (between(centre, from)?, between(centre, to)?);
-    let off = if short.0 > 0 {
-        short
-    } else {
-        mismatch(start, end).0
-    };
-    Ok(ByRadius {
-        centre,
-        short: short.0 > 0,
-        mismatch: off,
-    })
+    Ok(())
 }
 
 #[cfg(test)]
@@ -212,40 +247,62 @@ mod tests {
         [Nm(x), Nm(y)]
     }
 
+    fn centred(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> (Result<(), Fault>, Nm) {
+        let mut off = Nm(0);
+        let done = with_centre(&from, &to, &centre, [0, 1], &mut off);
+        (done, off)
+    }
+
     #[test]
     fn mismatch_is_the_difference_of_radii() {
         // The micro mill's own example: 362.00 um against 362.5617 um.
-        let off = with_centre(
+        let off = centred(
             point(2_650_000, 3_040_000),
             point(2_969_000, 3_400_000),
             point(3_012_000, 3_040_000),
         );
-        assert_eq!(off, Ok(Nm(559)));
+        assert_eq!(off, (Ok(()), Nm(559)));
         assert_eq!(
-            with_centre(point(0, 0), point(2_000, 0), point(1_000, 0)),
-            Ok(Nm(0))
+            centred(point(0, 0), point(2_000, 0), point(1_000, 0)),
+            (Ok(()), Nm(0))
         );
         assert_eq!(
-            with_centre(point(0, 0), point(2_600_001, 0), point(1_000_000, 0)),
-            Err(ErrorKind::EndOffArc(Measure::of(Nm(600_001))))
+            centred(point(0, 0), point(2_600_001, 0), point(1_000_000, 0)),
+            (Err(Fault::at_axes(Reason::EndOffArc)), Nm(600_001))
         );
         // 100 m radius, 0.4 mm off: within 0.1 %.
         let far = 100_000_000_000;
         assert_eq!(
-            with_centre(point(far, 0), point(0, far + 400_000), point(0, 0)),
-            Ok(Nm(400_000))
+            centred(point(far, 0), point(0, far + 400_000), point(0, 0)),
+            (Ok(()), Nm(400_000))
         );
         // 1000 km: still no overflow.
         let limit = Nm::LIMIT.0;
-        assert!(with_centre(point(limit, limit), point(-limit, -limit), point(0, 0)) == Ok(Nm(0)));
-        assert!(with_centre(point(i64::MAX, 0), point(i64::MIN, 0), point(0, 0)).is_err());
+        assert_eq!(
+            centred(point(limit, limit), point(-limit, -limit), point(0, 0)),
+            (Ok(()), Nm(0))
+        );
+        let (done, _) = centred(point(i64::MAX, 0), point(i64::MIN, 0), point(0, 0));
+        assert!(done.is_err());
+    }
+
+    /// The centre, and by how much the radius was short.
+    fn by_radius(
+        from: [Nm; 2],
+        to: [Nm; 2],
+        radius: i64,
+        direction: Direction,
+    ) -> (Result<[Nm; 2], Fault>, Nm) {
+        let (mut way, mut short) = (between(&from, &to, [0, 1]).unwrap(), Nm(0));
+        let left = (direction == Direction::CounterClockwise) != (radius < 0);
+        let done = with_radius(&mut way, Nm(radius.abs()), left, &mut short);
+        let centre = [Nm(from[0].0 + way[0]), Nm(from[1].0 + way[1])];
+        (done.map(|()| centre), short)
     }
 
     #[test]
     fn radius_gives_the_centre() {
-        let centre = |to, radius, direction| {
-            with_radius(point(0, 0), to, Nm(radius), direction).map(|arc| arc.centre)
-        };
+        let centre = |to, radius, direction| by_radius(point(0, 0), to, radius, direction).0;
         let quarter = point(10, 10);
         assert_eq!(
             centre(quarter, 10, Direction::CounterClockwise),
@@ -278,30 +335,23 @@ mod tests {
     #[test]
     fn short_radius() {
         let arc = |radius| {
-            with_radius(
+            by_radius(
                 point(0, 0),
                 point(2_000_000, 0),
-                Nm(radius),
+                radius,
                 Direction::Clockwise,
             )
         };
-        assert_eq!(
-            arc(900_000),
-            Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(1_000_000))))
-        );
-        assert_eq!(
-            arc(0),
-            Err(ErrorKind::RadiusTooSmall(Measure::of(Nm(1_000_000))))
-        );
-        assert_eq!(
-            arc(999_000),
-            Ok(ByRadius {
-                centre: point(1_000_000, 0),
-                short: true,
-                mismatch: Nm(1_000)
-            })
-        );
-        let same = with_radius(point(1, 1), point(1, 1), Nm(5), Direction::Clockwise);
-        assert_eq!(same, Err(ErrorKind::RadiusToSamePoint));
+        let small = Err(Fault::at(Reason::RadiusTooSmall, b'R'));
+        assert_eq!(arc(900_000), (small, Nm(1_000_000)));
+        assert_eq!(arc(0), (small, Nm(1_000_000)));
+        assert_eq!(arc(999_000), (Ok(point(1_000_000, 0)), Nm(1_000)));
+        // Half of an odd chord, rounded up, and of one whose square is none.
+        let (_, least) = by_radius(point(0, 0), point(2_000_001, 0), 0, Direction::Clockwise);
+        assert_eq!(least, Nm(1_000_001));
+        let (_, least) = by_radius(point(0, 0), point(3, 3), 0, Direction::Clockwise);
+        assert_eq!(least, Nm(3));
+        let (same, _) = by_radius(point(1, 1), point(1, 1), 5, Direction::Clockwise);
+        assert_eq!(same, Err(Fault::at_motion(Reason::RadiusToSamePoint)));
     }
 }

@@ -1,10 +1,11 @@
 //! A block: the words of one line, checked as far as a line alone can tell.
 
-use crate::code::{Code, Group};
+use crate::code::{Code, EXTENDED, Group};
 use crate::decimal::Decimal;
 use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
-use crate::fault::{Fault, Place};
+use crate::fault::{Fault, Place, Reason};
+use crate::nm::{Measure, Nm};
 use crate::word::{Word, words};
 
 /// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
@@ -30,8 +31,7 @@ const INCREMENTS: u8 = 21;
 pub(crate) const AXES: usize = 6;
 
 /// The letters that must have a code that uses them.
-const CLAIMED_IN_ORDER: &[u8] = b"IJKRPDEHLQ";
-const CLAIMED: Letters = Letters::new(CLAIMED_IN_ORDER);
+const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
 
 /// The letters that are never negative, and those of them that are numbers of something.
 const PLAIN: Letters = Letters::new(b"FSTHNO");
@@ -75,17 +75,20 @@ impl Span {
 ///
 /// Its size is fixed (about 0.6 kB) whatever the line's length. What depends on earlier lines is checked by
 /// [`Modal::plan`](crate::Modal::plan).
+///
+/// What is looked at most stands first: short instructions reach 32 bytes from its address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Block {
     /// Bit n: slot n is given.
     present: u32,
     /// Bit n: a code of group n is given.
     groups: u32,
-    deleted: bool,
-    values: [Decimal; SLOTS],
     codes: [Option<Code>; Group::COUNT],
-    word_spans: [Span; SLOTS],
+    deleted: bool,
     code_spans: [Span; Group::COUNT],
+    word_spans: [Span; SLOTS],
+    values: [Decimal; SLOTS],
 }
 
 impl Block {
@@ -130,10 +133,13 @@ impl Block {
     }
 
     /// Nothing given: what the arrays hold is no longer looked at.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn clear(&mut self) {
         (self.present, self.groups, self.deleted) = (0, 0, false);
+        self.codes = [None; Group::COUNT];
     }
 
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn take(&mut self, text: &[u8], dialect: &Dialect) -> Result<(), Error> {
         self.clear();
         check_length(text, dialect)?;
@@ -144,10 +150,15 @@ impl Block {
                 self.deleted = true;
                 return Ok(());
             }
-            self.push(word?, dialect)?;
+            let word = word?;
+            if let Err(kind) = self.push(&word, dialect) {
+                let Word { at, end, .. } = word;
+                return Err(Error { kind, at, end });
+            }
         }
         self.deleted = words.is_deleted();
-        self.check().map_err(|fault| self.error(fault))
+        self.check()
+            .map_err(|fault| self.error(fault, Measure::of(Nm(0))))
     }
 
     /// A block of words that were read elsewhere, in their order: those of a line with expressions.
@@ -160,41 +171,41 @@ impl Block {
     ) -> Result<Block, Error> {
         let mut block = Block::EMPTY;
         for word in words {
-            block.push(word?, dialect)?;
+            let word = word?;
+            let Word { at, end, .. } = word;
+            let pushed = block.push(&word, dialect);
+            pushed.map_err(|kind| Error { kind, at, end })?;
         }
-        block.check().map_err(|fault| block.error(fault))?;
+        block
+            .check()
+            .map_err(|fault| block.error(fault, Measure::of(Nm(0))))?;
         Ok(block)
     }
 
-    #[inline(always)]
-    fn push(&mut self, word: Word, dialect: &Dialect) -> Result<(), Error> {
+    #[cfg_attr(target_has_atomic = "32", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn push(&mut self, word: &Word, dialect: &Dialect) -> Result<(), ErrorKind> {
         let span = Span::new(word.at, word.end);
-        let pushed = match word.letter {
+        match word.letter {
             b'G' | b'M' => self.push_code(word.letter, word.value, span, dialect),
             letter => self.push_word(letter, word.value, span, dialect),
-        };
-        pushed.map_err(|kind| Error {
-            kind,
-            at: word.at,
-            end: word.end,
-        })
+        }
     }
 
     /// What can only be told when all words are there.
     fn check(&self) -> Result<(), Fault> {
         self.check_negative_p()?;
         self.check_program_number()?;
-        if self.code(Group::NonModal) == Some(Code::Dwell) && self.word(b'P').is_none() {
-            return Err(Fault::at_code(ErrorKind::NoDwellTime, Group::NonModal));
+        if self.code(Group::NonModal) == Some(Code::Dwell) && !self.has(b'P') {
+            return Err(Fault::at_code(Reason::NoDwellTime, Group::NonModal));
         }
         Ok(())
     }
 
     /// `P` may be negative only where it is a coordinate: in G5.
     fn check_negative_p(&self) -> Result<(), Fault> {
-        let negative = self.word(b'P').is_some_and(Decimal::is_negative);
-        if negative && !matches!(self.code(Group::Motion), None | Some(Code::Cubic)) {
-            return Err(Fault::at(ErrorKind::Negative(b'P'), b'P'));
+        if self.is_negative(b'P') && !matches!(self.code(Group::Motion), None | Some(Code::Cubic)) {
+            return Err(Fault::at(Reason::Negative, b'P'));
         }
         Ok(())
     }
@@ -204,11 +215,12 @@ impl Block {
         let alone = bit(b'O') | bit(b'N');
         let others = self.present & !alone != 0 || self.groups != 0;
         if self.present & bit(b'O') != 0 && others {
-            return Err(Fault::at(ErrorKind::NumberNotAlone, b'O'));
+            return Err(Fault::at(Reason::NumberNotAlone, b'O'));
         }
         Ok(())
     }
 
+    #[inline]
     fn push_code(
         &mut self,
         letter: u8,
@@ -232,15 +244,20 @@ impl Block {
             // G80 beside another motion code is the preamble of many a program: the other one counts.
             let cancel = |code| code == Code::CancelMotion && dialect.joins_cancel();
             let bit = 1u32.wrapping_shl(group as u32);
-            match slot.filter(|_| self.groups & bit != 0) {
-                Some(_) if cancel(code) => {}
-                Some(before) if !cancel(before) => return Err(ErrorKind::TwoCodesOfOneGroup),
-                _ => (*slot, *place, self.groups) = (Some(code), span, self.groups | bit),
+            if let Some(before) = *slot {
+                if cancel(code) {
+                    return Ok(());
+                }
+                if !cancel(before) {
+                    return Err(ErrorKind::TwoCodesOfOneGroup);
+                }
             }
+            (*slot, *place, self.groups) = (Some(code), span, self.groups | bit);
         }
         Ok(())
     }
 
+    #[inline]
     fn push_word(
         &mut self,
         letter: u8,
@@ -274,7 +291,41 @@ impl Block {
 
     /// The value of a word, by its upper-case letter; `None` when the block has none (always for G and M).
     pub fn word(&self, letter: u8) -> Option<Decimal> {
-        self.slot(slot_of(letter)?).copied()
+        self.value(letter).copied()
+    }
+
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn value(&self, letter: u8) -> Option<&Decimal> {
+        self.slot(slot_of(letter)?)
+    }
+
+    /// Whether one of these words is given.
+    #[inline]
+    pub(crate) const fn has_any(&self, letters: Letters) -> bool {
+        self.present & letters.0 != 0
+    }
+
+    /// Whether all of these words are given.
+    #[inline]
+    pub(crate) const fn has_all(&self, letters: Letters) -> bool {
+        self.present & letters.0 == letters.0
+    }
+
+    /// The most places that one of these words has.
+    pub(crate) fn most_places(&self, letters: Letters) -> u8 {
+        let (mut given, mut most) = (self.present & letters.0, 0);
+        for value in &self.values {
+            if given & 1 != 0 {
+                most = value.places().max(most);
+            }
+            given >>= 1;
+        }
+        most
+    }
+
+    /// Whether a word is below zero.
+    pub(crate) fn is_negative(&self, letter: u8) -> bool {
+        self.value(letter).is_some_and(|value| value.is_negative())
     }
 
     /// Whether the block was skipped, or would be with block delete on: it starts with `/`.
@@ -315,14 +366,18 @@ impl Block {
     /// Bit n: the word of axis n is given.
     pub(crate) fn axes(&self) -> u16 {
         // The slots of U, V and W are those of X, Y and Z in the same order.
-        let increments = (self.present >> INCREMENTS) & 0b111;
+        let increments = if EXTENDED {
+            (self.present >> INCREMENTS) & 0b111
+        } else {
+            0
+        };
         ((self.present & 0b11_1111) | increments) as u16
     }
 
-    /// The increment (U, V, W) of axis 0..3.
+    /// The increment (U, V, W) of axis 0..3; without the extended codes no dialect has them.
     #[inline]
     pub(crate) fn increment(&self, axis: usize) -> Option<&Decimal> {
-        if axis < 3 {
+        if EXTENDED && axis < 3 {
             self.slot(INCREMENTS.wrapping_add(axis as u8))
         } else {
             None
@@ -332,12 +387,13 @@ impl Block {
     /// Refuses increments (U, V, W) beside anything but a contour cycle.
     pub(crate) fn check_increments(&self) -> Result<(), Fault> {
         let given = (0..3).find(|&axis| self.increment(axis).is_some());
-        match (given, self.code(Group::Motion)) {
-            (None, _) | (_, Some(Code::ContourCycle(_))) => Ok(()),
-            (Some(axis), _) => {
+        let contour = || self.code(Group::Motion).and_then(Code::contour_cycle);
+        match given {
+            Some(axis) if contour().is_none() => {
                 let letter = self.letter_of(axis);
-                Err(Fault::at(ErrorKind::UnknownWord(letter), letter))
+                Err(Fault::at(Reason::UnknownWord, letter))
             }
+            _ => Ok(()),
         }
     }
 
@@ -345,14 +401,14 @@ impl Block {
     #[cfg(feature = "extended")]
     pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {
         if self.groups & !1u32.wrapping_shl(Group::Motion as u32) != 0 {
-            return Err(Fault::at_motion(ErrorKind::TwoUsersOfWords));
+            return Err(Fault::at_motion(Reason::TwoUsersOfWords));
         }
         let foreign = |letter: u8| letter != b'N' && !letters.contains(&letter);
         let mut given = LETTERS
             .into_iter()
             .filter(|&letter| self.present & bit(letter) != 0);
         match given.find(|&letter| foreign(letter)) {
-            Some(letter) => Err(Fault::at(ErrorKind::UnusedWord(letter), letter)),
+            Some(letter) => Err(Fault::at(Reason::UnusedWord, letter)),
             None => Ok(()),
         }
     }
@@ -380,29 +436,19 @@ impl Block {
             return Ok(());
         }
         let (mut once, mut twice) = (more.0, 0);
-        let mut groups = self.groups;
-        while groups != 0 {
-            let group = groups.trailing_zeros();
-            groups &= groups.wrapping_sub(1);
-            if let Some(code) = self.codes.get(group as usize).copied().flatten() {
-                let claim = code.letters().0;
-                twice |= once & claim;
-                once |= claim;
-            }
+        for code in self.codes.iter().flatten() {
+            let claim = code.letters().0;
+            twice |= once & claim;
+            once |= claim;
         }
-        let find = |wrong: u32| {
-            CLAIMED_IN_ORDER
-                .iter()
-                .find(|&&letter| wrong & bit(letter) != 0)
-                .copied()
-        };
-        if let Some(letter) = find(given & !once) {
-            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
+        let (unused, shared) = (given & !once, given & twice);
+        if unused != 0 {
+            return Err(Fault::at(Reason::UnusedWord, first_of(unused)));
         }
-        match find(given & twice) {
-            Some(letter) => Err(Fault::at(ErrorKind::TwoUsersOfWords, letter)),
-            None => Ok(()),
+        if shared != 0 {
+            return Err(Fault::at(Reason::TwoUsersOfWords, first_of(shared)));
         }
+        Ok(())
     }
 
     /// The number of a program: `O` alone in its block (dialect `iso`).
@@ -414,64 +460,108 @@ impl Block {
 
     #[inline]
     pub(crate) fn code(&self, group: Group) -> Option<Code> {
-        if self.groups & 1u32.wrapping_shl(group as u32) == 0 {
-            return None;
-        }
         self.codes.get(group as usize).copied().flatten()
     }
 
-    /// Whether there is nothing but one of G0 to G3 at the most, the words of a move, `F` and `N`.
+    /// Whether a word is given; of a letter that is known when this is compiled it is one test.
+    #[inline(always)]
+    pub(crate) const fn has(&self, letter: u8) -> bool {
+        self.present & bit(letter) != 0
+    }
+
+    /// Whether none of the groups but these is given.
+    #[inline]
+    pub(crate) fn has_only(&self, groups: u32) -> bool {
+        self.groups & !groups == 0
+    }
+
+    /// The codes by their groups.
+    #[inline]
+    pub(crate) const fn codes(&self) -> &[Option<Code>; Group::COUNT] {
+        &self.codes
+    }
+
+    /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it is.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    pub(crate) fn scaled(
+        &self,
+        letter: u8,
+        factor: u8,
+        exponent: u8,
+        to: &mut i64,
+    ) -> Result<(), Fault> {
+        if let Some(value) = self.value(letter) {
+            match value.scaled(i32::from(factor), exponent) {
+                Some(scaled) => *to = scaled,
+                None => return Err(Fault::at(Reason::NumberTooLarge, letter)),
+            }
+        }
+        Ok(())
+    }
+
+    /// A word that is a whole number up to a limit; without it the number stays as it is.
+    pub(crate) fn whole(&self, letter: u8, most: u32, to: &mut u32) -> Result<(), Fault> {
+        if let Some(value) = self.value(letter) {
+            let Some(number) = value.whole() else {
+                return Err(Fault::at(Reason::NotWhole, letter));
+            };
+            if number as u64 > u64::from(most) {
+                return Err(Fault::at(Reason::OutOfRange, letter));
+            }
+            *to = number as u32;
+        }
+        Ok(())
+    }
+
+    /// Whether there is no code but of the motion, and no word but those of a move, `F` and `N`.
+    #[inline]
     pub(crate) fn is_move(&self) -> bool {
         const OF_MOVES: u32 = Letters::new(b"XYZABCUVWIJKRPFN").0;
-        let others = self.groups & !1u32.wrapping_shl(Group::Motion as u32);
-        others == 0
-            && self.present & !OF_MOVES == 0
-            && matches!(
-                self.code(Group::Motion),
-                None | Some(Code::Rapid | Code::Linear | Code::Clockwise | Code::CounterClockwise)
-            )
+        self.has_only(1 << Group::Motion as u32) && self.present & !OF_MOVES == 0
     }
 
-    /// The error of a fault: where its words stand.
+    /// The error of a fault: where its words stand. The measure is that of an arc that does not fit.
     #[cold]
-    pub(crate) fn error(&self, fault: Fault) -> Error {
-        let span = match fault.place {
-            Place::Word(letter) => self.span_of(letter),
-            Place::Code(group) => self.span_of_code(group),
-            Place::Axes => self.span_of_axes(),
-            Place::Motion => self
-                .span_of_code(Group::Motion)
-                .or_else(|| self.first_axis()),
+    #[inline(never)]
+    pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {
+        let place = fault.place();
+        let code = match place {
+            Place::Code(group) => Some(usize::from(group)),
+            Place::Motion => self.code(Group::Motion).map(|_| Group::Motion as usize),
+            _ => None,
         };
-        span.unwrap_or_default().error(fault.kind)
+        let span = match code {
+            Some(group) => self.code_spans.get(group).copied(),
+            None => {
+                let words = match place {
+                    Place::Word => bit(fault.letter()),
+                    _ => 0b11_1111,
+                };
+                self.span_of(words, place == Place::Motion)
+            }
+        };
+        span.unwrap_or_default().error(fault.kind(measure))
     }
 
-    fn span_of(&self, letter: u8) -> Option<Span> {
-        let slot = slot_of(letter).filter(|_| self.present & bit(letter) != 0)?;
-        self.word_spans.get(usize::from(slot)).copied()
-    }
-
-    fn span_of_code(&self, group: Group) -> Option<Span> {
-        self.code(group)?;
-        self.code_spans.get(group as usize).copied()
-    }
-
-    fn spans_of_axes(&self) -> impl Iterator<Item = Span> {
-        LETTERS
-            .into_iter()
-            .take(AXES)
-            .filter_map(|letter| self.span_of(letter))
-    }
-
-    fn span_of_axes(&self) -> Option<Span> {
-        self.spans_of_axes().reduce(|all, span| Span {
-            at: all.at.min(span.at),
-            end: all.end.max(span.end),
-        })
-    }
-
-    fn first_axis(&self) -> Option<Span> {
-        self.spans_of_axes().min_by_key(|span| span.at)
+    /// Where the first of some words stands, or all of them, as far as they are given.
+    fn span_of(&self, words: u32, first: bool) -> Option<Span> {
+        let mut given = words & self.present;
+        let mut all: Option<Span> = None;
+        for &span in &self.word_spans {
+            if given & 1 != 0 {
+                all = match all {
+                    None => Some(span),
+                    Some(other) if first && span.at < other.at => Some(span),
+                    Some(other) if first => Some(other),
+                    Some(other) => Some(Span {
+                        at: span.at.min(other.at),
+                        end: span.end.max(other.end),
+                    }),
+                };
+            }
+            given >>= 1;
+        }
+        all
     }
 }
 
@@ -479,6 +569,18 @@ impl Default for Block {
     fn default() -> Self {
         Block::EMPTY
     }
+}
+
+/// The letter of the first slot in a set.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn first_of(mut slots: u32) -> u8 {
+    for letter in LETTERS {
+        if slots & 1 != 0 {
+            return letter;
+        }
+        slots >>= 1;
+    }
+    b'?'
 }
 
 /// Slot of an upper-case letter.

@@ -2,14 +2,14 @@
 
 use crate::arc::Plane;
 use crate::block::{Block, axis_letter};
+use crate::code::{Code, Group};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::Commands;
 use crate::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle, State};
 use crate::dialect::Flavour;
-use crate::error::ErrorKind;
-use crate::fault::Fault;
+use crate::fault::{Fault, Reason};
 use crate::kind::Kind;
-use crate::modal::{Distance, FeedMode, Modal, Motion, Sticky, shifted};
+use crate::modal::{Distance, FeedMode, Modal, Sticky, shifted};
 use crate::nm::Nm;
 use crate::settings::{unsigned, whole};
 use crate::thread::{MOST_PASSES, Passes, tangent};
@@ -19,16 +19,16 @@ const MOST_PECKS: u64 = 1 << 16;
 
 impl<const N: usize> Modal<N> {
     /// What a series of cycles keeps is forgotten behind it, the level of G98 behind a series of whatever cycles.
-    pub(crate) fn leave_series(&mut self, mode: Option<Motion>) {
-        let before = self.modes.motion;
-        if matches!(before, Some(Motion::Cycle(_) | Motion::Thread)) && before != mode {
-            let initial = match mode {
-                Some(Motion::Cycle(_)) => self.modes.sticky.initial,
-                _ => None,
+    pub(crate) fn leave_series(&mut self, mode: Code) {
+        let before = self.active(Group::Motion);
+        if (before.cycle().is_some() || before == Code::Thread) && before != mode {
+            let initial = match mode.cycle() {
+                Some(_) => self.modes.sticky.initial,
+                None => None,
             };
             self.modes.sticky = Sticky {
                 initial,
-                ..Sticky::default()
+                ..Sticky::NONE
             };
         }
     }
@@ -41,14 +41,14 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         if block.axes() & 0b111 == 0 {
-            return Err(Fault::at_motion(ErrorKind::NoAxisWords));
+            return Err(Fault::at_motion(Reason::NoAxisWords));
         }
         if let Some(axis) = (3..6).find(|&axis| block.axis(axis).is_some()) {
             let letter = axis_letter(axis);
-            return Err(Fault::at(ErrorKind::RotaryInCycle(letter), letter));
+            return Err(Fault::at(Reason::RotaryInCycle, letter));
         }
         if N < 3 {
-            return Err(Fault::at_motion(ErrorKind::NoAxisWords));
+            return Err(Fault::at_motion(Reason::NoAxisWords));
         }
         match kind {
             Kind::Thread => self.passes(block, commands),
@@ -63,7 +63,7 @@ impl<const N: usize> Modal<N> {
     fn kept(&self, block: &Block, letter: u8, before: Option<Nm>) -> Result<Nm, Fault> {
         match self.length_of(block, letter)? {
             Some(length) => Ok(length),
-            None => before.ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(letter))),
+            None => before.ok_or_else(|| Fault::at_motion(Reason::MissingWord).of(letter)),
         }
     }
 
@@ -74,25 +74,25 @@ impl<const N: usize> Modal<N> {
         kind: Kind,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        if self.modes.feed_mode == FeedMode::InverseTime {
-            return Err(Fault::at_motion(ErrorKind::WrongFeedMode));
+        if self.feed_mode() == FeedMode::InverseTime {
+            return Err(Fault::at_motion(Reason::WrongFeedMode));
         }
         // A lathe drills along Z, whatever the plane of its arcs.
-        let plane = if self.dialect.is_lathe() {
+        let plane = if self.modes.dialect.is_lathe() {
             Plane::Xy
         } else {
-            self.modes.plane
+            self.plane()
         };
         let across = plane.across();
         let part = |point: &[Nm; N], axis: usize| point.get(axis).copied().unwrap_or_default();
         let height = part(&self.modes.position, across);
-        let incremental = self.modes.distance == Distance::Incremental;
+        let incremental = self.distance() == Distance::Incremental;
         let sum = |letter: u8, a: Nm, b: Nm| shifted(a, b, letter);
         let zero = self.zero_of(across);
         let peck_on_lathe = kind == Kind::LathePeck;
         if peck_on_lathe && block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
-            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
+            return Err(Fault::at(Reason::UnusedWord, letter));
         }
 
         // The retract plane, or on a lathe how far a peck retracts.
@@ -123,15 +123,15 @@ impl<const N: usize> Modal<N> {
         if retract < bottom || (peck_on_lathe && retract == bottom) {
             let letter = if peck_on_lathe { depth_letter } else { b'R' };
             return Err(match block.word(letter) {
-                Some(_) => Fault::at(ErrorKind::RetractBelowBottom, letter),
-                None => Fault::at_motion(ErrorKind::RetractBelowBottom),
+                Some(_) => Fault::at(Reason::RetractBelowBottom, letter),
+                None => Fault::at_motion(Reason::RetractBelowBottom),
             });
         }
 
-        let left = match whole::<u32>(block, b'L')? {
+        let left = match whole(block, b'L', u32::MAX)? {
             None => 1,
-            Some(0) if self.dialect.flavour != Flavour::Iso => {
-                return Err(Fault::at(ErrorKind::OutOfRange(b'L'), b'L'));
+            Some(0) if self.modes.dialect.flavour != Flavour::Iso => {
+                return Err(Fault::at(Reason::OutOfRange, b'L'));
             }
             Some(count) => count,
         };
@@ -139,12 +139,13 @@ impl<const N: usize> Modal<N> {
         let (offset, middle) = self.back_bore(block, kind, plane, [zero, bottom], incremental)?;
         if let Some(value) = block.word(b'P') {
             self.modes.sticky.dwell_micros =
-                unsigned(value, 6).ok_or_else(|| Fault::at(ErrorKind::OutOfRange(b'P'), b'P'))?;
+                unsigned(value, 6).ok_or_else(|| Fault::at(Reason::OutOfRange, b'P'))?;
         }
         self.check_cycle_spindle(kind)?;
-        let feed = self.feed_of()?;
+        self.set_feed_of(commands)?;
+        let feed = commands.feed;
 
-        let target = self.target(block, self.frame())?;
+        let target = self.target(block)?;
         let axes = plane.axes();
         let hole = axes.map(|axis| part(&target, axis));
         let mut pitch = [Nm(0); 2];
@@ -159,10 +160,10 @@ impl<const N: usize> Modal<N> {
             let more = pitch
                 .0
                 .checked_mul(i64::from(left.max(1)).saturating_sub(1))
-                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+                .ok_or_else(|| Fault::at(Reason::NumberTooLarge, letter))?;
             *last = sum(letter, *last, Nm(more))?;
         }
-        let clear = if self.modes.to_retract {
+        let clear = if self.active(Group::Return) == Code::ReturnToRetract {
             retract
         } else {
             retract.max(initial)
@@ -191,8 +192,8 @@ impl<const N: usize> Modal<N> {
             middle,
             dwell_micros: self.modes.sticky.dwell_micros,
             feed,
-            spindle: (self.modes.spindle, self.modes.milli_rpm),
-            path: Some(self.modes.path).filter(|path| matches!(path, PathMode::Blend { .. })),
+            spindle: (self.spindle_direction(), self.modes.milli_rpm),
+            path: Some(self.path()).filter(|path| matches!(path, PathMode::Blend { .. })),
             left,
             state: State::Begin,
         }));
@@ -210,13 +211,13 @@ impl<const N: usize> Modal<N> {
     ) -> Result<Nm, Fault> {
         if !matches!(kind, Kind::Peck | Kind::ChipBreak | Kind::LathePeck) {
             if u64::from(left) > MOST_PECKS {
-                return Err(Fault::at(ErrorKind::TooManyPasses, b'L'));
+                return Err(Fault::at(Reason::TooManyPasses, b'L'));
             }
             return Ok(Nm(0));
         }
         let peck = self.kept(block, b'Q', self.modes.sticky.peck)?;
         if peck <= Nm(0) {
-            return Err(Fault::at(ErrorKind::OutOfRange(b'Q'), b'Q'));
+            return Err(Fault::at(Reason::OutOfRange, b'Q'));
         }
         self.modes.sticky.peck = Some(peck);
         // bottom <= retract, both within 2^51.
@@ -226,7 +227,7 @@ impl<const N: usize> Modal<N> {
             .unwrap_or(0)
             .saturating_add(1);
         if pecks.saturating_mul(u64::from(left)) > MOST_PECKS {
-            return Err(Fault::at_motion(ErrorKind::TooManyPasses));
+            return Err(Fault::at_motion(Reason::TooManyPasses));
         }
         Ok(peck)
     }
@@ -262,24 +263,24 @@ impl<const N: usize> Modal<N> {
             .0
             .checked_add(kept[2].0)
             .and_then(|sum| Nm(sum).within_limit())
-            .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, across))?;
+            .ok_or_else(|| Fault::at(Reason::NumberTooLarge, across))?;
         Ok(([kept[0], kept[1]], middle))
     }
 
     /// Taps turn their own way; bores that stop the spindle need it to turn.
     fn check_cycle_spindle(&self, kind: Kind) -> Result<(), Fault> {
         let right = match kind {
-            Kind::Tap => self.modes.spindle == SpindleDirection::Clockwise,
-            Kind::LeftTap => self.modes.spindle == SpindleDirection::CounterClockwise,
+            Kind::Tap => self.spindle_direction() == SpindleDirection::Clockwise,
+            Kind::LeftTap => self.spindle_direction() == SpindleDirection::CounterClockwise,
             Kind::BoreStop | Kind::BackBore | Kind::BoreManual => {
-                self.modes.spindle != SpindleDirection::Off
+                self.spindle_direction() != SpindleDirection::Off
             }
             _ => true,
         };
         if right {
             Ok(())
         } else {
-            Err(Fault::at_motion(ErrorKind::SpindleStopped))
+            Err(Fault::at_motion(Reason::SpindleStopped))
         }
     }
 
@@ -299,13 +300,16 @@ impl<const N: usize> Modal<N> {
         let feed = match lead {
             // Not used: both cuts are synchronised or rapid.
             Some(lead) => crate::command::Feed::PerRevolution(lead),
-            None => self.feed_of()?,
+            None => {
+                self.set_feed_of(commands)?;
+                commands.feed
+            }
         };
         if let Some(taper) = self.length_of(block, b'R')? {
             self.modes.sticky.taper = taper;
         }
         let start = self.modes.position;
-        let target = self.target(block, self.frame())?;
+        let target = self.target(block)?;
         let given = block.axes();
         let mut far = start;
         let kept = self.modes.sticky.corner;
@@ -316,7 +320,7 @@ impl<const N: usize> Modal<N> {
                 kept.and_then(|kept| kept.get(place).copied())
             };
             let value =
-                value.ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(axis_letter(axis))))?;
+                value.ok_or_else(|| Fault::at_motion(Reason::MissingWord).of(axis_letter(axis)))?;
             if let Some(entry) = far.get_mut(axis) {
                 *entry = value;
             }
@@ -361,20 +365,20 @@ impl<const N: usize> Modal<N> {
     /// G76, with the words of LinuxCNC; I, J and K are diameters under G7.
     fn passes(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.check_turning()?;
-        let needs = |letter| Fault::at_motion(ErrorKind::MissingWord(letter));
-        let range = |letter| Fault::at(ErrorKind::OutOfRange(letter), letter);
+        let needs = |letter| Fault::at_motion(Reason::MissingWord).of(letter);
+        let range = |letter| Fault::at(Reason::OutOfRange, letter);
         if block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
-            return Err(Fault::at(ErrorKind::UnusedWord(letter), letter));
+            return Err(Fault::at(Reason::UnusedWord, letter));
         }
         let radial = |letter: u8| {
             let value = block.word(letter).ok_or_else(|| needs(letter))?;
-            let length = if self.modes.diameter {
-                self.modes.units.half(value)
+            let length = if self.is_diameter() {
+                self.units().half(value)
             } else {
-                self.modes.units.length(value)
+                self.units().length(value)
             };
-            length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
+            length.ok_or_else(|| Fault::at(Reason::NumberTooLarge, letter))
         };
         let (peak, first, full) = (radial(b'I')?, radial(b'J')?, radial(b'K')?);
         let lead = self.length_of(block, b'P')?.ok_or_else(|| needs(b'P'))?;
@@ -395,17 +399,17 @@ impl<const N: usize> Modal<N> {
                 .filter(|&micro| micro <= 80_000_000)
                 .ok_or_else(|| range(b'Q'))?,
         };
-        let springs = whole::<u16>(block, b'H')?.unwrap_or(0);
+        let springs = whole(block, b'H', u16::MAX)?.unwrap_or(0);
         let taper = self.length_of(block, b'E')?.unwrap_or(Nm(0));
         if taper < Nm(0) {
             return Err(range(b'E'));
         }
-        let taper_ends = match whole::<u8>(block, b'L')? {
+        let taper_ends = match whole(block, b'L', u8::MAX)? {
             Some(ends @ 0..=3) if taper > Nm(0) => ends,
             Some(0..=3) | None => 0,
             Some(_) => return Err(range(b'L')),
         };
-        let to = self.target(block, self.frame())?;
+        let to = self.target(block)?;
         let end_z = to.get(2).copied().unwrap_or_default();
         let start_z = self.modes.position.get(2).copied().unwrap_or_default();
         let slope = tangent(angle);
@@ -430,7 +434,7 @@ impl<const N: usize> Modal<N> {
             state: 0,
         };
         if passes.depth(MOST_PASSES) < full {
-            return Err(Fault::at(ErrorKind::TooManyPasses, b'J'));
+            return Err(Fault::at(Reason::TooManyPasses, b'J'));
         }
         self.modes.position = to;
         commands.cycle(Cycle::Passes(passes));

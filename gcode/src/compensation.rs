@@ -301,7 +301,7 @@ impl<const N: usize> Compensation<N> {
                     arc: Arc {
                         to,
                         radius: None,
-                        mismatch: with_centre(from, at, centre).unwrap_or(arc.mismatch),
+                        mismatch: mismatch_of(&from, &at, &centre).unwrap_or(arc.mismatch),
                         ..arc
                     },
                     feed,
@@ -395,7 +395,7 @@ impl<const N: usize> Compensation<N> {
                         direction,
                         turns: 0,
                         radius: None,
-                        mismatch: with_centre(from, to, centre).unwrap_or_default(),
+                        mismatch: mismatch_of(&from, &to, &centre).unwrap_or_default(),
                         resolution: Nm(1),
                     },
                     feed,
@@ -514,4 +514,11 @@ fn common(active: &Active, before: &Course, after: &Course, corner: Vector) -> O
             circles((centre, radius), (other, other_radius), corner)
         }
     }
+}
+/// The mismatch of an arc that fits.
+fn mismatch_of(from: &[Nm; 2], to: &[Nm; 2], centre: &[Nm; 2]) -> Option<Nm> {
+    let mut off = Nm(0);
+    with_centre(from, to, centre, [0, 1], &mut off)
+        .ok()
+        .map(|()| off)
 }

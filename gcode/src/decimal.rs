@@ -1,7 +1,7 @@
 //! Exact decimal numbers, as they are written in a program.
 
 use crate::error::ErrorKind;
-use crate::wide::{divide, product};
+use crate::wide::{product, quotient};
 use core::fmt;
 use fixed::traits::Fixed;
 
@@ -13,27 +13,21 @@ pub struct Decimal {
     places: u8,
 }
 
-/// `10^n` for n in 0..=18, the powers an `i64` holds.
-const POWERS: [i64; 19] = {
-    let mut powers = [1; 19];
-    let mut n = 1;
-    while n < powers.len() {
-        powers[n] = powers[n - 1] * 10;
-        n += 1;
-    }
-    powers
-};
-
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
 
-/// `10^n`, or `None` beyond 10^18. The access is guarded by the length: no panic is left of it.
-const fn power(n: u8) -> Option<i64> {
-    if (n as usize) < POWERS.len() {
-        Some(POWERS[n as usize])
-    } else {
-        None
+/// `10^n`, or `None` beyond 10^18. For numbers with many digits only: a loop is shorter than a table.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+const fn power(mut n: u8) -> Option<u64> {
+    if n > MOST {
+        return None;
     }
+    let mut power = 1u64;
+    while n > 0 {
+        power = power.wrapping_mul(10); // at most 10^18
+        n = n.wrapping_sub(1);
+    }
+    Some(power)
 }
 
 /// `10^n`, or `None` beyond 10^6.
@@ -90,12 +84,12 @@ impl Decimal {
     ///
     /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
     /// nanometre. The usual case costs one multiplication or one 64-bit division.
-    pub const fn scaled(self, factor: i64, exponent: u8) -> Option<i64> {
+    pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
         let small = self.digits as i32 as i64 == self.digits && factor.unsigned_abs() <= 2147;
         if small && self.places <= exponent {
             if let Some(scale) = small_power(exponent.wrapping_sub(self.places)) {
                 // 2147 * 10^6 < 2^31, so this is one multiplication of 32 by 32 bits, which fits 63.
-                let scale = (factor as i32).wrapping_mul(scale);
+                let scale = factor.wrapping_mul(scale);
                 return Some((self.digits as i32 as i64).wrapping_mul(scale as i64));
             }
         }
@@ -107,32 +101,38 @@ impl Decimal {
 
     /// Without signs: where there are many digits, or places to round away.
     #[inline(never)]
-    const fn magnitude_scaled(self, factor: u64, exponent: u8) -> Option<i64> {
-        // Below 2^127.
-        let mut scaled = product(self.digits.unsigned_abs(), factor);
+    const fn magnitude_scaled(self, factor: u32, exponent: u8) -> Option<i64> {
+        // Below 2^95.
+        let mut scaled = product(self.digits.unsigned_abs(), factor as u64);
         if scaled == 0 {
             return Some(0);
         }
-        let excess = self.places.saturating_sub(exponent);
-        let missing = exponent.saturating_sub(self.places);
-        let scale = match power(missing) {
-            Some(scale) if scaled >> 64 == 0 => scale as u64,
-            // Too large already, or 10^19 and more of it; without a scale there is nothing to be done.
-            _ if missing > 0 => return None,
-            _ => 1,
-        };
-        if scale != 1 {
-            scaled = product(scaled as u64, scale);
+        let mut missing = exponent.saturating_sub(self.places);
+        let mut excess = self.places.saturating_sub(exponent);
+        while missing > 0 {
+            // Too large already; otherwise below 2^64 * 10.
+            if scaled >> 64 != 0 {
+                return None;
+            }
+            scaled = product(scaled as u64, 10);
+            missing = missing.wrapping_sub(1);
         }
-        // In two steps where it is more than 18 places: what the first one drops does not change the rounding.
-        let first = excess.saturating_sub(MOST);
-        let last = excess.wrapping_sub(first);
-        if let (1.., Some(divisor)) = (first, power(first)) {
-            scaled = divide(scaled, divisor as u64);
-        }
-        if let (1.., Some(divisor)) = (last, power(last)) {
-            // The power is even.
-            scaled = divide(scaled.wrapping_add(divisor as u128 >> 1), divisor as u64);
+        // In two steps where it is more than 18 places: what the first one drops does not change the rounding, and 2^95 is
+        // below 2^64 times its divisor.
+        while excess > 0 {
+            let step = if excess > MOST { MOST } else { excess };
+            let Some(divisor) = power(step) else {
+                return None;
+            };
+            excess = excess.wrapping_sub(step);
+            if excess == 0 {
+                // The power is even.
+                scaled = scaled.wrapping_add((divisor >> 1) as u128);
+            }
+            if (scaled >> 64) as u64 >= divisor {
+                return None; // more than 64 bits
+            }
+            scaled = quotient(scaled, divisor) as u128;
         }
         if scaled > i64::MAX as u128 {
             None
@@ -148,25 +148,21 @@ impl Decimal {
 
     /// `value * 10^exponent` if that is an integer that fits.
     pub(crate) const fn exactly(self, exponent: u8) -> Option<i64> {
+        let rounded = self.scaled(1, exponent);
         if self.places <= exponent {
-            return self.scaled(1, exponent);
+            return rounded;
         }
-        let Some(divisor) = power(self.places.wrapping_sub(exponent)) else {
-            // Fewer than 20 digits cannot be a multiple of 10^19.
+        // What is left of the digits: nothing of fewer than 20 digits behind 19 places, unless it is 0.
+        let (Some(rounded), Some(power)) = (rounded, power(self.places.wrapping_sub(exponent)))
+        else {
             return if self.digits == 0 { Some(0) } else { None };
         };
-        let magnitude = self.digits.unsigned_abs();
-        let quotient = divide(magnitude as u128, divisor as u64) as u64;
-        if quotient.wrapping_mul(divisor as u64) != magnitude {
-            return None;
-        }
-        // At most 2^63 / 10.
-        let quotient = quotient as i64;
-        Some(if self.digits < 0 {
-            quotient.wrapping_neg()
+        // Rounded up it is at most 2^63 / 10 + 1, and the product within 2^64: it wraps only where it differs.
+        if rounded.wrapping_mul(power as i64) == self.digits {
+            Some(rounded)
         } else {
-            quotient
-        })
+            None
+        }
     }
 
     /// One unit of the last place, as an exact decimal.
@@ -239,30 +235,22 @@ impl Decimal {
         }
     }
 
-    /// Appends a digit written before the point.
-    pub(crate) fn push_whole(&mut self, digit: u8) -> Result<(), ErrorKind> {
-        let next = self
-            .digits
-            .checked_mul(10)
-            .and_then(|ten| ten.checked_add(i64::from(digit)));
-        self.digits = next.ok_or(ErrorKind::NumberTooLarge)?;
-        Ok(())
-    }
-
-    /// Appends a digit written behind the point. Zeros that no longer fit are dropped: they change nothing.
-    pub(crate) fn push_place(&mut self, digit: u8) -> Result<(), ErrorKind> {
-        let next = self
-            .digits
-            .checked_mul(10)
-            .and_then(|ten| ten.checked_add(i64::from(digit)));
-        match next {
-            Some(digits) if self.places < Decimal::MAX_PLACES => {
-                self.digits = digits;
-                self.places = self.places.wrapping_add(1);
-                Ok(())
-            }
-            _ if digit == 0 => Ok(()),
-            _ => Err(ErrorKind::TooManyDigits),
+    /// Appends a digit written before the point, or behind it (`place`). Zeros behind it that no longer fit are dropped:
+    /// they change nothing.
+    pub(crate) fn push(&mut self, digit: u8, place: bool) -> Result<(), ErrorKind> {
+        // The most that ten times of it fit; with the digit it is below 2^64.
+        let fits = self.digits <= i64::MAX / 10 && !(place && self.places >= Decimal::MAX_PLACES);
+        let ten = (self.digits << 3).wrapping_add(self.digits << 1);
+        let next = ten.wrapping_add(i64::from(digit));
+        if fits && next >= 0 {
+            self.digits = next;
+            self.places = self.places.wrapping_add(place.into());
+            return Ok(());
+        }
+        match (place, digit) {
+            (true, 0) => Ok(()),
+            (true, _) => Err(ErrorKind::TooManyDigits),
+            (false, _) => Err(ErrorKind::NumberTooLarge),
         }
     }
 

@@ -11,6 +11,7 @@ pub struct Dialect {
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[repr(u8)]
 pub(crate) enum Flavour {
     Rs274,
     Grbl,
@@ -166,7 +167,8 @@ impl Dialect {
             Flavour::Rs274 | Flavour::Printer | Flavour::Lathe => {
                 !matches!(letter, b'O' | b'U' | b'V' | b'W')
             }
-            Flavour::LatheA => !matches!(letter, b'V'),
+            Flavour::LatheA if EXTENDED => !matches!(letter, b'V'),
+            Flavour::LatheA => !matches!(letter, b'U' | b'V' | b'W'),
             Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),
             Flavour::Drill => matches!(letter, b'X' | b'Y'),
         }

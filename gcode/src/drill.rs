@@ -2,9 +2,8 @@
 
 use crate::block::Block;
 use crate::code::{Code, Group};
-use crate::commands::{Commands, Plain};
-use crate::error::ErrorKind;
-use crate::fault::Fault;
+use crate::commands::Commands;
+use crate::fault::{Fault, Reason};
 use crate::modal::Modal;
 
 /// X and Y.
@@ -12,30 +11,31 @@ const BOTH: u16 = 0b11;
 
 impl<const N: usize> Modal<N> {
     /// The last stage of a block in the drill dialect, whose only words are X and Y.
+    #[inline(never)]
     pub(crate) fn drill(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let code = block.code(Group::NonModal);
         if code == Some(Code::Shift) {
-            return self.set_shift(block);
+            return self.set_shift(block, commands);
         }
         let given = block.axes();
         if given == 0 {
             return match code {
-                Some(_) => Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal)),
+                Some(_) => Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal)),
                 None => Ok(()),
             };
         }
-        let to = self.target(block, self.frame())?;
+        self.aim(block, self.terms(), commands)?;
         if given == BOTH {
-            let mut corner = self.modes.position;
-            if let (Some(corner), Some(to)) = (corner.first_mut(), to.first()) {
+            // X first: the other axes stay.
+            commands.via = self.modes.position;
+            if let (Some(corner), Some(to)) = (commands.via.first_mut(), commands.arc.to.first()) {
                 *corner = *to;
             }
-            commands.via(corner);
+            commands.go_via();
         }
-        self.modes.position = to;
-        commands.straight(to, None);
+        self.go(Code::Rapid, commands);
         if code.is_none() {
-            commands.finish(Plain::Drill);
+            commands.finish(None);
         }
         Ok(())
     }

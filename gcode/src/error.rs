@@ -164,6 +164,7 @@ impl From<FramingError> for ErrorKind {
 
 impl ErrorKind {
     /// The number of the message: 301 for E0301.
+    #[inline(never)]
     pub const fn code(self) -> u16 {
         match self {
             ErrorKind::NotALetter(_) => 101,

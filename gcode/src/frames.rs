@@ -1,50 +1,161 @@
 //! Frames and tools: G10, G28 and G30, G43 and G49, G92, and the sides of G41 and G42.
 
 use crate::block::{AXES, Block, axis_letter};
-use crate::code::{Code, EXTENDED, Group, Side};
-use crate::command::Command;
+#[cfg(feature = "extended")]
+use crate::code::Side;
+use crate::code::{Code, EXTENDED, Group};
 use crate::commands::Commands;
 use crate::dialect::Flavour;
-use crate::error::ErrorKind;
-use crate::fault::Fault;
+use crate::fault::{Fault, Reason};
 use crate::modal::{Modal, coordinate};
 use crate::nm::Nm;
-use crate::settings::{missing, whole};
+use crate::settings::missing;
+#[cfg(feature = "extended")]
+use crate::settings::whole;
 use crate::tools::Tool;
 
-/// What the axis words of a block say.
+/// What counts beside an axis word: some zeros, and the position or what the position shall read.
 #[derive(Copy, Clone)]
-enum From {
+pub(crate) struct Terms(u8);
+
+const SYSTEM: u8 = 1;
+const SHIFT: u8 = 2;
+const LENGTH: u8 = 4;
+#[cfg(feature = "extended")]
+const FIXTURE: u8 = 8;
+const POSITION: u8 = 16;
+const HERE: u8 = 32;
+/// An end of a move: increments count from the position.
+const END: u8 = 64;
+
+impl Terms {
     /// The value itself.
-    Word,
-    /// How the present position shall read: in the work frame (G10 L20), by G92, or by the length of the tool, in the work
-    /// frame (G10 L10) or in the fixture of G59.3, whatever shifts the others (G10 L11).
-    System,
-    Shift,
-    ToolInWork,
-    ToolInFixture,
+    pub(crate) const NONE: Terms = Terms(0);
+    /// The end of a move in the machine frame, in the work frame, or as a way from the position.
+    pub(crate) const MACHINE: Terms = Terms(END);
+    pub(crate) const WORK: Terms = Terms(END | SYSTEM | SHIFT | LENGTH);
+    pub(crate) const INCREMENT: Terms = Terms(END | POSITION);
+    /// Where the zero of a frame is, so that the present position reads the value: in the work frame (G10 L20), by G92.
+    const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
+    const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
+    /// How long the tool is, so that it reads the value: in the work frame (G10 L10) or in the fixture of G59.3, whatever
+    /// shifts the others (G10 L11).
+    #[cfg(feature = "extended")]
+    const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
+    #[cfg(feature = "extended")]
+    const TO_LENGTH_IN_FIXTURE: Terms = Terms(HERE | FIXTURE);
+
+    const fn has(self, term: u8) -> bool {
+        self.0 & term != 0
+    }
 }
 
 impl<const N: usize> Modal<N> {
+    /// Replaces the coordinates whose axes the block gives.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn read_axes(
+        &self,
+        block: &Block,
+        terms: Terms,
+        to: &mut [Nm; N],
+    ) -> Result<(), Fault> {
+        let mut given = block.axes();
+        // Beyond the axes with letters there is nothing, and no bit of `given`.
+        for (axis, to) in (0..AXES).zip(to.iter_mut()) {
+            if given & 1 != 0 {
+                self.read_axis(block, terms, axis, to)?;
+            }
+            given >>= 1;
+        }
+        Ok(())
+    }
+
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn read_axis(
+        &self,
+        block: &Block,
+        mut terms: Terms,
+        axis: usize,
+        to: &mut Nm,
+    ) -> Result<(), Fault> {
+        let letter = block.letter_of(axis);
+        if EXTENDED && terms.has(END) && block.increment(axis).is_some() {
+            if block.axis(axis).is_some() {
+                return Err(Fault::at(Reason::TwoUsersOfWords, letter));
+            }
+            terms = Terms::INCREMENT;
+        }
+        let mut value = Nm(0);
+        self.add_word(block, letter, &mut value)?;
+        // All within a few times Nm::LIMIT.
+        value.0 = value.0.wrapping_add(self.sum_of(axis, terms).0);
+        if terms.has(HERE) {
+            let here = coordinate(&self.modes.position, axis);
+            value.0 = here.0.wrapping_sub(value.0);
+        }
+        *to = value
+            .within_limit()
+            .ok_or(Fault::at(Reason::NumberTooLarge, letter))?;
+        Ok(())
+    }
+
+    /// The sum of some coordinates.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn sum_of(&self, axis: usize, terms: Terms) -> Nm {
+        let system = self.offsets.get(usize::from(self.work_system()));
+        let mut sum = 0i64;
+        for (term, point) in [
+            (SYSTEM, system),
+            (SHIFT, Some(&self.modes.shift)),
+            (LENGTH, Some(&self.modes.length)),
+            (POSITION, Some(&self.modes.position)),
+            #[cfg(feature = "extended")]
+            (FIXTURE, self.offsets.last()),
+        ] {
+            if let Some(point) = point.filter(|_| terms.has(term)) {
+                // A few times Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+                sum = sum.saturating_add(coordinate(point, axis).0);
+            }
+        }
+        Nm(sum)
+    }
+
+    /// The active work zero of one axis, without the tool length.
+    pub(crate) fn work_offset_of(&self, axis: usize) -> Nm {
+        self.sum_of(axis, Terms(SYSTEM | SHIFT))
+    }
+
+    /// The work zero of the programmed point: with the tool length.
+    pub(crate) fn zero_of(&self, axis: usize) -> Nm {
+        self.sum_of(axis, Terms::WORK)
+    }
+
+    #[cfg(feature = "extended")]
     #[inline(never)]
     pub(crate) fn set_compensation(
         &mut self,
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        let (side, direct) = match block.code(Group::Compensation).filter(|_| EXTENDED) {
+        let (side, direct) = match block.code(Group::Compensation) {
             None => return Ok(()),
-            Some(Code::Compensate { side, direct }) => (side, direct),
+            Some(Code::CompensateLeft) => (Side::Left, false),
+            Some(Code::CompensateLeftDirect) => (Side::Left, true),
+            Some(Code::CompensateRight) => (Side::Right, false),
+            Some(Code::CompensateRightDirect) => (Side::Right, true),
             Some(_) => {
-                if self.modes.compensation.take().is_some() {
-                    commands.compensation(None, Nm(0), self.modes.plane);
+                if self.modes.more.compensation.take().is_some() {
+                    commands.compensation(None, Nm(0), self.plane());
                 }
                 return Ok(());
             }
         };
-        if self.modes.compensation.is_some() {
+        if self.modes.more.compensation.is_some() {
             return Err(Fault::at_code(
-                ErrorKind::UnderCompensation,
+                Reason::UnderCompensation,
                 Group::Compensation,
             ));
         }
@@ -52,21 +163,20 @@ impl<const N: usize> Modal<N> {
             let value = block
                 .word(b'D')
                 .ok_or_else(|| missing(b'D', Group::Compensation))?;
-            self.modes
-                .units
+            self.units()
                 .half(value)
-                .ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, b'D'))?
+                .ok_or_else(|| Fault::at(Reason::NumberTooLarge, b'D'))?
         } else {
-            match whole::<u32>(block, b'D')? {
+            match whole(block, b'D', u32::MAX)? {
                 Some(0) => Nm(0),
                 Some(number) => {
                     let tool = self.tools.get(number);
-                    tool.ok_or_else(|| Fault::at(ErrorKind::UnknownTool, b'D'))?
+                    tool.ok_or_else(|| Fault::at(Reason::UnknownTool, b'D'))?
                         .radius
                 }
                 None => {
                     let tool = self.tools.get(self.modes.loaded);
-                    let unknown = || Fault::at_code(ErrorKind::UnknownTool, Group::Compensation);
+                    let unknown = || Fault::at_code(Reason::UnknownTool, Group::Compensation);
                     tool.ok_or_else(unknown)?.radius
                 }
             }
@@ -77,8 +187,8 @@ impl<const N: usize> Modal<N> {
             (Side::Right, true) => Side::Left,
             (side, false) => side,
         };
-        self.modes.compensation = Some(side);
-        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.modes.plane);
+        self.modes.more.compensation = Some(side);
+        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.plane());
         Ok(())
     }
 
@@ -88,155 +198,124 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
+        let Some(code) = block.code(Group::ToolLength) else {
+            return Ok(());
+        };
+        #[cfg_attr(not(feature = "extended"), expect(unused_mut))]
         let mut number = 0;
-        let before = self.modes.length;
-        match block.code(Group::ToolLength) {
-            None => return Ok(()),
-            Some(Code::ToolLength) if EXTENDED => {
-                number = whole(block, b'H')?.unwrap_or(self.modes.loaded);
+        let to = &mut commands.arc.to;
+        *to = self.modes.length;
+        match code {
+            #[cfg(feature = "extended")]
+            Code::ToolLength => {
+                number = self.modes.loaded;
+                block.whole(b'H', u32::MAX, &mut number)?;
                 // A tool that is not in the table has no length of its own: its length is in the work zero.
-                self.modes.length = self.tools.get(number).unwrap_or_default().offset;
+                *to = self.tools.get(number).unwrap_or_default().offset;
             }
-            Some(Code::DirectToolLength) => {
+            Code::DirectToolLength => {
                 if block.axes() == 0 {
-                    return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::ToolLength));
+                    return Err(Fault::at_code(Reason::NoAxisWords, Group::ToolLength));
                 }
-                let mut length = self.modes.length;
-                for (axis, length) in (0..N).zip(length.iter_mut()) {
-                    if let Some(value) = self.length_of(block, axis_letter(axis))? {
-                        *length = value;
-                    }
-                }
-                self.modes.length = length;
+                self.read_axes(block, Terms::NONE, to)?;
             }
-            Some(_) => {
-                self.modes.length = [Nm(0); N];
+            _ => {
+                *to = [Nm(0); N];
                 // G49 in the first line of many a program.
-                if before == self.modes.length {
+                if self.modes.length == *to {
                     return Ok(());
                 }
             }
         }
-        commands.length(number, self.modes.length);
+        self.modes.length = *to;
+        commands.length(number, &self.modes.length);
         Ok(())
     }
 
     /// G10 and its `L`.
     #[inline(never)]
-    pub(crate) fn set_data(&mut self, block: &Block) -> Result<(), Fault> {
-        let kind: u8 = whole(block, b'L')?.ok_or_else(|| missing(b'L', Group::NonModal))?;
-        let number: u32 = whole(block, b'P')?.ok_or_else(|| missing(b'P', Group::NonModal))?;
-        match kind {
-            1 | 10 | 11 if EXTENDED && self.dialect.flavour != Flavour::Grbl => {
-                self.write_tool(block, kind, number)
+    pub(crate) fn set_data(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let (mut kind, mut number) = (0, 0);
+        needed(block, b'L', u8::MAX.into(), &mut kind)?;
+        needed(block, b'P', u32::MAX, &mut number)?;
+        let terms = match kind {
+            #[cfg(feature = "extended")]
+            1 | 10 | 11 if self.modes.dialect.flavour != Flavour::Grbl => {
+                return self.write_tool(block, kind, number);
             }
-            2 | 20 => {
-                if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
-                    return Err(Fault::at(ErrorKind::OutOfRange(b'R'), b'R'));
-                }
-                let system = match number.checked_sub(1) {
-                    None => Some(self.modes.system),
-                    Some(system) => u8::try_from(system).ok(),
-                };
-                let most = if self.dialect.flavour == Flavour::Grbl {
-                    6
-                } else {
-                    self.offsets.len()
-                };
-                let system = system
-                    .filter(|&system| usize::from(system) < most)
-                    .ok_or_else(|| Fault::at(ErrorKind::OutOfRange(b'P'), b'P'))?;
-                let from = if kind == 20 { From::System } else { From::Word };
-                let words = self.axes_of(block, from)?;
-                if let Some(zero) = self.offsets.get_mut(usize::from(system)) {
-                    write(zero, words);
-                }
-                Ok(())
-            }
-            _ => Err(Fault::at(ErrorKind::OutOfRange(b'L'), b'L')),
+            2 => Terms::NONE,
+            20 => Terms::TO_SYSTEM,
+            _ => return Err(Fault::at(Reason::OutOfRange, b'L')),
+        };
+        if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
+            return Err(Fault::at(Reason::OutOfRange, b'R'));
         }
+        let system = match number.checked_sub(1) {
+            None => u32::from(self.work_system()),
+            Some(system) => system,
+        };
+        let grbl = self.modes.dialect.flavour == Flavour::Grbl;
+        let zero = self.offsets.get(system as usize);
+        let zero = zero.filter(|_| !(EXTENDED && grbl && system >= 6));
+        let to = &mut commands.arc.to;
+        *to = *zero.ok_or(Fault::at(Reason::OutOfRange, b'P'))?;
+        self.read_axes(block, terms, to)?;
+        if let Some(zero) = self.offsets.get_mut(system as usize) {
+            *zero = *to;
+        }
+        Ok(())
     }
 
     /// G10 L1, L10, L11: the length and the radius of a tool.
-    fn write_tool(&mut self, block: &Block, kind: u8, number: u32) -> Result<(), Fault> {
+    #[cfg(feature = "extended")]
+    fn write_tool(&mut self, block: &Block, kind: u32, number: u32) -> Result<(), Fault> {
         if number == 0 {
-            return Err(Fault::at(ErrorKind::OutOfRange(b'P'), b'P'));
+            return Err(Fault::at(Reason::OutOfRange, b'P'));
         }
         let mut tool = self.tools.get(number).unwrap_or_default();
-        let from = match kind {
-            1 => From::Word,
-            10 => From::ToolInWork,
-            _ => From::ToolInFixture,
+        let terms = match kind {
+            1 => Terms::NONE,
+            10 => Terms::TO_LENGTH,
+            _ => Terms::TO_LENGTH_IN_FIXTURE,
         };
-        write(&mut tool.offset, self.axes_of(block, from)?);
+        self.read_axes(block, terms, &mut tool.offset)?;
         if let Some(radius) = self.length_of(block, b'R')? {
             tool.radius = radius;
         }
         if self.tools.set(number, tool) {
             Ok(())
         } else {
-            Err(Fault::at(ErrorKind::ToolTableFull, b'P'))
+            Err(Fault::at(Reason::ToolTableFull, b'P'))
         }
-    }
-
-    /// What a coordinate of the present position is where its zero is sought, so that it reads the word.
-    fn here(&self, axis: usize, from: From) -> Option<i64> {
-        let position = coordinate(&self.modes.position, axis).0;
-        let length = coordinate(&self.modes.length, axis).0;
-        let shift = coordinate(&self.modes.shift, axis).0;
-        // All within a few times Nm::LIMIT.
-        Some(match from {
-            From::Word => return None,
-            From::System => position.saturating_sub(shift).saturating_sub(length),
-            From::Shift => position
-                .saturating_sub(self.system_offset_of(axis).0)
-                .saturating_sub(length),
-            From::ToolInWork => position.saturating_sub(self.work_offset_of(axis).0),
-            From::ToolInFixture => {
-                let fixture = self
-                    .offsets
-                    .last()
-                    .map_or(0, |zero| coordinate(zero, axis).0);
-                position.saturating_sub(fixture)
-            }
-        })
-    }
-
-    /// The axis words of a block: as they are, or as what the present position shall read.
-    fn axes_of(&self, block: &Block, from: From) -> Result<[Option<Nm>; N], Fault> {
-        let mut words = [None; N];
-        for (axis, entry) in (0..N).zip(words.iter_mut()) {
-            let letter = block.letter_of(axis);
-            if let Some(value) = self.length_of(block, letter)? {
-                let wanted = match self.here(axis, from) {
-                    Some(here) => Nm(here.saturating_sub(value.0)),
-                    None => value,
-                };
-                let within = wanted.within_limit();
-                *entry = Some(within.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?);
-            }
-        }
-        Ok(words)
     }
 
     /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
     #[inline(never)]
-    pub(crate) fn set_shift(&mut self, block: &Block) -> Result<(), Fault> {
+    pub(crate) fn set_shift(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         if block.axes() == 0 {
-            if self.dialect.flavour != Flavour::Drill {
-                return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal));
+            if self.modes.dialect.flavour != Flavour::Drill {
+                return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
             }
             for axis in 0..N {
-                if let (Some(here), Some(shift)) =
-                    (self.here(axis, From::Shift), self.modes.shift.get_mut(axis))
-                {
-                    *shift = Nm(here);
+                let here = coordinate(&self.modes.position, axis);
+                let zero = self.sum_of(axis, Terms(SYSTEM | LENGTH));
+                if let Some(shift) = self.modes.shift.get_mut(axis) {
+                    *shift = Nm(here.0.saturating_sub(zero.0));
                 }
             }
         }
-        let words = self.axes_of(block, From::Shift)?;
-        write(&mut self.modes.shift, words);
-        self.modes.kept_shift = self.modes.shift;
+        let to = &mut commands.arc.to;
+        *to = self.modes.shift;
+        self.read_axes(block, Terms::TO_SHIFT, to)?;
+        (self.modes.shift, self.modes.kept_shift) = (*to, *to);
         Ok(())
     }
 
@@ -246,48 +325,49 @@ impl<const N: usize> Modal<N> {
     pub(crate) fn go_home(
         &mut self,
         block: &Block,
-        which: u8,
+        second: bool,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        let home = if which == 0 {
-            self.homes[0]
-        } else {
-            self.homes[1]
-        };
-        let given = block.axes();
-        let mut to = self.modes.position;
-        for (axis, (to, home)) in (0..N).zip(to.iter_mut().zip(home)) {
-            if given == 0 || axis < AXES && given & 1u16.wrapping_shl(axis as u32) != 0 {
-                *to = home;
-            }
-        }
-        if self.dialect.flavour == Flavour::Micromill {
+        let mut given = block.axes();
+        self.aim(block, self.terms(), commands)?;
+        if self.modes.dialect.flavour == Flavour::Micromill {
             if given == 0 {
-                return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::NonModal));
+                return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
             }
             self.check_z_alone(block)?;
             for axis in 0..AXES {
                 if block.axis(axis).is_some_and(|value| !value.is_zero()) {
-                    let letter = axis_letter(axis);
-                    return Err(Fault::at(ErrorKind::NotZero(letter), letter));
+                    return Err(Fault::at(Reason::NotZero, axis_letter(axis)));
                 }
             }
         } else if given != 0 {
-            commands.via(self.target(block, self.frame())?);
+            commands.via = commands.arc.to;
+            commands.go_via();
         }
-        self.modes.position = to;
-        commands.motion(Command::Rapid { to });
+        if given == 0 {
+            given = u16::MAX;
+        }
+        commands.arc.to = self.modes.position;
+        let [first, other] = &self.homes;
+        let home = if second { other } else { first };
+        for (to, home) in commands.arc.to.iter_mut().zip(home) {
+            if given & 1 != 0 {
+                *to = *home;
+            }
+            given >>= 1;
+        }
+        self.go(Code::Rapid, commands);
         Ok(())
     }
 }
 
-/// Replaces what is given.
-fn write<const N: usize>(to: &mut [Nm; N], words: [Option<Nm>; N]) {
-    for (entry, word) in to.iter_mut().zip(words) {
-        if let Some(word) = word {
-            *entry = word;
-        }
+/// A whole number that G10 needs.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+fn needed(block: &Block, letter: u8, most: u32, to: &mut u32) -> Result<(), Fault> {
+    if !block.has(letter) {
+        return Err(missing(letter, Group::NonModal));
     }
+    block.whole(letter, most, to)
 }
 
 impl<const N: usize> Tool<N> {

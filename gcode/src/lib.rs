@@ -75,7 +75,6 @@ mod canned;
 mod drill;
 mod frames;
 mod motion;
-mod probe;
 mod settings;
 #[cfg(feature = "extended")]
 mod special;

@@ -1,16 +1,17 @@
 //! The modal state, and the order in which a block changes it.
 
 use crate::arc::Plane;
-use crate::block::{Block, axis_letter};
+use crate::block::{Block, first_of};
 use crate::code::{Code, EXTENDED, Group, Side};
 use crate::command::{PathMode, SpindleDirection};
-use crate::commands::{Commands, Plain};
+use crate::commands::Commands;
+#[cfg(feature = "extended")]
 use crate::decimal::Decimal;
 use crate::dialect::{Dialect, Flavour};
-use crate::error::{Error, ErrorKind};
-use crate::fault::Fault;
+use crate::error::Error;
+use crate::fault::{Fault, Reason};
 use crate::kind::Kind;
-use crate::nm::Nm;
+use crate::nm::{Measure, Nm};
 use crate::tools::{Tool, Tools};
 
 /// The motion mode: what axis words alone do.
@@ -54,31 +55,32 @@ pub enum Units {
 }
 
 impl Units {
+    /// A unit in nanometres, as a factor and a power of ten; or half of it.
+    pub(crate) const fn scale(self, half: bool) -> (u8, u8) {
+        match (self, half) {
+            (Units::Millimetres, false) => (1, 6),
+            (Units::Millimetres, true) => (5, 5),
+            (Units::Inches, false) => (254, 5),
+            (Units::Inches, true) => (127, 5),
+            (Units::Micrometres, false) => (1, 3),
+            (Units::Micrometres, true) => (5, 2),
+        }
+    }
+
     /// This many units in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
-    pub(crate) const fn length(self, value: Decimal) -> Option<Nm> {
-        let (factor, exponent) = match self {
-            Units::Millimetres => (1, 6),
-            Units::Inches => (254, 5),
-            Units::Micrometres => (1, 3),
-        };
-        Units::within(value.scaled(factor, exponent))
+    #[cfg(feature = "extended")]
+    pub(crate) fn length(self, value: Decimal) -> Option<Nm> {
+        let (factor, exponent) = self.scale(false);
+        let scaled = value.scaled(i32::from(factor), exponent);
+        scaled.and_then(|nm| Nm(nm).within_limit())
     }
 
     /// Half of it, rounded once: a diameter as a radius.
-    pub(crate) const fn half(self, value: Decimal) -> Option<Nm> {
-        let (factor, exponent) = match self {
-            Units::Millimetres => (5, 5),
-            Units::Inches => (127, 5),
-            Units::Micrometres => (5, 2),
-        };
-        Units::within(value.scaled(factor, exponent))
-    }
-
-    const fn within(scaled: Option<i64>) -> Option<Nm> {
-        match scaled {
-            Some(nm) => Nm(nm).within_limit(),
-            None => None,
-        }
+    #[cfg(feature = "extended")]
+    pub(crate) fn half(self, value: Decimal) -> Option<Nm> {
+        let (factor, exponent) = self.scale(true);
+        let scaled = value.scaled(i32::from(factor), exponent);
+        scaled.and_then(|nm| Nm(nm).within_limit())
     }
 }
 
@@ -107,7 +109,7 @@ const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 
 #[cfg(feature = "extended")]
 /// What a canned cycle keeps for the next block of its series, lengths as they were programmed.
-#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) struct Sticky {
     pub(crate) retract: Option<Nm>,
     pub(crate) bottom: Option<Nm>,
@@ -123,6 +125,21 @@ pub(crate) struct Sticky {
     pub(crate) lead: Nm,
 }
 
+#[cfg(feature = "extended")]
+impl Sticky {
+    pub(crate) const NONE: Sticky = Sticky {
+        retract: None,
+        bottom: None,
+        peck: None,
+        dwell_micros: 0,
+        back_bore: None,
+        initial: None,
+        corner: None,
+        taper: Nm(0),
+        lead: Nm(0),
+    };
+}
+
 /// The state that one block leaves to the next: modes, frames, eight tools and the programmed position. Cheap to clone.
 ///
 /// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49, G98, G97, G8, no motion
@@ -130,53 +147,147 @@ pub(crate) struct Sticky {
 /// absolute centres. Grbl: G0. Lathes: G18 and G7.
 ///
 /// A, B and C are turned in degrees whatever the unit: a millionth of a degree is one [`Nm`].
+///
+/// What is looked at most stands first: short instructions reach 32 bytes from its address.
 #[derive(Clone, Debug, Eq, PartialEq)]
+#[repr(C)]
 pub struct Modal<const N: usize> {
-    pub(crate) dialect: Dialect,
     pub(crate) modes: Modes<N>,
     // What is below changes only as the last thing a block does: it need not be kept aside.
-    pub(crate) offsets: [[Nm; N]; SYSTEMS],
     /// The positions G28 and G30 go to.
     pub(crate) homes: [[Nm; N]; 2],
+    pub(crate) offsets: [[Nm; N]; SYSTEMS],
     pub(crate) tools: Tools<N>,
 }
 
 /// What a refused block must leave as it was, small enough to be kept aside meanwhile.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
+#[repr(C)]
 pub(crate) struct Modes<const N: usize> {
-    pub(crate) position: [Nm; N],
-    /// The shift of all work frames by G92.
-    pub(crate) shift: [Nm; N],
-    /// The shift G92.3 brings back.
-    pub(crate) kept_shift: [Nm; N],
-    /// The tool length in effect.
-    pub(crate) length: [Nm; N],
-    /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
-    pub(crate) feed: u64,
-    pub(crate) milli_rpm: u64,
-    /// G96: surface speed a minute and the most thousandths of a revolution; `None` under G97.
-    pub(crate) surface: Option<(Nm, Option<u64>)>,
     pub(crate) tool: u32,
     /// The tool in the spindle: by M6 or M61.
     pub(crate) loaded: u32,
+    /// The code in effect of each modal group.
+    pub(crate) active: [Option<Code>; Group::MODAL],
+    pub(crate) mist: bool,
+    pub(crate) flood: bool,
+    /// What it was made for; it never changes.
+    pub(crate) dialect: Dialect,
+    /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
+    pub(crate) feed: u64,
+    pub(crate) milli_rpm: u64,
+    pub(crate) position: [Nm; N],
+    /// The shift of all work frames by G92.
+    pub(crate) shift: [Nm; N],
+    /// The tool length in effect.
+    pub(crate) length: [Nm; N],
+    /// The shift G92.3 brings back.
+    pub(crate) kept_shift: [Nm; N],
     #[cfg(feature = "extended")]
     pub(crate) sticky: Sticky,
+    #[cfg(feature = "extended")]
+    pub(crate) more: More,
+}
+
+impl<const N: usize> Modes<N> {
+    /// All bytes zero, as far as the extended codes add none: no codes in effect.
+    pub(crate) const NONE: Self = Modes {
+        dialect: Dialect::RS274.with_block_delete(false),
+        active: [None; Group::MODAL],
+        mist: false,
+        flood: false,
+        tool: 0,
+        loaded: 0,
+        feed: 0,
+        milli_rpm: 0,
+        position: [Nm(0); N],
+        shift: [Nm(0); N],
+        length: [Nm(0); N],
+        kept_shift: [Nm(0); N],
+        #[cfg(feature = "extended")]
+        sticky: Sticky::NONE,
+        #[cfg(feature = "extended")]
+        more: More::NONE,
+    };
+
+    /// Copies it field by field: as a whole it is moved by a function that nothing else of the basic codes needs.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn write_to(&self, to: &mut Self) {
+        (to.dialect, to.active) = (self.dialect, self.active);
+        (to.mist, to.flood) = (self.mist, self.flood);
+        (to.tool, to.loaded) = (self.tool, self.loaded);
+        (to.feed, to.milli_rpm) = (self.feed, self.milli_rpm);
+        to.position = self.position;
+        to.shift = self.shift;
+        to.length = self.length;
+        to.kept_shift = self.kept_shift;
+        #[cfg(feature = "extended")]
+        {
+            to.sticky = self.sticky;
+            to.more = self.more;
+        }
+    }
+}
+
+/// What the extended codes leave to the next block, besides the canned cycles.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+pub(crate) struct More {
+    /// G96: surface speed a minute and the most thousandths of a revolution; `None` under G97.
+    pub(crate) surface: Option<(Nm, Option<u64>)>,
     /// G5: from the end of the curve back to its second control point, turned round.
     pub(crate) tail: Option<[Nm; 2]>,
     pub(crate) compensation: Option<Side>,
-    pub(crate) diameter: bool,
-    pub(crate) to_retract: bool,
-    pub(crate) system: u8,
-    pub(crate) motion: Option<Motion>,
-    pub(crate) plane: Plane,
-    pub(crate) units: Units,
-    pub(crate) distance: Distance,
-    pub(crate) centres: Distance,
-    pub(crate) feed_mode: FeedMode,
-    pub(crate) spindle: SpindleDirection,
-    pub(crate) mist: bool,
-    pub(crate) flood: bool,
-    pub(crate) path: PathMode,
+    /// `P` of G64.
+    pub(crate) tolerance: Option<Nm>,
+}
+
+#[cfg(feature = "extended")]
+impl More {
+    const NONE: More = More {
+        surface: None,
+        tail: None,
+        compensation: None,
+        tolerance: None,
+    };
+}
+
+/// The codes in effect at the start of a program.
+#[inline(always)]
+fn initial(dialect: Dialect) -> [Option<Code>; Group::MODAL] {
+    let micromill = dialect.flavour == Flavour::Micromill;
+    let lathe = dialect.is_lathe();
+    // In the order of the groups.
+    [
+        Some(if lathe { Code::PlaneZx } else { Code::PlaneXy }),
+        Some(if micromill {
+            Code::Micrometres
+        } else {
+            Code::Millimetres
+        }),
+        Some(if lathe {
+            Code::DiameterMode
+        } else {
+            Code::RadiusMode
+        }),
+        Some(Code::G54),
+        Some(Code::Absolute),
+        Some(if micromill {
+            Code::AbsoluteCentres
+        } else {
+            Code::IncrementalCentres
+        }),
+        Some(Code::ReturnToInitial),
+        Some(Code::ExactPath),
+        Some(Code::PerMinute),
+        Some(if dialect.flavour == Flavour::Grbl {
+            Code::Rapid
+        } else {
+            Code::CancelMotion
+        }),
+        Some(Code::SpindleOff),
+        Some(Code::SpindleSpeed),
+    ]
 }
 
 /// One coordinate; 0 of an axis that is not there.
@@ -185,68 +296,30 @@ pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
 }
 
 /// The sum of a coordinate and the length of a word.
+#[cfg(feature = "extended")]
 pub(crate) fn shifted(from: Nm, by: Nm, letter: u8) -> Result<Nm, Fault> {
     from.0
         .checked_add(by.0)
         .and_then(|sum| Nm(sum).within_limit())
-        .ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))
+        .ok_or(Fault::at(Reason::NumberTooLarge, letter))
 }
 
 impl<const N: usize> Modal<N> {
     /// The state at the start of a program.
     pub fn new(dialect: Dialect) -> Self {
-        let micromill = dialect.flavour == Flavour::Micromill;
-        Modal {
-            dialect,
-            modes: Modes {
-                position: [Nm(0); N],
-                shift: [Nm(0); N],
-                kept_shift: [Nm(0); N],
-                length: [Nm(0); N],
-                feed: 0,
-                milli_rpm: 0,
-                surface: None,
-                tool: 0,
-                loaded: 0,
-                #[cfg(feature = "extended")]
-                sticky: Sticky::default(),
-                tail: None,
-                compensation: None,
-                diameter: dialect.is_lathe(),
-                to_retract: false,
-                system: 0,
-                motion: if dialect.flavour == Flavour::Grbl {
-                    Some(Motion::Rapid)
-                } else {
-                    None
-                },
-                plane: if dialect.is_lathe() {
-                    Plane::Zx
-                } else {
-                    Plane::Xy
-                },
-                units: if micromill {
-                    Units::Micrometres
-                } else {
-                    Units::Millimetres
-                },
-                distance: Distance::Absolute,
-                centres: if micromill {
-                    Distance::Absolute
-                } else {
-                    Distance::Incremental
-                },
-                feed_mode: FeedMode::PerMinute,
-                spindle: SpindleDirection::Off,
-                mist: false,
-                flood: false,
-                path: PathMode::ExactPath,
-            },
-            offsets: [[Nm(0); N]; SYSTEMS],
-            homes: [[Nm(0); N]; 2],
-            tools: Tools::new(),
-        }
+        let mut modal = Self::ZERO;
+        modal.modes.dialect = dialect;
+        modal.modes.active = initial(dialect);
+        modal
     }
+
+    /// All bytes zero, as far as the extended codes add none: nothing that must be copied from a constant.
+    const ZERO: Self = Modal {
+        modes: Modes::NONE,
+        homes: [[Nm(0); N]; 2],
+        offsets: [[Nm(0); N]; SYSTEMS],
+        tools: Tools::new(),
+    };
 
     /// What a block means: the state after it and its commands, in the order of execution of RS-274. All or nothing:
     /// `self` stays as it was, and with an error there is nothing else.
@@ -267,10 +340,11 @@ impl<const N: usize> Modal<N> {
     }
 
     /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3 with axis words, `F` and
-    /// `N` what these change) is kept aside. `commands` are replaced. With an error there are none, and the state is as it was.
+    /// `N` what these change) is kept aside, in `commands`. `commands` are replaced. With an error there are none, and the state is as it was.
     ///
     /// # Errors
     /// Those of [`Modal::plan`].
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         commands.clear();
         let done = if block.is_move() && self.is_moving(block) {
@@ -280,7 +354,7 @@ impl<const N: usize> Modal<N> {
         };
         done.map_err(|fault| {
             commands.clear();
-            block.error(fault)
+            block.error(fault, Measure::of(commands.arc.mismatch))
         })
     }
 
@@ -291,7 +365,7 @@ impl<const N: usize> Modal<N> {
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
-            .and_then(|()| self.moves_only(block, commands));
+            .and_then(|()| self.moves(block, commands));
         if done.is_err() {
             self.modes.feed = before;
         }
@@ -300,22 +374,37 @@ impl<const N: usize> Modal<N> {
 
     #[inline(never)]
     fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
-        let before = self.modes;
+        self.modes.write_to(&mut commands.before);
         let done = self.execute(block, commands);
         if done.is_err() {
-            self.modes = before;
+            commands.before.write_to(&mut self.modes);
+            return done;
         }
-        done
+        self.store(block, &commands.before.position);
+        self.stop(block, commands);
+        Ok(())
     }
 
-    /// Whether the motion in effect is one of G0 to G3, or none and the block names it.
+    /// Whether the motion of the block is one of G0 to G3, and that before it too, or none.
     fn is_moving(&self, block: &Block) -> bool {
-        match self.modes.motion {
-            None => block.code(Group::Motion).is_some(),
-            Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
-                true
-            }
-            Some(_) => false,
+        let before = self.active(Group::Motion);
+        let code = block.code(Group::Motion).unwrap_or(before);
+        // A cycle that ends here leaves words behind.
+        let simple = before.is_plain_move() || before == Code::CancelMotion;
+        code.is_plain_move() && (simple || !EXTENDED)
+    }
+
+    /// The code in effect of a modal group.
+    #[inline(always)]
+    pub(crate) fn active(&self, group: Group) -> Code {
+        let code = self.modes.active.get(group as usize).copied();
+        code.flatten().unwrap_or(Code::Foreign)
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_active(&mut self, group: Group, code: Code) {
+        if let Some(active) = self.modes.active.get_mut(group as usize) {
+            *active = Some(code);
         }
     }
 
@@ -337,24 +426,6 @@ impl<const N: usize> Modal<N> {
             *offset = self.work_offset_of(axis);
         }
         offset
-    }
-
-    /// The same of one axis. Most ask for one: an array is four copies on the way.
-    pub(crate) fn work_offset_of(&self, axis: usize) -> Nm {
-        let shift = coordinate(&self.modes.shift, axis);
-        Nm(self.system_offset_of(axis).0.saturating_add(shift.0))
-    }
-
-    /// The work zero of the programmed point: with the tool length.
-    pub(crate) fn zero_of(&self, axis: usize) -> Nm {
-        let length = coordinate(&self.modes.length, axis);
-        Nm(self.work_offset_of(axis).0.saturating_add(length.0))
-    }
-
-    /// The zero of the active work frame, without G92.
-    pub(crate) fn system_offset_of(&self, axis: usize) -> Nm {
-        let system = self.offsets.get(usize::from(self.modes.system));
-        system.map_or(Nm(0), |zero| coordinate(zero, axis))
     }
 
     /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another number.
@@ -420,72 +491,119 @@ impl<const N: usize> Modal<N> {
 
     /// The side of cutter compensation; `None` under G40.
     pub fn compensation(&self) -> Option<Side> {
-        self.modes.compensation
+        #[cfg(feature = "extended")]
+        return self.modes.more.compensation;
+        #[cfg(not(feature = "extended"))]
+        None
     }
 
     /// Whether X is a diameter (G7).
     pub fn is_diameter(&self) -> bool {
-        self.modes.diameter
+        EXTENDED && self.active(Group::Diameter) == Code::DiameterMode
     }
 
     /// The active work frame: 0 (G54) to 8 (G59.3).
     pub fn work_system(&self) -> u8 {
-        self.modes.system
+        let code = self.active(Group::System);
+        if EXTENDED && code > Code::G59 {
+            code.since(Code::G59_1).wrapping_add(6)
+        } else {
+            code.since(Code::G54)
+        }
     }
 
     /// The dialect it was made for.
     pub fn dialect(&self) -> &Dialect {
-        &self.dialect
+        &self.modes.dialect
     }
 
     /// The motion mode; `None` at the start, after G80 and in the micromill dialect.
     pub fn motion(&self) -> Option<Motion> {
-        self.modes.motion
+        Some(match self.active(Group::Motion) {
+            Code::Rapid => Motion::Rapid,
+            Code::Linear => Motion::Linear,
+            Code::Clockwise => Motion::Clockwise,
+            Code::CounterClockwise => Motion::CounterClockwise,
+            Code::Cubic => Motion::Cubic,
+            Code::Quadratic => Motion::Quadratic,
+            Code::Thread => Motion::Thread,
+            code if code.is_probe() => {
+                let (away, must) = code.probe();
+                Motion::Probe { away, must }
+            }
+            code => Motion::Cycle(code.cycle()?),
+        })
     }
 
     /// The plane of arcs.
     pub fn plane(&self) -> Plane {
-        self.modes.plane
+        match self.active(Group::Plane) {
+            Code::PlaneZx => Plane::Zx,
+            Code::PlaneYz => Plane::Yz,
+            _ => Plane::Xy,
+        }
     }
 
     /// The unit of lengths.
     pub fn units(&self) -> Units {
-        self.modes.units
+        match self.active(Group::Units) {
+            Code::Inches => Units::Inches,
+            Code::Micrometres => Units::Micrometres,
+            _ => Units::Millimetres,
+        }
     }
 
     /// How coordinates are meant.
     pub fn distance(&self) -> Distance {
-        self.modes.distance
+        match self.active(Group::Distance) {
+            Code::Incremental => Distance::Incremental,
+            _ => Distance::Absolute,
+        }
     }
 
     /// How arc centres are meant.
     pub fn centre_distance(&self) -> Distance {
-        self.modes.centres
+        match self.active(Group::CentreDistance) {
+            Code::AbsoluteCentres => Distance::Absolute,
+            _ => Distance::Incremental,
+        }
     }
 
     /// What `F` means.
     pub fn feed_mode(&self) -> FeedMode {
-        self.modes.feed_mode
+        match self.active(Group::FeedMode) {
+            Code::InverseTime => FeedMode::InverseTime,
+            Code::PerRevolution if EXTENDED => FeedMode::PerRevolution,
+            _ => FeedMode::PerMinute,
+        }
     }
 
     /// The feed of G94 in nm/min; `None` when none was given, and under G93 and G95.
     pub fn feed(&self) -> Option<Nm> {
         let rate = i64::try_from(self.modes.feed)
             .ok()
-            .filter(|&rate| rate > 0 && self.modes.feed_mode == FeedMode::PerMinute);
+            .filter(|&rate| rate > 0 && self.feed_mode() == FeedMode::PerMinute);
         rate.map(Nm)
     }
 
     /// Spindle and coolant off, as after M5 and M9: for an abort outside of the program.
     pub fn stop_outputs(&mut self) {
-        self.modes.spindle = SpindleDirection::Off;
+        self.set_active(Group::Spindle, Code::SpindleOff);
         self.modes.mist = false;
         self.modes.flood = false;
     }
 
     /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while it is off).
     pub fn spindle(&self) -> (SpindleDirection, u64) {
-        (self.modes.spindle, self.modes.milli_rpm)
+        (self.spindle_direction(), self.modes.milli_rpm)
+    }
+
+    pub(crate) fn spindle_direction(&self) -> SpindleDirection {
+        match self.active(Group::Spindle) {
+            Code::SpindleClockwise => SpindleDirection::Clockwise,
+            Code::SpindleCounterClockwise => SpindleDirection::CounterClockwise,
+            _ => SpindleDirection::Off,
+        }
     }
 
     /// Mist (M7) and flood (M8).
@@ -500,35 +618,39 @@ impl<const N: usize> Modal<N> {
 
     /// How moves may be joined.
     pub fn path(&self) -> PathMode {
-        self.modes.path
+        #[cfg(feature = "extended")]
+        match self.active(Group::Path) {
+            Code::ExactStop => return PathMode::ExactStop,
+            Code::Blend => {
+                let tolerance = self.modes.more.tolerance;
+                return PathMode::Blend { tolerance };
+            }
+            _ => {}
+        }
+        PathMode::ExactPath
     }
 
     fn execute(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
-        let here = self.modes.position;
         self.check_axes(block)?;
         self.set_feed(block)?;
         self.set_outputs(block, commands)?;
         self.set_dwell(block, commands)?;
-        self.set_modes(block)?;
-        self.set_compensation(block, commands)?;
-        self.set_tool_length(block, commands)?;
-        self.set_frames(block)?;
-        self.set_path(block, commands)?;
-        self.moves(block, commands)?;
-        self.store(block, here);
-        self.stop(block, commands);
-        Ok(())
+        self.set_modes(block, commands)?;
+        self.moves(block, commands)
     }
 
     /// What G28.1, G30.1 and the micro mill's G54 keep of the position before the block, when it can no longer fail.
-    fn store(&mut self, block: &Block, here: [Nm; N]) {
+    fn store(&mut self, block: &Block, here: &[Nm; N]) {
+        let [first, second] = &mut self.homes;
         match block.code(Group::NonModal) {
-            Some(Code::StoreHome(0)) => self.set_home(here),
-            Some(Code::StoreHome(_)) => self.set_second_home(here),
+            Some(Code::StoreHome) => *first = *here,
+            Some(Code::StoreSecondHome) => *second = *here,
             _ => {}
         }
-        if self.dialect.flavour == Flavour::Micromill && block.code(Group::System).is_some() {
-            self.set_work_zero(0, here);
+        if self.modes.dialect.flavour == Flavour::Micromill && block.code(Group::System).is_some() {
+            if let Some(offset) = self.offsets.first_mut() {
+                *offset = *here;
+            }
         }
     }
 
@@ -540,79 +662,98 @@ impl<const N: usize> Modal<N> {
             u16::MAX
         };
         let foreign = block.axes() & !mine;
-        if EXTENDED && self.dialect.flavour == Flavour::Lathe {
+        if EXTENDED && self.modes.dialect.flavour == Flavour::Lathe {
             block.check_increments()?;
         }
         if foreign == 0 {
             return Ok(());
         }
-        let letter = axis_letter(foreign.trailing_zeros() as usize);
-        Err(Fault::at(ErrorKind::UnknownWord(letter), letter))
+        Err(Fault::at(Reason::UnknownWord, first_of(u32::from(foreign))))
     }
 
     fn stop(&mut self, block: &Block, commands: &mut Commands<N>) {
         let Some(code) = block.code(Group::Stop) else {
             return;
         };
-        match code {
-            Code::Stop | Code::OptionalStop => {
-                commands.finish(Plain::Stop(code == Code::OptionalStop));
-            }
-            Code::PalletStop => commands.finish(Plain::Pallet),
-            _ => {
-                self.end();
-                commands.finish(Plain::End(code == Code::EndAndRewind));
-            }
+        commands.finish(Some(code));
+        if matches!(code, Code::End | Code::EndAndRewind) {
+            self.end();
         }
     }
 
     /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1, G40, M5, M9. Work
     /// zeros, tool length, units and the feed stay.
     fn end(&mut self) {
-        self.modes.system = 0;
-        if self.dialect.flavour != Flavour::Grbl {
+        if self.modes.dialect.flavour != Flavour::Grbl {
             self.modes.shift = [Nm(0); N];
         }
-        self.modes.plane = if self.dialect.is_lathe() {
-            Plane::Zx
-        } else {
-            Plane::Xy
-        };
-        self.modes.distance = Distance::Absolute;
-        if self.modes.feed_mode != FeedMode::PerMinute {
+        if self.feed_mode() != FeedMode::PerMinute {
             self.modes.feed = 0;
         }
-        self.modes.feed_mode = FeedMode::PerMinute;
-        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
-            None
-        } else {
-            Some(Motion::Linear)
-        };
-        self.modes.compensation = None;
+        let (lathe, micromill) = (
+            self.modes.dialect.is_lathe(),
+            self.modes.dialect.flavour == Flavour::Micromill,
+        );
+        for (group, code) in [
+            (
+                Group::Plane,
+                if lathe { Code::PlaneZx } else { Code::PlaneXy },
+            ),
+            (Group::System, Code::G54),
+            (Group::Distance, Code::Absolute),
+            (Group::FeedMode, Code::PerMinute),
+            (
+                Group::Motion,
+                if micromill {
+                    Code::CancelMotion
+                } else {
+                    Code::Linear
+                },
+            ),
+        ] {
+            self.set_active(group, code);
+        }
         #[cfg(feature = "extended")]
         {
-            self.modes.sticky = Sticky::default();
+            self.modes.sticky = Sticky::NONE;
+            (self.modes.more.tail, self.modes.more.compensation) = (None, None);
         }
-        self.modes.tail = None;
         self.stop_outputs();
     }
 
-    /// A word as a length, or the error at that word.
-    pub(crate) fn length(&self, letter: u8, value: Decimal) -> Result<Nm, Fault> {
-        let length = match letter {
-            // Degrees, in millionths.
-            b'A' | b'B' | b'C' => Units::Millimetres.length(value),
-            b'X' | b'U' if self.modes.diameter => self.modes.units.half(value),
-            _ => self.modes.units.length(value),
-        };
-        length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))
+    /// Adds a word to a length, if the block has it; both stay within [`Nm::LIMIT`].
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn add_word(&self, block: &Block, letter: u8, to: &mut Nm) -> Result<(), Fault> {
+        let (factor, exponent) = self.scale_of(letter);
+        let mut value = 0;
+        block.scaled(letter, factor, exponent, &mut value)?;
+        // Both below 2^63 / 2 where it counts.
+        let sum = Nm(to.0.wrapping_add(value));
+        if Nm(value).within_limit().is_none() || sum.within_limit().is_none() {
+            return Err(Fault::at(Reason::NumberTooLarge, letter));
+        }
+        *to = sum;
+        Ok(())
+    }
+
+    /// The unit of a word: degrees, in millionths, or the unit of lengths, or half of it.
+    fn scale_of(&self, letter: u8) -> (u8, u8) {
+        match letter {
+            b'A' | b'B' | b'C' => Units::Millimetres.scale(false),
+            b'X' | b'U' if self.is_diameter() => self.units().scale(true),
+            _ => self.units().scale(false),
+        }
     }
 
     /// A word as a length, if the block has it.
+    #[cfg(feature = "extended")]
     pub(crate) fn length_of(&self, block: &Block, letter: u8) -> Result<Option<Nm>, Fault> {
-        match block.word(letter) {
-            Some(value) => self.length(letter, value).map(Some),
-            None => Ok(None),
+        if block.word(letter).is_none() {
+            return Ok(None);
         }
+        let mut length = Nm(0);
+        self.add_word(block, letter, &mut length)?;
+        Ok(Some(length))
     }
 }

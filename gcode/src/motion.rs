@@ -1,31 +1,25 @@
-//! What moves: who gets the axis words, G0 to G3 and G53.
+//! What moves: who gets the axis words, G0 to G3, G53 and G38.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::{AXES, Block, Letters, axis_letter};
-use crate::code::{Code, EXTENDED, Group};
-use crate::command::{Command, Feed, SpindleDirection};
+use crate::block::{Block, Letters};
+use crate::code::{Code, Group};
+use crate::command::Feed;
+#[cfg(feature = "extended")]
+use crate::command::SpindleDirection;
 use crate::commands::Commands;
 use crate::decimal::Decimal;
 use crate::dialect::Flavour;
-use crate::error::ErrorKind;
-use crate::fault::Fault;
-use crate::modal::{Distance, FeedMode, Modal, Motion, shifted};
+use crate::fault::{Fault, Reason};
+use crate::frames::Terms;
+use crate::modal::{Distance, FeedMode, Modal};
 use crate::nm::Nm;
-
-/// The frame and sense of target words.
-#[derive(Copy, Clone)]
-pub(crate) enum Frame {
-    Work,
-    WorkIncremental,
-    Machine,
-}
 
 impl<const N: usize> Modal<N> {
     /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
     /// happens.
     #[inline(never)]
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
-        if self.dialect.flavour == Flavour::Drill {
+        if self.modes.dialect.flavour == Flavour::Drill {
             return self.drill(block, commands);
         }
         let non_modal = block.code(Group::NonModal);
@@ -38,443 +32,337 @@ impl<const N: usize> Modal<N> {
             } else {
                 Group::NonModal
             };
-            return Err(Fault::at_code(ErrorKind::TwoUsersOfWords, group));
+            return Err(Fault::at_code(Reason::TwoUsersOfWords, group));
         }
-        let mode = match code {
-            Some(code) => mode(code),
-            None => self.modes.motion,
-        };
-        if EXTENDED && matches!(code, Some(Code::ContourCycle(_))) {
-            return Err(Fault::at_code(ErrorKind::ContourOfBlocks, Group::Motion));
+        let mode = code.unwrap_or_else(|| self.active(Group::Motion));
+        #[cfg(feature = "extended")]
+        if mode.contour_cycle().is_some() {
+            return Err(Fault::at_code(Reason::ContourOfBlocks, Group::Motion));
         }
         #[cfg(feature = "extended")]
         self.leave_series(mode);
         let mine = !covets && (block.axes() != 0 || code.is_some());
         self.check_words(block, mode, mine)?;
-        self.stay_in(mode);
-        self.check_compensation(block, if mine { mode } else { None })?;
+        #[cfg(feature = "extended")]
+        self.check_compensation(block, if mine { mode } else { Code::CancelMotion })?;
         match non_modal {
             Some(Code::CancelShift) => {
                 (self.modes.shift, self.modes.kept_shift) = ([Nm(0); N], [Nm(0); N])
             }
-            Some(Code::SuspendShift) if EXTENDED => self.modes.shift = [Nm(0); N],
-            Some(Code::RestoreShift) if EXTENDED => self.modes.shift = self.modes.kept_shift,
-            Some(Code::SetData) => return self.set_data(block),
-            Some(Code::Shift) => return self.set_shift(block),
-            Some(Code::Home(which)) => return self.go_home(block, which, commands),
+            #[cfg(feature = "extended")]
+            Some(Code::SuspendShift) => self.modes.shift = [Nm(0); N],
+            #[cfg(feature = "extended")]
+            Some(Code::RestoreShift) => self.modes.shift = self.modes.kept_shift,
             _ => {}
         }
-        if covets {
-            return Ok(());
+        match non_modal {
+            Some(Code::SetData) => self.set_data(block, commands)?,
+            Some(Code::Shift) => self.set_shift(block, commands)?,
+            Some(Code::Home | Code::SecondHome) => {
+                let second = non_modal == Some(Code::SecondHome);
+                self.go_home(block, second, commands)?;
+            }
+            _ if direct_length => {}
+            _ => self.travel(block, mode, mine, commands)?,
         }
-        self.travel(block, mode, mine, commands)
-    }
-
-    /// As [`Modal::moves`], of a block with nothing but a move, which is most of them.
-    #[inline]
-    pub(crate) fn moves_only(
-        &mut self,
-        block: &Block,
-        commands: &mut Commands<N>,
-    ) -> Result<(), Fault> {
-        let code = block.code(Group::Motion);
-        let mode = code.map_or(self.modes.motion, mode);
-        let mine = block.axes() != 0 || code.is_some();
-        self.check_words(block, mode, mine)?;
-        self.travel(block, mode, mine, commands)?;
-        self.stay_in(mode);
+        // The mode is that of the next block too, except on the micro mill's link.
+        if self.modes.dialect.flavour != Flavour::Micromill {
+            self.set_active(Group::Motion, mode);
+        }
+        #[cfg(feature = "extended")]
+        if mode != Code::Cubic {
+            self.modes.more.tail = None;
+        }
         Ok(())
-    }
-
-    /// The mode is that of the next block too.
-    #[inline]
-    fn stay_in(&mut self, mode: Option<Motion>) {
-        // Motion is not modal on the micro mill's link.
-        self.modes.motion = if self.dialect.flavour == Flavour::Micromill {
-            None
-        } else {
-            mode
-        };
-        if EXTENDED && mode != Some(Motion::Cubic) {
-            self.modes.tail = None;
-        }
     }
 
     /// Refuses words without a user; `mine` is whether the motion has the axis words, or its code.
     #[inline]
-    fn check_words(&self, block: &Block, mode: Option<Motion>, mine: bool) -> Result<(), Fault> {
+    fn check_words(&self, block: &Block, mode: Code, mine: bool) -> Result<(), Fault> {
         if !block.has_claims() {
             return Ok(());
         }
-        let modal = block.code(Group::Motion).is_none();
-        let users = match mode {
-            Some(mode) if mine && modal => letters(mode, self.modes.plane),
-            Some(Motion::Clockwise | Motion::CounterClockwise) if mine => {
-                arc_letters(self.modes.plane)
-            }
+        // A code of the block counts for itself.
+        let letters = match mode {
+            _ if !mine => Letters::NONE,
+            Code::Clockwise | Code::CounterClockwise => self.plane().arc_letters(),
+            mode if block.code(Group::Motion).is_none() => mode.letters(),
             _ => Letters::NONE,
         };
-        block.check_users(users)
+        block.check_users(letters)
     }
 
     /// The motion itself.
-    #[inline]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn travel(
         &mut self,
         block: &Block,
-        mode: Option<Motion>,
+        mode: Code,
         mine: bool,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        let direction = match mode {
-            Some(Motion::Clockwise) => Direction::Clockwise,
-            Some(Motion::CounterClockwise) => Direction::CounterClockwise,
-            None | Some(Motion::Rapid | Motion::Linear) => {
-                return self.straight(block, mode, commands);
+        let mut terms = self.terms();
+        if block.code(Group::NonModal) == Some(Code::MachineFrame) {
+            let straight = matches!(mode, Code::Rapid | Code::Linear);
+            if !straight || self.distance() == Distance::Incremental {
+                return Err(Fault::at_code(Reason::MachineFrame, Group::NonModal));
             }
-            Some(mode) => {
-                self.no_machine_frame(block)?;
-                return if mine {
-                    self.special(block, mode, commands)
-                } else {
-                    Ok(())
-                };
-            }
-        };
-        self.no_machine_frame(block)?;
-        if !mine {
-            return Ok(());
+            terms = Terms::MACHINE;
         }
-        self.arc(block, direction, commands)
+        let none = block.axes() == 0;
+        match mode {
+            // G0 and G1 without axis words only set the mode.
+            Code::CancelMotion | Code::Rapid | Code::Linear if none => return Ok(()),
+            Code::CancelMotion => return Err(Fault::at_axes(Reason::AxisWordsWithoutMotion)),
+            _ if !mine => return Ok(()),
+            #[cfg(feature = "extended")]
+            mode if !mode.is_plain_move() && !mode.is_probe() => {
+                return self.special(block, mode, commands);
+            }
+            _ => {}
+        }
+        if none && !(mode.is_arc() && block.has_any(self.plane().shape().0)) {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
+        self.check_z_alone(block)?;
+        self.aim(block, terms, commands)?;
+        match mode {
+            Code::Rapid => {}
+            Code::Linear => self.set_feed_of(commands)?,
+            Code::Clockwise | Code::CounterClockwise => self.arc(block, mode, commands)?,
+            _ => {
+                if commands.arc.to == self.modes.position {
+                    return Err(Fault::at_axes(Reason::NoProbeMove));
+                }
+                if self.feed_mode() != FeedMode::PerMinute
+                    && self.modes.dialect.flavour != Flavour::Grbl
+                {
+                    return Err(Fault::at_motion(Reason::WrongFeedMode));
+                }
+                self.set_feed_of(commands)?;
+            }
+        }
+        self.go(mode, commands);
+        Ok(())
+    }
+
+    /// The position with the axis words of the block applied, as the end of the move.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn aim(
+        &self,
+        block: &Block,
+        terms: Terms,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        commands.arc.to = self.modes.position;
+        self.read_axes(block, terms, &mut commands.arc.to)
+    }
+
+    /// Ends a block with a move to the point aimed at.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn go(&mut self, motion: Code, commands: &mut Commands<N>) {
+        self.modes.position = commands.arc.to;
+        commands.motion(motion);
     }
 
     /// What cannot be done while the contour is compensated.
-    fn check_compensation(&self, block: &Block, mode: Option<Motion>) -> Result<(), Fault> {
-        if !EXTENDED || self.modes.compensation.is_none() {
+    #[cfg(feature = "extended")]
+    fn check_compensation(&self, block: &Block, mode: Code) -> Result<(), Fault> {
+        if self.compensation().is_none() {
             return Ok(());
         }
         if let Some(code) = block.code(Group::NonModal) {
             if code != Code::Dwell {
-                return Err(Fault::at_code(
-                    ErrorKind::UnderCompensation,
-                    Group::NonModal,
-                ));
+                return Err(Fault::at_code(Reason::UnderCompensation, Group::NonModal));
             }
         }
-        match mode {
-            None
-            | Some(Motion::Rapid | Motion::Linear | Motion::Clockwise | Motion::CounterClockwise) => {
-                Ok(())
-            }
-            Some(_) => Err(Fault::at_motion(ErrorKind::UnderCompensation)),
+        if mode.is_plain_move() || mode == Code::CancelMotion {
+            Ok(())
+        } else {
+            Err(Fault::at_motion(Reason::UnderCompensation))
         }
     }
 
-    /// The modes that are not lines or arcs.
-    #[inline(never)]
+    /// The modes that are not lines, arcs or probing.
+    #[cfg(feature = "extended")]
     fn special(
         &mut self,
         block: &Block,
-        mode: Motion,
+        mode: Code,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        if let Motion::Probe { away, must } = mode {
-            return self.probe(block, away, must, commands);
-        }
-        #[cfg(feature = "extended")]
         match mode {
-            Motion::Cubic => return self.cubic(block, commands),
-            Motion::Quadratic => return self.quadratic(block, commands),
-            Motion::Thread => return self.thread(block, commands),
-            Motion::Cycle(kind) => return self.canned(block, kind, commands),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn no_machine_frame(&self, block: &Block) -> Result<(), Fault> {
-        match block.code(Group::NonModal) {
-            Some(Code::MachineFrame) => {
-                Err(Fault::at_code(ErrorKind::MachineFrame, Group::NonModal))
-            }
-            _ => Ok(()),
+            Code::Cubic => self.cubic(block, commands),
+            Code::Quadratic => self.quadratic(block, commands),
+            Code::Thread => self.thread(block, commands),
+            _ => match mode.cycle() {
+                Some(kind) => self.canned(block, kind, commands),
+                None => Ok(()),
+            },
         }
     }
 
-    pub(crate) fn frame(&self) -> Frame {
-        match self.modes.distance {
-            Distance::Absolute => Frame::Work,
-            Distance::Incremental => Frame::WorkIncremental,
+    /// How axis words are meant.
+    pub(crate) fn terms(&self) -> Terms {
+        match self.distance() {
+            Distance::Absolute => Terms::WORK,
+            Distance::Incremental => Terms::INCREMENT,
         }
     }
 
     /// The position with the axis words of the block applied.
-    pub(crate) fn target(&self, block: &Block, frame: Frame) -> Result<[Nm; N], Fault> {
-        let given = block.axes();
+    #[cfg(feature = "extended")]
+    pub(crate) fn target(&self, block: &Block) -> Result<[Nm; N], Fault> {
         let mut target = self.modes.position;
-        // Beyond the axes with letters there is nothing, and no bit of `given`.
-        for (axis, target) in (0..AXES).zip(target.iter_mut()) {
-            if given & 1u16.wrapping_shl(axis as u32) == 0 {
-                continue;
-            }
-            let letter = block.letter_of(axis);
-            let (value, zero) = match (block.axis(axis), block.increment(axis)) {
-                (Some(value), None) => match frame {
-                    Frame::Work => (value, self.zero_of(axis)),
-                    Frame::WorkIncremental => (value, *target),
-                    Frame::Machine => (value, Nm(0)),
-                },
-                (None, Some(value)) => (value, *target),
-                _ => return Err(Fault::at(ErrorKind::TwoUsersOfWords, letter)),
-            };
-            *target = shifted(zero, self.length(letter, *value)?, letter)?;
-        }
+        self.read_axes(block, self.terms(), &mut target)?;
         Ok(target)
     }
 
-    /// G0 and G1, by code or modal; without axis words they only set the mode.
-    fn straight(
-        &mut self,
-        block: &Block,
-        mode: Option<Motion>,
-        commands: &mut Commands<N>,
-    ) -> Result<(), Fault> {
-        let machine_frame = block.code(Group::NonModal) == Some(Code::MachineFrame);
-        if machine_frame && (mode.is_none() || self.modes.distance == Distance::Incremental) {
-            return self.no_machine_frame(block);
-        }
-        if block.axes() == 0 {
-            return Ok(());
-        }
-        let Some(mode) = mode else {
-            return Err(Fault::at_axes(ErrorKind::AxisWordsWithoutMotion));
-        };
-        self.check_z_alone(block)?;
-        let to = self.target(
-            block,
-            if machine_frame {
-                Frame::Machine
+    /// The feed in effect, for a feed move of this block.
+    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn set_feed_of(&self, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let rate = self.modes.feed as i64;
+        let mode = self.feed_mode();
+        if rate <= 0 {
+            return Err(Fault::at_motion(if mode == FeedMode::InverseTime {
+                Reason::NoInverseTime
             } else {
-                self.frame()
-            },
-        )?;
-        let feed = match mode {
-            Motion::Rapid => None,
-            _ => Some(self.feed_of()?),
-        };
-        self.modes.position = to;
-        commands.straight(to, feed);
-        Ok(())
-    }
-
-    /// The feed in effect for a feed move of this block.
-    pub(crate) fn feed_of(&self) -> Result<Feed, Fault> {
-        let rate = i64::try_from(self.modes.feed).ok().filter(|&rate| rate > 0);
-        let missing = match self.modes.feed_mode {
-            FeedMode::PerMinute | FeedMode::PerRevolution => ErrorKind::NoFeed,
-            FeedMode::InverseTime => ErrorKind::NoInverseTime,
-        };
-        let rate = rate.ok_or_else(|| Fault::at_motion(missing))?;
-        Ok(match self.modes.feed_mode {
-            FeedMode::PerMinute => Feed::PerMinute(Nm(rate)),
+                Reason::NoFeed
+            }));
+        }
+        commands.feed = match mode {
+            #[cfg(feature = "extended")]
             FeedMode::PerRevolution => {
                 self.check_turning()?;
                 Feed::PerRevolution(Nm(rate))
             }
             FeedMode::InverseTime => Feed::InverseTime {
-                micro_per_minute: self.modes.feed,
+                micro_per_minute: rate as u64,
             },
-        })
+            _ => Feed::PerMinute(Nm(rate)),
+        };
+        Ok(())
     }
 
     /// Refuses a move that needs a turning spindle when it stands.
+    #[cfg(feature = "extended")]
     pub(crate) fn check_turning(&self) -> Result<(), Fault> {
-        if self.modes.spindle == SpindleDirection::Off {
-            return Err(Fault::at_motion(ErrorKind::SpindleStopped));
+        if self.spindle_direction() == SpindleDirection::Off {
+            return Err(Fault::at_motion(Reason::SpindleStopped));
         }
         Ok(())
     }
 
-    /// On the micro mill Z moves alone.
+    /// On the micro mill Z moves alone, and in no arc.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Fault> {
         const Z: u16 = 0b100;
         let axes = block.axes();
-        if self.dialect.flavour == Flavour::Micromill && axes & Z != 0 && axes != Z {
-            return Err(Fault::at(ErrorKind::ZNotAlone, b'Z'));
+        let arc = block.code(Group::Motion).is_some_and(Code::is_arc);
+        if self.modes.dialect.flavour == Flavour::Micromill && axes & Z != 0 && (axes != Z || arc) {
+            return Err(Fault::at(Reason::ZNotAlone, b'Z'));
         }
         Ok(())
     }
 
-    /// G2 and G3.
-    #[inline(never)]
-    fn arc(
-        &mut self,
-        block: &Block,
-        direction: Direction,
-        commands: &mut Commands<N>,
-    ) -> Result<(), Fault> {
-        let axes = self.modes.plane.axes();
-        let letters = self.modes.plane.centre_letters();
-        let given = block.axes();
-        let plane_words = axes
-            .iter()
-            .any(|&axis| given & 1u16.wrapping_shl(axis as u32) != 0);
-        let centre_words = letters.map(|letter| block.word(letter).is_some());
-        let any_centre = centre_words.contains(&true);
-        let radius_word = block.word(b'R');
-        if block.axes() == 0 && !any_centre && radius_word.is_none() {
-            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
-        }
+    /// G2 and G3, to the point aimed at: its words, its geometry, and what it has besides.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn arc(&self, block: &Block, mode: Code, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let plane = self.plane();
+        let (shape, ends) = plane.shape();
         // Two axes make a plane; a machine without them has no such arc.
-        if axes.iter().any(|&axis| axis >= N) {
-            return Err(Fault::at_motion(ErrorKind::NoCentre));
+        if N < 3 && plane != Plane::Xy || N < 2 {
+            return Err(Fault::at_motion(Reason::NoCentre));
         }
-        if self.dialect.flavour == Flavour::Micromill && block.axis(2).is_some() {
-            return Err(Fault::at(ErrorKind::ZNotAlone, b'Z'));
+        let arc = &mut commands.arc;
+        arc.plane = plane;
+        arc.direction = if mode == Code::Clockwise {
+            Direction::Clockwise
+        } else {
+            Direction::CounterClockwise
+        };
+        arc.centre = self.modes.position;
+        arc.radius = None;
+        if block.has(b'R') {
+            if block.has_any(plane.centre()) {
+                return Err(Fault::at(Reason::RadiusAndCentre, b'R'));
+            }
+            if !block.has_any(ends) {
+                return Err(Fault::at_motion(Reason::NoEnd));
+            }
+            self.arc_by_radius(block, arc)?;
+        } else {
+            self.read_centre(block, arc)?;
+            let position = &self.modes.position;
+            arc::with_centre(
+                position,
+                &arc.to,
+                &arc.centre,
+                plane.axes(),
+                &mut arc.mismatch,
+            )?;
         }
-        let to = self.target(block, self.frame())?;
-        let plane_of =
-            |point: &[Nm; N]| axes.map(|axis| point.get(axis).copied().unwrap_or_default());
-        let (from, end) = (plane_of(&self.modes.position), plane_of(&to));
-        let (centre, radius, mismatch) = match radius_word {
-            Some(_) if any_centre => {
-                return Err(Fault::at(ErrorKind::RadiusAndCentre, b'R'));
-            }
-            Some(_) if !plane_words => return Err(Fault::at_motion(ErrorKind::NoEnd)),
-            Some(value) => {
-                let radius = self.length(b'R', value)?;
-                let by_radius = arc::with_radius(from, end, radius, direction);
-                let by_radius = by_radius.map_err(|kind| match kind {
-                    ErrorKind::RadiusToSamePoint => Fault::at_motion(kind),
-                    _ => Fault::at(kind, b'R'),
-                })?;
-                let radius = if by_radius.short {
-                    None
-                } else {
-                    Some(Nm(radius.0.saturating_abs()))
-                };
-                (by_radius.centre, radius, by_radius.mismatch)
-            }
-            None => {
-                let centre = self.centre(block, letters, centre_words, from)?;
-                let mismatch = arc::with_centre(from, end, centre).map_err(|kind| match kind {
-                    ErrorKind::EndOffArc(_) if plane_words => Fault::at_axes(kind),
-                    _ => Fault::at_motion(kind),
-                })?;
-                (centre, None, mismatch)
-            }
-        };
-        let turns = match block.word(b'P') {
-            None => 0,
-            Some(value) => {
-                let turns = value
-                    .whole()
-                    .and_then(|whole| u32::try_from(whole).ok())
-                    .and_then(|turns| turns.checked_sub(1));
-                turns.ok_or_else(|| Fault::at(ErrorKind::NotWhole(b'P'), b'P'))?
-            }
-        };
-        let feed = self.feed_of()?;
-        let mut around = self.modes.position;
-        for (axis, centre) in axes.into_iter().zip(centre) {
-            if let Some(entry) = around.get_mut(axis) {
-                *entry = centre;
+        arc.turns = 1;
+        if block.whole(b'P', u32::MAX, &mut arc.turns).is_err() || arc.turns == 0 {
+            return Err(Fault::at(Reason::NotWhole, b'P'));
+        }
+        arc.turns = arc.turns.wrapping_sub(1);
+        // One unit of the finest last digit of these words, of which there is one at least.
+        let (factor, exponent) = self.units().scale(false);
+        let last = Decimal::new(1, block.most_places(shape));
+        let resolution = last.and_then(|value| value.scaled(i32::from(factor), exponent));
+        arc.resolution = Nm(resolution.unwrap_or(0));
+        self.set_feed_of(commands)
+    }
+
+    /// The centre by a radius, which is kept if it need not be stretched.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn arc_by_radius(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
+        const TOO_LARGE: Fault = Fault::at(Reason::NumberTooLarge, b'R');
+        let (from, axes) = (&self.modes.position, arc.plane.axes());
+        let mut radius = Nm(0);
+        self.add_word(block, b'R', &mut radius)?;
+        let left = (arc.direction == Direction::CounterClockwise) != (radius.0 < 0);
+        radius = Nm(radius.0.wrapping_abs());
+        arc.mismatch = Nm(0);
+        let mut way = arc::between(from, &arc.to, axes).ok_or(TOO_LARGE)?;
+        arc::with_radius(&mut way, radius, left, &mut arc.mismatch)?;
+        for (axis, way) in axes.into_iter().zip(way) {
+            if let Some(centre) = arc.centre.get_mut(axis) {
+                // Below 2^52: a sum that wraps is beyond the limit as well.
+                let moved = Nm(centre.0.wrapping_add(way));
+                *centre = moved.within_limit().ok_or(TOO_LARGE)?;
             }
         }
-        let resolution = self.resolution(block, axes, letters);
-        let arc = Arc {
-            to,
-            centre: around,
-            plane: self.modes.plane,
-            direction,
-            turns,
-            radius,
-            mismatch,
-            resolution,
-        };
-        self.modes.position = to;
-        commands.motion(Command::Arc { arc, feed });
+        if arc.mismatch == Nm(0) {
+            arc.radius = Some(radius);
+            arc.mismatch = arc::mismatch(&arc.centre, from, &arc.to, axes);
+        }
         Ok(())
     }
 
     /// The centre by its words: offsets from the start, or (both needed) coordinates in the work frame.
-    #[inline(never)]
-    fn centre(
-        &self,
-        block: &Block,
-        letters: [u8; 2],
-        given: [bool; 2],
-        from: [Nm; 2],
-    ) -> Result<[Nm; 2], Fault> {
-        let absolute = self.modes.centres == Distance::Absolute;
-        if !given.contains(&true) {
-            return Err(Fault::at_motion(ErrorKind::NoCentre));
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn read_centre(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
+        let absolute = self.centre_distance() == Distance::Absolute;
+        let letters = arc.plane.centre_letters();
+        if !block.has_any(arc.plane.centre()) {
+            return Err(Fault::at_motion(Reason::NoCentre));
         }
-        if absolute && given.contains(&false) {
-            return Err(Fault::at_motion(ErrorKind::HalfCentre));
+        if absolute && !block.has_all(arc.plane.centre()) {
+            return Err(Fault::at_motion(Reason::HalfCentre));
         }
-        let mut centre = from;
-        if absolute {
-            centre = self.modes.plane.axes().map(|axis| self.zero_of(axis));
-        }
-        for (centre, letter) in centre.iter_mut().zip(letters) {
-            if let Some(length) = self.length_of(block, letter)? {
-                *centre = shifted(*centre, length, letter)?;
-            }
-        }
-        Ok(centre)
-    }
-
-    /// One unit of the finest last digit of the words that shape the arc.
-    fn resolution(&self, block: &Block, axes: [usize; 2], letters: [u8; 2]) -> Nm {
-        let [first, second] = axes.map(axis_letter);
-        let [one, other] = letters;
-        let mut finest: Option<Decimal> = None;
-        for letter in [first, second, one, other, b'R'] {
-            if let Some(value) = block.word(letter) {
-                if finest.is_none_or(|finest| value.places() > finest.places()) {
-                    finest = Some(value);
+        for (axis, letter) in arc.plane.axes().into_iter().zip(letters) {
+            if let Some(centre) = arc.centre.get_mut(axis) {
+                if absolute {
+                    *centre = self.zero_of(axis);
                 }
+                self.add_word(block, letter, centre)?;
             }
         }
-        finest
-            .and_then(|value| self.modes.units.length(value.last_place()))
-            .unwrap_or_default()
-    }
-}
-
-/// The mode of a motion code; `None` for G80.
-const fn mode(code: Code) -> Option<Motion> {
-    match code {
-        Code::Rapid => Some(Motion::Rapid),
-        Code::Linear => Some(Motion::Linear),
-        Code::Clockwise => Some(Motion::Clockwise),
-        Code::CounterClockwise => Some(Motion::CounterClockwise),
-        Code::Cubic => Some(Motion::Cubic),
-        Code::Quadratic => Some(Motion::Quadratic),
-        Code::Thread => Some(Motion::Thread),
-        Code::Probe { away, must } => Some(Motion::Probe { away, must }),
-        Code::Cycle(kind) => Some(Motion::Cycle(kind)),
-        _ => None,
-    }
-}
-
-/// Letters beside the axes that a mode uses when its code is not in the block.
-const fn letters(mode: Motion, plane: Plane) -> Letters {
-    match mode {
-        Motion::Rapid | Motion::Linear | Motion::Probe { .. } => Letters::NONE,
-        Motion::Clockwise | Motion::CounterClockwise => arc_letters(plane),
-        Motion::Cubic => Code::Cubic.letters(),
-        Motion::Quadratic => Code::Quadratic.letters(),
-        Motion::Thread => Code::Thread.letters(),
-        Motion::Cycle(kind) => kind.letters(),
-    }
-}
-
-const fn arc_letters(plane: Plane) -> Letters {
-    match plane {
-        Plane::Xy => const { Letters::new(b"IJRP") },
-        Plane::Zx => const { Letters::new(b"IKRP") },
-        Plane::Yz => const { Letters::new(b"JKRP") },
+        Ok(())
     }
 }

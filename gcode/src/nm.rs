@@ -15,7 +15,9 @@ impl Nm {
 
     /// The same length if its magnitude is at most [`Nm::LIMIT`].
     pub(crate) const fn within_limit(self) -> Option<Nm> {
-        if self.0.unsigned_abs() <= Nm::LIMIT.0.unsigned_abs() {
+        // One comparison: what is below -LIMIT wraps.
+        let above = self.0.wrapping_add(Nm::LIMIT.0) as u64;
+        if above <= 2 * Nm::LIMIT.0 as u64 {
             Some(self)
         } else {
             None

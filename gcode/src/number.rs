@@ -1,12 +1,10 @@
 //! The numbers of codes.
 
-use crate::arc::Plane;
-use crate::code::{Code, EXTENDED, Side};
-use crate::kind::Kind;
+use crate::code::{Code, EXTENDED};
 
 /// G codes by their number in tenths, in order, with the meaning they have in most dialects. What no dialect here has (NURBS,
 /// plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling, macros, ...) is foreign.
-static G: [(u16, Code); 110] = kept([
+const G: [(u16, Code); 110] = [
     (0, Code::Rapid),
     (10, Code::Linear),
     (20, Code::Clockwise),
@@ -18,37 +16,37 @@ static G: [(u16, Code); 110] = kept([
     (53, Code::Foreign),
     (60, Code::Foreign),
     (62, Code::Foreign),
-    (70, Code::Diameter(true)),
-    (80, Code::Diameter(false)),
+    (70, Code::DiameterMode),
+    (80, Code::RadiusMode),
     (90, Code::Foreign),
     (100, Code::SetData),
     (150, Code::Foreign),
     (160, Code::Foreign),
-    (170, Code::Plane(Plane::Xy)),
-    (180, Code::Plane(Plane::Zx)),
-    (190, Code::Plane(Plane::Yz)),
+    (170, Code::PlaneXy),
+    (180, Code::PlaneZx),
+    (190, Code::PlaneYz),
     (200, Code::Inches),
     (210, Code::Millimetres),
     (270, Code::Foreign),
-    (280, Code::Home(0)),
-    (281, Code::StoreHome(0)),
+    (280, Code::Home),
+    (281, Code::StoreHome),
     (282, Code::Foreign),
     (283, Code::Foreign),
     (290, Code::Foreign),
-    (300, Code::Home(1)),
-    (301, Code::StoreHome(1)),
+    (300, Code::SecondHome),
+    (301, Code::StoreSecondHome),
     (310, Code::Foreign),
     (330, Code::Thread),
     (331, Code::Foreign),
-    (382, probe(false, true)),
-    (383, probe(false, false)),
-    (384, probe(true, true)),
-    (385, probe(true, false)),
+    (382, Code::ProbeMust),
+    (383, Code::Probe),
+    (384, Code::ProbeAwayMust),
+    (385, Code::ProbeAway),
     (400, Code::CancelCompensation),
-    (410, compensate(Side::Left, false)),
-    (411, compensate(Side::Left, true)),
-    (420, compensate(Side::Right, false)),
-    (421, compensate(Side::Right, true)),
+    (410, Code::CompensateLeft),
+    (411, Code::CompensateLeftDirect),
+    (420, Code::CompensateRight),
+    (421, Code::CompensateRightDirect),
     (430, Code::ToolLength),
     (431, Code::DirectToolLength),
     (432, Code::Foreign),
@@ -57,16 +55,16 @@ static G: [(u16, Code); 110] = kept([
     (510, Code::Foreign),
     (520, Code::Foreign),
     (530, Code::MachineFrame),
-    (540, Code::System(0)),
+    (540, Code::G54),
     (541, Code::Foreign),
-    (550, Code::System(1)),
-    (560, Code::System(2)),
-    (570, Code::System(3)),
-    (580, Code::System(4)),
-    (590, Code::System(5)),
-    (591, Code::System(6)),
-    (592, Code::System(7)),
-    (593, Code::System(8)),
+    (550, Code::G55),
+    (560, Code::G56),
+    (570, Code::G57),
+    (580, Code::G58),
+    (590, Code::G59),
+    (591, Code::G59_1),
+    (592, Code::G59_2),
+    (593, Code::G59_3),
     (600, Code::Foreign),
     (610, Code::ExactPath),
     (611, Code::ExactStop),
@@ -78,30 +76,30 @@ static G: [(u16, Code); 110] = kept([
     (670, Code::Foreign),
     (680, Code::Foreign),
     (690, Code::Foreign),
-    (700, Code::ContourCycle(0)),
-    (710, Code::ContourCycle(10)),
-    (711, Code::ContourCycle(11)),
-    (712, Code::ContourCycle(12)),
-    (720, Code::ContourCycle(20)),
-    (721, Code::ContourCycle(21)),
-    (722, Code::ContourCycle(22)),
-    (730, Code::Cycle(Kind::ChipBreak)),
-    (740, Code::Cycle(Kind::LeftTap)),
+    (700, Code::G70),
+    (710, Code::G71),
+    (711, Code::G71_1),
+    (712, Code::G71_2),
+    (720, Code::G72),
+    (721, Code::G72_1),
+    (722, Code::G72_2),
+    (730, Code::ChipBreakCycle),
+    (740, Code::LeftTapCycle),
     (750, Code::Foreign),
-    (760, Code::Cycle(Kind::Thread)),
-    (770, Code::Cycle(Kind::TurnBox)),
-    (780, Code::Cycle(Kind::ThreadBox)),
-    (790, Code::Cycle(Kind::FaceBox)),
+    (760, Code::ThreadCycle),
+    (770, Code::TurnBoxCycle),
+    (780, Code::ThreadBoxCycle),
+    (790, Code::FaceBoxCycle),
     (800, Code::CancelMotion),
-    (810, Code::Cycle(Kind::Drill)),
-    (820, Code::Cycle(Kind::DrillDwell)),
-    (830, Code::Cycle(Kind::Peck)),
-    (840, Code::Cycle(Kind::Tap)),
-    (850, Code::Cycle(Kind::Bore)),
-    (860, Code::Cycle(Kind::BoreStop)),
-    (870, Code::Cycle(Kind::BackBore)),
-    (880, Code::Cycle(Kind::BoreManual)),
-    (890, Code::Cycle(Kind::BoreDwell)),
+    (810, Code::DrillCycle),
+    (820, Code::DrillDwellCycle),
+    (830, Code::PeckCycle),
+    (840, Code::TapCycle),
+    (850, Code::BoreCycle),
+    (860, Code::BoreStopCycle),
+    (870, Code::BackBoreCycle),
+    (880, Code::BoreManualCycle),
+    (890, Code::BoreDwellCycle),
     (900, Code::Absolute),
     (901, Code::AbsoluteCentres),
     (910, Code::Incremental),
@@ -117,10 +115,10 @@ static G: [(u16, Code); 110] = kept([
     (970, Code::SpindleSpeed),
     (980, Code::ReturnToInitial),
     (990, Code::ReturnToRetract),
-]);
+];
 
 /// M codes by their number in tenths, in order. Clamps, tapping modes, parking, saved modes and subprograms are foreign.
-static M: [(u16, Code); 37] = kept([
+const M: [(u16, Code); 37] = [
     (0, Code::Stop),
     (10, Code::OptionalStop),
     (20, Code::End),
@@ -136,8 +134,8 @@ static M: [(u16, Code); 37] = kept([
     (190, Code::Orient),
     (290, Code::Foreign),
     (300, Code::EndAndRewind),
-    (480, Code::EnableOverrides(true)),
-    (490, Code::EnableOverrides(false)),
+    (480, Code::EnableOverrides),
+    (490, Code::DisableOverrides),
     (500, Code::FeedOverride),
     (510, Code::SpindleOverride),
     (520, Code::AdaptiveFeed),
@@ -145,53 +143,54 @@ static M: [(u16, Code); 37] = kept([
     (560, Code::Foreign),
     (600, Code::PalletStop),
     (610, Code::SetTool),
-    (620, output(true, true)),
-    (630, output(false, true)),
-    (640, output(true, false)),
-    (650, output(false, false)),
+    (620, Code::OutputOnWithMotion),
+    (630, Code::OutputOffWithMotion),
+    (640, Code::OutputOn),
+    (650, Code::OutputOff),
     (660, Code::WaitInput),
-    (670, Code::Analog { with_motion: true }),
-    (680, Code::Analog { with_motion: false }),
+    (670, Code::AnalogWithMotion),
+    (680, Code::Analog),
     (700, Code::Foreign),
     (710, Code::Foreign),
     (720, Code::Foreign),
     (730, Code::Foreign),
     (980, Code::Foreign),
     (990, Code::Foreign),
-]);
+];
 
-/// Without the codes that are compiled out: they are known, and of no dialect.
-const fn kept<const COUNT: usize>(mut codes: [(u16, Code); COUNT]) -> [(u16, Code); COUNT] {
-    let mut place = 0;
+/// The rows of a list, each with how far its number is behind that of the row before: two bytes. Codes that are compiled
+/// out are known, and of no dialect.
+const fn packed<const COUNT: usize>(rows: &[(u16, Code); COUNT]) -> [(u8, Code); COUNT] {
+    let mut packed = [(0, Code::Foreign); COUNT];
+    let (mut place, mut before) = (0, 0);
     while place < COUNT {
-        let (_, code) = &mut codes[place];
-        if !EXTENDED && !code.is_basic() {
-            *code = Code::Foreign;
+        let (number, code) = rows[place];
+        assert!(number - before < 256);
+        packed[place].0 = (number - before) as u8;
+        if EXTENDED || code.is_basic() {
+            packed[place].1 = code;
         }
+        before = number;
         place += 1;
     }
-    codes
+    packed
 }
+
+static OF_G: [(u8, Code); G.len()] = packed(&G);
+static OF_M: [(u8, Code); M.len()] = packed(&M);
 
 /// The code of a letter (`G` or `M`) and a number in tenths; `None` for one nobody knows.
 pub(crate) fn of_number(letter: u8, tenths: u16) -> Option<Code> {
-    let codes: &[(u16, Code)] = if letter == b'M' { &M } else { &G };
-    let place = codes
-        .binary_search_by_key(&tenths, |&(number, _)| number)
-        .ok()?;
-    codes.get(place).map(|&(_, code)| code)
-}
-
-const fn probe(away: bool, must: bool) -> Code {
-    Code::Probe { away, must }
-}
-
-const fn compensate(side: Side, direct: bool) -> Code {
-    Code::Compensate { side, direct }
-}
-
-const fn output(on: bool, with_motion: bool) -> Code {
-    Code::Output { on, with_motion }
+    let rows: &[(u8, Code)] = if letter == b'M' { &OF_M } else { &OF_G };
+    let mut left = tenths;
+    // From the first: most are G0 to G3.
+    for &(ahead, code) in rows {
+        left = left.checked_sub(u16::from(ahead))?;
+        if left == 0 {
+            return Some(code);
+        }
+    }
+    None
 }
 
 #[cfg(test)]

@@ -3,13 +3,11 @@
 use crate::arc::Plane;
 use crate::block::Block;
 use crate::code::Group;
-use crate::command::{Command, Spline};
-use crate::commands::Commands;
 use crate::dialect::Flavour;
-use crate::error::ErrorKind;
-use crate::fault::Fault;
+use crate::fault::{Fault, Reason};
 use crate::modal::{Modal, shifted};
 use crate::nm::Nm;
+use crate::{code::Code, commands::Commands};
 
 impl<const N: usize> Modal<N> {
     /// X and Y of a point.
@@ -39,12 +37,12 @@ impl<const N: usize> Modal<N> {
     /// Start and end of a spline, which is in XY only.
     fn spline_ends(&self, block: &Block) -> Result<([Nm; 2], [Nm; N]), Fault> {
         if block.axes() == 0 {
-            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
         }
-        if self.modes.plane != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
-            return Err(Fault::at_motion(ErrorKind::SplinePlane));
+        if self.plane() != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
+            return Err(Fault::at_motion(Reason::SplinePlane));
         }
-        let to = self.target(block, self.frame())?;
+        let to = self.target(block)?;
         Ok((Self::plane_point(&self.modes.position), to))
     }
 
@@ -53,7 +51,10 @@ impl<const N: usize> Modal<N> {
     pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let (from, to) = self.spline_ends(block)?;
         let end = Self::plane_point(&to);
-        let first = match (self.offset(block, [b'I', b'J'], from)?, self.modes.tail) {
+        let first = match (
+            self.offset(block, [b'I', b'J'], from)?,
+            self.modes.more.tail,
+        ) {
             (Some(first), _) => first,
             (None, Some(tail)) => {
                 let mut first = from;
@@ -63,11 +64,11 @@ impl<const N: usize> Modal<N> {
                 }
                 first
             }
-            (None, None) => return Err(Fault::at_motion(ErrorKind::MissingWord(b'I'))),
+            (None, None) => return Err(Fault::at_motion(Reason::MissingWord).of(b'I')),
         };
         for letter in [b'P', b'Q'] {
             if block.word(letter).is_none() {
-                return Err(Fault::at_motion(ErrorKind::MissingWord(letter)));
+                return Err(Fault::at_motion(Reason::MissingWord).of(letter));
             }
         }
         let second = self.offset(block, [b'P', b'Q'], end)?.unwrap_or(end);
@@ -75,7 +76,7 @@ impl<const N: usize> Modal<N> {
         for (tail, second) in tail.iter_mut().zip(second) {
             tail.0 = tail.0.saturating_sub(second.0);
         }
-        self.modes.tail = Some(tail);
+        self.modes.more.tail = Some(tail);
         self.spline(to, [from, first, second, end], commands)
     }
 
@@ -91,7 +92,7 @@ impl<const N: usize> Modal<N> {
         let control = self
             .offset(block, [b'I', b'J'], from)?
             .filter(|&control| control != from)
-            .ok_or_else(|| Fault::at_motion(ErrorKind::MissingWord(b'I')))?;
+            .ok_or_else(|| Fault::at_motion(Reason::MissingWord).of(b'I'))?;
         let points = [from, toward(from, control), toward(end, control), end];
         self.spline(to, points, commands)
     }
@@ -102,12 +103,10 @@ impl<const N: usize> Modal<N> {
         points: [[Nm; 2]; 4],
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        let feed = self.feed_of()?;
-        self.modes.position = to;
-        commands.motion(Command::Spline {
-            spline: Spline { to, points },
-            feed,
-        });
+        self.set_feed_of(commands)?;
+        commands.arc.to = to;
+        commands.points = points;
+        self.go(Code::Cubic, commands);
         Ok(())
     }
 
@@ -119,19 +118,20 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         if block.axes() == 0 {
-            return Err(Fault::at_code(ErrorKind::NoAxisWords, Group::Motion));
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
         }
         let lead = self.lead(block)?;
         self.check_turning()?;
-        let to = self.target(block, self.frame())?;
-        self.modes.position = to;
-        commands.motion(Command::Thread { to, lead });
+        self.aim(block, self.terms(), commands)?;
+        commands.lead = lead;
+        self.go(Code::Thread, commands);
         Ok(())
     }
 
     /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a series.
     pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Fault> {
-        let letter = if self.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none() {
+        let letter = if self.modes.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none()
+        {
             b'F'
         } else {
             b'K'
@@ -141,10 +141,10 @@ impl<const N: usize> Modal<N> {
             None => self.modes.sticky.lead,
         };
         if lead == Nm(0) && block.word(letter).is_none() {
-            return Err(Fault::at_motion(ErrorKind::MissingWord(letter)));
+            return Err(Fault::at_motion(Reason::MissingWord).of(letter));
         }
         if lead <= Nm(0) {
-            return Err(Fault::at(ErrorKind::OutOfRange(letter), letter));
+            return Err(Fault::at(Reason::OutOfRange, letter));
         }
         self.modes.sticky.lead = lead;
         Ok(lead)

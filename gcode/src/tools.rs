@@ -31,9 +31,9 @@ pub(crate) struct Tools<const N: usize> {
 }
 
 impl<const N: usize> Tools<N> {
-    pub(crate) fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Tools {
-            entries: [(0, Tool::default()); CAPACITY],
+            entries: [(0, Tool::of_radius(Nm(0))); CAPACITY],
         }
     }
 

@@ -19,31 +19,56 @@ pub(crate) fn square(x: i64, y: i64) -> u128 {
 /// The largest integer whose square is at most `value`, which is below 2^124.
 #[inline]
 pub(crate) fn root(value: u128) -> u64 {
+    root_to(value, WHOLE_DIGITS).0
+}
+
+/// Binary digits of the whole part of a root of 128 bits.
+pub(crate) const WHOLE_DIGITS: u32 = 64;
+
+/// The root of a value below 2^124 with at most so many of its binary digits, [`WHOLE_DIGITS`] of which are before the
+/// point, rounded down; none behind the 62nd that counts. And how many there are.
+#[inline]
+pub(crate) fn root_to(value: u128, digits: u32) -> (u64, u32) {
     if cfg!(target_pointer_width = "64") {
-        value.isqrt() as u64
+        root_by_library(value, digits)
     } else {
-        root_by_digits(value)
+        root_by_digits(value, digits)
     }
+}
+
+fn root_by_library(value: u128, digits: u32) -> (u64, u32) {
+    // At most 128, as there are at most 64 pairs of zeros. The first digit that counts is 2^61 at the end.
+    let zeros = value.leading_zeros() >> 1;
+    let digits = digits.min(zeros.wrapping_add(62));
+    let shifted = match digits.checked_sub(WHOLE_DIGITS) {
+        Some(more) => value.wrapping_shl(more.wrapping_mul(2)),
+        None => value.wrapping_shr(WHOLE_DIGITS.wrapping_sub(digits).wrapping_mul(2)),
+    };
+    (shifted.isqrt() as u64, digits)
 }
 
 /// A digit of the root from two bits of the value, with nothing wider than 64 bits but the value.
 #[inline(never)]
-fn root_by_digits(value: u128) -> u64 {
-    let skipped = value.leading_zeros() & !1;
-    let mut coming = value.wrapping_shl(skipped);
-    let (mut rest, mut root) = (0u64, 0u64);
-    for _ in 0..128u32.wrapping_sub(skipped) >> 1 {
-        // rest <= 2 root < 2^62 before the last of at most 62 digits.
-        rest = (rest << 2) | (coming >> 126) as u64;
-        coming <<= 2;
+fn root_by_digits(value: u128, digits: u32) -> (u64, u32) {
+    let (mut high, mut low) = ((value >> 64) as u64, value as u64);
+    let (mut rest, mut root, mut done) = (0u64, 0u64, 0);
+    if high == 0 {
+        (high, low, done) = (low, 0, 32);
+    }
+    while done < digits && root >> 61 == 0 {
+        // rest <= 2 root < 2^62.
+        rest = (rest << 2) | (high >> 62);
+        high = (high << 2) | (low >> 62);
+        low <<= 2;
         let trial = (root << 2) | 1;
         root <<= 1;
         if rest >= trial {
             rest = rest.wrapping_sub(trial);
             root |= 1;
         }
+        done = u32::wrapping_add(done, 1);
     }
-    root
+    (root, done)
 }
 
 /// `value / divisor` rounded down; the divisor is below 2^63. 0 for a divisor of 0.
@@ -55,32 +80,43 @@ pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
             None => 0,
         }
     } else {
-        divide_by_digits(value, divisor)
+        let high = (value >> 64) as u64;
+        let above = quotient_by_digits(0, high, divisor, WHOLE_DIGITS);
+        let rest = high.wrapping_sub(above.wrapping_mul(divisor));
+        let below = quotient_by_digits(rest, value as u64, divisor, WHOLE_DIGITS);
+        (above as u128) << 64 | below as u128
     }
 }
 
-/// A binary digit of the quotient at a time, with a rest of 64 bits.
+/// `value / divisor` rounded down, for a divisor below 2^63 and above `value >> 64`: the quotient has 64 bits.
+#[inline]
+pub(crate) const fn quotient(value: u128, divisor: u64) -> u64 {
+    if cfg!(target_pointer_width = "64") {
+        divide(value, divisor) as u64
+    } else {
+        quotient_by_digits((value >> 64) as u64, value as u64, divisor, WHOLE_DIGITS)
+    }
+}
+
+/// So many binary digits of a quotient, 64 of them before the point; `rest` is below the divisor, and that below 2^63.
 #[inline(never)]
-const fn divide_by_digits(value: u128, divisor: u64) -> u128 {
-    if divisor == 0 || value == 0 {
+const fn quotient_by_digits(mut rest: u64, mut low: u64, divisor: u64, mut digits: u32) -> u64 {
+    let mut quotient = 0;
+    if divisor == 0 {
         return 0;
     }
-    let skipped = value.leading_zeros();
-    // From the left the digits still to come, from the right those of the quotient.
-    let mut turning = value.wrapping_shl(skipped);
-    let mut rest = 0u64;
-    let mut digit = skipped;
-    while digit < 128 {
+    while digits > 0 {
         // rest < divisor < 2^63.
-        rest = (rest << 1) | (turning >> 127) as u64;
-        turning <<= 1;
+        rest = (rest << 1) | (low >> 63);
+        low <<= 1;
+        quotient <<= 1;
         if rest >= divisor {
             rest = rest.wrapping_sub(divisor);
-            turning |= 1;
+            quotient |= 1;
         }
-        digit = digit.wrapping_add(1);
+        digits = digits.wrapping_sub(1);
     }
-    turning
+    quotient
 }
 
 /// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
@@ -97,48 +133,49 @@ pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     }
 }
 
-/// The root of a ratio, as two integers and a power of two: `above / below * 2^exponent`.
-///
-/// Both roots are taken of numbers shifted up to 123 or 124 bits, so they have 62 bits and the ratio is good to 2^-60 of
-/// itself.
+/// The root of a ratio: the roots of both numbers with 62 binary digits, so it is good to 2^-60 of itself.
 #[derive(Copy, Clone)]
 pub(crate) struct Ratio {
     above: u64,
     below: u64,
-    exponent: i32,
-}
-
-/// A root of 62 bits, and by how many bits it is too long.
-#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn long_root(value: u128) -> (u64, u32) {
-    let up = value.leading_zeros().saturating_sub(4) & !1;
-    (root(value.wrapping_shl(up)), up >> 1)
+    /// Digits to ask of the quotient for 2^-6 of it.
+    digits: u32,
 }
 
 impl Ratio {
-    /// Of two squares below 2^124.
+    /// Of two squares below 2^124; the denominator is not 0.
+    #[inline]
     pub(crate) fn of_roots(numerator: u128, denominator: u128) -> Ratio {
-        let ((above, up), (below, down)) = (long_root(numerator), long_root(denominator));
+        let (above, up) = root_to(numerator, LONG);
+        let (below, down) = root_to(denominator, LONG);
         Ratio {
             above,
             below,
-            // Both at most 62.
-            exponent: (down as i32).wrapping_sub(up as i32),
+            // Both at most 128: a longer root above is so much less than it seems.
+            digits: (WHOLE_DIGITS + 6).wrapping_add(down).saturating_sub(up),
         }
     }
 
     /// A factor below 2^53 times the ratio, in 2^-6, truncated; the result is below 2^58.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-    pub(crate) fn of(self, factor: i64) -> i64 {
+    pub(crate) fn of(&self, factor: i64) -> i64 {
+        // Below 2^115: its upper half is below the divisor of 62 bits.
         let product = product(factor.unsigned_abs(), self.above);
-        // The quotient is below 2^58 and the divisor below 2^62: so is the product below 2^120, shifted or not.
-        let shift = self.exponent.wrapping_add(6);
-        let shifted = if shift < 0 {
-            product.wrapping_shr(shift.unsigned_abs())
+        let magnitude = if cfg!(target_pointer_width = "64") {
+            let shifted = match self.digits.checked_sub(WHOLE_DIGITS) {
+                // The quotient is below 2^58 and the divisor below 2^62: so is the product below 2^120.
+                Some(up) => product.wrapping_shl(up),
+                None => product.wrapping_shr(WHOLE_DIGITS.wrapping_sub(self.digits)),
+            };
+            divide(shifted, self.below) as u64
         } else {
-            product.wrapping_shl(shift.unsigned_abs())
-        };
-        let magnitude = divide(shifted, self.below) as i64;
+            quotient_by_digits(
+                (product >> 64) as u64,
+                product as u64,
+                self.below,
+                self.digits,
+            )
+        } as i64;
         if factor < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -146,6 +183,9 @@ impl Ratio {
         }
     }
 }
+
+/// More digits than a root of 62 that count has.
+const LONG: u32 = 128;
 
 #[cfg(test)]
 mod tests {
@@ -167,21 +207,32 @@ mod tests {
 
     #[test]
     fn digits_give_what_the_library_gives() {
-        for value in numbers(123) {
-            assert_eq!(root_by_digits(value), value.isqrt() as u64, "{value}");
+        let most = [(1u128 << 124) - 1, 1 << 123];
+        for value in numbers(123).chain(most) {
+            for digits in [WHOLE_DIGITS, WHOLE_DIGITS + 9, LONG] {
+                let (root, done) = root_by_digits(value, digits);
+                if value > 0 {
+                    let library = root_by_library(value, digits);
+                    assert_eq!((root, done), library, "{value} {digits}");
+                } else {
+                    assert_eq!(root, 0);
+                }
+            }
             assert_eq!(root(value), value.isqrt() as u64, "{value}");
         }
-        assert_eq!(root_by_digits((1 << 124) - 1), (1 << 62) - 1);
         for value in numbers(127).chain([u128::MAX]) {
             for divisor in numbers(62).map(|divisor| divisor as u64) {
                 let exact = value.checked_div(divisor.into()).unwrap_or(0);
-                assert_eq!(
-                    divide_by_digits(value, divisor),
-                    exact,
-                    "{value} / {divisor}"
-                );
+                if value >> 64 < u128::from(divisor) {
+                    let (high, low) = ((value >> 64) as u64, value as u64);
+                    let digits = quotient_by_digits(high, low, divisor, WHOLE_DIGITS);
+                    assert_eq!(u128::from(digits), exact, "{value} / {divisor}");
+                }
                 assert_eq!(divide(value, divisor), exact, "{value} / {divisor}");
             }
         }
+        // With more digits than 64, and with fewer: in 2^-3, and without the last two.
+        assert_eq!(quotient_by_digits(0, 100, 7, WHOLE_DIGITS + 3), 114);
+        assert_eq!(quotient_by_digits(0, 100, 7, WHOLE_DIGITS - 2), 3);
     }
 }

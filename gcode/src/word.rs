@@ -191,6 +191,10 @@ fn alphabet(byte: u32) -> u32 {
 /// Bytes of a word and of what follows it, enough for the words that most programs consist of.
 const WINDOW: usize = 16;
 
+/// Whether the words of one line are read by the window too, a quarter of a kilobyte of code; processors without
+/// compare-and-swap (Cortex-M0) have little room for it.
+const QUICK: bool = cfg!(target_has_atomic = "32");
+
 /// The most digits of a number within the window before its point.
 const WHOLE: usize = 4;
 
@@ -329,11 +333,7 @@ fn number(text: &[u8], letter: u8, lines: bool) -> Result<(Decimal, usize, usize
             b'0'..=b'9' => {
                 digits = true;
                 let digit = byte.wrapping_sub(b'0');
-                if point {
-                    value.push_place(digit)
-                } else {
-                    value.push_whole(digit)
-                }
+                value.push(digit, point)
             }
             b'.' if !point => {
                 point = true;
@@ -427,7 +427,9 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
     #[inline(always)]
     fn next(&mut self) -> Option<Result<Token, Error>> {
         loop {
-            if let Some(window) = self.rest.first_chunk::<WINDOW>() {
+            if !(LINES || QUICK) {
+                // Below.
+            } else if let Some(window) = self.rest.first_chunk::<WINDOW>() {
                 let byte = window_at(window, 0);
                 if alphabet(byte) < 26 {
                     if let Some(number) = window_number(window, LINES) {
@@ -441,7 +443,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                     return Some(Ok(Token::EndOfLine));
                 }
             }
-            if !LINES {
+            if !LINES && QUICK {
                 // Half the words of one line are too near to its end.
                 let byte = byte_at(self.rest, 0);
                 if alphabet(byte) < 26 {
@@ -550,7 +552,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             }
             b'A'..=b'Z' | b'a'..=b'z' if self.before < Before::Percent => {
                 let letter = byte.to_ascii_uppercase();
-                let short = if LINES {
+                let short = if LINES || !QUICK {
                     short_number(rest, 1, LINES)
                 } else {
                     None // was tried

@@ -341,11 +341,7 @@ impl WordReader {
             self.long = Decimal::short(number.low, number.places(), false);
         }
         number.closed = NOWHERE;
-        let pushed = if point {
-            self.long.push_place(digit)
-        } else {
-            self.long.push_whole(digit)
-        };
+        let pushed = self.long.push(digit, point);
         let at = self.column; // there is no room
         self.column = at.wrapping_add(1);
         if let Err(kind) = pushed {

@@ -62,7 +62,9 @@ fn every_letter_keeps_its_value() {
     for letter in b'A'..=b'Z' {
         let line = format!("{}3", char::from(letter));
         let Ok(block) = Block::parse(line.as_bytes(), &Dialect::LATHE_A) else {
-            assert_eq!(letter, b'V', "all letters of this dialect but V");
+            // The others are increments of turning cycles, which are extended codes.
+            let increment = matches!(letter, b'U' | b'W') && !cfg!(feature = "extended");
+            assert!(letter == b'V' || increment, "all letters but V");
             continue;
         };
         for other in b'A'..=b'Z' {

@@ -44,12 +44,12 @@ fn numbers_are_scaled_by_every_power() {
         for places in 0..=Decimal::MAX_PLACES {
             let number = Decimal::new(digits, places).expect("within range");
             for exponent in 0..=40 {
-                for factor in [1, 5, 127, 254, 2_147, 2_148, i64::from(i32::MAX), i64::MAX] {
+                for factor in [1, 5, 127, 254, 2_147, 2_148, 1 << 30, i32::MAX] {
                     for factor in [factor, -factor] {
                         let power = i32::from(exponent) - i32::from(places);
                         assert_eq!(
                             number.scaled(factor, exponent),
-                            scaled(digits, factor, power),
+                            scaled(digits, i64::from(factor), power),
                             "{number} * {factor} * 10^{exponent}"
                         );
                     }

@@ -88,7 +88,7 @@ fn value(text: &str) -> Option<Decimal> {
 }
 
 /// `digits * factor * 10^exponent / 10^places` to the nearest, halves away from zero, in 128 bits.
-fn scaled_wide(digits: i64, places: u8, factor: i64, exponent: u8) -> i128 {
+fn scaled_wide(digits: i64, places: u8, factor: i32, exponent: u8) -> i128 {
     let top = i128::from(digits) * i128::from(factor) * 10i128.pow(u32::from(exponent));
     let bottom = 10i128.pow(u32::from(places));
     let half = if top < 0 { -bottom / 2 } else { bottom / 2 };

@@ -26,11 +26,10 @@ use crate::code::{Code, Group};
 use crate::commands::Commands;
 use crate::dialect::{Dialect, Flavour};
 use crate::error::{Error, ErrorKind};
-use crate::fault::Fault;
-use crate::kind::Kind;
+use crate::fault::{Fault, Reason};
 use crate::line::Line;
 use crate::modal::{FeedMode, Modal};
-use crate::nm::Nm;
+use crate::nm::{Measure, Nm};
 use crate::offset::minus;
 use crate::word::words;
 use passes::{MOST_PASSES, Passes, Return};
@@ -238,11 +237,16 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         (self.work, self.resume) = (Work::None, None);
         let Ok(block) = &line.block else { return line };
         let code = match block.code(Group::Motion) {
-            Some(Code::ContourCycle(code)) => code,
-            Some(Code::Cycle(Kind::Thread)) if self.is_thread(block) => THREAD,
-            _ => return line,
+            Some(Code::ThreadCycle) if self.is_thread(block) => THREAD,
+            code => match code.and_then(Code::contour_cycle) {
+                Some(code) => code,
+                None => return line,
+            },
         };
-        let place = block.error(Fault::at_motion(ErrorKind::ContourOfBlocks));
+        let place = block.error(
+            Fault::at_motion(Reason::ContourOfBlocks),
+            Measure::of(Nm(0)),
+        );
         self.line = (
             Place {
                 at: line.at,
@@ -280,7 +284,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     ) -> Result<Block, Refused<'t>> {
         let (place, text, _) = self.line;
         let wrong = |error| Refused { place, text, error };
-        let refused = |fault| wrong(block.error(fault));
+        let refused = |fault| wrong(block.error(fault, Measure::of(Nm(0))));
         let facing = match code {
             0 => None,
             10 => Some(false),
@@ -291,10 +295,12 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             }
             // LinuxCNC's, along a subroutine.
             _ => {
-                return Err(refused(Fault::at_motion(ErrorKind::NotOfDialect(
-                    b'G',
-                    u16::from(code).wrapping_add(700),
-                ))));
+                let fault = Fault::at_motion(Reason::ContourOfBlocks);
+                let kind = ErrorKind::NotOfDialect(b'G', u16::from(code).wrapping_add(700));
+                return Err(wrong(Error {
+                    kind,
+                    ..block.error(fault, Measure::of(Nm(0)))
+                }));
             }
         };
         match facing {
@@ -330,7 +336,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// G76 of code system A: the first line, or the second.
     fn thread<const N: usize>(&mut self, block: &Block, modal: &Modal<N>) -> Result<(), Fault> {
         if modal.compensation().is_some() {
-            return Err(Fault::at_motion(ErrorKind::UnderCompensation));
+            return Err(Fault::at_motion(Reason::UnderCompensation));
         }
         if thread::is_first(block) {
             self.habits = self.habits.read(block, modal)?;
@@ -350,10 +356,10 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         let depth = written::plain_length(block, letter, modal)?;
         let retract = written::plain_length(block, b'R', modal)?;
         if depth.is_some_and(|depth| depth <= Nm(0)) {
-            return Err(Fault::at(ErrorKind::OutOfRange(letter), letter));
+            return Err(Fault::at(Reason::OutOfRange, letter));
         }
         if retract.is_some_and(|retract| retract < Nm(0)) {
-            return Err(Fault::at(ErrorKind::OutOfRange(b'R'), b'R'));
+            return Err(Fault::at(Reason::OutOfRange, b'R'));
         }
         self.depth = depth.or(self.depth);
         self.retract = retract.unwrap_or(self.retract);
@@ -363,13 +369,13 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// The first and the last line of a contour: right behind the cycle, or for G70 before it where there is one.
     fn contour(&mut self, block: &Block, is_next: bool) -> Result<(Place, Place), Fault> {
         let number = |letter| match block.word(letter) {
-            None => Err(Fault::at_motion(ErrorKind::MissingWord(letter))),
+            None => Err(Fault::at_motion(Reason::MissingWord).of(letter)),
             Some(value) => value
                 .whole()
-                .ok_or_else(|| Fault::at(ErrorKind::NotWhole(letter), letter)),
+                .ok_or_else(|| Fault::at(Reason::NotWhole, letter)),
         };
         let (p, q) = (number(b'P')?, number(b'Q')?);
-        let missing = |letter| Fault::at(ErrorKind::NoContour(letter), letter);
+        let missing = |letter| Fault::at(Reason::NoContour, letter);
         let place = self.line.0;
         let behind = line_at(self.text, place).map_or(place, |(_, after)| after);
         let dialect = &self.dialect;
@@ -462,12 +468,12 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     ) -> Result<(), Refused<'t>> {
         let (place, text, _) = self.line;
         let wrong = |error| Refused { place, text, error };
-        let refused = |fault| wrong(block.error(fault));
-        let at_code = |kind| refused(Fault::at_motion(kind));
+        let refused = |fault| wrong(block.error(fault, Measure::of(Nm(0))));
+        let at_code = |reason| refused(Fault::at_motion(reason));
         let depth = self
             .depth
-            .ok_or(ErrorKind::MissingWord(b'D'))
-            .map_err(at_code)?;
+            .ok_or(Fault::at_motion(Reason::MissingWord).of(b'D'))
+            .map_err(refused)?;
         let start = point(&modal.position());
         let mut shape = None;
         let mut approach = None;
@@ -484,7 +490,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             }
         })?;
         let (Some(shape), Some(approach)) = (shape, approach) else {
-            return Err(at_code(ErrorKind::ContourStart));
+            return Err(at_code(Reason::ContourStart));
         };
         let up = Ways {
             facing,
@@ -494,7 +500,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         let deep = up.course(minus(approach.segment.to, start))[0];
         let far = up.course(minus(shape.end(), start))[1];
         if deep == 0 || far == 0 {
-            return Err(at_code(ErrorKind::ContourStart));
+            return Err(at_code(Reason::ContourStart));
         }
         let ways = Ways {
             facing,
@@ -520,8 +526,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         let words = if facing { *b"WU" } else { *b"UW" };
         for (letter, part) in words.into_iter().zip(shift) {
             if part > 0 {
-                let kind = ErrorKind::OutOfRange(letter);
-                return Err(refused(Fault::at(kind, letter)));
+                return Err(refused(Fault::at(Reason::OutOfRange, letter)));
             }
         }
         let mut passes = Passes::new(ways, shape, start);
@@ -530,10 +535,10 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         if passes.whole() <= 0 {
             // The start lies within the allowance.
             let letter = words[0];
-            return Err(refused(Fault::at(ErrorKind::OutOfRange(letter), letter)));
+            return Err(refused(Fault::at(Reason::OutOfRange, letter)));
         }
         if passes.count() > MOST_PASSES {
-            return Err(at_code(ErrorKind::TooManyPasses));
+            return Err(at_code(Reason::TooManyPasses));
         }
         self.work = Work::Rough(passes);
         Ok(())
@@ -553,14 +558,14 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
 
 /// Whether the state is one in which a contour can be roughed.
 fn check_state<const N: usize>(modal: &Modal<N>) -> Result<(), Fault> {
-    let kind = if modal.compensation().is_some() {
-        ErrorKind::UnderCompensation
+    let reason = if modal.compensation().is_some() {
+        Reason::UnderCompensation
     } else if modal.plane() != Plane::Zx {
-        ErrorKind::NotOfContour
+        Reason::NotOfContour
     } else if modal.feed_mode() == FeedMode::InverseTime {
-        ErrorKind::WrongFeedMode
+        Reason::WrongFeedMode
     } else {
-        return modal.feed_of().map(|_| ());
+        return modal.set_feed_of(&mut Commands::new());
     };
-    Err(Fault::at_motion(kind))
+    Err(Fault::at_motion(reason))
 }

@@ -3,8 +3,7 @@
 use super::passes::Move;
 use super::written::{counted_length, plain_length};
 use crate::block::Block;
-use crate::error::ErrorKind;
-use crate::fault::Fault;
+use crate::fault::{Fault, Reason};
 use crate::modal::Modal;
 use crate::nm::Nm;
 use crate::offset::{Vector, length};
@@ -50,11 +49,11 @@ impl Habits {
         block.check_alone(b"PQR")?;
         if let Some(value) = block.word(b'P') {
             let digits = value.whole().filter(|digits| *digits <= 999_999);
-            let digits = digits.ok_or(Fault::at(ErrorKind::NotWhole(b'P'), b'P'))?;
+            let digits = digits.ok_or(Fault::at(Reason::NotWhole, b'P'))?;
             let two = |below: i64| digits.wrapping_div(below.max(1)).wrapping_rem(100);
             let angle = two(1);
             if angle > 80 {
-                return Err(Fault::at(ErrorKind::OutOfRange(b'P'), b'P'));
+                return Err(Fault::at(Reason::OutOfRange, b'P'));
             }
             (self.finishes, self.run_out) = (two(10_000).max(1), two(100));
             // Half the angle, in millionths of a degree.
@@ -72,7 +71,7 @@ impl Habits {
 
 fn not_negative(value: Nm, letter: u8) -> Result<Nm, Fault> {
     if value < Nm(0) {
-        return Err(Fault::at(ErrorKind::OutOfRange(letter), letter));
+        return Err(Fault::at(Reason::OutOfRange, letter));
     }
     Ok(value)
 }
@@ -106,11 +105,11 @@ impl Thread {
         block.check_alone(b"XZUWRPQF")?;
         modal.check_turning()?;
         let start = super::reading::point(&modal.position());
-        let end = super::reading::point(&modal.target(block, modal.frame())?);
+        let end = super::reading::point(&modal.target(block)?);
         let positive = |letter, value: Option<Nm>| match value {
-            None => Err(Fault::at_motion(ErrorKind::MissingWord(letter))),
+            None => Err(Fault::at_motion(Reason::MissingWord).of(letter)),
             Some(Nm(value)) if value > 0 => Ok(value),
-            Some(_) => Err(Fault::at(ErrorKind::OutOfRange(letter), letter)),
+            Some(_) => Err(Fault::at(Reason::OutOfRange, letter)),
         };
         let height = positive(b'P', counted_length(block, b'P', modal)?)?;
         let first = positive(b'Q', counted_length(block, b'Q', modal)?)?;
@@ -124,13 +123,13 @@ impl Thread {
         );
         let inside = |room: i64| room.saturating_abs() < height || (room < 0) != (far < 0);
         if way == 0 || inside(room) || inside(far) {
-            return Err(Fault::at_motion(ErrorKind::ContourStart));
+            return Err(Fault::at_motion(Reason::ContourStart));
         }
         // Depths grow with the root of the number: (height / first)^2 passes, or height / least.
         let passes = height.wrapping_div(first.max(1));
         let even = height.checked_div(habits.least.0).unwrap_or(i64::MAX);
         if passes > 255 && even > MOST_PASSES {
-            return Err(Fault::at_motion(ErrorKind::TooManyPasses));
+            return Err(Fault::at_motion(Reason::TooManyPasses));
         }
         // From the lead along Z to that along a slant; both factors are below 2^52.
         let slant = length([taper, way as i64]).unsigned_abs();

@@ -5,9 +5,9 @@ use super::reading::point;
 use crate::block::Block;
 use crate::decimal::Decimal;
 use crate::error::{Error, ErrorKind};
-use crate::fault::Fault;
+use crate::fault::{Fault, Reason};
 use crate::modal::{Distance, Modal, Units};
-use crate::nm::Nm;
+use crate::nm::{Measure, Nm};
 use crate::offset::{Vector, minus};
 use crate::wide::divide;
 use crate::word::Word;
@@ -99,7 +99,7 @@ pub(super) fn part<const N: usize>(
     let words = letters.iter().filter_map(|&letter| {
         let value = block.word(letter)?;
         // An error there has the place of the word.
-        let place = block.error(Fault::at(ErrorKind::NoEnd, letter));
+        let place = block.error(Fault::at(Reason::NoEnd, letter), Measure::of(Nm(0)));
         Some(Ok(Word {
             letter,
             value,
@@ -126,7 +126,7 @@ pub(super) fn counted_length<const N: usize>(
             };
             let small = Decimal::new(value.digits(), places);
             let length = small.and_then(|small| modal.units().length(small));
-            let length = length.ok_or(Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            let length = length.ok_or(Fault::at(Reason::NumberTooLarge, letter))?;
             Ok(Some(length))
         }
     }
@@ -142,7 +142,7 @@ pub(super) fn plain_length<const N: usize>(
         None => Ok(None),
         Some(value) => {
             let length = modal.units().length(value);
-            let length = length.ok_or_else(|| Fault::at(ErrorKind::NumberTooLarge, letter))?;
+            let length = length.ok_or_else(|| Fault::at(Reason::NumberTooLarge, letter))?;
             Ok(Some(length))
         }
     }
