@@ -2,7 +2,7 @@
 
 #![cfg(feature = "parameters")]
 
-use husillo_gcode::parameters::{NoMachine, Program, Value};
+use husillo_gcode::parameters::{NoMachine, Program, System, Value};
 use husillo_gcode::{Block, Dialect, Error, Modal};
 use proptest::prelude::*;
 use std::fs;
@@ -425,4 +425,74 @@ fn statement() -> impl Strategy<Value = String> {
         .prop_map(|(label, word, rest)| format!("o{label} {word} {}", rest.concat()));
     let words = prop::collection::vec(token, 0..8).prop_map(|tokens| tokens.concat());
     prop_oneof![3 => flow, 1 => words]
+}
+
+/// A caller with a subroutine `probe` of its own, and what it found last.
+struct Outside(i32);
+
+impl System for Outside {
+    fn numbered(&self, number: u16) -> Option<Value> {
+        (number == 5061).then(|| Value::from(self.0))
+    }
+
+    fn named(&self, name: &[u8]) -> Option<Value> {
+        (name == b"FOUND").then(|| Value::from(self.0))
+    }
+
+    fn has_subroutine(&self, name: &[u8]) -> bool {
+        matches!(name, b"probe" | b"mine")
+    }
+}
+
+/// What `program` calls outside, each answered by the sum of its arguments, and the last line's error.
+fn calls(text: &str) -> (Vec<String>, Option<u16>) {
+    let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
+    let (mut outside, mut called, mut code) = (Outside(0), Vec::new(), None);
+    while let Some(line) = program.next_line(&outside) {
+        code = line.block.err().map(|error| error.kind.code());
+        if let Some((name, count)) = program.outside_call() {
+            let arguments = (1..=count).map(|number| program.parameter(number as u16).to_string());
+            let arguments: Vec<_> = arguments.collect();
+            outside.0 = arguments
+                .iter()
+                .map(|text| text.parse::<i32>().unwrap())
+                .sum();
+            let name = String::from_utf8_lossy(name);
+            called.push(format!("{}: {name} {}", line.number, arguments.join(" ")));
+        }
+    }
+    (called, code)
+}
+
+#[test]
+fn subroutines_outside_of_the_text() {
+    // Arguments, results that later lines and conditions read, loops and subroutines around, the text's own `mine` first.
+    let text = "\
+#1 = 9
+o<probe> call [1] [2]
+#<sum> = #<_found>
+o1 while [#5061 lt 6]
+o<probe> call [#5061] [#1 - 7] [#<sum> - 3]
+o1 endwhile
+o<deep> sub
+o<probe> call [#1]
+o<deep> endsub [#1]
+o<deep> call [70]
+o<mine> sub
+o<mine> endsub
+o<mine> call [5]
+o<probe> call [#1] [#<_value>] [#<_found>]
+o<probe> call";
+    let wanted = [
+        "2: probe 1 2",
+        "5: probe 3 2 0",
+        "5: probe 5 2 0",
+        "8: probe 70",
+        "14: probe 9 0 70",
+        "15: probe ",
+    ];
+    assert_eq!(calls(text), (wanted.map(String::from).to_vec(), None));
+    // Neither there nor here; numbers are never outside.
+    assert_eq!(calls("o<other> call"), (Vec::new(), Some(633)));
+    assert_eq!(calls("o7 call"), (Vec::new(), Some(633)));
 }

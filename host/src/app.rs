@@ -147,6 +147,7 @@ fn ended(result: Result<(), Stopped>) -> Result<u8, Failure> {
             eprintln!("{message}");
             Ok(ERRORS)
         }
+        Err(Stopped::Told(status)) => Ok(status),
     }
 }
 

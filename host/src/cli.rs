@@ -595,7 +595,7 @@ pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn. Or run FILE, record FILE
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]
@@ -610,6 +610,9 @@ pub struct Measure {
     /// Pre-travel to subtract, instead of the machine's
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     pub pretravel: Option<String>,
+    /// Radius of the probe's ball, instead of the machine's
+    #[arg(long, value_name = "LENGTH")]
+    pub ball: Option<String>,
     /// Where the face is that `calibrate` touches
     #[arg(long, value_name = "POSITION", allow_negative_numbers = true)]
     pub reference: Option<String>,
@@ -627,9 +630,9 @@ pub struct Measure {
     pub noise: f64,
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
-    pub format: Output,
-    /// File to write the results to as CSV
-    #[arg(short, long, value_name = "FILE.csv")]
+    pub format: Results,
+    /// File to write the results to: CSV, and of a routine by its name .html or .json
+    #[arg(short, long, value_name = "FILE")]
     pub output: Option<String>,
     /// Show the bytes sent (>) and received (<) on standard error
     #[arg(long)]
@@ -791,6 +794,17 @@ pub enum Page {
     Json,
     /// For people, with pictures.
     Html,
+}
+
+/// Text for people, JSON for programs, or a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Results {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+    /// For spreadsheets.
+    Csv,
 }
 
 /// Text for people or JSON for programs.

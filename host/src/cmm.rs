@@ -3,7 +3,7 @@
 //! ```text
 //! file, action ─► session ─► calibrated ─► head ─► line ─► port ─┬─► emulated     simulated time
 //!                    │         servo, way, touching  ├─► serial device, socket
-//!                    └─► result_row                  │
+//! routine ─────────────┘  └─► result_row            │
 //! contact, piece ─► emulated ─► terminal ─────────────┘   real time
 //! ```
 
@@ -28,6 +28,7 @@ pub mod port;
 mod prober;
 mod reference;
 mod result_row;
+mod routine;
 mod scale;
 mod servo;
 mod session;
@@ -40,13 +41,14 @@ pub use calibrating::{calibrate_axis, calibrate_squareness};
 pub use contact::Contact;
 pub use port::{Port, read as read_port};
 
-use crate::cli::{Emulate, Measure, Output};
+use crate::cli::{Emulate, Measure, Results};
 use crate::machine_file::LoadError;
 use calibrated::Calibrated;
-use file::CmmFile;
+use file::{CmmFile, Stylus};
 use head::Head;
 use piece::Mounted;
 use result_row::{CSV_HEAD, ResultRow};
+use routine::{Ending, Routine};
 use session::Session;
 use std::io::Write;
 use trouble::Trouble;
@@ -59,6 +61,8 @@ pub enum Stopped {
     File(LoadError),
     /// Something on the machine.
     Machine(String),
+    /// All is told; this is the exit status.
+    Told(u8),
 }
 
 impl From<String> for Stopped {
@@ -67,13 +71,30 @@ impl From<String> for Stopped {
     }
 }
 
-/// `husillo measure`: prints the results to `out`, and as CSV to `table`.
+/// Exit status of a routine that found something out of tolerance.
+const OUT_OF_TOLERANCE: u8 = 1;
+/// Exit status of a routine with mistakes; nothing has moved.
+const WRONG: u8 = 2;
+/// Exit status of a routine that stopped on the way.
+const TROUBLE: u8 = 3;
+
+/// `husillo measure`: prints the results to `out`, and what `-o` asks for to `table`.
 ///
 /// # Errors
 ///
 /// [`Stopped`]; the results before it are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let words: Vec<&str> = args.actions.iter().map(String::as_str).collect();
+    match *words.as_slice() {
+        ["run", path] => return run_routine(args, &machine, path, out, table),
+        ["record", path] => return record_routine(args, &machine, path, out),
+        ["run" | "record", ..] => {
+            let message = format!("`{0}` what? As in `{0} part.routine`, alone", words[0]);
+            return Err(Stopped::Usage(message));
+        }
+        _ => {}
+    }
     let mut session = Session::new(args, &machine)?;
     let line = session::open(args, &machine, mounted(args.piece.as_deref(), &machine)?)?;
     let mut rows: Vec<ResultRow> = Vec::new();
@@ -82,20 +103,24 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     let result = Head::start(line, &machine, args.repeat).and_then(|head| {
         let mut head = Calibrated::new(head, machine.errors.clone());
         session.run(&mut head, |row| {
-            if args.format == Output::Text && written.is_ok() {
+            if args.format == Results::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
             }
             rows.push(row.clone());
         })
     });
-    if args.format == Output::Json {
+    if args.format == Results::Json {
         let json = serde_json::to_string_pretty(&rows).map_err(|error| error.to_string())?;
         written = writeln!(out, "{json}");
     }
     written = written.and_then(|()| {
         writeln!(table, "{CSV_HEAD}")?;
         rows.iter()
-            .try_for_each(|row| writeln!(table, "{}", row.csv()))
+            .try_for_each(|row| writeln!(table, "{}", row.csv()))?;
+        match args.format {
+            Results::Csv => out.write_all(table),
+            Results::Text | Results::Json => Ok(()),
+        }
     });
     result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
     written.map_err(|error| Stopped::Usage(error.to_string()))
@@ -107,6 +132,61 @@ fn mounted(path: Option<&str>, machine: &CmmFile) -> Result<Option<Mounted>, Sto
     let piece = piece.map_err(Stopped::File)?;
     let mounted = piece.map(|piece| Mounted::new(piece, machine));
     Ok(mounted.transpose()?)
+}
+
+/// `husillo measure run`.
+fn run_routine(
+    args: &Measure,
+    machine: &CmmFile,
+    path: &str,
+    out: &mut dyn Write,
+    file: &mut Vec<u8>,
+) -> Result<(), Stopped> {
+    let Some(routine) = Routine::load(path)? else {
+        return Err(Stopped::Told(WRONG));
+    };
+    let (mut head, stylus) = started(args, machine)?;
+    let ending = routine::run(&routine, args, machine, &mut head, stylus, out, file);
+    ended(ending.map_err(|error| error.to_string())?)
+}
+
+/// `husillo measure record`.
+fn record_routine(
+    args: &Measure,
+    machine: &CmmFile,
+    path: &str,
+    out: &mut dyn Write,
+) -> Result<(), Stopped> {
+    let (mut head, stylus) = started(args, machine)?;
+    let ending = routine::recorded(path, &mut head, stylus, out);
+    ended(ending.map_err(|error| format!("{path}: {error}"))?)
+}
+
+/// The machine with its servos on, and its probe.
+fn started(args: &Measure, machine: &CmmFile) -> Result<(Calibrated<Head>, Stylus), Stopped> {
+    if machine.scale.unit() != "mm" {
+        let message = format!(
+            "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the machine file, or -m cmm3",
+            machine.title
+        );
+        return Err(Stopped::Usage(message));
+    }
+    let stylus = session::stylus(args, machine)?;
+    let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
+    let head = Head::start(line, machine, args.repeat);
+    let head = head.map_err(|trouble| {
+        eprintln!("{}", told(&trouble));
+        Stopped::Told(TROUBLE)
+    })?;
+    Ok((Calibrated::new(head, machine.errors.clone()), stylus))
+}
+
+const fn ended(ending: Ending) -> Result<(), Stopped> {
+    match ending {
+        Ending::Good => Ok(()),
+        Ending::OutOfTolerance => Err(Stopped::Told(OUT_OF_TOLERANCE)),
+        Ending::Trouble => Err(Stopped::Told(TROUBLE)),
+    }
 }
 
 /// A trouble with what to look at.

@@ -193,7 +193,7 @@ impl Finding {
         }
     }
 
-    fn drawn(&self, colour: bool) -> String {
+    pub fn drawn(&self, colour: bool) -> String {
         let level = match self.severity {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,

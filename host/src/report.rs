@@ -146,9 +146,10 @@ fn warnings(page: &mut String, warnings: &[String]) {
 }
 
 /// Maps nanometres to the picture, Y up.
-struct Frame {
+pub struct Frame {
     low: [f64; 2],
-    scale: f64,
+    /// Units of the picture a nanometre.
+    pub scale: f64,
     size: [f64; 2],
 }
 
@@ -156,7 +157,8 @@ const WIDTH: f64 = 1000.0;
 const MARGIN: f64 = 36.0;
 
 impl Frame {
-    fn around([low, high]: [[f64; 2]; 2]) -> Self {
+    /// As large as its width, or a height of 800, allows.
+    pub fn around([low, high]: [[f64; 2]; 2]) -> Self {
         let span = [(high[0] - low[0]).max(1.0), (high[1] - low[1]).max(1.0)];
         let scale = ((WIDTH - 2.0 * MARGIN) / span[0]).min(800.0 / span[1]);
         Self {
@@ -169,14 +171,16 @@ impl Frame {
         }
     }
 
-    fn at(&self, p: [f64; 2]) -> [f64; 2] {
+    /// Where a point is in the picture.
+    pub fn at(&self, p: [f64; 2]) -> [f64; 2] {
         [
             MARGIN + (p[0] - self.low[0]) * self.scale,
             self.size[1] - MARGIN - (p[1] - self.low[1]) * self.scale,
         ]
     }
 
-    fn open(&self, page: &mut String, id: &str, title: &str, description: &str) {
+    /// Begins the picture.
+    pub fn open(&self, page: &mut String, id: &str, title: &str, description: &str) {
         let _ = writeln!(
             page,
             "<svg viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\">\
@@ -189,7 +193,7 @@ impl Frame {
     }
 
     /// A bar of a round length in the lower left corner.
-    fn scale_bar(&self, page: &mut String) {
+    pub fn scale_bar(&self, page: &mut String) {
         let mut nm = 1.0;
         while nm * 10.0 * self.scale < 0.4 * WIDTH {
             nm *= 10.0;
@@ -454,7 +458,7 @@ fn deviation_section(page: &mut String, report: &Report) {
 }
 
 /// 1, 2 or 5 times a power of ten, at most `value`, at least 1.
-fn round_down(value: f64) -> f64 {
+pub fn round_down(value: f64) -> f64 {
     let mut power = 1.0;
     while power * 10.0 <= value {
         power *= 10.0;

@@ -204,6 +204,7 @@ fn keep_parameters() {
         Program::<'_, 64, 96, 10>::with_first_line as *const (),
         Program::<'_, 64, 96, 10>::steps_left as *const (),
         Program::<'_, 64, 96, 10>::call_level as *const (),
+        Program::<'_, 64, 96, 10>::outside_call as *const (),
         Program::<'_, 64, 96, 10>::parameter as *const (),
         Program::<'_, 64, 96, 10>::named_parameter as *const (),
         Program::<'_, 64, 96, 10>::go_to as *const (),

@@ -135,6 +135,8 @@ pub struct Program<'t, const GLOBALS: usize = 64, const LOCALS: usize = 96, cons
     steps_left: u64,
     /// `#<_value>` and whether the last subroutine gave one.
     returned: Option<Value>,
+    /// How many arguments the call has that the last line left to the caller.
+    outside: Option<usize>,
     /// The next line is an `elseif` whose condition counts.
     is_choosing: bool,
     is_over: bool,
@@ -162,6 +164,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             remembered_count: 0,
             steps_left: Self::STEPS,
             returned: None,
+            outside: None,
             is_choosing: false,
             is_over: false,
         }
@@ -189,6 +192,17 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     /// How many steps are left.
     pub const fn steps_left(&self) -> u64 {
         self.steps_left
+    }
+
+    /// The name of the subroutine that the last line calls and the [`System`] has (`bore` of `o<bore> call`), and how many arguments
+    /// it is given: they are the [`parameter`](Program::parameter)s #1, #2, ... until the next line. Its block is empty; what is to be
+    /// done, the caller does before it asks for that line.
+    pub fn outside_call(&self) -> Option<(&'t [u8], usize)> {
+        let count = self.outside?;
+        match self.current_call()?.label {
+            Label::Name(name) => Some((name, count)),
+            Label::Number(_) => None,
+        }
     }
 
     /// How many subroutines are under way.
@@ -233,6 +247,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     pub fn next_line<S: System>(&mut self, system: &S) -> Option<Line<'t>> {
         if self.is_over {
             return None;
+        }
+        if self.outside.take().is_some() {
+            self.drop_call(None);
         }
         let Some(raw) = self.line_at(self.next) else {
             return self.end();
@@ -311,7 +328,12 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     /// A line with an O-word.
     fn steer(&mut self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<(), Error> {
         let order = self.order(raw, at, system)?;
-        self.obey(raw, &order).map_err(|fault| Error {
+        // Asked here, so that what steers is there once for all systems.
+        let is_outside = match (order.statement.keyword, order.statement.label) {
+            (Keyword::Call, Label::Name(name)) => system.has_subroutine(name),
+            _ => false,
+        };
+        self.obey(raw, &order, is_outside).map_err(|fault| Error {
             kind: ErrorKind::Program(fault),
             at: order.statement.at,
             end: order.end,
@@ -435,14 +457,14 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     }
 
     /// Does what a line with an O-word says.
-    fn obey(&mut self, raw: &Raw<'t>, order: &Order<'t>) -> Result<(), Fault> {
+    fn obey(&mut self, raw: &Raw<'t>, order: &Order<'t>, is_outside: bool) -> Result<(), Fault> {
         let label = order.statement.label;
         let is_true = order.value.is_some_and(|value| !value.is_zero());
         let was_choosing = core::mem::replace(&mut self.is_choosing, false);
         match order.statement.keyword {
             Keyword::Sub => self.pass(label, Keyword::EndSub),
             Keyword::EndSub | Keyword::Return => self.leave(order),
-            Keyword::Call => self.call(raw, order),
+            Keyword::Call => self.call(raw, order, is_outside),
             Keyword::If if is_true => Ok(()),
             Keyword::ElseIf if was_choosing && is_true => Ok(()),
             Keyword::If => self.choose(label),
@@ -570,20 +592,26 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(raw)
     }
 
-    fn call(&mut self, raw: &Raw<'t>, order: &Order<'t>) -> Result<(), Fault> {
+    /// Begins a subroutine. One of the text goes before one of the same name outside.
+    fn call(&mut self, raw: &Raw<'t>, order: &Order<'t>, is_outside: bool) -> Result<(), Fault> {
         let label = order.statement.label;
-        let sub = self.subroutine(label)?;
+        let (begin, next, outside) = match self.subroutine(label) {
+            Ok(sub) => (sub.place, sub.after, None),
+            Err(Fault::NoSuchSubroutine) if is_outside => (raw.place, raw.after, Some(order.count)),
+            Err(fault) => return Err(fault),
+        };
         let slot = self.calls.get_mut(self.call_count).ok_or(Fault::TooDeep)?;
         let arguments = order.arguments.get(..order.count).unwrap_or_default();
         *slot = Some(Call {
             label,
-            begin: sub.place,
+            begin,
             after: raw.after,
             locals: self.table.enter(arguments)?,
             loops: self.loop_count,
         });
         self.call_count = self.call_count.wrapping_add(1);
-        self.next = sub.after;
+        self.next = next;
+        self.outside = outside;
         Ok(())
     }
 
@@ -604,12 +632,19 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         if is_end && !call.label.is(order.statement.label) {
             return Err(missing);
         }
-        self.returned = order.value;
-        self.table.leave(call.locals);
-        self.loop_count = call.loops;
-        self.call_count = self.call_count.wrapping_sub(1);
-        self.next = call.after;
+        self.drop_call(order.value);
         Ok(())
+    }
+
+    /// Ends the subroutine under way and goes on behind its call.
+    fn drop_call(&mut self, returned: Option<Value>) {
+        if let Some(call) = self.current_call() {
+            self.returned = returned;
+            self.table.leave(call.locals);
+            self.loop_count = call.loops;
+            self.call_count = self.call_count.wrapping_sub(1);
+            self.next = call.after;
+        }
     }
 
     /// The loop under way in this subroutine that began last, if it is this one.

@@ -18,6 +18,13 @@ pub trait System {
 
     /// The value of a predefined name, without its `_` and in any case (`x` of `#<_x>`); `None` for others.
     fn named(&self, name: &[u8]) -> Option<Value>;
+
+    /// Whether a subroutine that the text does not have is one of the caller's own, as
+    /// [`Program::outside_call`](super::Program::outside_call) then tells; its name is as written, `bore` of `o<bore> call`.
+    fn has_subroutine(&self, name: &[u8]) -> bool {
+        let _ = name;
+        false
+    }
 }
 
 /// Answers nothing: for lines without a machine.

@@ -44,28 +44,12 @@ impl Session {
             machine.axis(letter)?;
         }
         let axes = machine.axes.iter().map(|axis| axis.coordinate()).collect();
-        let amount = |option: &str, text: &Option<String>| match text {
-            Some(text) => match scale.parse(text).map(|length| scale.amount(length)) {
-                Ok(Some(amount)) => Ok(Some(amount)),
-                Ok(None) => Err(format!(
-                    "{option} {text}: lengths of this machine are in {}",
-                    scale.unit()
-                )),
-                Err(why) => Err(format!("{option}: {why}")),
-            },
-            None => Ok(None),
-        };
-        let reference = amount("--reference", &args.reference)?;
+        let reference = amount(scale, "--reference", args.reference.as_deref())?;
         let calibrates = |action: &Action| matches!(action, Action::Calibrate { .. });
         if reference.is_none() && actions.iter().any(calibrates) {
             return Err("`calibrate` needs --reference, the place of the face".into());
         }
-        let mut stylus = machine.probe.stylus;
-        if let Some(amount) = amount("--pretravel", &args.pretravel)? {
-            let amount = i32::try_from(amount);
-            let amount = amount.map_err(|_| "--pretravel: no probe bends as far")?;
-            stylus.pre_travel = both_ways([amount; 2]);
-        }
+        let stylus = stylus(args, machine)?;
         Ok(Self {
             scale,
             actions,
@@ -250,6 +234,38 @@ fn surface(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
 fn letters(axes: &[usize]) -> String {
     let letter = |axis: &usize| "XYZ".chars().nth(*axis);
     axes.iter().filter_map(letter).collect()
+}
+
+/// The probe of the machine, with the ball and the pre-travel of the arguments.
+///
+/// # Errors
+///
+/// A sentence about it.
+pub fn stylus(args: &Measure, machine: &CmmFile) -> Result<Stylus, String> {
+    let mut stylus = machine.probe.stylus;
+    if let Some(amount) = amount(machine.scale, "--pretravel", args.pretravel.as_deref())? {
+        let amount = i32::try_from(amount);
+        let amount = amount.map_err(|_| "--pretravel: no probe bends as far")?;
+        stylus.pre_travel = both_ways([amount; 2]);
+    }
+    if let Some(amount) = amount(machine.scale, "--ball", args.ball.as_deref())? {
+        let radius = i32::try_from(amount).ok().filter(|radius| *radius >= 0);
+        stylus.radius_nm = radius.ok_or("--ball: a radius from 0 to 2 m")?;
+    }
+    Ok(stylus)
+}
+
+/// The length behind an option, as an amount of the scale.
+fn amount(scale: Scale, option: &str, text: Option<&str>) -> Result<Option<i64>, String> {
+    let Some(text) = text else { return Ok(None) };
+    match scale.parse(text).map(|length| scale.amount(length)) {
+        Ok(Some(amount)) => Ok(Some(amount)),
+        Ok(None) => Err(format!(
+            "{option} {text}: lengths of this machine are in {}",
+            scale.unit()
+        )),
+        Err(why) => Err(format!("{option}: {why}")),
+    }
 }
 
 /// Opens the port of the arguments.

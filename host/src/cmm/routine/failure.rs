@@ -1,0 +1,65 @@
+//! Why a statement of a routine has no result.
+
+use crate::cmm::trouble::Trouble;
+use husillo_probe::FitError;
+use std::fmt;
+
+/// Why a statement has no result.
+#[derive(Debug)]
+pub enum Failure {
+    /// On the machine.
+    Machine(Trouble),
+    /// What was touched is no such feature.
+    Fit(FitError),
+    /// Some points were touched from one side, some from the other.
+    BothSides,
+    /// The parts of a frame lie so that they determine none.
+    NoFrame,
+    /// Faces or lines that are parallel.
+    Parallel,
+    /// A direction that is none.
+    NoDirection,
+    /// A feature that has no result itself.
+    NotMeasured(String),
+}
+
+impl Failure {
+    /// What to look at.
+    pub const fn help(&self) -> Option<&'static str> {
+        match self {
+            Self::Machine(trouble) => trouble.help(),
+            Self::Fit(_) => Some("touch more points, farther apart"),
+            Self::BothSides => {
+                Some("points of a hole are touched from inside, those of a pin from outside")
+            }
+            Self::NoFrame => Some("the line must not be at right angles to the plane"),
+            Self::Parallel | Self::NoDirection | Self::NotMeasured(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Machine(trouble) => trouble.fmt(out),
+            Self::Fit(error) => error.fmt(out),
+            Self::BothSides => out.write_str("points touched from inside and from outside"),
+            Self::NoFrame => out.write_str("plane, line and point determine no frame"),
+            Self::Parallel => out.write_str("the two are parallel"),
+            Self::NotMeasured(name) => write!(out, "`{name}` was not measured"),
+            Self::NoDirection => out.write_str("a direction without length"),
+        }
+    }
+}
+
+impl From<Trouble> for Failure {
+    fn from(trouble: Trouble) -> Self {
+        Self::Machine(trouble)
+    }
+}
+
+impl From<FitError> for Failure {
+    fn from(error: FitError) -> Self {
+        Self::Fit(error)
+    }
+}

@@ -1,0 +1,207 @@
+//! `husillo measure run` and `husillo measure record`: files, the machine, and how it ended.
+
+use super::feature::Feature;
+use super::parser::Parser;
+use super::runner::Runner;
+use super::site::Site;
+use super::statement::Statement;
+use super::{listing, page, program, record};
+use crate::cli::{Measure, Results};
+use crate::cmm::file::{CmmFile, Stylus};
+use crate::cmm::prober::Prober;
+use crate::diagnostics::{Finding, Format, Place};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, BufWriter, IsTerminal, Write};
+
+/// How a routine without mistakes ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// Everything done, and within its tolerance.
+    Good,
+    /// Everything done, and something out of tolerance.
+    OutOfTolerance,
+    /// It stopped on the way.
+    Trouble,
+}
+
+/// What is to be run.
+pub enum Routine {
+    /// Statements.
+    Statements {
+        name: String,
+        text: String,
+        statements: Vec<Statement>,
+    },
+    /// A G-code program.
+    Program { name: String, text: Vec<u8> },
+}
+
+impl Routine {
+    /// Reads and checks a file; G code by the end of its name. Mistakes are told.
+    ///
+    /// # Errors
+    ///
+    /// A sentence, where there is no such file.
+    pub fn load(name: &str) -> Result<Option<Self>, String> {
+        let text = std::fs::read(name).map_err(|error| format!("{name}: {error}"))?;
+        let is_program = [".nc", ".ngc", ".gcode", ".tap", ".cnc"];
+        let lower = name.to_ascii_lowercase();
+        let name = name.to_owned();
+        let checked = if is_program.iter().any(|end| lower.ends_with(end)) {
+            program::check(&name, &text).map(|()| Self::Program { name, text })
+        } else {
+            let text = String::from_utf8_lossy(&text).into_owned();
+            Parser::file(&name, &text).map(|statements| Self::Statements {
+                name,
+                text,
+                statements,
+            })
+        };
+        match checked {
+            Ok(routine) => Ok(Some(routine)),
+            Err(findings) => {
+                findings.iter().for_each(tell);
+                Ok(None)
+            }
+        }
+    }
+
+    /// As it is called.
+    pub fn name(&self) -> &str {
+        let (Self::Statements { name, .. } | Self::Program { name, .. }) = self;
+        name
+    }
+
+    /// Carries it out; features go to `each` as they come.
+    fn carry_out(
+        &self,
+        runner: &mut Runner<'_>,
+        mut each: impl FnMut(&Feature),
+    ) -> Result<(), Box<Finding>> {
+        match self {
+            Self::Program { name, text } => program::run(name, text, runner, each, pause),
+            Self::Statements {
+                name,
+                text,
+                statements,
+            } => {
+                let lines: Vec<&str> = text.lines().collect();
+                for statement in statements {
+                    let done = runner.run(statement).map_err(|failure| {
+                        let line = lines.get(statement.line - 1).copied().unwrap_or_default();
+                        let words = super::words::words(line);
+                        let start = words.first().map_or(0, |word| word.span.start);
+                        let end = words.last().map_or(0, |word| word.span.end);
+                        let place = Place::new(name, statement.line, line.as_bytes(), start..end);
+                        let code = super::line_reader::code::MACHINE;
+                        let finding = Finding::error(code, failure.to_string(), place);
+                        Box::new(match failure.help() {
+                            Some(help) => finding.help(help),
+                            None => finding,
+                        })
+                    })?;
+                    done.into_iter().for_each(&mut each);
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Runs a routine, prints what was measured to `out`, and writes the report of `-o` to `file`.
+///
+/// # Errors
+///
+/// Writing fails.
+pub fn run(
+    routine: &Routine,
+    args: &Measure,
+    machine: &CmmFile,
+    prober: &mut dyn Prober,
+    stylus: Stylus,
+    out: &mut dyn Write,
+    file: &mut Vec<u8>,
+) -> io::Result<Ending> {
+    let mut runner = Runner::new(Site::new(prober, stylus));
+    let mut written = Ok(());
+    let done = routine.carry_out(&mut runner, |feature| {
+        if args.format == Results::Text && written.is_ok() {
+            written = writeln!(out, "{}", listing::text(feature)).and_then(|()| out.flush());
+        }
+    });
+    written?;
+    let (name, features) = (routine.name(), &runner.features);
+    let json = || listing::json(name, &machine.title, features);
+    match args.format {
+        Results::Text => writeln!(out, "{}", listing::summary(features))?,
+        Results::Json => writeln!(out, "{}", json())?,
+        Results::Csv => write!(out, "{}", listing::csv(features))?,
+    }
+    let trouble = done.as_ref().err().map(|finding| finding.message.clone());
+    if let Some(path) = &args.output {
+        let lower = path.to_ascii_lowercase();
+        let text = if lower.ends_with(".html") || lower.ends_with(".htm") {
+            page::html(
+                name,
+                &machine.title,
+                features,
+                &runner.site,
+                trouble.as_deref(),
+            )
+        } else if lower.ends_with(".json") {
+            json()
+        } else {
+            listing::csv(features)
+        };
+        file.extend(text.into_bytes());
+    }
+    out.flush()?;
+    Ok(match done {
+        Err(finding) => {
+            tell(&finding);
+            Ending::Trouble
+        }
+        Ok(()) if features.iter().all(Feature::is_good) => Ending::Good,
+        Ok(()) => Ending::OutOfTolerance,
+    })
+}
+
+/// Carries out what comes on the standard input and writes the routine that repeats it.
+///
+/// # Errors
+///
+/// Reading or writing fails.
+pub fn recorded(
+    path: &str,
+    prober: &mut dyn Prober,
+    stylus: Stylus,
+    out: &mut dyn Write,
+) -> io::Result<Ending> {
+    let mut runner = Runner::new(Site::new(prober, stylus));
+    let mut routine = BufWriter::new(File::create(path)?);
+    let mut input = BufReader::new(io::stdin());
+    let refused = record::record(&mut input, &mut routine, &mut runner, out, tell)?;
+    writeln!(out, "{path}: {}", listing::summary(&runner.features))?;
+    Ok(match refused {
+        0 => Ending::Good,
+        _ => Ending::Trouble,
+    })
+}
+
+/// M0: waits for a line where somebody is there to give it.
+fn pause(line: usize) {
+    let input = io::stdin();
+    if input.is_terminal() {
+        eprintln!("line {line}: M0; Enter goes on");
+        // At the end of the input it goes on, too.
+        let _ = input.lock().read_line(&mut String::new());
+    } else {
+        eprintln!("line {line}: M0");
+    }
+}
+
+fn tell(finding: &Finding) {
+    let is_colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    // Nobody to tell that it cannot be told.
+    let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
+}

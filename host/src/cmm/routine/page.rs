@@ -1,0 +1,176 @@
+//! The measuring report: one HTML file with everything inside, no script, no network.
+
+use super::dimension::{Dimension, decimal, signed};
+use super::feature::Feature;
+use super::listing::{limits, summary};
+use super::picture::{self, ABOVE, FRONT};
+use super::site::Site;
+use crate::report::{STYLE, escape, length};
+use std::fmt::Write;
+
+/// Green, red, and what only this page draws.
+const LOOK: &str = "\
+:root{--good:#116329}@media(prefers-color-scheme:dark){:root{--good:#56d364}}\
+.good{stroke:var(--feed);stroke-width:1.6}path.bad,circle.bad{stroke:var(--limit);stroke-width:2}text.bad{fill:var(--limit);font-weight:600}\
+circle{fill:none;vector-effect:non-scaling-stroke}circle.dot{fill:var(--ink);stroke:none}\
+.face{stroke-dasharray:7 4}.size{stroke:var(--soft);stroke-width:1;stroke-dasharray:2 3}\
+.off{stroke:var(--rapid);stroke-width:2.4}.bar{stroke:var(--rapid);stroke-width:5}\
+td.ok{color:var(--good)}td.out{color:var(--limit);font-weight:700}tr.first td{border-top:2px solid var(--line)}\
+td:nth-child(2),th:nth-child(2),td:nth-child(3),th:nth-child(3){text-align:left}\
+figure{margin:.8rem 0}figcaption{color:var(--soft);font-size:.9rem}\
+.verdict{font-size:1.15rem;font-weight:600}.verdict.ok{color:var(--good)}.verdict.out{color:var(--limit)}";
+
+/// Writes the page.
+pub fn html(
+    name: &str,
+    machine: &str,
+    features: &[Feature],
+    site: &Site<'_>,
+    trouble: Option<&str>,
+) -> String {
+    let mut page = String::new();
+    let title = escape(name);
+    let is_good = features.iter().all(Feature::is_good) && trouble.is_none();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title}: measured</title>\n<style>{STYLE}{LOOK}</style>\n</head>\n<body>\n\
+         <header><h1>{title}</h1><p>{}</p></header>\n<main>\n<p class=\"verdict {}\">{}</p>",
+        escape(machine),
+        if is_good { "ok" } else { "out" },
+        escape(&verdict(features, trouble))
+    );
+    figures(&mut page, features, site);
+    table(&mut page, features);
+    views(&mut page, features, site);
+    residuals(&mut page, features);
+    points(&mut page, features);
+    page.push_str("</main>\n</body>\n</html>\n");
+    page
+}
+
+fn verdict(features: &[Feature], trouble: Option<&str>) -> String {
+    match trouble {
+        Some(trouble) => format!("Stopped: {trouble}. Until then: {}.", summary(features)),
+        None => format!("{}.", summary(features)),
+    }
+}
+
+fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
+    let touches: u32 = features.iter().map(Feature::touches).sum();
+    let spread = features.iter().map(Feature::spread_nm).max();
+    let form = features.iter().map(Feature::form_nm).max();
+    let points: usize = features.iter().map(|feature| feature.contacts.len()).sum();
+    let nm = |nm: Option<i64>| length(nm.unwrap_or_default() as f64);
+    page.push_str("<dl>\n");
+    for (term, value) in [
+        ("features", features.len().to_string()),
+        ("points touched", points.to_string()),
+        ("touches averaged", touches.to_string()),
+        ("largest spread of a point", nm(spread)),
+        ("largest form error", nm(form)),
+        ("radius of the tip", length(site.radius_nm() as f64)),
+    ] {
+        let _ = writeln!(page, "<div><dt>{term}</dt><dd>{value}</dd></div>");
+    }
+    page.push_str("</dl>\n");
+}
+
+fn table(page: &mut String, features: &[Feature]) {
+    page.push_str("<section><h2>Features</h2><div class=\"scroll\"><table><thead><tr>");
+    for head in [
+        "feature",
+        "kind",
+        "figure",
+        "nominal",
+        "tolerance",
+        "actual",
+        "deviation",
+        "result",
+    ] {
+        let _ = write!(page, "<th scope=\"col\">{head}</th>");
+    }
+    page.push_str("</tr></thead><tbody>\n");
+    for feature in features {
+        let mut name = (escape(&feature.name), feature.keyword, " class=\"first\"");
+        for dimension in &feature.dimensions {
+            row(page, dimension, &name);
+            name = (String::new(), "", "");
+        }
+    }
+    page.push_str("</tbody></table></div></section>\n");
+}
+
+fn row(page: &mut String, dimension: &Dimension, (name, keyword, class): &(String, &str, &str)) {
+    let wanted = dimension.wanted;
+    let nominal = wanted.map(|wanted| decimal(wanted.nominal_micro));
+    let tolerance = wanted.and_then(|wanted| wanted.tolerance_micro).map(limits);
+    let deviation = dimension.deviation_micro().map(signed);
+    let (result, colour) = match dimension.is_good() {
+        Some(true) => ("ok", "ok"),
+        Some(false) => ("out of tolerance", "out"),
+        None => ("", ""),
+    };
+    let _ = writeln!(
+        page,
+        "<tr{class}><td>{name}</td><td>{keyword}</td><td>{} {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"{colour}\">{result}</td></tr>",
+        dimension.figure.name(),
+        dimension.figure.unit(),
+        nominal.unwrap_or_default(),
+        tolerance.unwrap_or_default(),
+        decimal(dimension.actual_micro),
+        deviation.unwrap_or_default(),
+    );
+}
+
+fn views(page: &mut String, features: &[Feature], site: &Site<'_>) {
+    if features.is_empty() {
+        return;
+    }
+    let part = &site.frame;
+    let factor = picture::factor(features, picture::size_nm(features, part));
+    let _ = writeln!(
+        page,
+        "<section><h2>Where they are</h2><p>In the frame at the end of the routine. Dots: points of the surface, corrected for \
+         tip and pre-travel. Thick strokes: how far they are from their feature, {factor:.0} times as large. Red: out of tolerance.</p>"
+    );
+    for plan in [ABOVE, FRONT] {
+        let _ = writeln!(page, "<figure><figcaption>{} view</figcaption>", plan.name);
+        picture::draw(page, features, part, plan, factor);
+        page.push_str("</figure>\n");
+    }
+    page.push_str("</section>\n");
+}
+
+fn residuals(page: &mut String, features: &[Feature]) {
+    let has_any = |feature: &&Feature| feature.marks.len() > 1 && feature.form_nm() > 0;
+    let mut features = features.iter().filter(has_any).peekable();
+    if features.peek().is_none() {
+        return;
+    }
+    page.push_str("<section><h2>Residuals</h2><p>Each point's distance from its feature, in the order of touching; outside is up.</p>\n");
+    features.for_each(|feature| picture::residuals(page, feature));
+    page.push_str("</section>\n");
+}
+
+fn points(page: &mut String, features: &[Feature]) {
+    page.push_str(
+        "<section><h2>Points</h2><details><summary>All points of the surface, mm, each in the frame it was measured in</summary>\
+         <div class=\"scroll\"><table><thead><tr><th scope=\"col\">feature</th><th scope=\"col\">point</th><th scope=\"col\">x</th>\
+         <th scope=\"col\">y</th><th scope=\"col\">z</th><th scope=\"col\">residual</th></tr></thead><tbody>\n",
+    );
+    for feature in features {
+        for (number, mark) in (1..).zip(&feature.marks) {
+            let [x, y, z] = feature.frame.to_part(mark.surface_nm).map(decimal);
+            let _ = writeln!(
+                page,
+                "<tr><td>{}</td><td>{number}</td><td>{x}</td><td>{y}</td><td>{z}</td><td>{}</td></tr>",
+                escape(&feature.name),
+                signed(mark.residual_nm)
+            );
+        }
+    }
+    page.push_str("</tbody></table></div></details></section>\n");
+}

@@ -1,0 +1,209 @@
+//! `husillo measure run` and `record`, as a user calls them: on the simulated chain, whose work piece is three faces.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn written(name: &str, text: &str) -> PathBuf {
+    let path = scratch(name);
+    fs::write(&path, text).unwrap();
+    path
+}
+
+/// `husillo measure -m cmm3` with faces at x 5 mm, y 3 mm and z -4 mm.
+fn measure() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.args(["measure", "-m", "cmm3"]);
+    for face in ["1:2500", "2:1500", "3:..-2000"] {
+        command.args(["--contact", face]);
+    }
+    command
+}
+
+/// A corner of three faces, and where its drawing has it.
+const CORNER: &str = "\
+safe z 2
+plane top towards -z at x0 y0 z-4 at x2 y0 z-4 at x0 y2 z-4
+line front towards +y at x0 y3 z-1 at x3 y3 z-1
+point left at x5 y1 z-1 towards +x
+frame plane top line front point left at x 100 y 50 z 0
+point P at x 98 y 47 z 0 +-0.005 towards -z
+edge E at x 100 +-0.005 y 48 z 2 towards +x points 2 over 2 angle 90 +-0.1
+";
+
+#[test]
+fn a_routine_on_the_chain() {
+    let routine = written("corner.routine", CORNER);
+    let page = scratch("corner.html");
+    let run = measure()
+        .args(["run", "--format", "json"])
+        .arg(&routine)
+        .arg("-o")
+        .arg(&page)
+        .assert()
+        .success();
+    let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    assert_eq!(result["in_tolerance"], true);
+    let edge = &result["features"][4];
+    assert_eq!(
+        (&edge["feature"], &edge["kind"]),
+        (&"E".into(), &"edge".into())
+    );
+    let x = &edge["dimensions"][0];
+    assert_eq!((&x["figure"], &x["nominal"]), (&"x".into(), &100.0.into()));
+    // Counts are 2 um.
+    assert!((x["actual"].as_f64().unwrap() - 100.0).abs() < 0.005, "{x}");
+    assert_eq!(edge["points"].as_array().unwrap().len(), 2);
+    let page = fs::read_to_string(page).unwrap();
+    assert!(!page.contains("<script") && !page.contains("http"));
+    assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
+    assert!(page.contains("XZ view") && page.contains("3 of 3 tolerances kept"));
+}
+
+#[test]
+fn out_of_tolerance_is_exit_status_1() {
+    let text = CORNER.replace("x 100 +-0.005", "x 99.9 +0.05 -0.05");
+    let routine = written("off.routine", &text);
+    let table = scratch("off.csv");
+    let run = measure()
+        .arg("run")
+        .arg(&routine)
+        .arg("-o")
+        .arg(&table)
+        .assert();
+    run.code(1)
+        .stdout(contains("OUT OF TOLERANCE").and(contains("1 of 3 tolerances not kept")));
+    let table = fs::read_to_string(table).unwrap();
+    let head = "feature,kind,line,figure,unit,actual,nominal,least,most,deviation,result\n";
+    assert!(table.starts_with(head), "{table}");
+    let row = table
+        .lines()
+        .find(|row| row.starts_with("E,edge,7,x,mm,"))
+        .unwrap();
+    assert!(
+        row.ends_with(",out") && row.contains(",99.9,-0.05,0.05,"),
+        "{row}"
+    );
+    let run = measure()
+        .args(["run", "--format", "csv"])
+        .arg(&routine)
+        .assert();
+    run.code(1).stdout(predicate::str::starts_with(head));
+}
+
+#[test]
+fn trouble_is_exit_status_3() {
+    let routine = written("far.routine", "point P at x 0 y 0 z 10 towards +z\n");
+    let run = measure().arg("run").arg(&routine).assert();
+    run.code(3)
+        .stderr(contains("far.routine:1:1").and(contains("no contact")));
+    let routine = written("beyond.routine", "goto x 1000\n");
+    measure()
+        .arg("run")
+        .arg(&routine)
+        .assert()
+        .code(3)
+        .stderr(contains("outside the travel"));
+}
+
+#[test]
+fn mistakes_are_told_before_anything_moves() {
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let wanted = fs::read_to_string(data.join("wrong.routine.told")).unwrap();
+    let run = measure()
+        .current_dir(&data)
+        .args(["run", "wrong.routine"])
+        .assert()
+        .code(2);
+    let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    if std::env::var_os("HUSILLO_BLESS").is_some() {
+        fs::write(data.join("wrong.routine.told"), &told).unwrap();
+        return;
+    }
+    assert_eq!(told, wanted);
+    assert!(run.get_output().stdout.is_empty());
+    // A machine whose counts are no lengths.
+    let routine = written("counts.routine", "goto x 1\n");
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    let run = command
+        .args(["measure", "-m", "cmm", "run"])
+        .arg(&routine)
+        .assert();
+    run.code(2).stderr(contains("what a count is worth"));
+    measure()
+        .arg("run")
+        .assert()
+        .code(2)
+        .stderr(contains("`run` what?"));
+}
+
+#[test]
+fn recorded_and_run_again() {
+    let routine = scratch("recorded.routine");
+    let typed = "jog z -1\ntouch -z within 10\njog z 1\njog z 0.5\ntouch corner +x within 10 x 5 +-0.01\n\
+                 jog x -2\nedge E at x 4 y 3 z -1 towards +y\n";
+    let first = measure()
+        .arg("record")
+        .arg(&routine)
+        .write_stdin(typed)
+        .assert()
+        .success();
+    assert!(first.get_output().stdout.starts_with(b"touch P1\n"));
+    let text = fs::read_to_string(&routine).unwrap();
+    assert!(
+        text.contains("touch P1 -z within 10") && text.contains("touch corner +x"),
+        "{text}"
+    );
+    let run = measure()
+        .args(["run", "--format", "json"])
+        .arg(&routine)
+        .assert()
+        .success();
+    let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    for (index, figure, wanted) in [(0, 2, -4.0), (1, 0, 5.0), (2, 1, 3.0)] {
+        let dimension = &result["features"][index]["dimensions"][figure];
+        assert!(
+            (dimension["actual"].as_f64().unwrap() - wanted).abs() < 0.005,
+            "{dimension}"
+        );
+    }
+    // A line that fails is not written, and told.
+    let run = measure()
+        .arg("record")
+        .arg(&routine)
+        .write_stdin("jog z 500\njog z 1\n")
+        .assert();
+    run.code(3).stderr(contains("outside the travel"));
+    assert!(
+        fs::read_to_string(&routine)
+            .unwrap()
+            .starts_with("goto x 0")
+    );
+}
+
+#[test]
+fn a_program_on_the_chain() {
+    let program = written(
+        "probe.nc",
+        "G21 G90 F24\nG38.2 Z-10\n#<top> = #5063\nG0 Z[#<top> + 3]\no<edge> call [5] [1] [#<top> + 1] [1] [0]\n\
+         o1 if [ABS[#<_edge_x> - 5] gt 0.005]\nG0 X900\no1 endif\nG38.3 Z[#<top> + 2]\no2 if [#5070 ne 0]\nG0 X900\no2 endif\nM2\n",
+    );
+    let run = measure().arg("run").arg(&program).assert().success();
+    run.stdout(contains("edge edge-1").and(contains("1 feature")));
+    let program = written("arc.nc", "G0 X1\nG2 X2 Y2 R3 F9\n");
+    measure()
+        .arg("run")
+        .arg(&program)
+        .assert()
+        .code(2)
+        .stderr(contains("arc.nc:2:1"));
+}
