@@ -98,6 +98,8 @@ pub enum Command {
         touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
         calibrate DIRECTION   touch a face that is at --reference: its pre-travel\n  \
         calibrate sphere|ring X.. Y.. Z.. R..  touch a body of this radius with about this centre: pre-travel by direction\n  \
+        run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit status 1 out of tolerance, 3 in trouble\n  \
+        record FILE           statements from the standard input are carried out and written as a routine\n  \
         status                position, version and status of the module\n\n\
         A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
         The modules are reset first, so positions count from where the axes are.\n\n\
@@ -105,6 +107,7 @@ pub enum Command {
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
         husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 --contact 1:2000 --contact 3:..-2000\n  \
         husillo measure -m cmm3 --piece examples/piece.toml goto X20 Y20 Z-15 touch -z\n  \
+        husillo measure -m cmm3 --piece examples/piece.toml --ball 1 --pretravel \"8 um\" run examples/piece.routine -o piece.html\n  \
         husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
         husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
     Measure(Measure),

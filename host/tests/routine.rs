@@ -207,3 +207,97 @@ fn a_program_on_the_chain() {
         .code(2)
         .stderr(contains("arc.nc:2:1"));
 }
+
+/// The example's piece with every place shifted, mm.
+fn shifted(by: [f64; 3]) -> String {
+    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let text = fs::read_to_string(examples.join("piece.toml")).unwrap();
+    let mut lines = Vec::new();
+    for line in text.lines() {
+        let place = line.split_once("= [").and_then(|(key, rest)| {
+            let (places, _) = rest.split_once(']')?;
+            let mm = places
+                .split(',')
+                .map(|place| place.trim().trim_matches('"'));
+            let mm: Option<Vec<f64>> = mm.map(|mm| mm.strip_suffix(" mm")?.parse().ok()).collect();
+            Some((key, mm.filter(|mm| mm.len() == 3)?))
+        });
+        lines.push(match place {
+            Some((key, mm)) => {
+                let mm: Vec<_> = mm
+                    .iter()
+                    .zip(by)
+                    .map(|(mm, by)| format!("\"{} mm\"", mm + by))
+                    .collect();
+                format!("{key}= [{}]", mm.join(", "))
+            }
+            None => line.to_owned(),
+        });
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn the_example_and_the_same_part_elsewhere() {
+    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let moved = written("moved.toml", &shifted([1.25, -2.0, -1.5]));
+    let mut all = Vec::new();
+    for piece in [examples.join("piece.toml"), moved] {
+        let mut command = Command::cargo_bin("husillo").unwrap();
+        command.args([
+            "measure",
+            "-m",
+            "cmm3",
+            "--ball",
+            "1",
+            "--pretravel",
+            "8 um",
+            "--format",
+            "json",
+            "--piece",
+        ]);
+        command
+            .arg(&piece)
+            .arg("run")
+            .arg(examples.join("piece.routine"));
+        let run = command.assert().success();
+        let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+        // Behind the three that find the part.
+        let features = result["features"].as_array().unwrap()[3..].to_vec();
+        let figures = features
+            .iter()
+            .flat_map(|feature| feature["dimensions"].as_array().unwrap().clone());
+        let judged =
+            figures.filter(|figure| figure["in_tolerance"] == true && figure["unit"] == "mm");
+        all.push(
+            judged
+                .map(|figure| figure["actual"].as_f64().unwrap())
+                .collect::<Vec<_>>(),
+        );
+    }
+    assert!(all[0].len() > 12 && all[0].len() == all[1].len());
+    for (here, there) in all[0].iter().zip(&all[1]) {
+        // Three counts of 2 um: both were rounded to them, and the noise is another.
+        assert!((here - there).abs() <= 0.006, "{here} {there}");
+    }
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.args([
+        "measure",
+        "-m",
+        "cmm3",
+        "--ball",
+        "1",
+        "--pretravel",
+        "8 um",
+        "--piece",
+    ]);
+    command
+        .arg(examples.join("piece.toml"))
+        .arg("run")
+        .arg(examples.join("piece.nc"));
+    command
+        .assert()
+        .success()
+        .stdout(contains("boss boss-2"))
+        .stderr(contains("M0").not());
+}

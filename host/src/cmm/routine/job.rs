@@ -131,13 +131,13 @@ pub fn run(
     });
     written?;
     let (name, features) = (routine.name(), &runner.features);
-    let json = || listing::json(name, &machine.title, features);
+    let trouble = done.as_ref().err().map(|finding| finding.message.clone());
+    let json = || listing::json(name, &machine.title, features, trouble.as_deref());
     match args.format {
         Results::Text => writeln!(out, "{}", listing::summary(features))?,
         Results::Json => writeln!(out, "{}", json())?,
         Results::Csv => write!(out, "{}", listing::csv(features))?,
     }
-    let trouble = done.as_ref().err().map(|finding| finding.message.clone());
     if let Some(path) = &args.output {
         let lower = path.to_ascii_lowercase();
         let text = if lower.ends_with(".html") || lower.ends_with(".htm") {

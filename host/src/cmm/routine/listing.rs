@@ -57,16 +57,17 @@ pub fn text(feature: &Feature) -> String {
     }
 }
 
-/// `+0.03 -0.01`, or `+-0.02`.
+/// `+0.03 -0.01`, `+-0.02`, or `0 to +0.01`.
 pub fn limits([least, most]: [i64; 2]) -> String {
     let plain = |micro: i64| {
         let text = format!("{:+}", number(micro));
         if micro == 0 { "0".to_owned() } else { text }
     };
-    if least == -most {
-        return format!("+-{}", number(most));
+    match (least, most) {
+        (0, most) => format!("0 to {}", plain(most)),
+        (least, most) if least == -most => format!("+-{}", number(most)),
+        (least, most) => format!("{} {}", plain(most), plain(least)),
     }
-    format!("{} {}", plain(most), plain(least))
 }
 
 /// How it ended, for people: the last line.
@@ -85,13 +86,14 @@ pub fn summary(features: &[Feature]) -> String {
     }
 }
 
-/// One JSON object for all.
-pub fn json(name: &str, machine: &str, features: &[Feature]) -> String {
+/// One JSON object for all, with the trouble that ended it.
+pub fn json(name: &str, machine: &str, features: &[Feature], trouble: Option<&str>) -> String {
     let all: Vec<Value> = features.iter().map(object).collect();
     let whole = json!({
         "routine": name,
         "machine": machine,
-        "in_tolerance": features.iter().all(Feature::is_good),
+        "trouble": trouble,
+        "in_tolerance": trouble.is_none() && features.iter().all(Feature::is_good),
         "features": all,
     });
     format!("{whole:#}")

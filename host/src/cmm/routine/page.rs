@@ -106,7 +106,8 @@ fn table(page: &mut String, features: &[Feature]) {
 fn row(page: &mut String, dimension: &Dimension, (name, keyword, class): &(String, &str, &str)) {
     let wanted = dimension.wanted;
     let nominal = wanted.map(|wanted| decimal(wanted.nominal_micro));
-    let tolerance = wanted.and_then(|wanted| wanted.tolerance_micro).map(limits);
+    let tolerance = wanted.and_then(|wanted| wanted.tolerance_micro);
+    let tolerance = tolerance.map(|ends| limits(ends).replace("+-", "\u{b1}"));
     let deviation = dimension.deviation_micro().map(signed);
     let (result, colour) = match dimension.is_good() {
         Some(true) => ("ok", "ok"),

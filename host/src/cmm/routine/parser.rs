@@ -491,6 +491,24 @@ impl Parser {
             .help("write `safe z ...` in a line before"));
         }
         let wanted = clauses.wanted(&job);
+        let is_wanted = |figure| wanted.iter().any(|wanted| wanted.figure == figure);
+        if let Some((points, least)) = points_of(&job) {
+            let figure = match job {
+                Job::Edge { .. } if points == 1 && is_wanted(Angle) => Some(Angle),
+                _ if points <= least && is_wanted(Form) => Some(Form),
+                _ => None,
+            };
+            if let Some(figure) = figure {
+                let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
+                let plural = if points == 1 { "point" } else { "points" };
+                return Err(Wrong::new(
+                    code::TOLERANCE,
+                    format!("`{keyword}` of {points} {plural} has no {name}"),
+                    reader.whole(),
+                )
+                .help(format!("{least} points at least")));
+            }
+        }
         Ok((job, wanted))
     }
 
@@ -579,6 +597,21 @@ fn needs_safe(job: &Job) -> bool {
             ..
         }
     )
+}
+
+/// How many points a job's feature has, and how many leave no residuals.
+fn points_of(job: &Job) -> Option<(usize, usize)> {
+    // 1000 at most.
+    let count = |points: u32| points as usize;
+    Some(match job {
+        Job::Edge { points, .. } => (count(*points), 2),
+        Job::Round { points, .. } => (count(*points), 3),
+        Job::Sphere { points, .. } => (count(*points), 4),
+        Job::Plane { at, .. } => (at.len(), 3),
+        Job::Line { at, .. } => (at.len(), 2),
+        Job::Fit { shape, of } => (of.len(), shape.least_points()),
+        _ => return None,
+    })
 }
 
 /// What a job's feature can be used for.
