@@ -22,7 +22,8 @@ fn written(name: &str, text: &str) -> PathBuf {
 /// `husillo measure -m cmm3` with faces at x 5 mm, y 3 mm and z -4 mm.
 fn measure() -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
-    command.args(["measure", "-m", "cmm3"]);
+    // Faces close by the place of the centre: no ball.
+    command.args(["measure", "-m", "cmm3", "--ball", "0"]);
     for face in ["1:2500", "2:1500", "3:..-2000"] {
         command.args(["--contact", face]);
     }
