@@ -79,9 +79,8 @@ pub fn servo(data: &[u8]) {
             _ => {
                 let command = command(&mut bytes);
                 match command {
-                    Command::SetGain(gains) if command.is_in_range(version) => {
-                        limit = limit.max(gains.output_limit);
-                    }
+                    // A module takes gains out of range as well: none of its limits is among them.
+                    Command::SetGain(gains) => limit = limit.max(gains.output_limit),
                     Command::LoadTrajectory(load) => pwm = pwm.max(load.pwm),
                     _ => {}
                 }
