@@ -21,9 +21,13 @@ fn written(name: &str, text: &str) -> PathBuf {
 
 /// `husillo measure -m cmm3` with faces at x 5 mm, y 3 mm and z -4 mm.
 fn measure() -> Command {
+    measure_on("cmm3")
+}
+
+fn measure_on(machine: &str) -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
     // Faces close by the place of the centre: no ball.
-    command.args(["measure", "-m", "cmm3", "--ball", "0"]);
+    command.args(["measure", "-m", machine, "--ball", "0"]);
     for face in ["1:2500", "2:1500", "3:..-2000"] {
         command.args(["--contact", face]);
     }
@@ -189,6 +193,48 @@ fn recorded_and_run_again() {
             .unwrap()
             .starts_with("goto x 0")
     );
+}
+
+/// Scales that read 2 mm/m short: the same counts are 0.2 % more, in routines, recordings and programs.
+#[test]
+fn what_is_known_of_the_axes_is_taken_off() {
+    let machines = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../machines");
+    let mut text = fs::read_to_string(machines.join("cmm3.toml")).unwrap();
+    text += "\n[axis.x.calibration]\nscale = \"2000 um/m\"\n";
+    let machine = written("short.toml", &text);
+    let on_it = || measure_on(machine.to_str().unwrap());
+    let x_of = |routine: &PathBuf| {
+        let mut command = on_it();
+        let run = command.args(["run", "--format", "json"]).arg(routine);
+        let run = run.assert().success();
+        let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+        result["features"][0]["dimensions"][0]["actual"]
+            .as_f64()
+            .unwrap()
+    };
+    // The face is at 2500 counts of 2 um.
+    let is_there = |x: f64| (x - 5.01).abs() < 0.0045;
+    let x = x_of(&written(
+        "short.routine",
+        "point P at x 5.01 y 0 z 0 towards +x\n",
+    ));
+    assert!(is_there(x), "{x}");
+
+    let routine = scratch("short-recorded.routine");
+    let typed = "jog x 3\ntouch P +x within 5\n";
+    let mut command = on_it();
+    let record = command.arg("record").arg(&routine).write_stdin(typed);
+    record.assert().success().stdout(contains("5.01"));
+    let text = fs::read_to_string(&routine).unwrap();
+    assert!(text.starts_with("goto x 3"), "{text}");
+    let x = x_of(&routine);
+    assert!(is_there(x), "{x}");
+
+    let program = written(
+        "short.nc",
+        "G21 G90 F24\nG38.2 X6\no1 if [ABS[#5061 - 5.01] ge 0.0045]\nG0 X900\no1 endif\nM2\n",
+    );
+    on_it().arg("run").arg(&program).assert().success();
 }
 
 #[test]
