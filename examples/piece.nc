@@ -3,7 +3,8 @@
 G21 G90 G94 F24
 G0 Z-10
 G0 X16 Y16
-G38.2 Z-24 (the top: #5063 is the centre of a ball of 1 mm)
+G38.2 Z-24 (the top, and slowly off again)
+G38.4 Z-18 F5 (#5063 is the centre of a ball of 1 mm)
 #<top> = [#5063 - 1]
 G10 L2 P1 Z#<top> (from here on Z0 is the top)
 G0 Z10

@@ -255,6 +255,75 @@ fn a_program_on_the_chain() {
         .stderr(contains("arc.nc:2:1"));
 }
 
+/// Until the contact is made, and until it is broken, as a file between two machines would have it.
+#[test]
+fn probing_there_and_away() {
+    let probe = |lines: &str| {
+        let program = written(
+            &format!("away{}.nc", lines.len()),
+            &format!("G21 G90 F24\nG0 Z-3\n{lines}\nM2\n"),
+        );
+        measure().arg("run").arg(&program).assert()
+    };
+    // Faces are sharp and counts 2 um; the head stands where it has braked, less than 20 um on.
+    probe(
+        "G38.2 Z-10\n\
+         o1 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 gt -4] or [#5422 lt -4.02]]\nG0 X900\no1 endif\n\
+         G38.4 Z-3 F6\n\
+         o2 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 lt -4.002]]\nG0 X900\no2 endif\n\
+         G20\nF1 G1 Z[-3.5/25.4]\nG38.3 Z[-5/25.4]\nG21\n\
+         o3 if [ABS[#5063 + 4] gt 0.003]\nG0 X900\no3 endif\n\
+         F24\nG38.5 X1\n\
+         o4 if [[#5070 ne 0] or [ABS[#5061 - 1] gt 0.003]]\nG0 X900\no4 endif\n\
+         G38.5 Z-3\nG0 Z-3\nG38.3 Z-3.5\n\
+         o5 if [#5070 ne 0]\nG0 X900\no5 endif",
+    )
+    .success();
+    probe("G38.2 Z-3.9")
+        .code(3)
+        .stderr(contains("no contact from X 0.0000 mm, Y 0.0000 mm, Z -3"));
+    probe("G38.4 Z-1")
+        .code(3)
+        .stderr(contains("nothing to leave"));
+    probe("G38.2 Z-9\nG38.4 X1")
+        .code(3)
+        .stderr(contains("contact all the way from"));
+    probe("G38.2 Z-9\nG38.2 Z-9")
+        .code(3)
+        .stderr(contains("contact at start"));
+    probe("G95 M3 S100\nG1 X1 F1")
+        .code(3)
+        .stderr(contains("not on a measuring machine"));
+}
+
+/// The ball of the example on its piece: the face is where it is drawn, whichever way the contact is crossed.
+#[test]
+fn both_ways_on_the_piece() {
+    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    // Axially the stylus takes 1 um, 0.5 um of noise; counts of 2 um.
+    let program = written(
+        "both.nc",
+        "G21 G90 F24\nG0 Z-10\nG0 X16 Y16\nG38.2 Z-24\n#<made> = #5063\nG38.4 Z-18 F4.8\n#<broken> = #5063\n\
+         o1 if [[ABS[#<made> + 19] gt 0.0045] or [ABS[#<broken> + 19] gt 0.0045]]\nG0 X900\no1 endif\nM2\n",
+    );
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.args([
+        "measure",
+        "-m",
+        "cmm3",
+        "--ball",
+        "1",
+        "--pretravel",
+        "1 um",
+        "--piece",
+    ]);
+    command
+        .arg(examples.join("piece.toml"))
+        .arg("run")
+        .arg(&program);
+    command.assert().success();
+}
+
 /// The example's piece with every place shifted, mm.
 fn shifted(by: [f64; 3]) -> String {
     let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");

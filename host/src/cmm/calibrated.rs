@@ -2,10 +2,10 @@
 
 use super::calibration_file::Errors;
 use super::head::Head;
-use super::prober::{Prober, Touched};
+use super::prober::{Probed, Prober, Touched};
 use super::trouble::Trouble;
 use husillo_backlash::Flank;
-use husillo_probe::{Measurement, UnitVector};
+use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
 
 /// A prober with its errors taken off. What it is asked for and what it tells are true positions, on square axes; the prober behind it works
@@ -69,6 +69,28 @@ impl<P: Prober> Calibrated<P> {
         (self.errors.reading_nm(goal, flanks), flanks)
     }
 
+    /// A move by the prober: what `go` does with the readings of the goal.
+    fn go_with(
+        &mut self,
+        goal: [i64; 3],
+        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Trouble>,
+    ) -> Result<Probed, Trouble> {
+        let from = self.from()?;
+        let (reading, flanks) = self.reading_of(from, goal);
+        // A move that fails halfway leaves the axes anywhere.
+        self.sent = None;
+        let ended = go(&mut self.prober, reading)?;
+        self.flanks = flanks;
+        if ended.changed_nm.is_none() {
+            self.sent = Some(reading);
+        }
+        let position_of = |readings| self.position_of(readings, flanks);
+        Ok(Probed {
+            changed_nm: ended.changed_nm.map(position_of),
+            at_nm: position_of(ended.at_nm),
+        })
+    }
+
     /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the flanks at the contact.
     fn touch_with<T>(
         &mut self,
@@ -110,14 +132,27 @@ impl<P: Prober> Prober for Calibrated<P> {
     }
 
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
-        let from = self.from()?;
-        let (reading, flanks) = self.reading_of(from, goal_nm);
-        // A move that fails halfway leaves the axes anywhere.
-        self.sent = None;
-        let reached = self.prober.go_to(reading)?;
-        self.flanks = flanks;
-        self.sent = Some(reading);
-        Ok(self.position_of(reached, flanks))
+        self.go_with(goal_nm, |prober, goal| Ok(undisturbed(prober.go_to(goal)?)))
+            .map(|ended| ended.at_nm)
+    }
+
+    // What the axes are off by is less than a speed has to be exact to.
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.go_with(goal_nm, |prober, goal| {
+            Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
+        })
+        .map(|ended| ended.at_nm)
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.go_with(goal_nm, |prober, goal| {
+            prober.probe_to(goal, nm_per_min, until)
+        })
     }
 
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
@@ -126,6 +161,14 @@ impl<P: Prober> Prober for Calibrated<P> {
             centre_nm: self.position_of(touched.centre_nm, flanks),
             ..touched
         })
+    }
+}
+
+/// A move that nothing ended before its goal.
+const fn undisturbed(at_nm: [i64; 3]) -> Probed {
+    Probed {
+        changed_nm: None,
+        at_nm,
     }
 }
 
@@ -302,6 +345,29 @@ mod tests {
                 *at = to;
             }
             Ok(self.at)
+        }
+
+        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Trouble> {
+            self.go_to(goal)
+        }
+
+        /// In steps of a count along the longest way.
+        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Trouble> {
+            let from = self.at;
+            let way = [0, 1, 2].map(|axis: usize| goal[axis] - from[axis]);
+            let steps = way.iter().map(|way| way.abs()).max().unwrap_or(0) / self.count;
+            let at = |step: i64| [0, 1, 2].map(|axis: usize| from[axis] + way[axis] * step / steps);
+            for step in 1..=steps {
+                let there = self.go_to(at(step))?;
+                if (self.real()[0] >= self.face) == until.level() {
+                    return Ok(Probed {
+                        changed_nm: Some(there),
+                        // It brakes.
+                        at_nm: self.go_to(at(step + 3))?,
+                    });
+                }
+            }
+            Ok(undisturbed(self.at))
         }
 
         fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
@@ -482,5 +548,29 @@ mod tests {
             y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
             "{touched:?}"
         );
+        // There and off again: the same place both ways, and it stays beyond it.
+        for (goal, until) in [
+            (32_000_000, Edge::Made),
+            (30_000_000, Edge::Broken),
+            (31_000_000, Edge::Made),
+        ] {
+            let goal = [goal, 90_000_000, 70_000_000];
+            let probed = calibrated.probe_to(goal, 24_000_000, until).unwrap();
+            let [x, y, z] = probed.changed_nm.unwrap_or(probed.at_nm);
+            assert_eq!(probed.changed_nm.is_some(), goal[0] != 31_000_000);
+            let wanted = if goal[0] == 31_000_000 {
+                goal[0]
+            } else {
+                31_234_567
+            };
+            assert!(x.abs_diff(wanted) < 250, "{probed:?}");
+            assert!(
+                y.abs_diff(90_000_000) < 250 && z.abs_diff(70_000_000) < 250,
+                "{probed:?}"
+            );
+            let truth = calibrated.inner().real();
+            let off = [0, 1, 2].map(|axis: usize| truth[axis] - probed.at_nm[axis] as f64);
+            assert!(off.iter().all(|off| off.abs() < 250.0), "{off:?}");
+        }
     }
 }

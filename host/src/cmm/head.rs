@@ -2,11 +2,11 @@
 
 use super::file::{CmmFile, ProbeFile};
 use super::line::Line;
-use super::prober::{Prober, Touched};
+use super::prober::{Probed, Prober, Touched};
 use super::scale::Scale;
 use super::servo::Servo;
 use super::trouble::Trouble;
-use husillo_probe::UnitVector;
+use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
     CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
 };
@@ -113,10 +113,23 @@ impl Head {
     ///
     /// [`Trouble`]; outside of the travel nothing moves.
     pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_at(goal, None)
+    }
+
+    /// The same at `rate` counts/s at most.
+    fn go_at(&mut self, goal: [i64; 3], rate: Option<u32>) -> Result<[i64; 3], Trouble> {
         let goal = self.counts(goal)?;
         self.check_travel(&goal)?;
-        let way = self.travel(&goal, None, None)?;
+        let way = self.travel(&goal, rate, None)?;
         Ok(self.place_of(&way.replies))
+    }
+
+    /// Counts/s of a speed in amounts of the scale a minute; not above it, but at least 1.
+    fn rate(&self, per_min: u64) -> u32 {
+        let per_min = i64::try_from(per_min).unwrap_or(i64::MAX);
+        let rate = self.scale.to_counts(per_min) / 60;
+        // Not negative.
+        u32::try_from(rate.max(1)).unwrap_or(u32::MAX)
     }
 
     /// Calls the place that an axis holds 0.
@@ -194,7 +207,7 @@ impl Head {
     /// # Errors
     ///
     /// The first that may not.
-    fn check_travel(&self, goal: &[i32]) -> Result<(), Trouble> {
+    pub(super) fn check_travel(&self, goal: &[i32]) -> Result<(), Trouble> {
         for (axis, goal) in self.axes.iter().zip(goal) {
             let [low, high] = axis.file.travel;
             if !(low..=high).contains(goal) {
@@ -303,6 +316,19 @@ impl Prober for Head {
         self.go_to(goal_nm)
     }
 
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.go_at(goal_nm, Some(self.rate(nm_per_min)))
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.search_to(goal_nm, self.rate(nm_per_min), until)
+    }
+
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
         let measurement = self.touch(direction, way_nm)?;
         Ok(Touched {
@@ -310,5 +336,92 @@ impl Prober for Head {
             touches: measurement.touches,
             spread_nm: measurement.spread,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cmm::emulated::Emulated;
+    use crate::cmm::port::Port;
+    use husillo_probe::Failure;
+
+    const MM: i64 = 1_000_000;
+
+    /// The machine of three axes with a face 4 mm below.
+    fn head() -> Head {
+        let machine = CmmFile::load("cmm3").unwrap_or_else(|_| panic!("cmm3"));
+        let face = "3:..-2000".parse().unwrap();
+        let emulated = Emulated::new(&[4; 3], &[face], None).unwrap();
+        let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        Head::start(line, &machine, 1).unwrap()
+    }
+
+    /// Seconds of what is done.
+    fn seconds<T>(head: &mut Head, what: impl FnOnce(&mut Head) -> T) -> (f64, T) {
+        let before = head.line.elapsed_us();
+        let result = what(head);
+        ((head.line.elapsed_us() - before) as f64 / 1e6, result)
+    }
+
+    #[test]
+    fn a_feed_is_the_speed_of_the_path() {
+        let mut head = head();
+        // 3 mm at 45 mm/min: 4 s, the ramps, and the time to stand.
+        let goal = [2 * MM, 2 * MM, MM];
+        let (time, _) = seconds(&mut head, |head| head.feed_to(goal, 45_000_000).unwrap());
+        assert!((4.06..4.3).contains(&time), "{time} s");
+        // Beyond the machine's own, it is the machine's own.
+        let (most, _) = seconds(&mut head, |head| head.go_to([0; 3]).unwrap());
+        let (time, _) = seconds(&mut head, |head| head.feed_to(goal, u64::MAX).unwrap());
+        assert!(
+            (time - most).abs() < 0.1 && most < 2.0,
+            "{time} s, {most} s"
+        );
+    }
+
+    #[test]
+    fn there_and_off_again_at_the_feed() {
+        let mut head = head();
+        head.go_to([0, 0, -3 * MM]).unwrap();
+        // 1 mm at 12 mm/min: 5 s.
+        let down = |head: &mut Head, feed| head.probe_to([0, 0, -9 * MM], feed, Edge::Made);
+        let up = |head: &mut Head, feed| head.probe_to([0, 0, -3 * MM], feed, Edge::Broken);
+        let (time, made) = seconds(&mut head, |head| down(head, 12_000_000).unwrap());
+        assert!((5.0..5.3).contains(&time), "{time} s");
+        let [.., z] = made.changed_nm.unwrap();
+        assert!(z.abs_diff(-4 * MM) <= 2_000, "{made:?}");
+        // It stands there, pressed: not backed off.
+        assert!((z - 20_000..=z).contains(&made.at_nm[2]), "{made:?}");
+        assert!(matches!(
+            down(&mut head, 12_000_000),
+            Err(Trouble::Probe(Failure::ContactAtStart))
+        ));
+        let broken = up(&mut head, 12_000_000).unwrap();
+        let [.., z] = broken.changed_nm.unwrap();
+        assert!(
+            z.abs_diff(-4 * MM) <= 2_000 && broken.at_nm[2] >= z,
+            "{broken:?}"
+        );
+        assert!(matches!(
+            up(&mut head, 12_000_000),
+            Err(Trouble::NotTouching)
+        ));
+
+        // A feed beyond that of a search is that of a search, 0.4 mm/s: 2.5 s and what it takes to stand.
+        head.go_to([0, 0, -3 * MM]).unwrap();
+        let (time, made) = seconds(&mut head, |head| down(head, u64::MAX).unwrap());
+        assert!((2.5..2.8).contains(&time), "{time} s");
+        // Along the face there is no end of the contact.
+        let at = made.at_nm;
+        let ended = head
+            .probe_to([MM, 0, at[2]], 24_000_000, Edge::Broken)
+            .unwrap();
+        assert_eq!(ended.changed_nm, None);
+        assert!(ended.at_nm[0].abs_diff(MM) <= 2_000, "{ended:?}");
+        // Beyond the travel nothing moves.
+        let beyond = head.probe_to([0, 0, 900 * MM], 24_000_000, Edge::Broken);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert_eq!(head.held()[0], MM);
     }
 }

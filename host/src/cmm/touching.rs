@@ -1,12 +1,57 @@
-//! The probing cycle carried out by a head.
+//! Probing by a head: moves until the contact changes, and the probing cycle.
 
 use super::head::Head;
+use super::prober::Probed;
 use super::trouble::Trouble;
 use super::way::{Search, Way};
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Status};
 
 impl Head {
+    /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until the contact is made or broken, and stays
+    /// where it has braked.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside of the travel, nothing moves.
+    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
+        let replies = self.read_twice()?;
+        let mut replies = replies.iter();
+        let is_closed = replies.any(|reply| reply.status.contains(Status::LIMIT_1));
+        // The modules look for a change, whichever.
+        if is_closed == until.level() {
+            return Err(match until {
+                Edge::Made => Trouble::Probe(Failure::ContactAtStart),
+                Edge::Broken => Trouble::NotTouching,
+            });
+        }
+        let goal = self.counts(goal)?;
+        self.check_travel(&goal)?;
+        let search = Search {
+            events: Homing::LIMIT_1,
+            only: None,
+        };
+        let way = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
+        let at_nm = self.place_of(&way.replies);
+        if !way.is_found {
+            return Ok(Probed {
+                changed_nm: None,
+                at_nm,
+            });
+        }
+        let changed_nm = self.latched(&way.replies);
+        let beyond = [0, 1, 2].map(|axis: usize| (at_nm[axis] - changed_nm[axis]) as f64);
+        let beyond = beyond.iter().map(|way| way * way).sum::<f64>().sqrt();
+        let over_travel = self.scale.of_counts(self.probe.over_travel.into());
+        if until == Edge::Made && beyond > over_travel as f64 {
+            return Err(Trouble::Probe(Failure::OverTravel));
+        }
+        Ok(Probed {
+            changed_nm: Some(changed_nm),
+            at_nm,
+        })
+    }
+
     /// Searches the work piece from where the head stands in any direction, at most so far and not beyond the travel, touches it slowly
     /// and returns the mean of what was latched, in amounts of the scale.
     ///

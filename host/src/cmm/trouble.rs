@@ -41,6 +41,10 @@ pub enum Trouble {
     NoIndex { axis: char },
     /// No contact on the way.
     NoContact { from: String, to: String },
+    /// Nothing touched where the end of a contact was to be found.
+    NotTouching,
+    /// The contact lasted all the way.
+    Kept { from: String, to: String },
     /// Another end of the probing cycle.
     Probe(husillo_probe::Failure),
     /// A plan that is none.
@@ -78,8 +82,10 @@ impl Trouble {
             Self::NoContact { .. } => {
                 "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
             }
+            Self::NotTouching => "first touch it: G38.2 stops at the contact and stays there",
+            Self::Kept { .. } => "is this the way off the surface? A probe may stick, too",
             Self::Probe(husillo_probe::Failure::ContactAtStart) => {
-                "move away from the contact first: goto"
+                "move away from the contact first: goto, or G38.4 in a program"
             }
             Self::Probe(husillo_probe::Failure::OverTravel) => {
                 "lower `rate` of [probe], or raise `over_travel`"
@@ -117,6 +123,8 @@ impl fmt::Display for Trouble {
             }
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
+            Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
+            Self::Kept { from, to } => write!(out, "contact all the way from {from} to {to}"),
             Self::Probe(failure) => failure.fmt(out),
             Self::Plan(error) => error.fmt(out),
             Self::Fit(error) => error.fmt(out),

@@ -7,13 +7,12 @@ use super::feature::Feature;
 use super::frame::Frame;
 use super::line_reader::code;
 use super::runner::Runner;
-use crate::cmm::prober::Prober;
 use crate::cmm::trouble::Trouble;
 use crate::diagnostics::Finding;
 use crate::explain::{self, At};
 use husillo_gcode::parameters::{Program, System, Value, needs_program};
-use husillo_gcode::{Block, Command, Dialect, Modal, Nm, SpindleDirection, Units, words};
-use husillo_probe::UnitVector;
+use husillo_gcode::{Block, Command, Dialect, Feed, Modal, Nm, SpindleDirection, Units, words};
+use husillo_probe::{Edge, UnitVector};
 use std::collections::HashMap;
 
 const DIALECT: Dialect = Dialect::RS274;
@@ -252,37 +251,53 @@ fn carry_out(
     let failed = |failure: Failure| failed(&failure, at);
     let prober = runner.site.prober();
     match *command {
-        Command::Rapid { to } | Command::Linear { to, .. } => {
+        Command::Rapid { to } => {
+            let reached = prober.go_to(to.map(|nm| nm.0));
+            reached.map_err(|trouble| failed(trouble.into()))?;
+        }
+        Command::Linear { to, feed } => {
             let goal = to.map(|nm| nm.0);
-            prober
-                .go_to(goal)
-                .map_err(|trouble| failed(trouble.into()))?;
+            let from = prober.position();
+            let from = from.map_err(|trouble| failed(trouble.into()))?;
+            let speed = nm_per_min(feed, way(from, goal)).ok_or_else(|| foreign(at.whole()))?;
+            let reached = prober.feed_to(goal, speed);
+            reached.map_err(|trouble| failed(trouble.into()))?;
         }
         Command::Probe {
             to,
-            away: false,
+            feed,
+            away,
             must,
-            ..
         } => {
             let goal = to.map(|nm| nm.0);
-            let (contact, here) = probe(prober, goal, must).map_err(failed)?;
-            state.probed = match contact {
-                Some((latched, travel)) => {
-                    (runner.site.tip.centre_nm(latched, &travel).map(Nm), true)
-                }
-                None => (here.map(Nm), false),
+            let from = prober
+                .position()
+                .map_err(|trouble| failed(trouble.into()))?;
+            let way = way(from, goal);
+            let travel = UnitVector::new(way).ok_or_else(|| failed(Failure::NoDirection))?;
+            let speed = nm_per_min(feed, way).ok_or_else(|| foreign(at.whole()))?;
+            // Where contact ends, the stylus is bent as it was when it began: by the way there.
+            let (until, approach) = if away {
+                (Edge::Broken, travel.reversed())
+            } else {
+                (Edge::Made, travel)
             };
-            state.modal.set_position(here.map(Nm));
-        }
-        Command::Probe { away: true, .. } => {
-            return Err(Finding::error(
-                code::MACHINE,
-                "nothing to leave: every touch here ends with the tip off the surface",
-                at.whole(),
-            )
-            .label("G38.4 and G38.5 begin at a contact")
-            .help("leave it out: G38.2 backs off, touches slowly and backs off again by itself")
-            .into());
+            let probed = prober.probe_to(goal, speed, until);
+            let probed = probed.map_err(|trouble| failed(trouble.into()))?;
+            let here = probed.at_nm.map(Nm);
+            state.probed = match probed.changed_nm {
+                Some(latched) => (runner.site.tip.centre_nm(latched, &approach).map(Nm), true),
+                None if must => {
+                    let [from, to] = [from, probed.at_nm].map(place_text);
+                    let trouble = match until {
+                        Edge::Made => Trouble::NoContact { from, to },
+                        Edge::Broken => Trouble::Kept { from, to },
+                    };
+                    return Err(failed(trouble.into()));
+                }
+                None => (here, false),
+            };
+            state.modal.set_position(here);
         }
         // The axes stand before every line as it is.
         Command::Dwell { .. }
@@ -306,19 +321,27 @@ fn carry_out(
     Ok(())
 }
 
-/// What was latched and along which direction, if there was a contact, and where the tip is.
-type Probed = (Option<([i64; 3], UnitVector)>, [i64; 3]);
+fn way(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
+    std::array::from_fn(|axis| to[axis].saturating_sub(from[axis]))
+}
 
-fn probe(prober: &mut dyn Prober, goal_nm: [i64; 3], must: bool) -> Result<Probed, Failure> {
-    let from = prober.position()?;
-    let way: [i64; 3] = std::array::from_fn(|axis| goal_nm[axis].saturating_sub(from[axis]));
-    let travel = UnitVector::new(way).ok_or(Failure::NoDirection)?;
-    let way_nm = super::frame::length(super::frame::floats(way)).round() as u64;
-    match prober.touch(&travel, way_nm) {
-        Ok(touched) => Ok((Some((touched.centre_nm, travel)), prober.position()?)),
-        Err(Trouble::NoContact { .. }) if !must => Ok((None, prober.go_to(goal_nm)?)),
-        Err(trouble) => Err(trouble.into()),
+/// The speed of a move along this way, nm a minute; `None` where it depends on a spindle.
+fn nm_per_min(feed: Feed, way: [i64; 3]) -> Option<u64> {
+    match feed {
+        Feed::PerMinute(nm) => Some(nm.0.unsigned_abs()),
+        Feed::InverseTime { micro_per_minute } => {
+            let length = super::frame::length(super::frame::floats(way));
+            // Saturates, which is faster than any machine.
+            Some((length * micro_per_minute as f64 / 1e6) as u64)
+        }
+        Feed::PerRevolution(_) => None,
     }
+}
+
+/// A place of the machine for people.
+fn place_text(place_nm: [i64; 3]) -> String {
+    let [x, y, z] = place_nm.map(|nm| nm as f64 / 1e6);
+    format!("X {x:.4} mm, Y {y:.4} mm, Z {z:.4} mm")
 }
 
 fn at_line<'a>(file: &'a str, line: usize, bytes: &'a [u8]) -> At<'a> {
@@ -335,7 +358,7 @@ fn at_line<'a>(file: &'a str, line: usize, bytes: &'a [u8]) -> At<'a> {
 fn foreign(place: crate::diagnostics::Place) -> Finding {
     Finding::error(code::MACHINE, "not on a measuring machine", place)
         .label("nothing here can do it")
-        .help("there are G0, G1, G38.2, G38.3, frames, M0, M2, M30, O-words, parameters and the measuring cycles")
+        .help("there are G0, G1, G38.2 to G38.5, frames, M0, M2, M30, O-words, parameters and the measuring cycles")
 }
 
 /// A failure at a line.

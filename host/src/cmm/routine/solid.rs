@@ -2,9 +2,9 @@
 
 use super::frame::{Frame, Vector, components, dot, floats, minus, plus, scaled};
 use crate::cmm::file::Stylus;
-use crate::cmm::prober::{Prober, Touched};
+use crate::cmm::prober::{Probed, Prober, Touched};
 use crate::cmm::trouble::Trouble;
-use husillo_probe::UnitVector;
+use husillo_probe::{Edge, UnitVector};
 
 /// A body on the part; lengths in nm.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,14 @@ pub struct Ideal {
     pub at: [i64; 3],
     /// Straight ways made.
     pub moves: usize,
+    /// Speeds asked for, nm a minute.
+    pub speeds: Vec<u64>,
 }
+
+/// How far the tip may be pressed against a surface, nm: pre-travel and braking.
+const PRESSED_NM: f64 = 20_000.0;
+/// How far it brakes beyond a change of the contact, nm.
+const BRAKING_NM: f64 = 3_000.0;
 
 impl Ideal {
     /// How far the ball's surface is from the part, nm; negative inside.
@@ -108,7 +115,7 @@ impl Prober for Ideal {
         let mut gone = 0.0;
         while gone < length {
             let gap = self.gap(plus(from, scaled(way, gone / length)));
-            if gap < -1_000.0 {
+            if gap < -PRESSED_NM {
                 return Err(Trouble::PositionError {
                     at: format!("{:?} to {goal_nm:?}, after {gone} nm", self.at),
                 });
@@ -117,6 +124,56 @@ impl Prober for Ideal {
         }
         self.at = goal_nm;
         Ok(goal_nm)
+    }
+
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.speeds.push(nm_per_min);
+        self.go_to(goal_nm)
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.speeds.push(nm_per_min);
+        let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
+        let length = super::frame::length(way);
+        let travel = UnitVector::new(way.map(|nm| nm as i64)).unwrap();
+        // The stylus bends where it came from.
+        let approach = match until {
+            Edge::Made => travel,
+            Edge::Broken => travel.reversed(),
+        };
+        let pressed = f64::from(self.tip.pre_travel.along(&approach));
+        let is_closed = |gap: f64| gap <= -pressed;
+        if is_closed(self.gap(from)) == until.level() {
+            return Err(match until {
+                Edge::Made => Trouble::Probe(husillo_probe::Failure::ContactAtStart),
+                Edge::Broken => Trouble::NotTouching,
+            });
+        }
+        let at = |gone: f64| plus(from, scaled(way, gone / length));
+        let mut gone = 0.0;
+        while gone < length {
+            let gap = self.gap(at(gone));
+            if is_closed(gap) == until.level() {
+                let [changed, stood] =
+                    [gone, gone + BRAKING_NM].map(|gone| at(gone).map(|nm| nm.round() as i64));
+                self.at = stood;
+                return Ok(Probed {
+                    changed_nm: Some(changed),
+                    at_nm: stood,
+                });
+            }
+            gone += (gap + pressed).abs().max(0.5);
+        }
+        self.at = goal_nm;
+        Ok(Probed {
+            changed_nm: None,
+            at_nm: goal_nm,
+        })
     }
 
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {

@@ -35,6 +35,7 @@ fn ideal(bodies: Vec<Body>, place: Frame) -> Ideal {
         tip: tip(),
         at: [0, 0, 50 * MM],
         moves: 0,
+        speeds: Vec::new(),
     }
 }
 
@@ -336,6 +337,13 @@ fn programs_read_what_they_found() {
         o1 if [#5070 NE 1]
         G0 X999
         o1 endif
+        G38.4 Z5 (off again, at the same place)
+        o1 if [ABS[#5063 - 1 - #<top>] + ABS[#<top>] GT 0.000003]
+        G0 X999
+        o1 endif
+        o1 if [#5070 NE 1]
+        G0 X999
+        o1 endif
         G10 L2 P1 Z#<top>
         G0 Z15
         G38.3 X6 (nothing there)
@@ -395,8 +403,18 @@ fn programs_read_what_they_found() {
 }
 
 #[test]
+fn programs_have_their_feed() {
+    let mut machine = plate(Frame::MACHINE);
+    // F goes before units, as the standard orders a line. The last takes half a minute for 20 mm.
+    let text = "G21 F30\nG1 Z40\nG20\nF2 G38.3 Z1.2\nG0 Z2\nG21\nG1 Z20 F7.5\nG93 F2 X20";
+    program(text, &mut machine).unwrap();
+    let wanted = [30_000_000, 50_800_000, 7_500_000, 40_000_000];
+    assert_eq!(machine.speeds, wanted);
+}
+
+#[test]
 fn programs_that_are_wrong() {
-    let told = |text| program(text, &mut plate(Frame::MACHINE)).unwrap_err();
+    let told = |text: &str| program(text, &mut plate(Frame::MACHINE)).unwrap_err();
     // Before anything moves.
     assert_eq!(told("G0 X5\nG2 X1 Y1 R5 F9"), "not on a measuring machine");
     assert!(told("G0 Q#").contains('Q'), "{}", told("G0 Q#"));
@@ -405,6 +423,19 @@ fn programs_that_are_wrong() {
     assert!(told("G0 Z20\no<bore> call [1] [2]").contains("o<bore> call [x] [y] [z] [diameter]"));
     assert!(told("o<drill> call").contains("E0633"));
     assert!(told("F9\nG38.4 Z60").contains("nothing to leave"));
+    assert!(told("F9\nG38.5 Z60").contains("nothing to leave"));
+    let touched = "F9\nG0 X5 Y5\nG38.2 Z-1\n";
+    assert!(told(&(touched.to_owned() + "G38.3 Z-1")).contains("contact at start"));
+    let along = told(&(touched.to_owned() + "G38.4 X5.1"));
+    assert!(along.contains("contact all the way"), "{along}");
+    assert!(
+        program(
+            &(touched.to_owned() + "G38.5 X5.1"),
+            &mut plate(Frame::MACHINE)
+        )
+        .is_ok()
+    );
+    assert!(told("G38.2 Z0").contains("feed"), "{}", told("G38.2 Z0"));
     assert!(told("M3 S100").contains("not on a measuring machine"));
 }
 
