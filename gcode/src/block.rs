@@ -257,7 +257,7 @@ impl Block {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     fn push_word(
         &mut self,
         letter: u8,
@@ -482,7 +482,7 @@ impl Block {
     }
 
     /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it is.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     pub(crate) fn scaled(
         &self,
         letter: u8,

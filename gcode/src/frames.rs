@@ -52,7 +52,7 @@ impl Terms {
 
 impl<const N: usize> Modal<N> {
     /// Replaces the coordinates whose axes the block gives.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn read_axes(
         &self,
@@ -71,7 +71,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn read_axis(
         &self,
@@ -102,7 +102,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The sum of some coordinates.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn sum_of(&self, axis: usize, terms: Terms) -> Nm {
         let system = self.offsets.get(usize::from(self.work_system()));

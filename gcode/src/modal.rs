@@ -722,7 +722,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// Adds a word to a length, if the block has it; both stay within [`Nm::LIMIT`].
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn add_word(&self, block: &Block, letter: u8, to: &mut Nm) -> Result<(), Fault> {
         let (factor, exponent) = self.scale_of(letter);

@@ -147,7 +147,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The position with the axis words of the block applied, as the end of the move.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn aim(
         &self,
@@ -160,7 +160,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// Ends a block with a move to the point aimed at.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn go(&mut self, motion: Code, commands: &mut Commands<N>) {
         self.modes.position = commands.arc.to;
@@ -221,7 +221,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The feed in effect, for a feed move of this block.
-    #[cfg_attr(target_has_atomic = "32", inline)]
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn set_feed_of(&self, commands: &mut Commands<N>) -> Result<(), Fault> {
         let rate = self.modes.feed as i64;

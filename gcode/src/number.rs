@@ -179,8 +179,36 @@ const fn packed<const COUNT: usize>(rows: &[(u16, Code); COUNT]) -> [(u8, Code);
 static OF_G: [(u8, Code); G.len()] = packed(&G);
 static OF_M: [(u8, Code); M.len()] = packed(&M);
 
+/// Above the largest number, in tenths.
+const NUMBERS: usize = 1000;
+
+/// The same by the number itself: a kilobyte, for processors that have the room.
+const fn spread<const COUNT: usize>(rows: &[(u8, Code); COUNT]) -> [Option<Code>; NUMBERS] {
+    let mut spread = [None; NUMBERS];
+    let (mut place, mut number) = (0, 0);
+    while place < COUNT {
+        number += rows[place].0 as usize;
+        spread[number] = Some(rows[place].1);
+        place += 1;
+    }
+    spread
+}
+
+static BY_G: [Option<Code>; NUMBERS] = spread(&packed(&G));
+static BY_M: [Option<Code>; NUMBERS] = spread(&packed(&M));
+
 /// The code of a letter (`G` or `M`) and a number in tenths; `None` for one nobody knows.
 pub(crate) fn of_number(letter: u8, tenths: u16) -> Option<Code> {
+    if cfg!(target_has_atomic = "32") {
+        let codes = if letter == b'M' { &BY_M } else { &BY_G };
+        codes.get(usize::from(tenths)).copied().flatten()
+    } else {
+        of_row(letter, tenths)
+    }
+}
+
+/// The same from the rows, one after the other.
+fn of_row(letter: u8, tenths: u16) -> Option<Code> {
     let rows: &[(u8, Code)] = if letter == b'M' { &OF_M } else { &OF_G };
     let mut left = tenths;
     // From the first: most are G0 to G3.
@@ -203,5 +231,14 @@ mod tests {
         assert_eq!(of_number(b'G', 20), Some(Code::Clockwise));
         assert_eq!(of_number(b'M', 20), Some(Code::End));
         assert_eq!(of_number(b'G', 11), None);
+    }
+
+    #[test]
+    fn both_ways_know_the_same_numbers() {
+        for tenths in 0..=u16::MAX {
+            for letter in [b'G', b'M'] {
+                assert_eq!(of_number(letter, tenths), of_row(letter, tenths));
+            }
+        }
     }
 }

@@ -44,7 +44,12 @@ fn root_by_library(value: u128, digits: u32) -> (u64, u32) {
         Some(more) => value.wrapping_shl(more.wrapping_mul(2)),
         None => value.wrapping_shr(WHOLE_DIGITS.wrapping_sub(digits).wrapping_mul(2)),
     };
-    (shifted.isqrt() as u64, digits)
+    // Most are short, and the root of a short one needs no division of 128 bits.
+    let root = match u64::try_from(shifted) {
+        Ok(short) => short.isqrt(),
+        Err(_) => shifted.isqrt() as u64,
+    };
+    (root, digits)
 }
 
 /// A digit of the root from two bits of the value, with nothing wider than 64 bits but the value.

@@ -22,7 +22,8 @@ fn walk() -> [u8; SAMPLES as usize] {
             _ => quarters.wrapping_add(1),
         };
         // Gray code
-        (quarters ^ quarters >> 1) & 3
+        let phase = quarters & 3;
+        phase ^ phase >> 1
     })
 }
 
