@@ -165,6 +165,8 @@ struct Case {
     unit: f64,
     /// Height of the start above the bottom, allowances and depth in units.
     top: i64,
+    /// How far the start lies before the contour, in units.
+    before: i64,
     shift: [i64; 2],
     depth: i64,
 }
@@ -240,7 +242,7 @@ prop_compose! {
         }
         text += "N900 (the end)\n";
         text += "G70 P10 Q900\nM2\n";
-        Case { text, pieces, frame, dialect, unit, top, shift, depth }
+        Case { text, pieces, frame, dialect, unit, top, before: before + entry, shift, depth }
     }
 }
 
@@ -251,16 +253,24 @@ proptest! {
     /// as said and the last one is at the bottom; the number of commands is bounded; the tool ends where it began.
     #[test]
     fn roughing_keeps_off_the_contour(case in cases()) {
-        let Case { text, pieces, frame, dialect, unit, top, shift, depth } = case;
+        let Case { text, pieces, frame, dialect, unit, top, before, shift, depth } = case;
         let far = pieces.last().map_or(0, |piece| piece.end[0]);
         let (commands, errors) = run(&text, dialect);
         if far == 0 || pieces.is_empty() {
             // All of it a wall: nothing to cut along.
             return Ok(());
         }
-        if top <= shift[1] {
-            // The start lies within the allowance.
-            prop_assert_eq!(errors.len(), 1);
+        // Where the start lies above the contour with its allowance, to three nanometres along it.
+        let [lowest, highest] = [-3.0, 3.0].map(|nm| {
+            let far = (-before - shift[0]) as f64 * unit + nm;
+            height(&pieces, far, unit) + shift[1] as f64 * unit
+        });
+        let start = top as f64 * unit;
+        if top <= shift[1] || start < lowest {
+            prop_assert_eq!(errors.len(), 1, "{}", text);
+            return Ok(());
+        }
+        if start < highest && !errors.is_empty() {
             return Ok(());
         }
         prop_assert!(errors.is_empty(), "{errors:?}\n{text}");
@@ -406,6 +416,12 @@ fn what_cannot_be_cut_is_refused_at_its_line() {
             shaft("G71 P1 D1", "N9 G1 Z-5"),
             3,
             ErrorKind::MissingWord(b'Q'),
+        ),
+        // The start lies under the contour with its allowance, seen along Z.
+        (
+            shaft("G71 P1 Q9 D1 U1 W10", "G1 X30 Z-5\nN9 X39.8"),
+            3,
+            ErrorKind::OutOfRange(b'U'),
         ),
         (
             shaft("G71 P1 Q9", "N9 G1 Z-5"),

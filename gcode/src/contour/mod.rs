@@ -532,8 +532,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         let mut passes = Passes::new(ways, shape, start);
         (passes.shift, passes.depth, passes.retract) = (shift, depth.0, self.retract.0);
         passes.feeds_in = !approach.is_rapid;
-        if passes.whole() <= 0 {
-            // The start lies within the allowance.
+        if !passes.starts_free() {
             let letter = words[0];
             return Err(refused(Fault::at(Reason::OutOfRange, letter)));
         }

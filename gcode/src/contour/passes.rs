@@ -84,7 +84,14 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// How deep all cuts together go; not above zero where the start lies within the allowance.
+    /// Whether the start lies outside of the contour with its allowance, so that the tool may leave it and come back.
+    pub(super) fn starts_free(&self) -> bool {
+        let [deep, far] = self.start;
+        let end = plus(self.ways.course(self.shape.end()), self.shift);
+        self.whole() > 0 && (deep <= end[0] || far <= self.reach(deep))
+    }
+
+    /// How deep all cuts together go; not above zero where the start lies below the contour's bottom.
     pub(super) fn whole(&self) -> i64 {
         let bottom = self.ways.course(self.shape.from)[0].saturating_add(self.shift[0]);
         bottom.saturating_sub(self.start[0])
