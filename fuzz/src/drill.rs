@@ -18,6 +18,7 @@ pub fn drill(data: &[u8]) {
         stops_at_border: flags & 4 != 0,
         zero_is_no_move: flags & 8 != 0,
         z_is_depth: flags & 16 != 0,
+        has_extras: flags & 32 != 0,
     };
     let mut device = Device::<8>::new(rules);
     let timing = Timing {
@@ -78,6 +79,9 @@ fn run(
             let is_of_program =
                 matches!(order, Order::Move(Axis::X | Axis::Y, _) | Order::Drill(_));
             orders += usize::from(is_of_program);
+            if order == Order::Teach {
+                device.teach([1, 2]);
+            }
             device.done();
         }
         // Two bytes of the last record may be left of the part before.
@@ -94,7 +98,7 @@ fn run(
 }
 
 fn step(bytes: &mut Bytes<'_>) -> Step {
-    match bytes.byte() % 16 {
+    match bytes.byte() % 20 {
         0 => Step::Resync,
         1 => Step::Test,
         2 => Step::Clear,
@@ -106,6 +110,10 @@ fn step(bytes: &mut Bytes<'_>) -> Step {
         12 => Step::Manual(bytes.byte()),
         13 => Step::Key(bytes.byte()),
         14 => Step::Advance(bytes.byte()),
+        15 => Step::Teach,
+        16 => Step::Spindle(bytes.byte() & 1 != 0),
+        17 => Step::Read(u16::from_le_bytes([bytes.byte(), bytes.byte()])),
+        18 => Step::Help,
         _ => Step::Quit,
     }
 }

@@ -29,10 +29,12 @@ mod servo_axis;
 mod servo_module;
 
 mod cell;
+mod drill;
 
 pub use axis::{Axis, AxisRamp, Config};
 pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport};
 pub use closed_loop::{ClosedLoop, Followed};
+pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use motors::{Idle, Motors};

@@ -33,6 +33,7 @@
 mod axis;
 mod cell_rig;
 mod dc_motor;
+mod drill_rig;
 mod loss;
 mod model;
 mod rig;
@@ -45,6 +46,7 @@ mod work_piece;
 
 pub use cell_rig::CellRig;
 pub use dc_motor::{DcMotor, DcMotorModel};
+pub use drill_rig::{DrillRig, DrilledHole};
 pub use loss::{Cause, Loss};
 pub use model::AxisModel;
 pub use rig::Rig;

@@ -14,6 +14,15 @@
 //! | `e` | `e` when done | run the program; `E` meanwhile stops after the record that is being done |
 //! | `m` | `m`, an advance in steps, `m` when home | keys `D I F R U L O S r c B e a`, each echoed when done; `Q` ends with `m` |
 //!
+//! With extras ([`Rules::has_extras`]) also:
+//!
+//! | byte | answer | |
+//! | --- | --- | --- |
+//! | `T`, manual | `T`, or `w` where the memory is full | the present place is a hole at the end of the program |
+//! | `O`, `S` | the same | spindle on, off |
+//! | `n` lo hi | the same, then three bytes and the complement of their sum | the record of that number; behind the last one `f` 00 00. For ff ff instead how many drillings of programs were done since `c`: `c` lo hi, or `B` lo hi where there was no `c` since the reset |
+//! | `?` | `?`, text, 04 | help |
+//!
 //! The device holds 8192 bytes. The next byte (but `f` at the end) gets `w` instead of its echo: the device does what it holds, begins anew, keeps the
 //! byte and echoes it then; a record may lie across that border. The host has to be silent meanwhile.
 //!
@@ -44,6 +53,11 @@ pub use order::{Axis, Order};
 pub use rules::Rules;
 pub use step::{Failure, Outcome, Progress, Refused, Step};
 pub use timing::Timing;
+
+/// The number of [`Step::Read`] that asks how many drillings of programs were done since `c`, modulo 2^16.
+pub const COUNT: u16 = u16::MAX;
+/// Ends the help text.
+pub const END_OF_TEXT: u8 = 4;
 
 /// Bytes that the controller's memory holds.
 pub const MEMORY_BYTES: usize = 8192;

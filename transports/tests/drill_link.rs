@@ -1,8 +1,8 @@
 //! The drill's link, both ends in virtual time, on good lines and bad ones.
 
 use husillo_transports::drill::{
-    Axis, Device, Failure, Host, MEMORY_BYTES, Order, Outcome, Progress, Refused, Rules, Step,
-    Timing,
+    Axis, COUNT, Device, Failure, Host, MEMORY_BYTES, Order, Outcome, Progress, Refused, Rules,
+    Step, Timing,
 };
 
 /// A character at 2400 baud.
@@ -146,6 +146,7 @@ impl<const N: usize> Bench<N> {
                     Order::Move(Axis::X, to) => self.position[0] = to,
                     Order::Move(_, to) => self.position[1] = to,
                     Order::Drill(_) => self.holes.push(self.position),
+                    Order::Teach => self.device.teach(self.position),
                     Order::Jog(..) | Order::Spindle(_) => {}
                 }
             }
@@ -277,6 +278,73 @@ fn the_manual_mode() {
             wanted.push(Order::Jog(Axis::Z, most));
         }
         assert_eq!(bench.orders, wanted);
+    }
+}
+
+/// Teach-in, reading back, counting, the spindle and help: there in one kind of device, without an answer in the other.
+#[test]
+fn extras_are_there_or_not() {
+    let mut bench = Bench::<27>::fixed();
+    let count = |bench: &mut Bench<27>| {
+        assert_eq!(bench.run(Step::Read(COUNT)), Ok(Outcome::Done));
+        bench.host.record()
+    };
+    assert_eq!(count(&mut bench), *b"B\0\0", "no `c` since the reset");
+    assert_eq!(bench.run(Step::Clear), Ok(Outcome::Done));
+    assert_eq!(count(&mut bench), *b"c\0\0");
+    assert_eq!(bench.run(Step::Manual(1)), Ok(Outcome::Done));
+    for (number, place) in [[7, 9], [0x4262, 0x6666], [65_535, 0]]
+        .into_iter()
+        .enumerate()
+    {
+        bench.position = place;
+        assert_eq!(bench.run(Step::Teach), Ok(Outcome::Done));
+        assert_eq!(bench.host.stored_bytes(), 9 * (number as u32 + 1));
+    }
+    let full = Outcome::Failed(Failure::Full);
+    assert_eq!(
+        bench.run(Step::Teach),
+        Ok(full),
+        "27 bytes hold three holes"
+    );
+    assert_eq!(bench.run(Step::Key(b'T')), Err(Refused::Mode));
+    assert_eq!(bench.run(Step::Quit), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Execute), Ok(Outcome::Done));
+    assert_eq!(bench.holes, [[7, 9], [0x4262, 0x6666], [65_535, 0]]);
+    assert_eq!(count(&mut bench), *b"c\x03\0");
+    let mut read = Vec::new();
+    for number in 0..10 {
+        assert_eq!(bench.run(Step::Read(number)), Ok(Outcome::Done));
+        read.extend(bench.host.record());
+    }
+    let mut wanted = drill(&bench.holes);
+    wanted.extend(b"f\0\0");
+    assert_eq!(read, wanted);
+    assert_eq!(bench.run(Step::Spindle(true)), Ok(Outcome::Done));
+    assert_eq!(bench.orders.last(), Some(&Order::Spindle(true)));
+    assert_eq!(bench.run(Step::Help), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
+
+    let mut device = idle::<64>(Rules::FAITHFUL);
+    assert_eq!(said(&mut device, b"OSn?"), b"");
+    assert_eq!(said(&mut device, b"B"), b"B");
+}
+
+/// A record that is read back wrong is not believed.
+#[test]
+fn a_wrong_bit_in_a_record_is_seen() {
+    for (bit, byte) in (0..8).flat_map(|bit| (3..7).map(move |byte| (bit, byte))) {
+        let mut bench = Bench::<64>::fixed();
+        // Three bytes there, each echoed, and four back: two of six are of the line there.
+        bench.event = Some((bench.carried + 3 + byte, Event::Byte(Fault::Flipped(bit))));
+        let outcome = bench.run(Step::Read(COUNT)).expect("idle");
+        assert!(
+            matches!(outcome, Outcome::Failed(_)),
+            "bit {bit} of {byte}: {outcome:?}"
+        );
+        assert_eq!(bench.run(Step::Resync), Ok(Outcome::Done));
+        assert_eq!(bench.run(Step::Read(COUNT)), Ok(Outcome::Done));
+        assert_eq!(bench.host.record(), *b"B\0\0");
     }
 }
 

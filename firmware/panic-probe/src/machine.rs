@@ -5,14 +5,15 @@ use core::hint::black_box;
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Machine as AnyMachine, Means,
-    Motors, Scale, ServoAxis, ServoModule,
+    Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Drill as AnyDrill,
+    Machine as AnyMachine, Means, Motors, Scale, ServoAxis, ServoModule,
 };
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 type Cell = AnyCell<&'static [[i16; 2]]>;
+type Drill = AnyDrill<64>;
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -61,6 +62,16 @@ pub fn keep() {
         Cell::figure as *const (),
         Cell::set_figure as *const (),
         Cell::next_event as *const (),
+        Drill::new as *const (),
+        Drill::reset as *const (),
+        Drill::push as *const (),
+        Drill::transmit as *const (),
+        Drill::stored as *const (),
+        Drill::position_steps as *const (),
+        Drill::is_homed as *const (),
+        Drill::is_working as *const (),
+        Drill::spindle_turns as *const (),
+        Drill::next_event as *const (),
         ServoAxis::new as *const (),
         ServoAxis::set_law as *const (),
         ServoAxis::set_position as *const (),

@@ -2,7 +2,12 @@
 
 use crate::buffer::Buffer;
 
-use super::{Axis, Order, Rules};
+use super::{Axis, COUNT, END_OF_TEXT, Order, Rules};
+
+/// What `?` says.
+const HELP: &[u8] = b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
+    program: X lo hi, Y lo hi, Z lo hi; f ends it. E stops a run\r\n\
+    manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q quit\r\n";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
@@ -14,6 +19,8 @@ enum Mode {
         homes: bool,
     },
     Manual,
+    /// Which record is asked for: its low byte comes next, or came already.
+    Asked(Option<u8>),
 }
 
 /// What keeps the controller from hearing.
@@ -59,8 +66,15 @@ pub struct Device<const N: usize> {
     /// What came while nobody listened.
     unheard: Option<u8>,
     advance: u8,
-    out: Buffer<4>,
+    out: Buffer<8>,
     sent: usize,
+    /// What is left to say of the help.
+    help: &'static [u8],
+    /// The order under way is a drilling of a program.
+    is_drilling: bool,
+    /// Drillings done since `c`, modulo 2^16, and whether there was a `c` since the reset.
+    drillings: u16,
+    was_cleared: bool,
 }
 
 impl<const N: usize> Device<N> {
@@ -78,6 +92,10 @@ impl<const N: usize> Device<N> {
             advance: 0,
             out: Buffer::new(),
             sent: 0,
+            help: &[],
+            is_drilling: false,
+            drillings: 0,
+            was_cleared: false,
         }
     }
 
@@ -113,6 +131,7 @@ impl<const N: usize> Device<N> {
             };
             if order.is_some() {
                 self.is_busy = true;
+                self.is_drilling = matches!(order, Some(Order::Drill(_)));
                 return order;
             }
             self.finish();
@@ -121,19 +140,47 @@ impl<const N: usize> Device<N> {
 
     /// The order is carried out.
     pub fn done(&mut self) {
+        let is_drilled = core::mem::take(&mut self.is_drilling);
+        self.drillings = self.drillings.wrapping_add(u16::from(is_drilled)); // modulo 2^16 by its meaning
         self.is_busy = false;
+    }
+
+    /// A hole at the end of the program, at this place in steps: what [`Order::Teach`] wants before it is done. Where the memory has no
+    /// room for its nine bytes, the answer says so.
+    pub fn teach(&mut self, [x, y]: [u16; 2]) {
+        let stored = self.memory.bytes().len();
+        let is_whole = self.carried.bytes().is_empty() && stored.checked_rem(3) == Some(0);
+        if !is_whole || N.saturating_sub(stored) < 9 {
+            if let Work::Orders(orders, Some(_)) = self.work {
+                self.work = Work::Orders(orders, Some(b'w'));
+            }
+            return;
+        }
+        let ([x_low, x_high], [y_low, y_high]) = (x.to_le_bytes(), y.to_le_bytes());
+        let hole = [b'X', x_low, x_high, b'Y', y_low, y_high, b'Z', 0, 0];
+        self.memory.extend(&hole);
+    }
+
+    /// The program runs, or an order that was given by hand.
+    pub fn is_working(&self) -> bool {
+        self.is_busy || self.work != Work::None
     }
 
     /// The next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         let byte = self.out.bytes().get(self.sent).copied();
         if byte.is_some() {
-            self.sent = self.sent.wrapping_add(1); // 4 at most
-        } else {
-            self.out.clear();
-            self.sent = 0;
+            self.sent = self.sent.wrapping_add(1); // 8 at most
+            return byte;
         }
-        byte
+        self.out.clear();
+        self.sent = 0;
+        let (byte, rest) = self.help.split_first()?;
+        self.help = rest;
+        if rest.is_empty() {
+            self.out.push(END_OF_TEXT);
+        }
+        Some(*byte)
     }
 
     /// Bytes in the memory.
@@ -154,6 +201,15 @@ impl<const N: usize> Device<N> {
                 }
             }
             Mode::Manual => self.key(byte),
+            Mode::Asked(None) => {
+                self.out.push(byte);
+                self.mode = Mode::Asked(Some(byte));
+            }
+            Mode::Asked(Some(low)) => {
+                self.out.push(byte);
+                self.mode = Mode::Idle;
+                self.read_back(u16::from_le_bytes([low, byte]));
+            }
         }
     }
 
@@ -181,8 +237,34 @@ impl<const N: usize> Device<N> {
                 self.mode = Mode::Advance { homes: true };
                 self.out.push(byte);
             }
+            b'O' | b'S' if self.rules.has_extras => {
+                self.work = Work::Orders([Some(Order::Spindle(byte == b'O')), None], Some(byte));
+            }
+            b'n' if self.rules.has_extras => {
+                self.mode = Mode::Asked(None);
+                self.out.push(byte);
+            }
+            b'?' if self.rules.has_extras => {
+                self.out.push(byte);
+                self.help = HELP;
+            }
             _ => {} // no answer
         }
+    }
+
+    /// The record of this number with the complement of its sum; see [`COUNT`].
+    fn read_back(&mut self, number: u16) {
+        let [low, high] = self.drillings.to_le_bytes();
+        let letter = if self.was_cleared { b'c' } else { b'B' };
+        let at = usize::from(number).wrapping_mul(3); // below 2^18
+        let stored = self.memory.bytes().get(at..).unwrap_or_default();
+        let record = match stored.first_chunk() {
+            _ if number == COUNT => [letter, low, high],
+            Some(record) => *record,
+            None => [b'f', 0, 0],
+        };
+        self.out.extend(&record);
+        self.out.push(check(record));
     }
 
     /// The end needs no room; any other byte waits until there is some.
@@ -221,6 +303,7 @@ impl<const N: usize> Device<N> {
             b'L' => Order::Jog(Axis::Z, in_z),
             b'O' => Order::Spindle(true),
             b'S' => Order::Spindle(false),
+            b'T' if self.rules.has_extras => Order::Teach,
             b'r' => Order::Home,
             b'c' => return self.clear(),
             b'e' => return self.run(After::Answer(byte)),
@@ -241,6 +324,7 @@ impl<const N: usize> Device<N> {
     fn clear(&mut self) {
         self.memory.clear();
         self.carried.clear();
+        (self.drillings, self.was_cleared) = (0, true);
         self.work = Work::Orders([Some(Order::Zero), None], Some(b'c'));
     }
 
@@ -328,4 +412,9 @@ fn next(count: u32) -> u32 {
     } else {
         count.wrapping_add(1)
     }
+}
+
+/// What follows a record that is read back.
+pub(super) fn check([letter, low, high]: [u8; 3]) -> u8 {
+    !letter.wrapping_add(low).wrapping_add(high)
 }

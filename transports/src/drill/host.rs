@@ -1,6 +1,7 @@
 //! The host's end of the line.
 
-use super::{Failure, Outcome, Progress, Refused, Step, Timing};
+use super::device::check;
+use super::{END_OF_TEXT, Failure, Outcome, Progress, Refused, Step, Timing};
 
 /// Bytes that bring any device to rest: four `f` close any record and meet the place where `f` ends a program, `Q` leaves the manual mode,
 /// and an idle device ignores all of them. `B` is the test.
@@ -31,6 +32,9 @@ enum Phase {
     Late,
     /// The echo that follows a `w`.
     Border,
+    /// What follows the answer: the bytes of a record that came so far, or of a text.
+    Record(u8),
+    Text,
     /// Silence after the answer.
     Guard,
     /// The byte of this number is next; what comes of those before is thrown away.
@@ -59,9 +63,11 @@ pub struct Host {
     phase: Phase,
     /// What the device has to say.
     answer: u8,
-    /// The next byte of a step of two, and what the device says after it without being asked.
-    then: Option<u8>,
+    /// The next bytes of a step of several, and what the device says after them without being asked.
+    then: [Option<u8>; 2],
     last: Option<u8>,
+    /// The record that was read last.
+    record: [u8; 3],
     /// Left for this byte.
     tries: u8,
     /// Answers more that may come, since the byte was sent again.
@@ -92,8 +98,9 @@ impl Host {
             mode: Mode::Unknown,
             phase: Phase::Idle,
             answer: 0,
-            then: None,
+            then: [None; 2],
             last: None,
+            record: [0; 3],
             tries: 0,
             repeats: 0,
             since_us: 0,
@@ -122,9 +129,10 @@ impl Host {
         (self.stops, self.repeats) = (false, 0);
         self.answer = if step == Step::Quit { b'm' } else { byte };
         (self.then, self.last) = match step {
-            Step::Manual(advance) => (Some(advance), Some(b'm')),
-            Step::Advance(advance) => (Some(advance), None),
-            _ => (None, None),
+            Step::Manual(advance) => ([Some(advance), None], Some(b'm')),
+            Step::Advance(advance) => ([Some(advance), None], None),
+            Step::Read(number) => (number.to_le_bytes().map(Some), None),
+            _ => ([None; 2], None),
         };
         let is_harmless = matches!(step, Step::Test | Step::Clear);
         self.tries = if self.timing.resends_anything || is_harmless {
@@ -200,6 +208,9 @@ impl Host {
             Phase::Guard if byte == self.answer && self.repeats > 0 => {
                 self.repeats = self.repeats.saturating_sub(1);
             }
+            Phase::Record(count) => self.hear_record(byte, count, now_us),
+            Phase::Text if byte == END_OF_TEXT => self.conclude(now_us),
+            Phase::Text => self.wait(Phase::Text, self.pause_us(), now_us),
             Phase::Border | Phase::Guard if byte == b'B' => self.fail(Failure::Restarted),
             Phase::Border => self.fail(Failure::Wrong(byte)),
             Phase::Guard => self.fail(Failure::Unasked(byte)),
@@ -242,7 +253,13 @@ impl Host {
                     us: self.left_us(now_us),
                 };
             }
-            Phase::Answer(_) | Phase::Late | Phase::Resync(_) | Phase::Border | Phase::Boot => {
+            Phase::Answer(_)
+            | Phase::Late
+            | Phase::Record(_)
+            | Phase::Text
+            | Phase::Resync(_)
+            | Phase::Border
+            | Phase::Boot => {
                 self.fail(Failure::Silent);
             }
         }
@@ -268,6 +285,11 @@ impl Host {
         self.begun
     }
 
+    /// The record that [`Step::Read`] has read: letter, low and high byte.
+    pub const fn record(&self) -> [u8; 3] {
+        self.record
+    }
+
     fn first_byte(&self, step: Step) -> Result<u8, Refused> {
         let (byte, mode) = match step {
             Step::Resync | Step::AwaitBoot => return Ok(0),
@@ -279,7 +301,11 @@ impl Host {
             Step::Manual(_) => (b'm', Mode::Idle),
             Step::Key(byte) => (byte, Mode::Manual),
             Step::Advance(_) => (b'a', Mode::Manual),
+            Step::Teach => (b'T', Mode::Manual),
             Step::Quit => (b'Q', Mode::Manual),
+            Step::Spindle(on) => (if on { b'O' } else { b'S' }, Mode::Idle),
+            Step::Read(_) => (b'n', Mode::Idle),
+            Step::Help => (b'?', Mode::Idle),
             Step::Store(byte) => (byte, self.download()?),
             Step::End => (b'f', self.download()?),
         };
@@ -287,7 +313,7 @@ impl Host {
         match step {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.
-            Step::Key(b'a' | b'Q') => Err(Refused::Mode),
+            Step::Key(b'a' | b'Q' | b'T') => Err(Refused::Mode),
             // One wrong bit makes `e` of `m`.
             Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
             Step::End if !is_at_end => Err(Refused::Incomplete),
@@ -325,14 +351,37 @@ impl Host {
             self.settle(now_us);
         } else if byte == b'B' {
             self.fail(Failure::Restarted);
+        } else if byte == b'w' && self.step == Step::Teach {
+            self.phase = Phase::Over(Outcome::Failed(Failure::Full));
         } else {
             self.fail(Failure::Wrong(byte));
         }
     }
 
+    /// A byte of a record, the fourth being its check.
+    fn hear_record(&mut self, byte: u8, count: u8, now_us: u32) {
+        let wanted = check(self.record);
+        match self.record.get_mut(usize::from(count)) {
+            Some(place) => {
+                *place = byte;
+                let next = Phase::Record(count.wrapping_add(1)); // 3 at most
+                self.wait(next, self.pause_us(), now_us);
+            }
+            None if byte == wanted => self.conclude(now_us),
+            None => self.fail(Failure::Wrong(byte)),
+        }
+    }
+
+    /// The longest pause between bytes that the device says one after the other.
+    const fn pause_us(&self) -> u32 {
+        self.timing.echo_us.saturating_add(self.timing.late_us)
+    }
+
     /// The answer is there: the next byte, the next answer, or what the step has changed.
     fn settle(&mut self, now_us: u32) {
-        if let Some(next) = self.then.take() {
+        let [next, after] = self.then;
+        if let Some(next) = next {
+            self.then = [after, None];
             self.answer = next;
             self.phase = Phase::Send(next);
             return;
@@ -343,6 +392,12 @@ impl Host {
             return self.wait(Phase::Answer(last), self.timing.home_us, now_us);
         }
         match self.step {
+            Step::Read(_) => return self.wait(Phase::Record(0), self.pause_us(), now_us),
+            Step::Help => return self.wait(Phase::Text, self.pause_us(), now_us),
+            Step::Teach => {
+                self.stored = self.stored.saturating_add(9);
+                (self.is_clear, self.is_whole) = (false, true);
+            }
             Step::Clear | Step::Key(b'c') => {
                 (self.stored, self.done, self.begun) = (0, 0, 0);
                 (self.is_clear, self.is_whole) = (true, false);
@@ -371,6 +426,11 @@ impl Host {
             }
             _ => {}
         }
+        self.conclude(now_us);
+    }
+
+    /// Nothing is left of the step but silence.
+    fn conclude(&mut self, now_us: u32) {
         let guard_us = if self.repeats > 0 {
             // What was sent again may be answered again.
             self.timing.guard_us.saturating_add(self.timing.late_us)

@@ -25,6 +25,8 @@ pub enum Order {
     Drill(u16),
     /// So many steps; X and Y end at 0. Z is positive downwards.
     Jog(Axis, i16),
+    /// The present place becomes a hole of the program: see [`Device::teach`](super::Device::teach).
+    Teach,
     /// The spindle's motor.
     Spindle(bool),
 }

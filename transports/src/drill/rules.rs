@@ -17,6 +17,9 @@ pub struct Rules {
     pub zero_is_no_move: bool,
     /// The Z word of a record is a depth in steps, 0 being the whole way. The original ignores it.
     pub z_is_depth: bool,
+    /// What the original reserved or lacked: teach-in by `T` in the manual mode, help by `?`, records read back and counted by `n`, and the
+    /// spindle by `O` and `S` outside of the manual mode, which homes. The original does not answer such bytes, or only echoes them.
+    pub has_extras: bool,
 }
 
 impl Rules {
@@ -27,6 +30,7 @@ impl Rules {
         stops_at_border: false,
         zero_is_no_move: false,
         z_is_depth: false,
+        has_extras: false,
     };
 
     /// All mended.
@@ -36,5 +40,6 @@ impl Rules {
         stops_at_border: true,
         zero_is_no_move: true,
         z_is_depth: true,
+        has_extras: true,
     };
 }

@@ -28,8 +28,17 @@ pub enum Step {
     Key(u8),
     /// A new advance in the manual mode.
     Advance(u8),
+    /// The present place becomes a hole at the end of the program; in the manual mode of a device with extras.
+    Teach,
     /// Leave the manual mode.
     Quit,
+    /// Spindle on or off outside of the manual mode, on a device with extras.
+    Spindle(bool),
+    /// Read the record of this number, from 0, of the program that a device with extras holds: [`Host::record`](super::Host::record).
+    /// [`COUNT`](super::COUNT) asks how many drillings were done.
+    Read(u16),
+    /// The text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT); it is the caller's to keep.
+    Help,
     /// The device was reset by hand: wait for its `B`.
     AwaitBoot,
 }
@@ -82,6 +91,8 @@ pub enum Failure {
     Unasked(u8),
     /// The device says that it was reset.
     Restarted,
+    /// The device's memory has no room for another hole; this alone leaves it in a known state.
+    Full,
 }
 
 impl fmt::Display for Failure {
@@ -91,6 +102,7 @@ impl fmt::Display for Failure {
             Failure::Wrong(byte) => write!(out, "a wrong answer, {byte:02x}"),
             Failure::Unasked(byte) => write!(out, "a byte that nothing was sent for, {byte:02x}"),
             Failure::Restarted => out.write_str("the device was reset"),
+            Failure::Full => out.write_str("the device's memory is full"),
         }
     }
 }

@@ -1,0 +1,61 @@
+//! What a drill is made of.
+
+use husillo_transports::drill::Rules;
+
+/// Rates, ways and rules of a [`Drill`](crate::Drill).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct DrillConfig {
+    /// Ticks a second of the timer that counts the waits; at least one a step.
+    pub timer_hz: u32,
+    /// Steps a second of X, Y and Z; above 0.
+    pub rate_hz: [u16; 3],
+    /// How far X or Y goes off its switch before it is searched, where it is closed at the start of homing.
+    pub back_off_steps: u16,
+    /// The longest way to a switch of X or Y, in steps.
+    pub search_steps: u32,
+    /// The longest way of Z from one sensor to the other, in steps.
+    pub stroke_steps: u16,
+    /// The last step of X and Y: jogging ends there, and a record beyond it is a fault. `u16::MAX` is none, as in the original.
+    pub travel_steps: [u16; 2],
+    /// A switch of X or Y that closes further than this from zero is a fault, as steps were lost: nothing is drilled in a wrong place.
+    /// `None` does not look, as in the original.
+    pub switch_play_steps: Option<u16>,
+    /// Z goes up to its sensor before a program moves X or Y: after it was jogged down, and not in the original.
+    pub raises_first: bool,
+    /// Rest after each move, so that an axis stands before the next one goes.
+    pub settle_ticks: u32,
+    /// What the link is like.
+    pub rules: Rules,
+}
+
+impl DrillConfig {
+    /// The original's rate (about 247 Hz) and back-off on a timer of 1 MHz, and its link. The ways of search end at twice the table and the
+    /// sensors, where the original's do not end; 2 ms of rest are ours.
+    pub const ORIGINAL: DrillConfig = DrillConfig {
+        timer_hz: 1_000_000,
+        rate_hz: [247; 3],
+        back_off_steps: 1070,
+        search_steps: 47_080,
+        stroke_steps: 7490,
+        travel_steps: [u16::MAX; 2],
+        switch_play_steps: None,
+        raises_first: false,
+        settle_ticks: 2000,
+        rules: Rules::FAITHFUL,
+    };
+
+    /// The same machine, with all that was wrong or missing put right.
+    pub const FIXED: DrillConfig = DrillConfig {
+        travel_steps: [23_540, 4_815],
+        switch_play_steps: Some(10),
+        raises_first: true,
+        rules: Rules::FIXED,
+        ..DrillConfig::ORIGINAL
+    };
+
+    /// Ticks between two steps of an axis.
+    pub(super) fn interval(&self, axis: usize) -> u32 {
+        let rate_hz = self.rate_hz.get(axis).copied().unwrap_or_default();
+        self.timer_hz / u32::from(rate_hz.max(1))
+    }
+}

@@ -1,0 +1,172 @@
+//! The circuit-board drill's mechanics: three unipolar motors, switches of X and Y, two sensors of Z, a board under the drill.
+
+use husillo_machine::{DrillEvent, DrillInputs, StepEvent};
+use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
+
+use crate::{AxisModel, Rig};
+
+/// A hole in the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrilledHole {
+    /// Steps of X and Y from where their switches close.
+    pub at: [i32; 2],
+    /// The deepest the drill was, in steps below the upper sensor.
+    pub depth: i32,
+    /// The spindle turned all the time.
+    pub is_clean: bool,
+}
+
+/// Where things are, in steps.
+///
+/// X and Y count from where their switches close, Z from the upper sensor down.
+#[derive(Clone, Debug)]
+pub struct DrillRig {
+    motors: [Sequencer; 3],
+    rig: Rig<3>,
+    /// Where the axes stood when the rig was made.
+    begin: [i32; 3],
+    /// From the upper sensor to the lower one.
+    stroke: i32,
+    /// From the upper sensor to the board.
+    board: i32,
+    spindle: bool,
+    /// The hole that is being drilled.
+    open: Option<DrilledHole>,
+    holes: Vec<DrilledHole>,
+    dragged_steps: u64,
+    /// Switches and sensors held closed, or open, by hand.
+    held: [Option<bool>; 4],
+    ticks: u64,
+}
+
+impl DrillRig {
+    /// Axes at these steps, sensors of Z so far apart, the board so far below the upper one.
+    ///
+    /// Motors lose steps above `pull_out_ticks` of a timer, the shortest time of a step.
+    #[must_use]
+    pub fn new(begin: [i32; 3], stroke: u16, board: u16, pull_out_ticks: u32) -> DrillRig {
+        let motor = Sequencer::new(Driver::Unipolar, Mode::Full).unwrap_or_else(|_| unreachable!());
+        let axis =
+            AxisModel::coils(Driver::Unipolar, Mode::Full).with_pull_out_ticks(pull_out_ticks);
+        DrillRig {
+            motors: [motor; 3],
+            rig: Rig::new([axis; 3], [motor.levels(); 3]),
+            begin,
+            stroke: i32::from(stroke),
+            board: i32::from(board),
+            spindle: false,
+            open: None,
+            holes: Vec::new(),
+            dragged_steps: 0,
+            held: [None; 4],
+            ticks: 0,
+        }
+    }
+
+    /// The switches as they are.
+    #[must_use]
+    pub fn inputs(&self) -> DrillInputs {
+        let [x, y, z] = self.place();
+        let [held_x, held_y, held_up, held_down] = self.held;
+        DrillInputs {
+            home: [held_x.unwrap_or(x <= 0), held_y.unwrap_or(y <= 0)],
+            is_up: held_up.unwrap_or(z <= 0),
+            is_down: held_down.unwrap_or(z >= self.stroke),
+        }
+    }
+
+    /// Holds a switch closed or open, or lets go of it: 0 of X, 1 of Y, 2 the upper sensor, 3 the lower one.
+    pub fn hold(&mut self, switch: usize, closed: Option<bool>) {
+        if let Some(held) = self.held.get_mut(switch) {
+            *held = closed;
+        }
+    }
+
+    /// Turns the rotor of X, Y or Z by about so many steps against its field, as a load that is stronger does: by how many.
+    pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
+        self.rig.push(axis, steps)
+    }
+
+    /// Makes an event happen.
+    pub fn apply(&mut self, event: &DrillEvent) {
+        match event {
+            DrillEvent::Step(step) => self.step(step),
+            DrillEvent::Dwell { wait_ticks } => {
+                self.ticks += u64::from(*wait_ticks);
+                self.rig.wait(u64::from(*wait_ticks));
+            }
+            DrillEvent::Spindle(on) => {
+                self.spindle = *on;
+                if let Some(hole) = &mut self.open {
+                    hole.is_clean &= *on;
+                }
+            }
+            DrillEvent::Report(_) | DrillEvent::Idle => {}
+        }
+    }
+
+    fn step(&mut self, step: &StepEvent<3>) {
+        self.ticks += u64::from(step.wait_ticks);
+        for (motor, delta) in self.motors.iter_mut().zip(step.delta) {
+            if delta != 0 {
+                motor.step(delta);
+            }
+        }
+        let levels = self.motors.each_ref().map(CoilDriver::levels);
+        self.rig.apply(&levels, step.wait_ticks);
+        let [x, y, z] = self.place();
+        if z <= self.board {
+            self.holes.extend(self.open.take());
+            return;
+        }
+        let hole = self.open.get_or_insert(DrilledHole {
+            at: [x, y],
+            depth: z,
+            is_clean: self.spindle,
+        });
+        hole.depth = hole.depth.max(z);
+        self.dragged_steps += u64::from(hole.at != [x, y]);
+    }
+
+    /// Steps of X and Y from their switches, of Z from its upper sensor.
+    #[must_use]
+    pub fn place(&self) -> [i32; 3] {
+        let mut tool = self.rig.tool().into_iter();
+        self.begin.map(|begin| begin + tool.next().unwrap_or(0))
+    }
+
+    /// The holes in the order they were drilled; not the one the drill is in.
+    #[must_use]
+    pub fn holes(&self) -> &[DrilledHole] {
+        &self.holes
+    }
+
+    /// Takes the board away and puts a whole one there.
+    pub fn change_board(&mut self) {
+        self.holes.clear();
+    }
+
+    /// Whether the spindle turns.
+    #[must_use]
+    pub const fn spindle_turns(&self) -> bool {
+        self.spindle
+    }
+
+    /// Steps that X and Y made while the drill was in the board: each may break it.
+    #[must_use]
+    pub const fn dragged_steps(&self) -> u64 {
+        self.dragged_steps
+    }
+
+    /// Steps that the motors lost, by motor.
+    #[must_use]
+    pub fn lost_steps(&self) -> [u64; 3] {
+        self.rig.lost_steps()
+    }
+
+    /// Timer ticks since the beginning.
+    #[must_use]
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+}

@@ -1,0 +1,318 @@
+//! The drill's controller against its mechanics, over its link, on good lines and bad ones.
+
+mod drilling;
+
+use drilling::{BOARD, Bench, events, quick, records};
+use husillo_machine::{DrillConfig, DrillFault, DrillReport};
+use husillo_sim::DrilledHole;
+use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
+
+fn places(holes: &[[u16; 2]]) -> Vec<[i32; 2]> {
+    holes.iter().map(|at| at.map(i32::from)).collect()
+}
+
+/// The example of the protocol at the machine's own rates: 1070 and 535 steps, 10 and 5 mm.
+#[test]
+fn a_hole_is_where_it_should_be() {
+    for config in [DrillConfig::ORIGINAL, DrillConfig::FIXED] {
+        let mut bench = Bench::<64>::new(DrillConfig {
+            stroke_steps: 20,
+            ..config
+        });
+        bench.all(&[Step::Test]);
+        assert_eq!(bench.program(&records(&[[1070, 535], [7, 0]])), Ok(()));
+        assert_eq!(bench.drilled(), [[1070, 535], [7, 0]]);
+        assert_eq!(bench.rig.lost_steps(), [0; 3]);
+        assert_eq!(bench.rig.dragged_steps(), 0);
+    }
+}
+
+/// X or Y on its switch when homing begins goes off it by the back-off first; the others do not.
+#[test]
+fn homing_backs_off_a_closed_switch() {
+    let config = DrillConfig {
+        back_off_steps: 1070,
+        ..quick(Rules::FAITHFUL)
+    };
+    let mut bench = Bench::<64>::new(config);
+    assert_eq!(bench.reports, [DrillReport::Homed]);
+    // From the switches: 1070 steps off and back, twice.
+    let before = bench.rig.ticks();
+    bench.all(&[Step::Home]);
+    let steps = (bench.rig.ticks() - before) / 1000;
+    assert!((4280..4300).contains(&steps), "{steps}");
+    assert_eq!(bench.rig.place(), [0, 0, 0]);
+    // From elsewhere: straight to them.
+    bench.program(&records(&[[30, 20]])).expect("a good line");
+    let before = bench.rig.ticks();
+    bench.all(&[Step::Home]);
+    assert!((bench.rig.ticks() - before) / 1000 < 60);
+    assert_eq!(bench.rig.place(), [0, 0, 0]);
+}
+
+#[test]
+fn a_switch_that_does_not_come_is_a_fault() {
+    let faults = [
+        (0, false, DrillFault::NoSwitch { axis: 0 }),
+        (1, true, DrillFault::StillClosed { axis: 1 }),
+        (2, false, DrillFault::NotUp),
+    ];
+    for (switch, closed, fault) in faults {
+        let mut bench = Bench::<64>::new(DrillConfig {
+            search_steps: 200,
+            ..quick(Rules::FIXED)
+        });
+        bench.rig.hold(switch, Some(closed));
+        let outcome = bench.run(Step::Home);
+        assert_eq!(outcome, Ok(Outcome::Failed(Failure::Silent)), "{fault:?}");
+        assert_eq!(bench.reports.last(), Some(&DrillReport::Fault(fault)));
+        bench.rig.hold(switch, None);
+        if switch > 0 {
+            // X has gone past its switch.
+            bench.reset();
+            bench.all(&[Step::AwaitBoot, Step::Test]);
+        }
+    }
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.rig.hold(3, Some(false));
+    assert!(bench.program(&records(&[[1, 1]])).is_err());
+    assert_eq!(
+        bench.reports.last(),
+        Some(&DrillReport::Fault(DrillFault::NotDown))
+    );
+}
+
+/// A motor that was pushed back finds its switch too early: nothing more is drilled.
+#[test]
+fn lost_steps_are_found_at_the_switch() {
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.all(&[Step::Clear, Step::Manual(200), Step::Key(b'D')]);
+    assert_ne!(bench.rig.push(0, -100), 0);
+    let failed = Ok(Outcome::Failed(Failure::Silent));
+    assert_eq!(bench.run(Step::Key(b'I')), failed);
+    let lost = DrillReport::Fault(DrillFault::LostSteps { axis: 0 });
+    assert_eq!(bench.reports.last(), Some(&lost));
+}
+
+/// The original drills beyond its table, or tries to.
+#[test]
+fn a_record_beyond_the_table_is_a_fault() {
+    let config = DrillConfig {
+        travel_steps: [50, 40],
+        ..quick(Rules::FIXED)
+    };
+    let mut bench = Bench::<64>::new(config);
+    assert!(bench.program(&records(&[[50, 40], [1, 41]])).is_err());
+    assert_eq!(bench.drilled(), [[50, 40]]);
+    let off = DrillReport::Fault(DrillFault::OffTable { axis: 1 });
+    assert_eq!(bench.reports.last(), Some(&off));
+    // By hand it ends at the table's edge.
+    bench.reset();
+    bench.all(&[
+        Step::AwaitBoot,
+        Step::Clear,
+        Step::Manual(60),
+        Step::Key(b'D'),
+        Step::Key(b'F'),
+    ]);
+    assert_eq!(bench.rig.place(), [50, 40, 0]);
+}
+
+/// Jog, Z by hand between its sensors, the spindle, a new advance, and a program out of places that were taught.
+#[test]
+fn places_are_taught_while_jogging() {
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.all(&[Step::Clear, Step::Manual(10)]);
+    bench.all(&[Step::Key(b'D'), Step::Key(b'F'), Step::Teach]);
+    bench.all(&[Step::Key(b'D'), Step::Advance(4), Step::Key(b'R')]);
+    bench.all(&[Step::Teach, Step::Key(b'L')]);
+    assert_eq!(bench.rig.place(), [20, 6, 4]);
+    bench.all(&[Step::Key(b'L'), Step::Key(b'L')]);
+    assert_eq!(bench.rig.place(), [20, 6, 6], "the lower sensor");
+    bench.all(&[Step::Key(b'O')]);
+    assert!(bench.rig.spindle_turns());
+    bench.all(&[Step::Key(b'U'), Step::Key(b'U'), Step::Key(b'S')]);
+    assert_eq!(bench.rig.place(), [20, 6, 0], "the upper sensor");
+    bench.all(&[Step::Key(b'I'), Step::Advance(200), Step::Key(b'I')]);
+    assert_eq!(bench.rig.place(), [0, 6, 0], "not below zero");
+    bench.all(&[Step::Quit, Step::Spindle(true), Step::Execute]);
+    let holes = &bench.rig.holes()[1..];
+    let hole = |at| DrilledHole {
+        at,
+        depth: 6,
+        is_clean: true,
+    };
+    assert_eq!(holes, [hole([10, 10]), hole([20, 6])]);
+}
+
+/// The Z word as a depth; both sensors stay limits, and 0 is the whole way. The original does not look at it.
+#[test]
+fn depths() {
+    for (rules, depths) in [
+        (Rules::FIXED, [4, 5, 6, 6]),
+        (Rules::FAITHFUL, [6, 6, 6, 6]),
+    ] {
+        let mut bench = Bench::<64>::new(quick(rules));
+        let program = b"X\x01\0Z\x04\0X\x02\0Z\x05\0X\x03\0Z\0\0X\x04\0Z\xff\xff";
+        assert_eq!(bench.program(program), Ok(()));
+        let found: Vec<_> = bench.rig.holes().iter().map(|hole| hole.depth).collect();
+        assert_eq!(found, depths);
+        assert!(depths.iter().all(|depth| *depth > i32::from(BOARD)));
+    }
+}
+
+/// The drill is in the board when a program begins: it is drawn out first. The original drags it through.
+#[test]
+fn z_is_raised_before_a_move() {
+    for raises_first in [true, false] {
+        let mut bench = Bench::<64>::new(DrillConfig {
+            raises_first,
+            ..quick(Rules::FAITHFUL)
+        });
+        bench.all(&[Step::Clear, Step::Manual(5), Step::Key(b'L'), Step::Quit]);
+        let program = records(&[[9, 9]]);
+        bench.all(&[Step::Clear, Step::Begin]);
+        let bytes: Vec<_> = program.iter().map(|byte| Step::Store(*byte)).collect();
+        bench.all(&bytes);
+        bench.all(&[Step::End, Step::Execute]);
+        assert_eq!(bench.rig.dragged_steps() == 0, raises_first);
+    }
+}
+
+/// The button in the middle of a drilling: spindle off at once, up, home, `B`; nothing of the program is left.
+#[test]
+fn the_emergency_stop() {
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.all(&[Step::Spindle(true), Step::Clear, Step::Begin]);
+    let bytes: Vec<_> = records(&[[30, 10], [2, 2]])
+        .iter()
+        .map(|byte| Step::Store(*byte))
+        .collect();
+    bench.all(&bytes);
+    bench.all(&[Step::End]);
+    bench.start(Step::Execute);
+    let mut is_pressed = false;
+    let outcome = loop {
+        if let Some(outcome) = bench.advance() {
+            break outcome;
+        }
+        let [.., z] = bench.rig.place();
+        if z > i32::from(BOARD) && !is_pressed {
+            is_pressed = true;
+            bench.reset();
+            bench.tick();
+            assert!(!bench.rig.spindle_turns());
+        }
+    };
+    assert_eq!(outcome, Outcome::Failed(Failure::Restarted));
+    assert_eq!(bench.rig.place(), [0, 0, 0]);
+    assert!(bench.drilled().is_empty());
+    assert!(bench.drill.stored().is_empty());
+}
+
+/// The holes of the short program. Its bytes have letters of commands among them.
+const HOLES: [[u16; 2]; 4] = [[0x42, 0x65], [0x72, 0x66], [0x77, 0x42], [0x00, 0x6d]];
+
+/// Every event at every byte of a short program that crosses the border of a small memory three times.
+#[test]
+fn any_event_at_any_byte_is_survived_or_reported() {
+    for rules in [Rules::FIXED, Rules::FAITHFUL] {
+        let mut good = Bench::<10>::new(quick(rules));
+        let first = good.carried;
+        assert_eq!(good.program(&records(&HOLES)), Ok(()));
+        assert_eq!(good.drilled(), places(&HOLES));
+        let (mut reported, mut unharmed) = (0, 0);
+        for place in first..good.carried {
+            for event in events() {
+                let mut bench = Bench::<10>::new(quick(rules));
+                bench.event = Some((place, event));
+                let context = format!("{rules:?}, {event:?} at {}", place - first);
+                if survives(&mut bench, &HOLES, rules, &context) {
+                    unharmed += 1;
+                } else {
+                    reported += 1;
+                }
+            }
+        }
+        println!("{reported} reported, {unharmed} without harm");
+        assert!(reported > 500 && unharmed > 50, "{reported}, {unharmed}");
+    }
+}
+
+/// The same anywhere in long programs.
+#[test]
+fn events_in_long_programs_are_survived_or_reported() {
+    let (mut state, mut reported) = (11_u64, 0);
+    let mut random = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let events: Vec<_> = events().collect();
+    for round in 0..40 {
+        let holes: Vec<[u16; 2]> = (0..120)
+            .map(|_| [random(300) as u16, random(300) as u16])
+            .collect();
+        let mut bench = Bench::<256>::new(quick(Rules::FIXED));
+        let place = bench.carried + random(2 * 9 * 120);
+        let event = events[random(events.len() as u64) as usize];
+        bench.event = Some((place, event));
+        let context = format!("round {round}, {event:?} at {place}");
+        reported += u32::from(!survives(&mut bench, &holes, Rules::FIXED, &context));
+    }
+    assert!(reported > 20, "{reported}");
+}
+
+/// Drills these holes; `false` where an error was reported. Then the operator goes on: where the device can say how far it came, by
+/// that alone, otherwise by looking at the board, which has no more and no less than the host said. At the end every
+/// hole is there once, in its place.
+fn survives<const N: usize>(
+    bench: &mut Bench<N>,
+    holes: &[[u16; 2]],
+    rules: Rules,
+    context: &str,
+) -> bool {
+    let program = records(holes);
+    let is_well = bench.program(&program).is_ok();
+    assert_eq!(bench.rig.lost_steps(), [0; 3], "{context}");
+    if is_well {
+        assert_eq!(bench.drilled(), places(holes), "{context}");
+        return true;
+    }
+    let [done, begun] = [bench.host.done_bytes(), bench.host.begun_bytes()]
+        .map(|bytes| (bytes as usize / 9).min(holes.len()));
+    bench.rest();
+    // The cable is in again. A full memory is run by the next byte.
+    (bench.event, bench.is_unplugged) = (None, false);
+    for _ in 0..2 {
+        let _ = bench.run(Step::Resync);
+        bench.rest();
+    }
+    assert_eq!(bench.run(Step::Resync), Ok(Outcome::Done), "{context}");
+    let drilled = bench.drilled();
+    let expected = places(holes);
+    assert!(
+        (done..=begun).contains(&drilled.len()),
+        "{context}: {} holes; {done} reported done, {begun} begun",
+        drilled.len()
+    );
+    assert_eq!(drilled, expected[..drilled.len()], "{context}");
+    let mut next = drilled.len();
+    if rules.has_extras {
+        bench.all(&[Step::Read(COUNT)]);
+        let [letter, low, high] = bench.host.record();
+        let holes_done = usize::from(u16::from_le_bytes([low, high]));
+        // `c` may not have come yet: then nothing was run. After a reset the board has to be looked at.
+        if letter == b'c' {
+            assert_eq!(holes_done, next, "{context}: it counts what it did");
+            next = holes_done;
+        }
+    }
+    if next < holes.len() {
+        assert_eq!(bench.program(&records(&holes[next..])), Ok(()), "{context}");
+    }
+    assert_eq!(bench.drilled(), expected, "{context}");
+    assert_eq!(bench.rig.dragged_steps(), 0, "{context}");
+    false
+}
