@@ -10,6 +10,7 @@ mod format;
 mod gcode;
 mod interp;
 mod machine;
+mod micromill;
 mod mutation;
 mod nmc;
 mod parameters;
@@ -26,6 +27,7 @@ pub use format::format;
 pub use gcode::gcode;
 pub use interp::interp;
 pub use machine::machine;
+pub use micromill::micromill;
 pub use mutation::mutate;
 pub use nmc::{nmc_host, nmc_module};
 pub use parameters::parameters;
@@ -38,7 +40,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -54,6 +56,7 @@ pub const TARGETS: [(&str, Target); 15] = [
     ("nmc_module", nmc_module),
     ("servo", servo),
     ("drill", drill),
+    ("micromill", micromill),
 ];
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //!         bytes ──► Receiver ──► Command     module: bytes ──► Module ──► Order, then Readings ──► bytes out
 //!  byte_commands   byte ──► ByteCommand      by mode, with a table of bytes
 //!  drill  Step ──► Host ──► one byte, its echo     Device: byte ──► echo, Order ──► the machine
+//!  micromill  Order ──► string; ──► Host ──► bytes, echoes     Device: byte ──► echo, Order ──► the machine ──► steps told, Done
 //!  rs485  Turnaround: when to drive the line; Echo: what of the received bytes is one's own
 //! ```
 //!
@@ -31,6 +32,7 @@
 mod buffer;
 pub mod byte_commands;
 pub mod drill;
+pub mod micromill;
 pub mod nmc;
 pub mod rs485;
 

@@ -17,6 +17,7 @@ use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
 /// Keeps every function in the program.
 pub fn keep() {
     drill::keep();
+    micromill::keep();
     black_box([
         Auxiliary::contains as *const (),
         Baud::bits_per_s as *const (),
@@ -224,6 +225,44 @@ mod drill {
             Host::transmit as *const (),
             Timing::of as *const (),
             Timing::original as *const (),
+        ]);
+    }
+}
+
+mod micromill {
+    use core::hint::black_box;
+
+    use husillo_transports::micromill::{
+        Answer, Axis, Device, Host, HostTiming, Line, Order, Text,
+    };
+
+    pub fn keep() {
+        black_box([
+            Answer::byte as *const (),
+            Answer::of as *const (),
+            Axis::letter as *const (),
+            Device::<64>::answer as *const (),
+            Device::<64>::default as *const (),
+            Device::<64>::room as *const (),
+            Device::<64>::is_streaming as *const (),
+            Device::<64>::new as *const (),
+            Device::<64>::push as *const (),
+            Device::<64>::set_motion as *const (),
+            Device::<64>::step as *const (),
+            Device::<64>::transmit as *const (),
+            Host::is_streaming as *const (),
+            Host::lines as *const (),
+            Host::new as *const (),
+            Host::poll as *const (),
+            Host::push as *const (),
+            Host::start as *const (),
+            Host::transmit as *const (),
+            HostTiming::of as *const (),
+            Line::read as *const (),
+            Order::is_answered as *const (),
+            Order::read as *const (),
+            Order::text as *const (),
+            Text::bytes as *const (),
         ]);
     }
 }

@@ -1,0 +1,70 @@
+//! What the controller says: bytes with bit 7 set.
+
+use super::Axis;
+
+/// A byte of the controller that is no echo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// `80` to `85`: one motor step, `80 | axis << 1 | forward`.
+    Step {
+        /// The axis.
+        axis: Axis,
+        /// Away from machine zero.
+        forward: bool,
+    },
+    /// `88`: ready; sent once after a reset.
+    Ready,
+    /// `89`: homing found no switch, or did not get off it. Where the axes are is not known.
+    NoSwitch,
+    /// `8b`: a right string that cannot be obeyed: not homed yet, beyond the travel, an arc that is none, moving already.
+    Refused,
+    /// `8c`: in the queue, or a mode of ours is confirmed.
+    Taken,
+    /// `8d`: something ended before it was done.
+    Stopped,
+    /// `8e`: no such string.
+    Wrong,
+    /// `8f`: done.
+    Done,
+}
+
+impl Answer {
+    /// Its byte.
+    pub const fn byte(self) -> u8 {
+        match self {
+            Answer::Step { axis, forward } => 0x80 | (axis as u8) << 1 | forward as u8,
+            Answer::Ready => 0x88,
+            Answer::NoSwitch => 0x89,
+            Answer::Refused => 0x8b,
+            Answer::Taken => 0x8c,
+            Answer::Stopped => 0x8d,
+            Answer::Wrong => 0x8e,
+            Answer::Done => 0x8f,
+        }
+    }
+
+    /// The answer of a byte; `None` for an echo, and for values that mean nothing.
+    pub const fn of(byte: u8) -> Option<Answer> {
+        Some(match byte {
+            0x80..=0x85 => {
+                let axis = match byte & 0x7e {
+                    0 => Axis::X,
+                    2 => Axis::Y,
+                    _ => Axis::Z,
+                };
+                Answer::Step {
+                    axis,
+                    forward: byte & 1 == 1,
+                }
+            }
+            0x88 => Answer::Ready,
+            0x89 => Answer::NoSwitch,
+            0x8b => Answer::Refused,
+            0x8c => Answer::Taken,
+            0x8d => Answer::Stopped,
+            0x8e => Answer::Wrong,
+            0x8f => Answer::Done,
+            _ => return None,
+        })
+    }
+}

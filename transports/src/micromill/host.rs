@@ -1,0 +1,447 @@
+//! The host's end of the line.
+
+use super::{Answer, Axis, Order, Text};
+
+/// Waits in microseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HostTiming {
+    /// From a byte to its echo.
+    pub echo_us: u32,
+    /// From the last echo to the answer of what needs no motion; also how long a string whose `;` was not echoed may take to show itself.
+    pub answer_us: u32,
+    /// From the last echo to the answer of what moves; below 2^31.
+    pub motion_us: u32,
+    /// How often a string is sent until its echo is right; at least 1.
+    pub tries: u8,
+    /// Silence before the `;`: an echo more means a byte more.
+    pub guard_us: u32,
+    /// Bytes that may wait for their echo: what the controller's receiver holds.
+    pub window: u8,
+}
+
+impl HostTiming {
+    /// For a line of so many baud: an echo may take two characters and 200 ms, an answer 500 ms more, a move half an hour;
+    /// three characters of silence are the guard.
+    pub const fn of(bits_per_s: u32) -> HostTiming {
+        let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
+            Some(us) => us,
+            None => 0,
+        };
+        let echo_us = character_us.saturating_mul(2).saturating_add(200_000);
+        HostTiming {
+            echo_us,
+            answer_us: echo_us.saturating_add(500_000),
+            motion_us: 1_800_000_000,
+            tries: 3,
+            guard_us: character_us.saturating_mul(3),
+            window: 8,
+        }
+    }
+}
+
+/// What came of a string.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Obeyed; a streamed line: in the queue.
+    Done,
+    /// Something ended it.
+    Stopped,
+    /// It cannot be obeyed now; nothing has changed.
+    Refused,
+    /// The controller knows no such string; nothing has changed.
+    Wrong,
+    /// Homing found no switch.
+    NoSwitch,
+    /// Not echoed as it was sent, several times; it was not obeyed.
+    Garbled,
+    /// No answer in time; whether it was obeyed is not known.
+    Silent,
+    /// The controller was reset.
+    Restarted,
+}
+
+/// What the controller says beside the outcome of a string.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Report {
+    /// A motor step; of so many where [`Order::Every`] says so.
+    Step {
+        /// The axis.
+        axis: Axis,
+        /// Away from machine zero.
+        forward: bool,
+    },
+    /// A streamed line was made.
+    LineDone,
+    /// Something ended before it was done; what was queued is dropped.
+    Stopped,
+    /// It was reset: not homed, nothing queued.
+    Restarted,
+    /// A byte that nothing was sent for, or that means nothing.
+    Noise(u8),
+}
+
+/// How far the host is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// Nothing to do.
+    Idle,
+    /// A byte waits to be sent.
+    Sending,
+    /// For a byte, at most so many microseconds: then ask again.
+    Waiting {
+        /// Microseconds.
+        us: u32,
+    },
+    /// The string is done with. Told once.
+    Over(Outcome),
+}
+
+/// A host of the mill: one string at a time. While one that moves waits for its answer, [`Order::Stop`] may be sent in its place, and
+/// [`Order::Faster`], [`Order::Slower`] and [`Order::Renew`] beside it.
+///
+/// | when | call |
+/// | --- | --- |
+/// | something is to be done | [`start`](Host::start) |
+/// | the port takes bytes | [`transmit`](Host::transmit) |
+/// | a byte arrives | [`push`](Host::push) |
+/// | after each of these and after the time it names | [`poll`](Host::poll) |
+///
+/// The `;` is sent when all before it was echoed as it was sent; otherwise the string is spoilt by a `!`, which no string has, and sent again.
+/// So a wrong bit obeys nothing wrong unless a second one undoes it on the way back. `now_us` wraps; calls may be up to 2^31 us apart.
+#[derive(Debug, Clone)]
+pub struct Host {
+    timing: HostTiming,
+    order: Option<Order>,
+    text: Text,
+    /// Bytes sent, and bytes echoed.
+    sent: u8,
+    echoed: u8,
+    phase: Phase,
+    /// The answer of the order whose string is, or was, sent.
+    answer: Option<Outcome>,
+    tries: u8,
+    /// The string is one beside the order.
+    is_aside: bool,
+    is_streaming: bool,
+    /// Streamed lines taken and not made.
+    lines: u32,
+    since_us: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// The string, then its answer.
+    String,
+    /// The echo of the `;` was wrong or is missing: it is obeyed, or it is not.
+    Unsure,
+    /// `!;`, then that there is no such string.
+    Spoil,
+}
+
+impl Host {
+    /// At rest. The controller may be in any state: [`Order::Stop`] is a good beginning.
+    pub fn new(timing: HostTiming) -> Host {
+        Host {
+            timing,
+            order: None,
+            text: Text::new(),
+            sent: 0,
+            echoed: 0,
+            phase: Phase::String,
+            answer: None,
+            tries: 0,
+            is_aside: false,
+            is_streaming: false,
+            lines: 0,
+            since_us: 0,
+        }
+    }
+
+    /// Begins to send a string. `false`: the one before is not done with.
+    pub fn start(&mut self, order: Order, now_us: u32) -> bool {
+        let is_free = match self.order {
+            None => true,
+            Some(_) => self.phase == Phase::String && self.is_echoed() && self.answer.is_none(),
+        };
+        let is_beside = self.order.is_some();
+        if !is_free || (is_beside && order.is_answered() && order != Order::Stop) {
+            return false;
+        }
+        self.phase = Phase::String;
+        self.is_aside = is_beside && order != Order::Stop;
+        if !self.is_aside {
+            self.order = Some(order);
+            self.answer = None;
+        }
+        self.tries = self.timing.tries;
+        self.load(order.text(), now_us);
+        true
+    }
+
+    /// The next byte for the line, if one may be sent.
+    pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
+        self.order?;
+        let byte = self.text.bytes().get(usize::from(self.sent)).copied()?;
+        let open = self.sent.wrapping_sub(self.echoed); // never more echoed than sent
+        // The last byte waits until all others were right; what spoils does not look at echoes.
+        let may_go = match byte {
+            b';' if self.phase == Phase::String => {
+                open == 0 && now_us.wrapping_sub(self.since_us) >= self.timing.guard_us
+            }
+            b';' => true,
+            _ => open < self.timing.window.max(1),
+        };
+        if !may_go {
+            return None;
+        }
+        if open == 0 {
+            self.since_us = now_us;
+        }
+        self.sent = self.sent.wrapping_add(1); // 64 at most
+        Some(byte)
+    }
+
+    /// Takes a byte of the line.
+    pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Report> {
+        if byte < 0x80 {
+            return self.echo(byte, now_us);
+        }
+        match Answer::of(byte) {
+            None => Some(Report::Noise(byte)),
+            Some(Answer::Step { axis, forward }) => {
+                if self.phase == Phase::Unsure {
+                    self.is_obeyed(now_us);
+                }
+                Some(Report::Step { axis, forward })
+            }
+            Some(Answer::Ready) => {
+                self.is_streaming = false;
+                self.lines = 0;
+                self.settle(Outcome::Restarted);
+                self.load(Text::new(), now_us);
+                self.phase = Phase::String;
+                Some(Report::Restarted)
+            }
+            Some(Answer::Done) if self.lines > 0 => {
+                self.lines = self.lines.wrapping_sub(1);
+                Some(Report::LineDone)
+            }
+            Some(Answer::Stopped) => {
+                self.lines = 0;
+                if self.order != Some(Order::Stop) && !self.is_queueing() {
+                    self.obeyed(Outcome::Stopped, now_us);
+                }
+                Some(Report::Stopped)
+            }
+            Some(Answer::Wrong) if self.phase == Phase::Spoil => {
+                self.respoilt(now_us);
+                None
+            }
+            Some(answer) => {
+                let outcome = match answer {
+                    Answer::Refused => Outcome::Refused,
+                    Answer::Wrong => Outcome::Wrong,
+                    Answer::NoSwitch => Outcome::NoSwitch,
+                    _ => Outcome::Done,
+                };
+                // What is answered was sent; its echo may be lost.
+                let is_sent = self.text.bytes().len() == usize::from(self.sent);
+                let is_open = self.phase == Phase::String && !self.is_aside && !is_sent;
+                if self.order.is_none() || is_open {
+                    return Some(Report::Noise(byte));
+                }
+                if outcome == Outcome::Done {
+                    match self.order {
+                        Some(Order::Stream(on)) => self.is_streaming = on,
+                        Some(Order::Line(_)) if self.is_streaming => {
+                            self.lines = self.lines.saturating_add(1);
+                        }
+                        _ => {}
+                    }
+                }
+                self.obeyed(outcome, now_us);
+                None
+            }
+        }
+    }
+
+    /// How far the string is.
+    pub fn poll(&mut self, now_us: u32) -> Progress {
+        let Some(order) = self.order else {
+            return Progress::Idle;
+        };
+        if self.is_echoed() && self.phase == Phase::String {
+            self.is_aside = false;
+            if let Some(outcome) = self.answer {
+                self.order = None;
+                return Progress::Over(outcome);
+            }
+            if !order.is_answered() {
+                self.order = None;
+                return Progress::Over(Outcome::Done);
+            }
+        }
+        let open = self.sent.wrapping_sub(self.echoed);
+        let is_sent = self.text.bytes().len() == usize::from(self.sent);
+        let wait_us = match self.phase {
+            Phase::Spoil | Phase::Unsure if is_sent => self.timing.answer_us,
+            _ if open > 0 => self.timing.echo_us,
+            _ if !is_sent => self.timing.guard_us,
+            _ if self.waits_for_motion() => self.timing.motion_us,
+            _ => self.timing.answer_us,
+        };
+        let past_us = now_us.wrapping_sub(self.since_us);
+        if past_us < wait_us {
+            // More bytes may go while echoes are awaited.
+            let may_go = !is_sent && open < self.timing.window.max(1);
+            let next = self.text.bytes().get(usize::from(self.sent));
+            if may_go && (next != Some(&b';') || self.phase == Phase::Spoil) {
+                return Progress::Sending;
+            }
+            return Progress::Waiting {
+                us: wait_us.wrapping_sub(past_us),
+            };
+        }
+        self.late(is_sent, open, now_us)
+    }
+
+    /// Whether lines are streamed.
+    pub const fn is_streaming(&self) -> bool {
+        self.is_streaming
+    }
+
+    /// Streamed lines that were taken and not made yet.
+    pub const fn lines(&self) -> u32 {
+        self.lines
+    }
+
+    /// Something did not come in time.
+    fn late(&mut self, is_sent: bool, open: u8, now_us: u32) -> Progress {
+        match self.phase {
+            Phase::Spoil | Phase::Unsure => self.spoil(now_us),
+            _ if open > 0 && is_sent => {
+                self.phase = Phase::Unsure;
+                self.since_us = now_us;
+            }
+            _ if open > 0 => self.spoil(now_us),
+            // The guard has passed.
+            _ if !is_sent => return Progress::Sending,
+            _ => {
+                self.order = None;
+                return Progress::Over(Outcome::Silent);
+            }
+        }
+        match self.order {
+            // `spoil` has given up.
+            Some(_) if self.tries == 0 => {
+                self.order = None;
+                Progress::Over(Outcome::Silent)
+            }
+            _ => Progress::Sending,
+        }
+    }
+
+    fn echo(&mut self, byte: u8, now_us: u32) -> Option<Report> {
+        if self.order.is_none() || self.is_echoed() {
+            return Some(Report::Noise(byte));
+        }
+        if self.sent == self.echoed && self.phase == Phase::String {
+            // A byte more than was sent: the controller may have it, too.
+            self.spoil(now_us);
+            return None;
+        }
+        let expected = self.text.bytes().get(usize::from(self.echoed)).copied();
+        match self.phase {
+            // Whatever comes: it may be late echoes.
+            Phase::Spoil => None,
+            Phase::Unsure => {
+                if expected == Some(byte) {
+                    self.is_obeyed(now_us);
+                }
+                None
+            }
+            _ if expected == Some(byte) => {
+                self.echoed = self.echoed.wrapping_add(1); // below `sent`
+                self.since_us = now_us;
+                None
+            }
+            _ if expected == Some(b';') => {
+                self.phase = Phase::Unsure;
+                self.since_us = now_us;
+                None
+            }
+            _ => {
+                self.spoil(now_us);
+                None
+            }
+        }
+    }
+
+    /// Makes the string one that is none.
+    fn spoil(&mut self, now_us: u32) {
+        self.tries = self.tries.saturating_sub(1);
+        let mut text = Text::new();
+        text.push(b'!');
+        text.push(b';');
+        self.load(text, now_us);
+        self.phase = Phase::Spoil;
+    }
+
+    /// The spoilt string was refused: once more, or not.
+    fn respoilt(&mut self, now_us: u32) {
+        self.phase = Phase::String;
+        match self.order {
+            // What was beside it has stopped it, and what was answered was received.
+            Some(order) if self.tries > 0 && !self.is_aside && self.answer.is_none() => {
+                self.load(order.text(), now_us);
+            }
+            _ => {
+                self.load(Text::new(), now_us);
+                self.settle(Outcome::Garbled);
+            }
+        }
+    }
+
+    /// An answer that only a string that was received can have.
+    fn obeyed(&mut self, outcome: Outcome, now_us: u32) {
+        if self.phase == Phase::Unsure || (!self.is_aside && !self.is_echoed()) {
+            self.is_obeyed(now_us);
+        }
+        self.settle(outcome);
+    }
+
+    fn is_obeyed(&mut self, now_us: u32) {
+        self.echoed = self.sent;
+        self.phase = Phase::String;
+        self.since_us = now_us;
+    }
+
+    fn settle(&mut self, outcome: Outcome) {
+        if self.order.is_some() && self.answer.is_none() {
+            self.answer = Some(outcome);
+        }
+    }
+
+    fn load(&mut self, text: Text, now_us: u32) {
+        self.text = text;
+        (self.sent, self.echoed) = (0, 0);
+        self.since_us = now_us;
+    }
+
+    /// Whether the string has been sent and echoed.
+    fn is_echoed(&self) -> bool {
+        self.text.bytes().len() == usize::from(self.echoed)
+    }
+
+    /// A line that waits for its place in the queue.
+    fn is_queueing(&self) -> bool {
+        self.is_streaming && matches!(self.order, Some(Order::Line(_)))
+    }
+
+    fn waits_for_motion(&self) -> bool {
+        matches!(
+            self.order,
+            Some(Order::Jog(_) | Order::Steps(..) | Order::Run(..) | Order::Home | Order::Line(_))
+        )
+    }
+}

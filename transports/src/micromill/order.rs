@@ -1,0 +1,208 @@
+//! What a string asks for.
+
+use super::{Line, Text, reader::Reader};
+
+/// An axis of the mill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Axis {
+    /// Interpolates with Y.
+    X,
+    /// Interpolates with X.
+    Y,
+    /// Moves alone.
+    Z,
+}
+
+impl Axis {
+    /// X, Y, Z.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// Its letter.
+    pub const fn letter(self) -> u8 {
+        match self {
+            Axis::X => b'X',
+            Axis::Y => b'Y',
+            Axis::Z => b'Z',
+        }
+    }
+}
+
+/// One string.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// `JX+;`, `&X+Y-Z+;`: these axes, 1, -1 or 0 each, until something stops them.
+    Jog([i8; 3]),
+    /// `PX+1000;`: so many steps of an axis, -9999 to 9999.
+    Steps(Axis, i16),
+    /// `FX+250;`: an axis at so many steps per second, -999 to 999, not 0, until something stops it.
+    Run(Axis, i16),
+    /// `BX200;`: the backlash of an axis in micrometres, 0 to 999.
+    Backlash(Axis, u16),
+    /// `H;`: home.
+    Home,
+    /// `A;`: stop.
+    Stop,
+    /// `W;`: a jog goes faster.
+    Faster,
+    /// `V;`: a jog goes slower.
+    Slower,
+    /// `Q;`: the part's zero is here.
+    Zero,
+    /// A line of a program.
+    Line(Line),
+    /// `S1;`, `S0;`: lines are streamed, or not.
+    Stream(bool),
+    /// `L0500;`: a jog ends so many milliseconds after the last [`Order::Renew`], 1 to 9999; 0: never.
+    Lease(u16),
+    /// `L;`: the jog goes on.
+    Renew,
+    /// `R010;`: one step in so many is told, 1 to 999; 0: none.
+    Every(u16),
+}
+
+impl Order {
+    /// Reads a string without its `;`, blanks or ends of lines; `None` where there is no such string.
+    pub fn read(string: &[u8]) -> Option<Order> {
+        let mut reader = Reader(string);
+        let (first, _) = string.split_first()?;
+        if matches!(first, b'G' | b'M') {
+            return Line::read(string).map(Order::Line);
+        }
+        reader.takes(*first);
+        let order = match first {
+            b'J' => {
+                let axis = reader.axis()?;
+                Order::Jog(way(axis, reader.way()?))
+            }
+            b'&' => Order::Jog(ways(&mut reader)?),
+            b'P' => {
+                let axis = reader.axis()?;
+                Order::Steps(axis, signed(&mut reader, 4)?)
+            }
+            b'F' => {
+                let axis = reader.axis()?;
+                let hz = signed(&mut reader, 3)?;
+                if hz == 0 {
+                    return None;
+                }
+                Order::Run(axis, hz)
+            }
+            b'B' => {
+                let axis = reader.axis()?;
+                Order::Backlash(axis, reader.digits(3, 3)? as u16)
+            }
+            b'H' => Order::Home,
+            b'A' => Order::Stop,
+            b'W' => Order::Faster,
+            b'V' => Order::Slower,
+            b'Q' => Order::Zero,
+            b'S' => match reader.digits(1, 1)? {
+                0 => Order::Stream(false),
+                1 => Order::Stream(true),
+                _ => return None,
+            },
+            b'L' if reader.is_empty() => Order::Renew,
+            b'L' => Order::Lease(reader.digits(4, 4)? as u16),
+            b'R' => Order::Every(reader.digits(3, 3)? as u16),
+            _ => return None,
+        };
+        reader.is_empty().then_some(order)
+    }
+
+    /// The string, with its `;`. Numbers beyond their digits lose the upper ones: what [`Order::read`] gives has none such.
+    pub fn text(&self) -> Text {
+        let mut text = Text::new();
+        match *self {
+            Order::Jog(ways) => {
+                // Not `count`: it could overflow for all the compiler knows.
+                let moving = ways.iter().filter(|way| **way != 0);
+                let is_one = moving.take(2).fold(0_u8, |count, _| count.wrapping_add(1)) == 1;
+                text.push(if is_one { b'J' } else { b'&' });
+                for (axis, way) in Axis::ALL.into_iter().zip(ways) {
+                    if way != 0 {
+                        text.push(axis.letter());
+                        text.sign(way > 0);
+                    }
+                }
+            }
+            Order::Steps(axis, steps) => word(&mut text, b'P', axis, steps, 4),
+            Order::Run(axis, hz) => word(&mut text, b'F', axis, hz, 3),
+            Order::Backlash(axis, um) => {
+                text.push(b'B');
+                text.push(axis.letter());
+                text.digits(um.into(), 3);
+            }
+            Order::Home => text.push(b'H'),
+            Order::Stop => text.push(b'A'),
+            Order::Faster => text.push(b'W'),
+            Order::Slower => text.push(b'V'),
+            Order::Zero => text.push(b'Q'),
+            Order::Line(line) => line.write(&mut text),
+            Order::Stream(on) => {
+                text.push(b'S');
+                text.digits(on.into(), 1);
+            }
+            Order::Lease(ms) => {
+                text.push(b'L');
+                text.digits(ms.into(), 4);
+            }
+            Order::Renew => text.push(b'L'),
+            Order::Every(steps) => {
+                text.push(b'R');
+                text.digits(steps.into(), 3);
+            }
+        }
+        text.push(b';');
+        text
+    }
+
+    /// Whether the controller answers; the others are only echoed.
+    pub const fn is_answered(&self) -> bool {
+        !matches!(self, Order::Faster | Order::Slower | Order::Renew)
+    }
+}
+
+/// One axis, one way.
+fn way(axis: Axis, is_forward: bool) -> [i8; 3] {
+    Axis::ALL.map(|other| match (other == axis, is_forward) {
+        (false, _) => 0,
+        (true, true) => 1,
+        (true, false) => -1,
+    })
+}
+
+/// Two or three axes, each once.
+fn ways(reader: &mut Reader<'_>) -> Option<[i8; 3]> {
+    let (mut ways, mut count) = ([0_i8; 3], 0_u8);
+    while !reader.is_empty() {
+        let axis = reader.axis()?;
+        let one = way(axis, reader.way()?);
+        for (way, one) in ways.iter_mut().zip(one) {
+            if *way != 0 && one != 0 {
+                return None;
+            }
+            *way |= one;
+        }
+        count = count.wrapping_add(1); // three at most
+    }
+    (count >= 2).then_some(ways)
+}
+
+/// A sign and so many digits, at most four.
+fn signed(reader: &mut Reader<'_>, digits: u8) -> Option<i16> {
+    let is_forward = reader.way()?;
+    let value = reader.digits(digits, digits)? as i16;
+    Some(if is_forward {
+        value
+    } else {
+        value.wrapping_neg()
+    })
+}
+
+fn word(text: &mut Text, mode: u8, axis: Axis, value: i16, digits: u8) {
+    text.push(mode);
+    text.push(axis.letter());
+    text.sign(value >= 0);
+    text.digits(value.unsigned_abs().into(), digits);
+}
