@@ -18,14 +18,14 @@ use crate::Lash;
 /// assert!(stage.is_straight_on(0b01, 0b01)); // X on in the negative direction
 /// ```
 #[derive(Copy, Clone, Debug)]
-pub struct Compensator<const N: usize, L: Lash> {
+pub struct Compensator<const N: usize, L: Lash<N>> {
     lash: [L; N],
     /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is the first axis.
     positive: u8,
     negative: u8,
 }
 
-impl<const N: usize, L: Lash> Compensator<N, L> {
+impl<const N: usize, L: Lash<N>> Compensator<N, L> {
     /// One lash model per axis; each knows its flank.
     pub const fn new(lash: [L; N]) -> Self {
         Compensator {
@@ -43,8 +43,8 @@ impl<const N: usize, L: Lash> Compensator<N, L> {
     pub fn before(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
         let mut owed = [0; N];
         let mut bit = 1_u8;
-        let axes = self.lash.iter_mut().zip(delta.iter().zip(load));
-        for (owed, (lash, (&now, load))) in owed.iter_mut().zip(axes) {
+        let axes = self.lash.iter_mut().zip(0..N).zip(delta);
+        for (owed, ((lash, axis), &now)) in owed.iter_mut().zip(axes) {
             let (this, other) = match now {
                 0 => (&mut 0, &mut 0),
                 1.. => (&mut self.positive, &mut self.negative),
@@ -52,13 +52,33 @@ impl<const N: usize, L: Lash> Compensator<N, L> {
             };
             if now != 0 && *this & bit == 0 {
                 // Beyond the eighth axis there is no bit.
-                *owed = if bit == 0 { 0 } else { lash.take_up(now, load) };
+                *owed = if bit == 0 {
+                    0
+                } else {
+                    lash.take_up(axis, now, &load)
+                };
                 *this |= bit;
                 *other &= !bit;
             }
             bit = bit.wrapping_shl(1) & !1;
         }
         owed
+    }
+
+    /// Motor steps each axis owes, signed, since the lash under its nut is another at `load`, where the event that comes
+    /// next will take the load: see [`Lash::follow`]. `None` where no axis owes any. After [`Compensator::before`].
+    #[inline]
+    pub fn follow(&mut self, load: &[i32; N]) -> Option<[i32; N]> {
+        if !L::VARIES {
+            return None;
+        }
+        let mut owed = [0; N];
+        let mut is_due = false;
+        for (owed, lash) in owed.iter_mut().zip(&mut self.lash) {
+            *owed = lash.follow(load);
+            is_due |= *owed != 0;
+        }
+        is_due.then_some(owed)
     }
 
     /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go backwards, turns none round;

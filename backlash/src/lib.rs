@@ -2,9 +2,10 @@
 //!
 //! ```text
 //!  delta, load ──► Compensator ──► take-up owed per axis, made before the event, X before Y before Z
-//!                      │ only when an axis turns round
+//!                      │           steps owed because the lash under the nut is another one now
 //!                      ▼
-//!                  Lash::take_up   one value per axis (Backlash), or your own map
+//!                    Lash          take_up when an axis turns round, follow after every event:
+//!                                  one value per axis (Backlash), a LashMap (MappedBacklash), or your own
 //!
 //!   screw tooth m ├────── lash ──────┤ m + lash
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
@@ -33,6 +34,8 @@
 mod lash;
 
 mod compensator;
+mod lash_map;
+mod mapped;
 mod uniform;
 
 mod calibration;
@@ -43,6 +46,8 @@ pub use calibration::Calibration;
 pub use compensator::Compensator;
 pub use error_table::{ErrorTable, Knot, TableError};
 pub use lash::{Flank, Lash};
+pub use lash_map::{LashMap, MapError};
+pub use mapped::MappedBacklash;
 pub use squareness::Squareness;
 pub use uniform::Backlash;
 

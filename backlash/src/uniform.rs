@@ -91,9 +91,11 @@ impl Backlash {
     }
 }
 
-impl Lash for Backlash {
-    fn take_up(&mut self, direction: i8, load: i32) -> u32 {
-        self.load = load.wrapping_add(i32::from(direction.signum()));
+impl<const N: usize> Lash<N> for Backlash {
+    fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32 {
+        if let Some(load) = load.get(axis) {
+            self.load = load.wrapping_add(i32::from(direction.signum()));
+        }
         self.turn(direction)
     }
 

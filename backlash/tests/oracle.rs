@@ -53,7 +53,7 @@ impl Play {
 }
 
 /// The compensator's stream for a logical one; `load` is tracked as a machine does.
-fn compensate<L: Lash>(logical: &[[i8; 2]], stage: &mut Compensator<2, L>) -> Vec<[i8; 2]> {
+fn compensate<L: Lash<2>>(logical: &[[i8; 2]], stage: &mut Compensator<2, L>) -> Vec<[i8; 2]> {
     let mut load = [0, 0];
     let mut motor = Vec::new();
     for &delta in logical {

@@ -27,8 +27,9 @@ impl Regions {
     }
 }
 
-impl Lash for Regions {
-    fn take_up(&mut self, direction: i8, load: i32) -> u32 {
+impl Lash<2> for Regions {
+    fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; 2]) -> u32 {
+        let load = load[axis];
         let turned = self.last * direction < 0;
         if direction != 0 {
             self.last = direction;
@@ -58,7 +59,7 @@ proptest! {
         let mut motor = by_target.motor_target(0);
         let mut load = 0;
         for [delta, _] in walk {
-            motor += i32::from(delta) * (by_steps.take_up(delta, load) as i32 + 1);
+            motor += i32::from(delta) * (by_steps.take_up(0, delta, &[load]) as i32 + 1);
             load += i32::from(delta);
             prop_assert_eq!(by_target.motor_target(load), motor);
             prop_assert_eq!(by_steps.load_position(motor), load);

@@ -1,6 +1,6 @@
-//! Any walk with any lash.
+//! Any walk with any lash, one value or a map.
 
-use husillo_backlash::{Backlash, Compensator, Flank};
+use husillo_backlash::{Backlash, Compensator, Flank, LashMap, MappedBacklash};
 
 use crate::bytes::Bytes;
 
@@ -9,6 +9,7 @@ use crate::bytes::Bytes;
 pub fn backlash(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     check_targets(&mut bytes);
+    check_map(&mut bytes);
     let flank = if bytes.byte() & 1 == 0 {
         Flank::Positive
     } else {
@@ -47,5 +48,46 @@ fn check_targets(bytes: &mut Bytes<'_>) {
         let load = bytes.i32();
         let motor = axis.motor_target(load);
         assert_eq!(axis.load_position(motor), load);
+    }
+}
+
+/// A nut with the play of a map stands on every commanded point, also where other axes move; maps that are none are refused.
+fn check_map(bytes: &mut Bytes<'_>) {
+    let shape = bytes.byte();
+    let places = [shape & 3, shape >> 2 & 3].map(|count| {
+        let mut at = -i32::from(bytes.byte());
+        let mut next = || {
+            at = at.saturating_add(bytes.i32() >> (shape >> 4));
+            at
+        };
+        (0..count).map(|_| next()).collect::<Vec<_>>()
+    });
+    let entries = places[0].len() * places[1].len();
+    let steps: Vec<u32> = (0..entries).map(|_| bytes.byte().into()).collect();
+    let Ok(map) = LashMap::new([0, 1], places, steps) else {
+        return;
+    };
+    let play = |load: [i32; 2]| map.steps(load) as i32;
+    let mut stage =
+        Compensator::new([(); 2].map(|()| MappedBacklash::new(map.clone(), Flank::Positive)));
+    let (mut motor, mut nut, mut load) = ([0_i32; 2], [0_i32; 2], [0_i32; 2]);
+    for _ in 0..64 {
+        let chosen = bytes.byte();
+        let delta = [chosen, chosen >> 2].map(|bits| (bits & 3) as i8 % 3 - 1);
+        for _ in 0..(chosen >> 4) * 16 + 1 {
+            let owed = stage.before(&delta, load);
+            let to = [0, 1].map(|axis| load[axis] + i32::from(delta[axis]));
+            let follows = stage.follow(&to).unwrap_or_default();
+            for axis in 0..2 {
+                motor[axis] += i32::from(delta[axis]) * owed[axis] as i32;
+                let taken_up = nut[axis].clamp(motor[axis], motor[axis] + play(load));
+                assert_eq!(taken_up, nut[axis], "take-up moves no nut");
+                assert!(follows[axis].abs() <= 1, "an event owes a step at most");
+                motor[axis] += i32::from(delta[axis]) + follows[axis];
+                nut[axis] = nut[axis].clamp(motor[axis], motor[axis] + play(to));
+                assert_eq!(nut[axis], to[axis], "the nut is where it was sent");
+            }
+            load = to;
+        }
     }
 }

@@ -60,7 +60,7 @@ enum State {
 /// A machine without encoders does not need this, and pays nothing for it. With them an event costs two multiplications an axis, and
 /// 64 bytes an axis.
 #[derive(Clone, Debug)]
-pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {
+pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
     machine: Machine<N, P, L, QUEUE>,
     axes: [Option<Watch>; N],
     state: State,
@@ -75,7 +75,7 @@ pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash = Backlash, const QUE
     timer: Timer,
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> ClosedLoop<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, P, L, QUEUE> {
     /// A machine that stands, with the encoders its axes have. Where they are at the first event is where they should be.
     pub fn new(machine: Machine<N, P, L, QUEUE>, encoders: [Option<AxisEncoder>; N]) -> Self {
         Self {

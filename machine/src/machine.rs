@@ -7,7 +7,8 @@ use husillo_planner::{Ramp, Timer};
 
 use crate::{
     Config, Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, Refused, Segment, StepEvent,
-    schedule::Schedule, take_up::TakeUp,
+    schedule::Schedule,
+    take_up::{Followed, TakeUp},
 };
 
 /// What the event given last belongs to.
@@ -28,8 +29,12 @@ pub enum Origin {
 /// `P` is the interpolator and `L` the lash model of each axis; the defaults are the toolkit's own. `QUEUE` moves are planned
 /// ahead, the executing one included; each takes 624 bytes on a 64-bit host (three axes, `Path`).
 /// It stands at machine zero when new, every axis engaged on its positive flank (it was pulled off its switch).
+///
+/// Steps of events are the motors'. Where the lash is another at every place ([`Lash::follow`]), an axis owes a step now and then while it
+/// moves: a step of the path then carries one more, one less, or one of an axis that stands; a second step of an axis goes before it
+/// in half the time, or within the axis' highest rate.
 #[derive(Clone, Debug)]
-pub struct Machine<const N: usize, P = Path<N>, L: Lash = Backlash, const QUEUE: usize = 16> {
+pub struct Machine<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
     config: Config<N>,
     modal: Modal<N>,
     /// What is left of the block taken last.
@@ -80,7 +85,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QU
     }
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
     /// A machine with a lash model of your own for every axis, and a queue of your own length.
     pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
         const { assert!(QUEUE > 0, "the move that is executed takes a place") };
@@ -282,10 +287,57 @@ impl<const N: usize, P: Moves<N>, L: Lash, const QUEUE: usize> Machine<N, P, L, 
                 }
             };
         }
-        for (load, delta) in self.load.iter_mut().zip(delta) {
+        let mut to = self.load;
+        for (to, delta) in to.iter_mut().zip(delta) {
             // Every end was checked to be within 31 bits, and the path stays next to it.
-            *load = load.wrapping_add(i32::from(delta));
+            *to = to.wrapping_add(i32::from(delta));
         }
+        if !L::VARIES {
+            self.load = to;
+            return self.timed(delta, wait, follows);
+        }
+        self.give_followed(delta, to, wait, follows)
+    }
+
+    /// The step, with those that the lash at its end owes.
+    fn give_followed(
+        &mut self,
+        delta: [i8; N],
+        to: [i32; N],
+        wait: u64,
+        follows: bool,
+    ) -> Event<N> {
+        match self.take_up.follow(delta, &to, &self.config) {
+            Followed::One(motor) => {
+                self.load = to;
+                self.timed(motor, wait, follows)
+            }
+            Followed::Two {
+                first,
+                interval_ticks,
+            } => {
+                // Half of the time each. Where that would be too fast the path waits; a spindle's turns cannot wait.
+                let least = if follows {
+                    0
+                } else {
+                    u64::from(interval_ticks)
+                };
+                let half = wait >> 1;
+                self.held = Some((delta, wait.wrapping_sub(half).max(least)));
+                let half = half.max(least).min(MAX_WAIT_TICKS.into());
+                self.timed(first, half, follows)
+            }
+            Followed::Stop => {
+                self.held = Some((delta, wait));
+                self.take_up_step()
+                    .unwrap_or(Event::Dwell { wait_ticks: 0 })
+            }
+        }
+    }
+
+    /// Motor steps of the path, after a wait of [`MAX_WAIT_TICKS`] at most.
+    #[inline]
+    fn timed(&mut self, delta: [i8; N], wait: u64, follows: bool) -> Event<N> {
         self.origin = match &self.segment {
             Some(Segment {
                 command: Command::Rapid { .. },

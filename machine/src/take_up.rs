@@ -1,4 +1,4 @@
-//! What axes owe before they turn round: each alone, as fast as it can.
+//! What axes owe before they turn round, and for lash that is another where they go: each alone, as fast as it can.
 
 use husillo_backlash::{Compensator, Lash};
 use husillo_interp::Step;
@@ -6,26 +6,39 @@ use husillo_planner::{Rates, SCurve, Timer, Trapezoid};
 
 use crate::{Axis, Config, MAX_WAIT_TICKS, StepEvent};
 
+/// What becomes of a step of the path where the lash is another.
+pub(crate) enum Followed<const N: usize> {
+    /// These motor steps.
+    One([i8; N]),
+    /// An axis makes two steps one way: these first, and the path's after them. An interval of that axis at its highest rate.
+    Two { first: [i8; N], interval_ticks: u32 },
+    /// More is owed than a step; it is on its way.
+    Stop,
+}
+
 /// The take-up of all axes: what is owed, and on its way.
 #[derive(Clone, Debug)]
-pub(crate) struct TakeUp<const N: usize, L: Lash> {
+pub(crate) struct TakeUp<const N: usize, L: Lash<N>> {
     compensator: Compensator<N, L>,
     is_on: bool,
     /// Motor steps still to make, signed.
     owed: [i32; N],
     /// The tempo of the axis that makes them; `None` when nothing is owed.
     pace: Option<Pace>,
+    /// What the step of the path that waits carries besides, signed.
+    with_step: [i8; N],
     /// What an abort left: motor steps that an axis has not made, signed.
     unfinished: Option<[i32; N]>,
 }
 
-impl<const N: usize, L: Lash> TakeUp<N, L> {
+impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
     pub(crate) const fn new(lash: [L; N]) -> Self {
         TakeUp {
             compensator: Compensator::new(lash),
             is_on: true,
             owed: [0; N],
             pace: None,
+            with_step: [0; N],
             unfinished: None,
         }
     }
@@ -83,6 +96,60 @@ impl<const N: usize, L: Lash> TakeUp<N, L> {
         self.next_axis(config);
     }
 
+    /// The motor steps of a step of the path by `delta`, to `load`: with what it owes for the lash there.
+    #[inline]
+    pub(crate) fn follow(
+        &mut self,
+        mut delta: [i8; N],
+        load: &[i32; N],
+        config: &Config<N>,
+    ) -> Followed<N> {
+        let mut owed = self.compensator.follow(load).filter(|_| self.is_on);
+        if let (Some(owed), Some(unfinished)) = (&mut owed, &mut self.unfinished) {
+            // The nut of a take-up that was cut short lies on no flank: the screw stays until that axis moves.
+            for (owed, rest) in owed.iter_mut().zip(unfinished) {
+                if *rest != 0 {
+                    *rest = rest.saturating_add(core::mem::take(owed));
+                }
+            }
+        }
+        let owed = match owed {
+            None => core::mem::replace(&mut self.with_step, [0; N]),
+            Some(owed) if owed.iter().all(|owed| owed.unsigned_abs() <= 1) => {
+                owed.map(|owed| owed as i8)
+            }
+            Some(owed) => {
+                // The take-up before this step has been made, so nothing else is owed.
+                self.owed = owed;
+                self.next_axis(config);
+                return Followed::Stop;
+            }
+        };
+        let mut first = [0; N];
+        let mut axis = None;
+        let axes = first.iter_mut().zip(&config.axes);
+        for ((delta, owed), (first, facts)) in delta.iter().zip(owed).zip(axes) {
+            if *delta != 0 && *delta == owed {
+                *first = owed;
+                axis = axis.max(Some(config.timer_hz.div_ceil(facts.max_rate_hz.max(1))));
+            }
+        }
+        if let Some(interval_ticks) = axis {
+            for (later, (owed, first)) in self.with_step.iter_mut().zip(owed.iter().zip(first)) {
+                *later = owed.wrapping_sub(first);
+            }
+            return Followed::Two {
+                first,
+                interval_ticks,
+            };
+        }
+        for (delta, owed) in delta.iter_mut().zip(owed) {
+            // One of them is 0, or they make 0 together.
+            *delta = delta.wrapping_add(owed);
+        }
+        Followed::One(delta)
+    }
+
     /// One motor step: X before Y before Z. `None` when nothing is owed.
     pub(crate) fn step(&mut self, config: &Config<N>) -> Option<StepEvent<N>> {
         let wait = self.pace.as_mut()?.wait().min(MAX_WAIT_TICKS.into());
@@ -105,14 +172,16 @@ impl<const N: usize, L: Lash> TakeUp<N, L> {
 
     /// Drops what is owed; it is made, or given back, before that axis moves again.
     pub(crate) fn abort(&mut self) {
-        if self.is_under_way() {
+        if self.is_under_way() || self.with_step.iter().any(|owed| *owed != 0) {
             let mut unfinished = self.unfinished.unwrap_or([0; N]);
-            for (rest, owed) in unfinished.iter_mut().zip(self.owed) {
-                *rest = rest.saturating_add(owed);
+            let left = self.owed.iter().zip(self.with_step);
+            for (rest, (owed, with_step)) in unfinished.iter_mut().zip(left) {
+                *rest = rest.saturating_add(*owed).saturating_add(with_step.into());
             }
             self.unfinished = Some(unfinished);
         }
         self.owed = [0; N];
+        self.with_step = [0; N];
         self.pace = None;
     }
 

@@ -64,11 +64,11 @@ struct Worn {
     direction: i8,
 }
 
-impl Lash for Worn {
-    fn take_up(&mut self, direction: i8, load: i32) -> u32 {
+impl Lash<3> for Worn {
+    fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; 3]) -> u32 {
         let turned = direction != self.direction;
         self.direction = direction;
-        match (turned, load >= 5) {
+        match (turned, load[axis] >= 5) {
             (false, _) => 0,
             (true, false) => 2,
             (true, true) => 3,

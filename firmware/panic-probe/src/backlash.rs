@@ -3,8 +3,11 @@
 use core::hint::black_box;
 
 use husillo_backlash::{
-    Backlash, Calibration, Compensator, ErrorTable, Flank, Knot, Lash, Squareness, TableError,
+    Backlash, Calibration, Compensator, ErrorTable, Flank, Knot, Lash, LashMap, MapError,
+    MappedBacklash, Squareness, TableError,
 };
+
+type Mapped = MappedBacklash<&'static [i32], &'static [u32]>;
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -15,8 +18,23 @@ pub fn keep() {
         Backlash::load_position as *const (),
         Backlash::flank as *const (),
         Backlash::lash_steps as *const (),
-        <Backlash as Lash>::take_up as *const (),
-        <Backlash as Lash>::is_free as *const (),
+        <Backlash as Lash<3>>::take_up as *const (),
+        <Backlash as Lash<3>>::is_free as *const (),
+        <Backlash as Lash<3>>::follow as *const (),
+        LashMap::<&[i32], &[u32]>::new as *const (),
+        LashMap::<&[i32], &[u32]>::steps as *const (),
+        LashMap::<&[i32], &[u32]>::axes as *const (),
+        LashMap::<&[i32], &[u32]>::is_free as *const (),
+        <MapError as core::fmt::Display>::fmt as *const (),
+        Mapped::new as *const (),
+        Mapped::load_position as *const (),
+        Mapped::flank as *const (),
+        Mapped::map as *const (),
+        <Mapped as Lash<3>>::take_up as *const (),
+        <Mapped as Lash<3>>::follow as *const (),
+        <Mapped as Lash<3>>::is_free as *const (),
+        Compensator::<3, Mapped>::before as *const (),
+        Compensator::<3, Mapped>::follow as *const (),
         Compensator::<3, Backlash>::new as *const (),
         Compensator::<3, Backlash>::before as *const (),
         Compensator::<3, Backlash>::is_straight_on as *const (),

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use husillo_backlash::{Backlash, Compensator, Flank};
+use husillo_backlash::{Backlash, Compensator, Flank, LashMap, MappedBacklash};
 use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
 
 use crate::Count;
@@ -32,6 +32,27 @@ pub fn all(count: Count<'_>) {
         for _ in 0..EVENTS {
             delta[0] = -delta[0];
             black_box(stage.before(black_box(&delta), black_box([10, 20, 30])));
+        }
+    });
+    // The micro mill's area in four by three places; X has turned round, so every event is looked at.
+    let along_x: &[i32] = &[0, 23_810, 47_619, 71_429];
+    let along_y: &[i32] = &[0, 25_000, 50_000];
+    let lash: &[u32] = &[
+        1457, 1690, 1460, 1225, 1457, 1222, 1454, 1690, 1457, 1690, 1460, 1225,
+    ];
+    let Ok(map) = LashMap::new([0, 1], [along_x, along_y], lash) else {
+        return;
+    };
+    count("compensator_map", EVENTS, &mut || {
+        let axis = MappedBacklash::new(map, Flank::Negative);
+        let mut stage = black_box(Compensator::new([axis, axis, axis]));
+        let mut load = [60_000, 20_000, 0];
+        for _ in 0..EVENTS {
+            for load in load.iter_mut().take(2) {
+                *load -= 1;
+            }
+            black_box(stage.before(black_box(&[-1, -1, 0]), black_box(load)));
+            black_box(stage.follow(black_box(&load)));
         }
     });
 }

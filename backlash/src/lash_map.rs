@@ -1,0 +1,250 @@
+//! Lash by place: a grid over two axes, or a table along one.
+
+use core::fmt;
+
+/// Most lash of an entry, in motor steps.
+const MOST_STEPS: u32 = (1 << 20) - 1;
+
+/// Most steps from one place of the grid to the next.
+const MOST_WAY: u32 = 1 << 22;
+
+/// Lash of one axis over a machine's work area, in motor steps.
+///
+/// Between the places of the grid it is interpolated bilinearly and rounded to the nearest step; outside it is that of the nearest edge.
+/// One place along an axis: the same everywhere along it. So bands across X are a grid with one place in Y, and the table of a lead
+/// screw is bands across its own axis.
+///
+/// Motor steps are kept apart from load steps by less than one for every two: from one place to the next the lash changes by a quarter of
+/// the way at most, so an event changes it by one step at most. Costs two binary searches, two 64-bit divisions and a few products a look-up;
+/// a step of 64-bit arithmetic is exact because entries are below 2^20 and ways below 2^22.
+///
+/// ```
+/// use husillo_backlash::LashMap;
+///
+/// // Three bands of Y, measured in their middles.
+/// let x = LashMap::new([0, 1], [&[0][..], &[8000, 25000, 42000]], [1357, 1436, 1336])?;
+/// assert_eq!(x.steps([-5, 8000]), 1357);
+/// assert_eq!(x.steps([70_000, 16_500]), 1397);
+/// assert_eq!(x.steps([0, 50_000]), 1336);
+/// # Ok::<(), husillo_backlash::MapError>(())
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct LashMap<K, V> {
+    axes: [usize; 2],
+    places: [K; 2],
+    steps: V,
+}
+
+/// Why a map is none.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum MapError {
+    /// There is no entry, or not one for every place of the grid.
+    Entries,
+    /// Along the first (0) or the second axis (1) this place, counted from 0, is not above the one before, or more than 2^22 steps above.
+    Order {
+        /// 0 or 1.
+        axis: usize,
+        /// Index of the place.
+        place: usize,
+    },
+    /// This entry, counted from 0, is 2^20 steps or more.
+    Range(usize),
+    /// From a neighbour to this entry the lash changes by more than a quarter of the way.
+    Steep(usize),
+}
+
+impl fmt::Display for MapError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Entries => f.write_str("the map has not one entry for every place"),
+            Self::Order { place, .. } => write!(f, "the places do not rise at place {place}"),
+            Self::Range(entry) => write!(f, "entry {entry} is 2^20 steps or more"),
+            Self::Steep(entry) => write!(f, "the lash changes too fast to entry {entry}"),
+        }
+    }
+}
+
+impl core::error::Error for MapError {}
+
+impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
+    /// A map over the positions of two `axes` of the machine, by number. `places` are rising load steps along each of them, `steps` the lash
+    /// at each place, in motor steps: all places of the first axis at the first of the second, and so on.
+    ///
+    /// # Errors
+    /// [`MapError`]: the first of its cases that is one.
+    pub fn new(axes: [usize; 2], places: [K; 2], steps: V) -> Result<Self, MapError> {
+        let [first, second] = places.each_ref().map(|places| places.as_ref());
+        let entries = first.len().checked_mul(second.len());
+        if entries == Some(0) || entries != Some(steps.as_ref().len()) {
+            return Err(MapError::Entries);
+        }
+        check_order(0, first)?;
+        check_order(1, second)?;
+        let map = LashMap {
+            axes,
+            places,
+            steps,
+        };
+        map.check_entries()?;
+        Ok(map)
+    }
+
+    /// The lash at a place, given along the map's own two axes.
+    #[must_use]
+    pub fn steps(&self, at: [i32; 2]) -> u32 {
+        self.look_up(at).0
+    }
+
+    /// The two axes of the machine, by number.
+    pub const fn axes(&self) -> [usize; 2] {
+        self.axes
+    }
+
+    /// Whether there is no lash anywhere.
+    pub fn is_free(&self) -> bool {
+        self.steps.as_ref().iter().all(|steps| *steps == 0)
+    }
+
+    /// The map's own two axes of a position; an axis that the machine has not is at 0.
+    pub(crate) fn place<const N: usize>(&self, load: &[i32; N]) -> [i32; 2] {
+        self.axes
+            .map(|axis| load.get(axis).copied().unwrap_or_default())
+    }
+
+    /// The lash at a place, and how far each of the two axes may go from there with the lash staying as it is: a lower bound.
+    pub(crate) fn look_up(&self, at: [i32; 2]) -> (u32, u32) {
+        let [x, y] = self.places.each_ref().map(|places| places.as_ref());
+        let [at_x, at_y] = at;
+        let (x, y) = (Between::new(x, at_x), Between::new(y, at_y));
+        let entry = |column, row| u64::from(self.entry(column, row));
+        let (low_low, high_low) = (entry(x.low, y.low), entry(x.high, y.low));
+        let (low_high, high_high) = (entry(x.low, y.high), entry(x.high, y.high));
+        let along_x = |low: u64, high: u64| {
+            let rest = x.way.wrapping_sub(x.offset);
+            low.wrapping_mul(rest)
+                .wrapping_add(high.wrapping_mul(x.offset))
+        };
+        // Entries below 2^20, weights of each axis adding up to 2^22 at most: below 2^64 with half of the whole, too.
+        let whole = x.way.wrapping_mul(y.way);
+        let weighted = along_x(low_low, high_low)
+            .wrapping_mul(y.way.wrapping_sub(y.offset))
+            .wrapping_add(along_x(low_high, high_high).wrapping_mul(y.offset))
+            .wrapping_add(whole >> 1);
+        let steps = weighted.checked_div(whole).unwrap_or(0);
+        let above = weighted.wrapping_sub(steps.wrapping_mul(whole));
+        // What a step along each axis changes of the weighted sum, at most, anywhere between these places.
+        let change = |pairs: [[u64; 2]; 2], other: u64| {
+            let [one, two] = pairs.map(|[low, high]| low.abs_diff(high));
+            one.max(two).wrapping_mul(other)
+        };
+        let rate = change([[low_low, high_low], [low_high, high_high]], y.way)
+            .wrapping_add(change([[low_low, low_high], [high_low, high_high]], x.way));
+        let margin = above.min(whole.wrapping_sub(above).wrapping_sub(1));
+        let quiet = match margin.checked_div(rate) {
+            Some(quiet) => u32::try_from(quiet).unwrap_or(u32::MAX),
+            None => u32::MAX,
+        };
+        (steps as u32, quiet.min(x.room).min(y.room))
+    }
+
+    fn entry(&self, column: usize, row: usize) -> u32 {
+        let [columns, _] = self.places.each_ref().map(|places| places.as_ref().len());
+        // Below the number of entries, which is a length.
+        let index = row.wrapping_mul(columns).wrapping_add(column);
+        self.steps.as_ref().get(index).copied().unwrap_or_default()
+    }
+
+    /// Ranges and slopes.
+    fn check_entries(&self) -> Result<(), MapError> {
+        let [columns, rows] = self.places.each_ref().map(|places| places.as_ref());
+        let entries =
+            (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (column, row)));
+        for (index, (column, row)) in (0..).zip(entries) {
+            let here = self.entry(column, row);
+            if here > MOST_STEPS {
+                return Err(MapError::Range(index));
+            }
+            let left = column
+                .checked_sub(1)
+                .map(|left| (way(columns, left), self.entry(left, row)));
+            let below = row
+                .checked_sub(1)
+                .map(|below| (way(rows, below), self.entry(column, below)));
+            for (way, there) in [left, below].into_iter().flatten() {
+                // Both below 2^22.
+                if here.abs_diff(there).saturating_mul(4) > way {
+                    return Err(MapError::Steep(index));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Steps from a place to the next, which is above it.
+fn way(places: &[i32], from: usize) -> u32 {
+    let mut ends = places.iter().skip(from);
+    match (ends.next(), ends.next()) {
+        (Some(low), Some(high)) => high.abs_diff(*low),
+        _ => 1,
+    }
+}
+
+fn check_order(axis: usize, places: &[i32]) -> Result<(), MapError> {
+    let pairs = places.iter().zip(places.iter().skip(1));
+    for (place, (low, high)) in (1..).zip(pairs) {
+        if high <= low || high.abs_diff(*low) > MOST_WAY {
+            return Err(MapError::Order { axis, place });
+        }
+    }
+    Ok(())
+}
+
+/// A position between two places of one axis.
+struct Between {
+    /// The places below and above it, by index; the same one outside of the grid.
+    low: usize,
+    high: usize,
+    /// Steps between them, at least 1, and from the lower one to the position.
+    way: u64,
+    offset: u64,
+    /// Steps to the nearer of them, or back to the edge.
+    room: u32,
+}
+
+impl Between {
+    /// `places` has one entry at least.
+    fn new(places: &[i32], at: i32) -> Between {
+        let above = places.partition_point(|place| *place <= at);
+        let place = |index: usize| places.get(index).copied();
+        let low = above.checked_sub(1);
+        match (low.and_then(place), place(above)) {
+            (Some(below), Some(next)) => {
+                let (offset, rest) = (at.abs_diff(below), next.abs_diff(at));
+                Between {
+                    low: low.unwrap_or(0),
+                    high: above,
+                    way: next.abs_diff(below).into(),
+                    offset: offset.into(),
+                    room: offset.min(rest),
+                }
+            }
+            (edge, next) => {
+                let index = low.unwrap_or(0);
+                let is_alone = places.len() == 1;
+                let edge = edge.or(next).unwrap_or(at);
+                Between {
+                    low: index,
+                    high: index,
+                    way: 1,
+                    offset: 0,
+                    room: if is_alone {
+                        u32::MAX
+                    } else {
+                        edge.abs_diff(at)
+                    },
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Machines whose lash is another at every place: a screw that has that lash stands where it was sent.
+
+mod common;
+
+use common::config;
+use husillo_backlash::{Flank, LashMap, MappedBacklash};
+use husillo_interp::Path;
+use husillo_machine::{AxisRamp, Config, Event, Machine, Origin};
+use proptest::prelude::*;
+
+type Map = LashMap<Vec<i32>, Vec<u32>>;
+type Mill = Machine<3, Path<3>, MappedBacklash<Vec<i32>, Vec<u32>>, 8>;
+
+/// Nuts on screws whose play is the map's at the place where the load is.
+struct Screws {
+    maps: [Map; 3],
+    motor: [i32; 3],
+    tool: [i32; 3],
+}
+
+impl Screws {
+    fn new(maps: &[Map; 3]) -> Self {
+        Self {
+            maps: maps.clone(),
+            motor: [0; 3],
+            tool: [0; 3],
+        }
+    }
+
+    fn step(&mut self, delta: [i8; 3], load: [i32; 3]) {
+        for (axis, delta) in delta.into_iter().enumerate() {
+            self.motor[axis] += i32::from(delta);
+            let play = self.maps[axis].steps([load[0], load[1]]) as i32;
+            let low = self.motor[axis];
+            self.tool[axis] = self.tool[axis].clamp(low, low + play);
+        }
+    }
+}
+
+/// Three by three places 300 steps apart, with up to 75 steps between them.
+fn map() -> impl Strategy<Value = Map> {
+    (
+        proptest::collection::vec(0u32..=75, 9),
+        0u32..200,
+        -600i32..100,
+    )
+        .prop_map(|(entries, base, first)| {
+            let places = vec![first, first + 300, first + 600];
+            let steps = entries.into_iter().map(|steps| base + steps).collect();
+            LashMap::new([0, 1], [places.clone(), places], steps).unwrap()
+        })
+}
+
+fn mill(config: Config<3>, maps: &[Map; 3]) -> Mill {
+    let lash = maps
+        .clone()
+        .map(|map| MappedBacklash::new(map, Flank::Positive));
+    Mill::with_lash(config, lash)
+}
+
+/// Lines and arcs within some hundred steps of 140 nm.
+fn block() -> impl Strategy<Value = String> {
+    let place = || (-500i32..500).prop_map(|steps| format!("{:.5}", f64::from(steps) * 0.00014));
+    prop_oneof![
+        (place(), place()).prop_map(|(x, y)| format!("G1 X{x} Y{y} F1.2")),
+        (place(), place()).prop_map(|(x, y)| format!("G0 X{x} Y{y}")),
+        place().prop_map(|x| format!("G1 X{x} F0.9")),
+        place().prop_map(|y| format!("G0 Y{y}")),
+        (1i32..200).prop_map(|radius| {
+            let radius = f64::from(radius) * 0.00014;
+            format!("G3 I{radius:.5} J0 F1.0")
+        }),
+    ]
+}
+
+/// How events are looked at.
+struct Watch {
+    screws: Screws,
+    load: [i32; 3],
+    ticks: u64,
+    /// When every motor stepped last.
+    stepped: [Option<u64>; 3],
+    /// Steps a tool may be off: after an abort in a take-up, until that axis moves.
+    most_off: i32,
+}
+
+impl Watch {
+    fn new(maps: &[Map; 3]) -> Self {
+        Self {
+            screws: Screws::new(maps),
+            load: [0; 3],
+            ticks: 0,
+            stepped: [None; 3],
+            most_off: 0,
+        }
+    }
+
+    fn event(&mut self, machine: &Mill, event: &Event<3>, least_ticks: u64) {
+        let Event::Step(step) = event else { return };
+        self.ticks += u64::from(step.wait_ticks);
+        let load = machine.position_steps();
+        self.screws.step(step.delta, load);
+        for axis in 0..3 {
+            let off = self.screws.tool[axis] - load[axis];
+            if load == self.load {
+                // Of two steps that an event owes, or of a take-up, the first.
+                assert!(off.abs() <= self.most_off.max(1), "{off} at {load:?}");
+            } else {
+                assert!(off.abs() <= self.most_off, "{off} at {load:?}");
+            }
+            if step.delta[axis] != 0 {
+                let before = self.stepped[axis].replace(self.ticks);
+                let interval = before.map_or(u64::MAX, |before| self.ticks - before);
+                assert!(interval >= least_ticks, "{interval} ticks");
+            }
+        }
+        self.load = load;
+    }
+
+    fn drain(&mut self, machine: &mut Mill, most: usize, least_ticks: u64) {
+        for _ in 0..most {
+            let Some(event) = machine.next_event() else {
+                return;
+            };
+            self.event(machine, &event, least_ticks);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 200 }))]
+
+    /// The tool stands where the machine says, after every step of every path, and no motor is driven faster than its highest
+    /// rate.
+    #[test]
+    fn the_tool_is_where_it_was_sent(
+        maps in [map(), map(), map()], blocks in proptest::collection::vec(block(), 1..8),
+    ) {
+        let mut machine = mill(config(), &maps);
+        let mut watch = Watch::new(&maps);
+        for block in blocks {
+            machine.line(block.as_bytes()).unwrap();
+            watch.drain(&mut machine, usize::MAX, 1_000_000 / 170);
+        }
+        prop_assert_eq!(watch.screws.tool, machine.position_steps());
+    }
+
+    /// The same with ramps, and with an abort anywhere: in a take-up, or between two steps that an event owes.
+    #[test]
+    fn an_abort_forgets_nothing(
+        maps in [map(), map(), map()], blocks in proptest::collection::vec((block(), 0usize..900), 1..8),
+    ) {
+        let mut config = config();
+        for axis in &mut config.axes {
+            axis.max_rate_hz = 20_000;
+            axis.ramp = Some(AxisRamp {
+                acceleration_hz_per_s: 100_000,
+                start_rate_hz: 0,
+                jerk_hz_per_s2: None,
+                junction_hz: None,
+            });
+        }
+        let mut machine = mill(config, &maps);
+        let mut watch = Watch::new(&maps);
+        for (block, events) in blocks {
+            machine.line(block.as_bytes()).unwrap();
+            watch.drain(&mut machine, events, 1_000_000 / 20_000 / 2);
+            machine.abort();
+            watch.most_off = 75;
+            watch.drain(&mut machine, 10, 0);
+        }
+        for line in ["G1 X-0.1 Y-0.1 F9", "G1 X0.01 Y0.01"] {
+            machine.line(line.as_bytes()).unwrap();
+            watch.drain(&mut machine, usize::MAX, 0);
+        }
+        // All that moved is right again.
+        let [x, y, _] = watch.screws.tool;
+        prop_assert_eq!([x, y], [71, 71]);
+    }
+}
+
+/// Along X the lash of both axes grows by a step in ten: X steps twice there, Y follows while it stands.
+#[test]
+fn lash_that_grows_on_the_way() {
+    let map = |steps: [u32; 2]| {
+        let places = [vec![-100, 0], vec![0]];
+        LashMap::new([0, 1], places, steps.to_vec()).unwrap()
+    };
+    let free = LashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
+    let mut machine = mill(config(), &[map([12, 2]), map([13, 3]), free]);
+    let mut made = [0_i32; 3];
+    let mut take_ups = 0;
+    let mut doubled = 0;
+    machine.line(b"G0 X-0.00014 Y-0.00014").unwrap();
+    machine.line(b"G1 X-0.014 F0.5").unwrap();
+    while let Some(event) = machine.next_event() {
+        let Event::Step(step) = event else { continue };
+        let delta = step.delta.map(i32::from);
+        made = [0, 1, 2].map(|axis| made[axis] + delta[axis]);
+        take_ups += i32::from(machine.origin() == Origin::TakeUp);
+        doubled += i32::from(step.wait_ticks < 16_800 && machine.origin() == Origin::Feed);
+    }
+    assert_eq!(take_ups, 5);
+    assert_eq!(machine.position_steps(), [-100, -1, 0]);
+    assert_eq!(made, [-112, -14, 0]);
+    // Ten steps of X in two events of half the time each.
+    assert_eq!(doubled, 20);
+}
+
+/// A lash that jumps by more than a step owes it with the path standing, as where an axis turns round.
+#[test]
+fn lash_that_jumps() {
+    struct Stair {
+        is_negative: bool,
+        held: i32,
+    }
+    impl husillo_backlash::Lash<3> for Stair {
+        const VARIES: bool = true;
+        fn take_up(&mut self, _: usize, direction: i8, _: &[i32; 3]) -> u32 {
+            let turned = self.is_negative != (direction < 0);
+            self.is_negative = direction < 0;
+            if turned { self.held.unsigned_abs() } else { 0 }
+        }
+        fn follow(&mut self, load: &[i32; 3]) -> i32 {
+            let lash = if load[0] <= -5 { 7 } else { 4 };
+            match self.is_negative {
+                true => std::mem::replace(&mut self.held, lash) - lash,
+                false => 0,
+            }
+        }
+    }
+    let lash = [(); 3].map(|()| Stair {
+        is_negative: false,
+        held: 4,
+    });
+    let mut machine: Machine<3, Path<3>, Stair> = Machine::with_lash(config(), lash);
+    machine.line(b"G0 X-0.0014").unwrap();
+    let mut trace = String::new();
+    while let Some(Event::Step(step)) = machine.next_event() {
+        assert_eq!(step.delta[0], -1);
+        trace.push(if machine.origin() == Origin::TakeUp {
+            't'
+        } else {
+            'x'
+        });
+    }
+    assert_eq!(trace, "ttttxxxxtttxxxxxx");
+}
