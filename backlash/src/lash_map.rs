@@ -159,7 +159,9 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         let [columns, rows] = self.places.each_ref().map(|places| places.as_ref());
         let entries =
             (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (column, row)));
-        for (index, (column, row)) in (0..).zip(entries) {
+        for (column, row) in entries {
+            // Below the number of entries, which is a length.
+            let index = row.wrapping_mul(columns.len()).wrapping_add(column);
             let here = self.entry(column, row);
             if here > MOST_STEPS {
                 return Err(MapError::Range(index));
@@ -192,7 +194,7 @@ fn way(places: &[i32], from: usize) -> u32 {
 
 fn check_order(axis: usize, places: &[i32]) -> Result<(), MapError> {
     let pairs = places.iter().zip(places.iter().skip(1));
-    for (place, (low, high)) in (1..).zip(pairs) {
+    for (place, (low, high)) in (1..places.len()).zip(pairs) {
         if high <= low || high.abs_diff(*low) > MOST_WAY {
             return Err(MapError::Order { axis, place });
         }

@@ -91,6 +91,17 @@ impl Axis {
         made as i32
     }
 
+    /// Another play, in steps: where there is less of it, a flank pushes the nut.
+    pub(crate) fn set_lash(&mut self, steps: f64) {
+        self.lash = (steps * self.step as f64).round() as i64;
+        self.turn(0);
+    }
+
+    /// The nut in steps, with fractions.
+    pub(crate) fn nut_steps(&self) -> f64 {
+        (self.nut - self.zero) as f64 / self.step as f64
+    }
+
     /// The levels the driver sees.
     #[inline]
     pub(crate) fn levels(&self) -> u8 {

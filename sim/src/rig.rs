@@ -2,8 +2,11 @@
 
 use husillo_stepper::Levels;
 
+use std::fmt;
+use std::sync::Arc;
+
 use crate::axis::Axis;
-use crate::{AxisModel, Loss};
+use crate::{AxisModel, LashField, Loss};
 
 /// How many losses are kept with their place; all are counted.
 const KEPT: usize = 16;
@@ -12,12 +15,24 @@ const KEPT: usize = 16;
 ///
 /// Starts homed: rotors at rest in the equilibrium of the first levels, every nut on the flank of positive motion, the
 /// tool at zero. Costs a comparison an axis and event, and a table look-up where the levels changed.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Rig<const N: usize> {
     axes: [Axis; N],
     now: u64,
     events: u64,
     losses: Vec<Loss>,
+    field: Option<Arc<dyn LashField<N>>>,
+}
+
+impl<const N: usize> fmt::Debug for Rig<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Rig")
+            .field("axes", &self.axes)
+            .field("now", &self.now)
+            .field("events", &self.events)
+            .field("losses", &self.losses)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize> Rig<N> {
@@ -32,6 +47,25 @@ impl<const N: usize> Rig<N> {
             now: 1 << 32,
             events: 0,
             losses: Vec::new(),
+            field: None,
+        }
+    }
+
+    /// Screws whose play is another at every place, instead of the models' one value. Costs a look-up an event.
+    #[must_use]
+    pub fn with_lash_field(mut self, field: Arc<dyn LashField<N>>) -> Rig<N> {
+        self.field = Some(field);
+        self.follow_field();
+        self
+    }
+
+    /// The play where the tools are now.
+    fn follow_field(&mut self) {
+        if let Some(field) = &self.field {
+            let lash = field.lash_steps(self.axes.each_ref().map(Axis::nut_steps));
+            for (axis, lash) in self.axes.iter_mut().zip(lash) {
+                axis.set_lash(lash);
+            }
         }
     }
 
@@ -54,6 +88,7 @@ impl<const N: usize> Rig<N> {
             }
         }
         self.events += 1;
+        self.follow_field();
     }
 
     /// Holds the rotor of an axis where it is, or lets it go: a chip in the guide, an end stop. While it is held every change of

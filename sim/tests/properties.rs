@@ -188,3 +188,32 @@ fn a_swapped_coil_turns_backwards() {
     // From 3 the first swapped level is 3 again, then backwards through 6, 12, 9.
     assert_eq!(rig.motor(), [-7]);
 }
+
+/// Where the play shrinks the screw's flank carries the nut along, also of an axis that stands; where it grows the nut stays.
+#[test]
+fn play_by_place() {
+    use std::sync::Arc;
+    let motors = [(); 2].map(|()| Sequencer::new(Driver::A3988, Mode::Full).unwrap());
+    let [mut x, mut y] = motors;
+    let models = [AxisModel::coils(Driver::A3988, Mode::Full); 2];
+    let field = |[_, y]: [f64; 2]| [10.0 - y.clamp(0.0, 40.0) / 10.0, 0.0];
+    let mut rig = Rig::new(models, [x.levels(), y.levels()]).with_lash_field(Arc::new(field));
+    for _ in 0..12 {
+        rig.apply(&[x.step(-1), y.levels()], 100);
+    }
+    assert_eq!((rig.motor(), rig.tool()), ([-12, 0], [-2, 0]));
+    for _ in 0..40 {
+        rig.apply(&[x.levels(), y.step(1)], 100);
+    }
+    assert_eq!(rig.tool(), [-6, 40]);
+    for _ in 0..40 {
+        rig.apply(&[x.levels(), y.step(-1)], 100);
+    }
+    assert_eq!(rig.tool(), [-6, 0]);
+    rig.apply(&[x.step(-1), y.levels()], 100);
+    assert_eq!(rig.tool(), [-6, 0]);
+    for _ in 0..4 {
+        rig.apply(&[x.step(-1), y.levels()], 100);
+    }
+    assert_eq!((rig.motor(), rig.tool()), ([-17, 0], [-7, 0]));
+}

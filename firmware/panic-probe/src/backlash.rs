@@ -4,10 +4,10 @@ use core::hint::black_box;
 
 use husillo_backlash::{
     Backlash, Calibration, Compensator, ErrorTable, Flank, Knot, Lash, LashMap, MapError,
-    MappedBacklash, Squareness, TableError,
+    MappedBacklash as AnyMapped, Squareness, TableError,
 };
 
-type Mapped = MappedBacklash<&'static [i32], &'static [u32]>;
+type MappedBacklash = AnyMapped<&'static [i32], &'static [u32]>;
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -26,15 +26,15 @@ pub fn keep() {
         LashMap::<&[i32], &[u32]>::axes as *const (),
         LashMap::<&[i32], &[u32]>::is_free as *const (),
         <MapError as core::fmt::Display>::fmt as *const (),
-        Mapped::new as *const (),
-        Mapped::load_position as *const (),
-        Mapped::flank as *const (),
-        Mapped::map as *const (),
-        <Mapped as Lash<3>>::take_up as *const (),
-        <Mapped as Lash<3>>::follow as *const (),
-        <Mapped as Lash<3>>::is_free as *const (),
-        Compensator::<3, Mapped>::before as *const (),
-        Compensator::<3, Mapped>::follow as *const (),
+        MappedBacklash::new as *const (),
+        MappedBacklash::load_position as *const (),
+        MappedBacklash::flank as *const (),
+        MappedBacklash::map as *const (),
+        <MappedBacklash as Lash<3>>::take_up as *const (),
+        <MappedBacklash as Lash<3>>::follow as *const (),
+        <MappedBacklash as Lash<3>>::is_free as *const (),
+        Compensator::<3, MappedBacklash>::before as *const (),
+        Compensator::<3, MappedBacklash>::follow as *const (),
         Compensator::<3, Backlash>::new as *const (),
         Compensator::<3, Backlash>::before as *const (),
         Compensator::<3, Backlash>::is_straight_on as *const (),
