@@ -9,6 +9,7 @@ mod expressions;
 mod format;
 mod gcode;
 mod interp;
+mod link;
 mod machine;
 mod micromill;
 mod mutation;
@@ -26,6 +27,7 @@ pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
 pub use interp::interp;
+pub use link::link;
 pub use machine::machine;
 pub use micromill::micromill;
 pub use mutation::mutate;
@@ -40,7 +42,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 17] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -57,6 +59,7 @@ pub const TARGETS: [(&str, Target); 16] = [
     ("servo", servo),
     ("drill", drill),
     ("micromill", micromill),
+    ("link", link),
 ];
 
 #[cfg(test)]

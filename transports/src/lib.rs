@@ -6,6 +6,7 @@
 //!  byte_commands   byte ──► ByteCommand      by mode, with a table of bytes
 //!  drill  Step ──► Host ──► one byte, its echo     Device: byte ──► echo, Order ──► the machine
 //!  micromill  Order ──► string; ──► Host ──► bytes, echoes     Device: byte ──► echo, Order ──► the machine ──► steps told, Done
+//!  link   payloads ──► Frame, numbered and checked ──► bytes     Master, Station, Peer: sent again until they arrive
 //!  rs485  Turnaround: when to drive the line; Echo: what of the received bytes is one's own
 //! ```
 //!
@@ -32,6 +33,7 @@
 mod buffer;
 pub mod byte_commands;
 pub mod drill;
+pub mod link;
 pub mod micromill;
 pub mod nmc;
 pub mod rs485;

@@ -18,6 +18,7 @@ use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
 pub fn keep() {
     drill::keep();
     micromill::keep();
+    link::keep();
     black_box([
         Auxiliary::contains as *const (),
         Baud::bits_per_s as *const (),
@@ -263,6 +264,50 @@ mod micromill {
             Order::read as *const (),
             Order::text as *const (),
             Text::bytes as *const (),
+        ]);
+    }
+}
+
+/// The link of frames.
+mod link {
+    use core::hint::black_box;
+
+    use husillo_transports::link::{Frame, Master, Peer, Receiver, Sent, Station, Timing};
+
+    pub fn keep() {
+        black_box([
+            Frame::encode as *const (),
+            Master::<3>::broadcast as *const (),
+            Master::<3>::call as *const (),
+            Master::<3>::is_up as *const (),
+            Master::<3>::new as *const (),
+            Master::<3>::poll as *const (),
+            Master::<3>::push as *const (),
+            Master::<3>::send as *const (),
+            Master::<3>::transmit as *const (),
+            Master::<3>::unacknowledged as *const (),
+            Peer::<7>::call as *const (),
+            Peer::<7>::caller as *const (),
+            Peer::<7>::is_up as *const (),
+            Peer::<7>::poll as *const (),
+            Peer::<7>::push as *const (),
+            Peer::<7>::send as *const (),
+            Peer::<7>::station as *const (),
+            Peer::<7>::transmit as *const (),
+            Peer::<7>::unacknowledged as *const (),
+            Receiver::new as *const (),
+            Receiver::push as *const (),
+            Sent::bytes as *const (),
+            Sent::transmit as *const (),
+            Station::is_up as *const (),
+            Station::new as *const (),
+            Station::poll as *const (),
+            Station::push as *const (),
+            Station::send as *const (),
+            Station::transmit as *const (),
+            Station::unacknowledged as *const (),
+            Timing::of as *const (),
+            Timing::wait_us as *const (),
         ]);
     }
 }

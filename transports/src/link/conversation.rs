@@ -1,0 +1,136 @@
+//! One end of a numbered exchange: go back and send again.
+
+use super::{PAYLOAD_BYTES, WINDOW_FRAMES};
+use crate::buffer::Buffer;
+
+/// Why a payload was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// The other end was not called yet, or is down.
+    NotUp,
+    /// As many are on their way as may be.
+    Full,
+    /// More than [`PAYLOAD_BYTES`].
+    TooLong,
+    /// There is no such station.
+    NoStation,
+}
+
+/// What a numbered frame is to its receiver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Next,
+    Repeat,
+    Gap,
+}
+
+/// Frames on their way in one direction, and the number of the last one taken in the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Conversation<const WINDOW: usize> {
+    /// A ring: the oldest at `head`.
+    frames: [Buffer<PAYLOAD_BYTES>; WINDOW],
+    head: usize,
+    /// Number of the oldest, modulo 16.
+    first: u8,
+    /// At most WINDOW; of these `sent` since the last rewind.
+    queued: usize,
+    sent: usize,
+    taken: u8,
+}
+
+impl<const WINDOW: usize> Conversation<WINDOW> {
+    pub(super) const fn new() -> Self {
+        const { assert!(0 < WINDOW && WINDOW <= WINDOW_FRAMES) };
+        Conversation {
+            frames: [Buffer::new(); WINDOW],
+            head: 0,
+            first: 1,
+            queued: 0,
+            sent: 0,
+            taken: 0,
+        }
+    }
+
+    pub(super) fn queue(&mut self, payload: &[u8]) -> Result<(), Refused> {
+        if payload.len() > PAYLOAD_BYTES {
+            return Err(Refused::TooLong);
+        }
+        if self.queued >= WINDOW {
+            return Err(Refused::Full);
+        }
+        // Both are below WINDOW, at most 7.
+        let place = self.slot(self.queued);
+        if let Some(frame) = self.frames.get_mut(place) {
+            frame.clear();
+            frame.extend(payload);
+            self.queued = self.queued.wrapping_add(1);
+        }
+        Ok(())
+    }
+
+    /// Frames that the other end has not acknowledged.
+    pub(super) const fn unacknowledged(&self) -> usize {
+        self.queued
+    }
+
+    pub(super) const fn all_sent(&self) -> bool {
+        self.sent >= self.queued
+    }
+
+    /// The number of the last frame taken.
+    pub(super) const fn taken(&self) -> u8 {
+        self.taken
+    }
+
+    /// The next one to be sent, with its number; it counts as sent.
+    pub(super) fn next(&mut self) -> Option<(u8, &[u8])> {
+        if self.all_sent() {
+            return None;
+        }
+        let place = self.slot(self.sent);
+        let number = self.first.wrapping_add(self.sent as u8) & 15; // sent is below WINDOW
+        self.sent = self.sent.wrapping_add(1);
+        self.frames.get(place).map(|frame| (number, frame.bytes()))
+    }
+
+    /// The other end has taken all up to this number: whether that is news. A number that was never sent says nothing.
+    pub(super) fn acknowledge(&mut self, number: u8) -> bool {
+        let more = usize::from(number.wrapping_sub(self.first).wrapping_add(1) & 15);
+        if more == 0 || more > self.queued {
+            return false;
+        }
+        self.head = self.slot(more);
+        self.first = self.first.wrapping_add(more as u8) & 15; // more is at most WINDOW
+        self.queued = self.queued.wrapping_sub(more);
+        // After a rewind an answer to what was sent before may come.
+        self.sent = self.sent.saturating_sub(more);
+        true
+    }
+
+    /// What is not acknowledged is to be sent again.
+    pub(super) fn rewind(&mut self) {
+        self.sent = 0;
+    }
+
+    /// Takes a number of the other end.
+    pub(super) fn take(&mut self, number: u8) -> Order {
+        match number.wrapping_sub(self.taken) & 15 {
+            1 => {
+                self.taken = number & 15;
+                Order::Next
+            }
+            ahead if usize::from(ahead) > 1 && usize::from(ahead) <= WINDOW_FRAMES => Order::Gap,
+            _ => Order::Repeat,
+        }
+    }
+
+    /// The place of the n-th frame from the head; n is at most WINDOW.
+    const fn slot(&self, n: usize) -> usize {
+        let place = self.head.wrapping_add(n);
+        if place < WINDOW {
+            place
+        } else {
+            place.wrapping_sub(WINDOW)
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Frames to bytes and back.
+
+use crc::{CRC_16_IBM_SDLC, Crc, Table};
+
+use super::PAYLOAD_BYTES;
+use crate::buffer::Buffer;
+
+/// Address, control, sequence.
+const HEAD_BYTES: usize = 3;
+
+/// Head, payload, check.
+const BODY_BYTES: usize = HEAD_BYTES + PAYLOAD_BYTES + 2;
+
+/// A whole frame on the line: the first distance, the body, the zero at its end.
+pub(super) const WIRE_BYTES: usize = BODY_BYTES + 2;
+
+// The distances of COBS are then below 255: none of them stands for a run without a zero.
+const _: () = assert!(BODY_BYTES < 254);
+
+const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
+
+/// What a frame is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A numbered payload.
+    Data,
+    /// Nothing but the number taken last; of a master, a question.
+    Acknowledge,
+    /// The same, and something was missing: send again from there.
+    Gap,
+    /// A call and its answer: both begin to count anew. Without payload: the station has restarted and waits for a call.
+    Call,
+}
+
+impl Kind {
+    const fn bits(self) -> u8 {
+        match self {
+            Kind::Data => 0,
+            Kind::Acknowledge => 1,
+            Kind::Gap => 2,
+            Kind::Call => 3,
+        }
+    }
+
+    const fn of(bits: u8) -> Option<Kind> {
+        Some(match bits {
+            0 => Kind::Data,
+            1 => Kind::Acknowledge,
+            2 => Kind::Gap,
+            3 => Kind::Call,
+            _ => return None,
+        })
+    }
+}
+
+/// A frame, without what the line needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Of the station that speaks or is spoken to, or [`BROADCAST`](super::BROADCAST).
+    pub address: u8,
+    /// What it is for.
+    pub kind: Kind,
+    /// A station speaks.
+    pub from_station: bool,
+    /// The broadcast the station heard last, 1 to 7; 0 = none since the call.
+    pub broadcast: u8,
+    /// Its number, 0 to 15; of a broadcast, 1 to 7; 0 where it is no data.
+    pub number: u8,
+    /// The number of the last frame taken, 0 to 15.
+    pub acknowledged: u8,
+    /// Up to [`PAYLOAD_BYTES`].
+    pub payload: &'a [u8],
+}
+
+impl<'a> Frame<'a> {
+    /// The frame as bytes of the line; `None` where the payload is too long. Numbers are taken modulo 16, the broadcast modulo 8.
+    ///
+    /// ```
+    /// use husillo_transports::link::{Frame, Kind};
+    ///
+    /// let frame = Frame {
+    ///     address: 1,
+    ///     kind: Kind::Data,
+    ///     from_station: false,
+    ///     broadcast: 0,
+    ///     number: 1,
+    ///     acknowledged: 0,
+    ///     payload: &[0, 7],
+    /// };
+    /// assert_eq!(frame.encode().unwrap().bytes(), [2, 1, 2, 0x10, 4, 7, 0x19, 0x35, 0]);
+    /// ```
+    pub fn encode(&self) -> Option<Sent> {
+        if self.payload.len() > PAYLOAD_BYTES {
+            return None;
+        }
+        let flags = u8::from(self.from_station) | (self.broadcast & 7) << 1;
+        let mut body = Buffer::<BODY_BYTES>::new();
+        body.push(self.address);
+        body.push(self.kind.bits() << 4 | flags);
+        body.push((self.number & 15) << 4 | self.acknowledged & 15);
+        body.extend(self.payload);
+        body.extend(&CHECK.checksum(body.bytes()).to_le_bytes());
+        let mut wire = Buffer::new();
+        // Each zero becomes the distance to the next one; all distances are below 255, see above.
+        for run in body.bytes().split(|byte| *byte == 0) {
+            wire.push((run.len() as u8).wrapping_add(1));
+            wire.extend(run);
+        }
+        wire.push(0);
+        Some(Sent { wire, next: 0 })
+    }
+
+    /// The frame of a body with its check, or `None` where it is none.
+    fn of(body: &'a [u8]) -> Option<Frame<'a>> {
+        let (checked, check) = body.split_last_chunk::<2>()?;
+        if CHECK.checksum(checked) != u16::from_le_bytes(*check) {
+            return None;
+        }
+        let (&[address, control, sequence], payload) = checked.split_first_chunk::<HEAD_BYTES>()?;
+        Some(Frame {
+            address,
+            kind: Kind::of(control >> 4)?,
+            from_station: control & 1 != 0,
+            broadcast: control >> 1 & 7,
+            number: sequence >> 4,
+            acknowledged: sequence & 15,
+            payload,
+        })
+    }
+}
+
+/// A frame on its way out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sent {
+    wire: Buffer<WIRE_BYTES>,
+    next: usize,
+}
+
+impl Sent {
+    /// All of its bytes.
+    pub fn bytes(&self) -> &[u8] {
+        self.wire.bytes()
+    }
+
+    /// The next byte to send; `None` when all are.
+    pub fn transmit(&mut self) -> Option<u8> {
+        let byte = self.wire.bytes().get(self.next).copied()?;
+        self.next = self.next.wrapping_add(1); // at most WIRE_BYTES
+        Some(byte)
+    }
+}
+
+/// Bytes to frames: whatever came before, a zero begins anew.
+///
+/// A byte costs a comparison or two; the check is made at the end of a frame. 144 bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Receiver {
+    body: Buffer<BODY_BYTES>,
+    /// Bytes up to the next distance; 0: the next byte is one.
+    run: u8,
+    state: State,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing since the last zero.
+    Empty,
+    Filling,
+    /// Too long: up to the next zero.
+    Skipping,
+    /// The body was given out.
+    Given,
+}
+
+impl Receiver {
+    /// At the beginning of a frame.
+    pub const fn new() -> Receiver {
+        Receiver {
+            body: Buffer::new(),
+            run: 0,
+            state: State::Empty,
+        }
+    }
+
+    /// Takes a byte; the frame that ends with it, if there is one and its check is right. A wrong one is dropped without a word:
+    /// its address may be wrong, too.
+    pub fn push(&mut self, byte: u8) -> Option<Frame<'_>> {
+        if self.state == State::Given {
+            *self = Receiver::new();
+        }
+        if byte == 0 {
+            let is_whole = self.state == State::Filling && self.run == 0;
+            self.state = State::Given;
+            return if is_whole {
+                Frame::of(self.body.bytes())
+            } else {
+                None
+            };
+        }
+        match self.state {
+            State::Skipping => {}
+            _ if self.run > 0 => {
+                self.run = self.run.wrapping_sub(1); // above zero
+                self.take(byte);
+            }
+            state => {
+                // A distance: the zero before it, but for the first.
+                self.run = byte.wrapping_sub(1); // above zero
+                if state == State::Filling {
+                    self.take(0);
+                }
+                if self.state == State::Empty {
+                    self.state = State::Filling;
+                }
+            }
+        }
+        None
+    }
+
+    fn take(&mut self, byte: u8) {
+        if self.body.bytes().len() < BODY_BYTES {
+            self.body.push(byte);
+        } else {
+            self.state = State::Skipping;
+        }
+    }
+}
+
+impl Default for Receiver {
+    fn default() -> Self {
+        Receiver::new()
+    }
+}

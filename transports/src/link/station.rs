@@ -1,0 +1,184 @@
+//! A station on a line that several share.
+
+use super::conversation::{Conversation, Order};
+use super::frame::{Frame, Kind, Receiver, Sent};
+use super::{BROADCAST, Lost, Refused, Timing};
+
+/// What a frame brought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Received<'a> {
+    /// The link is up, and everything is counted anew: what was queued before is gone.
+    Up,
+    /// The next payload of the other end, once.
+    Data(&'a [u8]),
+    /// A payload for all stations, once.
+    Broadcast(&'a [u8]),
+}
+
+/// What is to be said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    /// Data if there is any, else an acknowledgement.
+    Next,
+    Gap,
+    /// To the call of this number.
+    Up(u8),
+    /// Not called since the start.
+    Down,
+}
+
+/// A station: speaks when it is asked, one frame. 496 bytes.
+///
+/// | when | call |
+/// | --- | --- |
+/// | a byte arrives | [`push`](Station::push), and take what it brought: it is acknowledged with the answer |
+/// | the port takes bytes | [`transmit`](Station::transmit) |
+/// | now and then | [`poll`](Station::poll): whether the master is still there |
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Station {
+    address: u8,
+    timing: Timing,
+    receiver: Receiver,
+    conversation: Conversation<1>,
+    is_up: bool,
+    broadcast: u8,
+    answer: Option<Answer>,
+    heard_us: u32,
+    sending: Option<Sent>,
+}
+
+impl Station {
+    /// Of this address, not [`BROADCAST`]; down until it is called.
+    pub const fn new(address: u8, timing: Timing) -> Station {
+        Station {
+            address,
+            timing,
+            receiver: Receiver::new(),
+            conversation: Conversation::new(),
+            is_up: false,
+            broadcast: 0,
+            answer: None,
+            heard_us: 0,
+            sending: None,
+        }
+    }
+
+    /// Takes a byte of the line; what came with it.
+    pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Received<'_>> {
+        let frame = self.receiver.push(byte)?;
+        if frame.from_station || (frame.address != self.address && frame.address != BROADCAST) {
+            return None;
+        }
+        if frame.address == BROADCAST {
+            let is_new = matches!(frame.number, 1..=7) && frame.number != self.broadcast;
+            if !self.is_up || frame.kind != Kind::Data || !is_new {
+                return None;
+            }
+            (self.heard_us, self.broadcast) = (now_us, frame.number);
+            return Some(Received::Broadcast(frame.payload));
+        }
+        self.heard_us = now_us;
+        self.sending = None;
+        if frame.kind == Kind::Call {
+            let &[call, broadcast] = frame.payload.first_chunk()?;
+            self.conversation = Conversation::new();
+            (self.is_up, self.broadcast) = (true, broadcast & 7);
+            self.answer = Some(Answer::Up(call));
+            return Some(Received::Up);
+        }
+        if !self.is_up {
+            self.answer = Some(Answer::Down);
+            return None;
+        }
+        self.conversation.acknowledge(frame.acknowledged);
+        self.conversation.rewind();
+        self.answer = Some(Answer::Next);
+        if frame.kind != Kind::Data {
+            return None;
+        }
+        match self.conversation.take(frame.number) {
+            Order::Next => Some(Received::Data(frame.payload)),
+            Order::Repeat => None,
+            Order::Gap => {
+                self.answer = Some(Answer::Gap);
+                None
+            }
+        }
+    }
+
+    /// Keeps a payload for the next time the master asks.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing changes then.
+    pub fn send(&mut self, payload: &[u8]) -> Result<(), Refused> {
+        if !self.is_up {
+            return Err(Refused::NotUp);
+        }
+        self.conversation.queue(payload)
+    }
+
+    /// The next byte for the line; `None` when there is none for now.
+    pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
+        if self.sending.is_none() {
+            let answer = self.answer?;
+            if now_us.wrapping_sub(self.heard_us) < self.timing.turnaround_us {
+                return None;
+            }
+            self.answer = None;
+            self.sending = self.say(answer);
+        }
+        let byte = self.sending.as_mut().and_then(Sent::transmit);
+        if byte.is_none() {
+            self.sending = None;
+        }
+        byte
+    }
+
+    /// Whether the link has gone down since the last call: nothing came for [`Timing::silence_us`].
+    pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
+        let silence_us = self.timing.silence_us;
+        let is_lost =
+            self.is_up && silence_us != 0 && now_us.wrapping_sub(self.heard_us) >= silence_us;
+        if is_lost {
+            self.is_up = false;
+        }
+        is_lost.then_some(Lost::Silence)
+    }
+
+    /// Whether it was called and hears its master.
+    pub const fn is_up(&self) -> bool {
+        self.is_up
+    }
+
+    /// Payloads that the master has not acknowledged: 0 or 1.
+    pub const fn unacknowledged(&self) -> usize {
+        self.conversation.unacknowledged()
+    }
+
+    fn say(&mut self, answer: Answer) -> Option<Sent> {
+        let acknowledged = self.conversation.taken();
+        let call;
+        let (kind, number, payload): (_, _, &[u8]) = match answer {
+            Answer::Next => match self.conversation.next() {
+                Some((number, payload)) => (Kind::Data, number, payload),
+                None => (Kind::Acknowledge, 0, &[]),
+            },
+            Answer::Gap => (Kind::Gap, 0, &[]),
+            Answer::Up(number) => {
+                call = [number];
+                (Kind::Call, 0, &call)
+            }
+            Answer::Down => (Kind::Call, 0, &[]),
+        };
+        let frame = Frame {
+            address: self.address,
+            kind,
+            from_station: true,
+            broadcast: self.broadcast,
+            number,
+            acknowledged,
+            payload,
+        };
+        frame.encode()
+    }
+}

@@ -1,0 +1,46 @@
+//! How long the ends wait.
+
+/// Waits in microseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Time of a character on the line.
+    pub character_us: u32,
+    /// Silence before the line changes its direction, at both ends; 0 on a full-duplex line.
+    pub turnaround_us: u32,
+    /// What the other end may take to answer, beside the times of the line.
+    pub answer_us: u32,
+    /// How often a frame is sent before the link is down; at least 1.
+    pub tries: u8,
+    /// How long the master leaves a station alone that has nothing to be told.
+    pub ask_us: u32,
+    /// A station that hears nothing for so long is down, and should stop its machine; 0 = never.
+    pub silence_us: u32,
+}
+
+impl Timing {
+    /// For a line of so many baud, 8N1: two characters to turn round, 20 ms to answer, three tries, a question every 50 ms,
+    /// down after a second of silence.
+    pub const fn of(bits_per_s: u32) -> Timing {
+        let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
+            Some(us) => us,
+            None => 0,
+        };
+        Timing {
+            character_us,
+            turnaround_us: character_us.saturating_mul(2),
+            answer_us: 20_000,
+            tries: 3,
+            ask_us: 50_000,
+            silence_us: 1_000_000,
+        }
+    }
+
+    /// How long an answer may take after the first byte of a question was handed to the port: both frames on the line at their
+    /// longest, the turnaround, and the other end's time.
+    pub const fn wait_us(&self) -> u32 {
+        self.character_us
+            .saturating_mul(2 * super::frame::WIRE_BYTES as u32)
+            .saturating_add(self.turnaround_us.saturating_mul(2))
+            .saturating_add(self.answer_us)
+    }
+}
