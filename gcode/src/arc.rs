@@ -115,6 +115,31 @@ pub struct Arc<const N: usize> {
     pub resolution: Nm,
 }
 
+impl<const N: usize> Arc<N> {
+    /// A flat arc round a centre, all in the machine frame: what a line with `I` and `J` comes to, the same verdict included. `None` where
+    /// such a line is refused: the end is not on the circle, or the start is the centre. Start and end equal is one full turn.
+    pub fn around(
+        from: &[Nm; N],
+        to: [Nm; N],
+        centre: [Nm; N],
+        plane: Plane,
+        direction: Direction,
+    ) -> Option<Arc<N>> {
+        let mut mismatch = Nm(0);
+        with_centre(from, &to, &centre, plane.axes(), &mut mismatch).ok()?;
+        Some(Arc {
+            to,
+            centre,
+            plane,
+            direction,
+            turns: 0,
+            radius: None,
+            mismatch,
+            resolution: Nm(1),
+        })
+    }
+}
+
 /// From one point to another in the plane of two axes; both lie within [`Nm::LIMIT`], or a number was too large.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn between<const N: usize>(

@@ -31,12 +31,20 @@ pub(crate) fn from_centre(point: [Nm; 2], centre: [Nm; 2]) -> [i64; 2] {
     [x.0.saturating_sub(i.0), y.0.saturating_sub(j.0)]
 }
 
+/// A product of 128 bits: on a small chip a long piece of code, which is there once.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn product(a: i64, b: i64) -> i128 {
+    a as i128 * b as i128
+}
+
 /// Twice the signed area of two vectors; the products are below 2^127.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
-    (ax as i128 * by as i128).wrapping_sub(ay as i128 * bx as i128)
+    product(ax, by).wrapping_sub(product(ay, bx))
 }
 
 /// Radius of a vector, nanometres.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn radius([x, y]: [i64; 2]) -> u64 {
     length([x.unsigned_abs(), y.unsigned_abs()].into_iter())
 }
@@ -68,6 +76,7 @@ pub(crate) fn extent<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> [[Nm; 2]; 
 }
 
 /// Whether the way from `start` to `end` passes the direction of `through`; a full turn passes all.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn sweeps(start: [i64; 2], end: [i64; 2], direction: Direction, through: [i64; 2]) -> bool {
     let (start, end) = match direction {
         Direction::CounterClockwise => (start, end),
@@ -99,8 +108,9 @@ fn is_after(start: [i64; 2], through: [i64; 2], end: [i64; 2]) -> bool {
     }
 }
 
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn is_ahead([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> bool {
-    (ax as i128 * bx as i128).wrapping_add(ay as i128 * by as i128) > 0
+    product(ax, bx).wrapping_add(product(ay, by)) > 0
 }
 
 /// The arc on the grid, its start moved to the origin.
@@ -109,6 +119,7 @@ fn is_ahead([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> bool {
 ///
 /// # Errors
 /// When the radius is 2^28 steps or more.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn course<const N: usize>(
     from: &[Nm; N],
     arc: &Arc<N>,

@@ -4,6 +4,7 @@
 ///
 /// Exact while `(a mod c) * b < 2^64`; beyond that `a mod c` and `c` lose low bits together, which costs
 /// a relative error below 2^-25 (`b < 2^38` in every use: 60 times a timer's frequency at most).
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     let (Some(quotient), Some(mut rest)) = (a.checked_div(c), a.checked_rem(c)) else {
         return u64::MAX;
@@ -29,6 +30,7 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
 /// `a * b / c` times 2^16, rounded down; saturates, and is `u64::MAX` for `c = 0`.
 ///
 /// Without a fraction where `a * b` does not fit 64 bits.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     let Some(product) = a.checked_mul(b) else {
         return mul_div(a, b, c).saturating_mul(1 << 16);

@@ -30,6 +30,7 @@ mod servo_module;
 
 mod cell;
 mod drill;
+mod mill;
 
 pub use axis::{Axis, AxisRamp, Config};
 pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport};
@@ -37,6 +38,7 @@ pub use closed_loop::{ClosedLoop, Followed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
+pub use mill::{Mill, MillConfig, MillEvent, MillInputs};
 pub use motors::{Idle, Motors};
 pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;

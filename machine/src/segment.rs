@@ -24,6 +24,7 @@ pub struct Segment<const N: usize> {
 ///
 /// # Errors
 /// The first axis that would be beyond 2^31 steps.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn lattice<const N: usize>(
     axes: &[Axis; N],
     at: &[Nm; N],

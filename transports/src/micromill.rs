@@ -25,7 +25,8 @@
 //! | `R010;` | ours: tell every so many steps, three digits; `R000;` none | `Taken` |
 //!
 //! Any string may be answered by [`Answer::Wrong`] (no such string) or [`Answer::Refused`] (not now, not there): then nothing has changed.
-//! Blanks and ends of lines are echoed and are no part of a string. Answers have bit 7 set, echoes have not.
+//! Blanks and ends of lines are echoed and are no part of a string. Answers have bit 7 set, echoes have not:
+//! a byte with bit 7 is echoed as `?`.
 //!
 //! **While it moves** any byte stops the machine and begins a new string; `W;`, `V;` and `L;` do not stop a jog. So the host sends the next
 //! line when the last one is done, and the machine stands between them.

@@ -516,6 +516,7 @@ proptest! {
         device.set_motion(moving[0], moving[1]);
         let (said, _) = hear(&mut device, &bytes);
         let strings = bytes.iter().filter(|byte| **byte == b';').count();
+        prop_assert!(!said.iter().any(|byte| matches!(byte, 0x80..=0x88)));
         prop_assert!(said.len() >= bytes.len() && said.len() <= bytes.len() + strings);
         device.set_motion(false, false);
         hear(&mut device, b";");

@@ -44,6 +44,7 @@ pub fn keep() {
         Dialect::framing as *const (),
         Block::new as *const (),
         Block::read as *const (),
+        husillo_gcode::Arc::<3>::around as *const (),
         Modal::<3>::apply as *const (),
         Commands::<3>::new as *const (),
         Measure::of as *const (),

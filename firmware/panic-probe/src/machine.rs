@@ -6,7 +6,7 @@ use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Drill as AnyDrill,
-    Machine as AnyMachine, Means, Motors, Scale, ServoAxis, ServoModule,
+    Machine as AnyMachine, Means, Mill as AnyMill, Motors, Scale, ServoAxis, ServoModule,
 };
 use husillo_stepper::Sequencer;
 
@@ -14,6 +14,7 @@ type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 type Cell = AnyCell<&'static [[i16; 2]]>;
 type Drill = AnyDrill<64>;
+type Mill = AnyMill<'static>;
 
 /// Keeps every function in the program.
 pub fn keep() {
@@ -62,6 +63,16 @@ pub fn keep() {
         Cell::figure as *const (),
         Cell::set_figure as *const (),
         Cell::next_event as *const (),
+        Mill::halted as *const (),
+        Mill::homed as *const (),
+        Mill::is_homed as *const (),
+        Mill::is_moving as *const (),
+        Mill::made as *const (),
+        Mill::new as *const (),
+        Mill::next_event as *const (),
+        Mill::position_steps as *const (),
+        Mill::receive as *const (),
+        Mill::transmit as *const (),
         Drill::new as *const (),
         Drill::reset as *const (),
         Drill::push as *const (),

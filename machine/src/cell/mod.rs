@@ -3,7 +3,7 @@
 mod config;
 mod event;
 mod figure;
-mod play;
+pub(crate) mod play;
 mod task;
 
 pub use config::CellConfig;

@@ -5,7 +5,7 @@
 /// The load is between `motor - lash` (its positive flank engaged) and `motor` (the negative one), so a step knows by itself whether it
 /// moves the load: a task may be cut short anywhere, in the middle of a take-up too.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Play {
+pub(crate) struct Play {
     lash: u16,
     /// Motor steps ahead of the load, 0 to `lash`.
     ahead: u16,
@@ -14,7 +14,7 @@ pub(super) struct Play {
 
 impl Play {
     /// At zero, the positive flank engaged.
-    pub(super) const fn new(lash: u16) -> Self {
+    pub(crate) const fn new(lash: u16) -> Self {
         Self {
             lash,
             ahead: lash,
@@ -23,7 +23,7 @@ impl Play {
     }
 
     /// Whether a step that way moves the motor only.
-    pub(super) const fn owes(&self, direction: i8) -> bool {
+    pub(crate) const fn owes(&self, direction: i8) -> bool {
         match direction {
             1 => self.ahead < self.lash,
             -1 => self.ahead > 0,
@@ -32,7 +32,7 @@ impl Play {
     }
 
     /// A motor step, or none for 0.
-    pub(super) const fn step(&mut self, direction: i8) {
+    pub(crate) const fn step(&mut self, direction: i8) {
         if !self.owes(direction) {
             // Of 2^32 steps, at 100 a second, none in a year.
             self.load = self.load.wrapping_add(direction as i32);
@@ -45,13 +45,27 @@ impl Play {
         }
     }
 
+    /// Another lash: the flank that is engaged stays so.
+    pub(crate) const fn set_lash(&mut self, lash: u16) {
+        let is_positive = self.ahead == self.lash;
+        self.lash = lash;
+        if is_positive || self.ahead > lash {
+            self.ahead = lash;
+        }
+    }
+
+    /// The negative flank is engaged here.
+    pub(crate) const fn set_behind(&mut self) {
+        self.ahead = 0;
+    }
+
     /// The load is at zero here.
-    pub(super) const fn set_zero(&mut self) {
+    pub(crate) const fn set_zero(&mut self) {
         self.load = 0;
     }
 
     /// Load steps from zero.
-    pub(super) const fn load(self) -> i32 {
+    pub(crate) const fn load(self) -> i32 {
         self.load
     }
 }

@@ -64,7 +64,8 @@ impl<const OUT: usize> Device<OUT> {
     /// Takes a byte of the line, and gives the order that it completes, or [`Order::Stop`] where it stops what moves. A stop while
     /// nothing moves is the whole string `A;`.
     pub fn push(&mut self, byte: u8) -> Option<Order> {
-        self.send(byte);
+        // With bit 7 it would be an answer; it is in no string, and `?` is not what the host has sent either.
+        self.send(if byte < 0x80 { byte } else { b'?' });
         if self.is_streaming && byte == b'A' {
             self.string.clear();
             self.string.push(byte);

@@ -1,0 +1,79 @@
+//! A queue in an array.
+
+/// First in, first out; at most `N`.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Ring<T, const N: usize> {
+    slots: [T; N],
+    /// Below `N`.
+    first: usize,
+    /// At most `N`.
+    length: usize,
+}
+
+impl<T: Copy, const N: usize> Ring<T, N> {
+    /// Empty; `blank` fills the places.
+    pub(super) const fn new(blank: T) -> Self {
+        Ring {
+            slots: [blank; N],
+            first: 0,
+            length: 0,
+        }
+    }
+
+    pub(super) const fn len(&self) -> usize {
+        self.length
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    pub(super) const fn is_full(&self) -> bool {
+        self.length >= N
+    }
+
+    pub(super) const fn clear(&mut self) {
+        self.length = 0;
+    }
+
+    /// The place of the element so many behind the first one.
+    const fn place(&self, behind: usize) -> usize {
+        // Both at most N, which is far below half of what a word holds.
+        let place = self.first.wrapping_add(behind);
+        if place >= N {
+            place.wrapping_sub(N)
+        } else {
+            place
+        }
+    }
+
+    /// Appends; dropped when it is full: ask before.
+    pub(super) fn push(&mut self, element: T) {
+        let place = self.place(self.length);
+        if let (false, Some(slot)) = (self.is_full(), self.slots.get_mut(place)) {
+            *slot = element;
+            self.length = self.length.wrapping_add(1);
+        }
+    }
+
+    /// The one that was pushed last.
+    pub(super) fn last_mut(&mut self) -> Option<&mut T> {
+        let behind = self.length.checked_sub(1)?;
+        let place = self.place(behind);
+        self.slots.get_mut(place)
+    }
+
+    pub(super) fn first(&self) -> Option<T> {
+        if self.is_empty() {
+            return None;
+        }
+        self.slots.get(self.first).copied()
+    }
+
+    pub(super) fn pop(&mut self) -> Option<T> {
+        let element = self.first()?;
+        self.first = self.place(1);
+        self.length = self.length.wrapping_sub(1); // it was not 0
+        Some(element)
+    }
+}

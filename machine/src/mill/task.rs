@@ -1,0 +1,270 @@
+//! What is under way: a line, or one of the modes that decide step by step.
+
+use husillo_gcode::Nm;
+use husillo_interp::Path;
+use husillo_planner::Timer;
+use husillo_transports::micromill::{Answer, Axis};
+
+use super::{Mill, MillInputs, Next, one_way};
+
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    Idle,
+    /// A move of a line.
+    Line,
+    Dwell {
+        left_ticks: u64,
+    },
+    Jog {
+        ways: [i8; 3],
+        hz: u16,
+        /// Until it ends, unless it is renewed.
+        left_ticks: Option<u32>,
+    },
+    Run {
+        ways: [i8; 3],
+        hz: u16,
+    },
+    /// Load steps left.
+    Steps {
+        ways: [i8; 3],
+        left: u16,
+    },
+    /// Homing: off the switch, if it begins there, since going towards it is what tells the flank.
+    Leave {
+        axis: Axis,
+        left: u32,
+    },
+    /// Homing: towards the switch.
+    Search {
+        axis: Axis,
+        left: u32,
+    },
+    /// Homing: load steps off it.
+    BackOff {
+        axis: Axis,
+        left: u16,
+    },
+}
+
+impl Task {
+    /// Whether it is none of a program.
+    pub(super) const fn is_manual(&self) -> bool {
+        !matches!(self, Task::Idle | Task::Line | Task::Dwell { .. })
+    }
+}
+
+/// A move of a line.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    pub(super) path: Path<3>,
+    pub(super) timer: Timer,
+    /// Directions in which a straight move takes up lash before it begins.
+    pub(super) heading: [i8; 3],
+    /// The next step of the path, and its wait: an axis is taken up before it.
+    pub(super) next: Option<([i8; 3], u64)>,
+    /// The axis that is taken up, and its tempo.
+    pace: Option<(u8, Timer)>,
+}
+
+impl Course {
+    pub(super) const fn new(path: Path<3>, timer: Timer, heading: [i8; 3]) -> Self {
+        Course {
+            path,
+            timer,
+            heading,
+            next: None,
+            pace: None,
+        }
+    }
+
+    /// Ticks before the next step of take-up of an axis.
+    pub(super) fn pace(&mut self, axis: u8, timer_hz: u32, hz: u32) -> u32 {
+        let pace = match &mut self.pace {
+            Some((other, pace)) if *other == axis => pace,
+            pace => {
+                let timer = Timer::new(timer_hz.into(), hz.max(1).into(), 1);
+                &mut pace.insert((axis, timer)).1
+            }
+        };
+        pace.wait(1) as u32 // a second at most
+    }
+
+    /// Nothing is taken up any more.
+    pub(super) const fn is_even(&mut self) {
+        self.pace = None;
+    }
+}
+
+impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, AHEAD, OUT> {
+    /// The next step of homing, a jog, a run or counted steps. Nothing is on its way.
+    pub(super) fn manual(&mut self, inputs: &MillInputs) -> Next {
+        match self.task {
+            Task::Idle | Task::Line | Task::Dwell { .. } => Next::Wait,
+            Task::Leave { axis, left } => self.leave(axis, left, inputs),
+            Task::Search { axis, left } => self.search(axis, left, inputs),
+            Task::BackOff { axis, left } => self.back_off(axis, left, inputs),
+            Task::Jog { ways, hz, .. } | Task::Run { ways, hz } => {
+                let wait_ticks = self.interval(hz);
+                if let Task::Jog {
+                    left_ticks: Some(left),
+                    ..
+                } = &mut self.task
+                {
+                    match left.checked_sub(wait_ticks) {
+                        Some(rest) => *left = rest,
+                        None => return self.end(Answer::Stopped),
+                    }
+                }
+                if self.is_at_end(ways, inputs) {
+                    return self.end(Answer::Stopped);
+                }
+                let (delta, _) = self.owed_or(ways);
+                self.give(wait_ticks, delta)
+            }
+            Task::Steps { left: 0, .. } => self.end(Answer::Done),
+            Task::Steps { ways, left } => {
+                if self.is_at_end(ways, inputs) {
+                    return self.end(Answer::Stopped);
+                }
+                let (delta, moves) = self.owed_or(ways);
+                self.task = Task::Steps {
+                    ways,
+                    left: left.wrapping_sub(moves.into()), // it is not 0
+                };
+                self.give(self.interval(self.config.jog_hz), delta)
+            }
+        }
+    }
+
+    fn leave(&mut self, axis: Axis, left: u32, inputs: &MillInputs) -> Next {
+        if !is_closed(axis, inputs) {
+            self.task = Task::Search {
+                axis,
+                left: self.config.search_steps,
+            };
+            return Next::Again;
+        }
+        if left == 0 {
+            return self.end(Answer::NoSwitch);
+        }
+        self.task = Task::Leave {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        self.give(self.interval(self.config.jog_hz), one_way(axis, true))
+    }
+
+    fn search(&mut self, axis: Axis, left: u32, inputs: &MillInputs) -> Next {
+        if is_closed(axis, inputs) {
+            // Moving towards the switch has engaged the negative flank.
+            let axes = Axis::ALL
+                .into_iter()
+                .zip(self.plays.iter_mut().zip(self.lash));
+            for (other, (play, lash)) in axes {
+                if other == axis {
+                    play.set_lash(lash);
+                    play.set_behind();
+                }
+            }
+            self.made = self.plays;
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+            };
+            return Next::Again;
+        }
+        if left == 0 {
+            return self.end(Answer::NoSwitch);
+        }
+        self.task = Task::Search {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        self.give(self.interval(self.config.jog_hz), one_way(axis, false))
+    }
+
+    fn back_off(&mut self, axis: Axis, left: u16, inputs: &MillInputs) -> Next {
+        if left > 0 {
+            let (delta, moves) = self.owed_or(one_way(axis, true));
+            self.task = Task::BackOff {
+                axis,
+                left: left.wrapping_sub(moves.into()),
+            };
+            return self.give(self.interval(self.config.jog_hz), delta);
+        }
+        if is_closed(axis, inputs) {
+            return self.end(Answer::NoSwitch);
+        }
+        for (other, play) in Axis::ALL.into_iter().zip(&mut self.plays) {
+            if other == axis {
+                play.set_zero();
+            }
+        }
+        self.made = self.plays;
+        let next = match axis {
+            Axis::Z => Axis::X,
+            Axis::X => Axis::Y,
+            Axis::Y => {
+                self.is_homed = true;
+                return self.end(Answer::Done);
+            }
+        };
+        self.task = Task::Leave {
+            axis: next,
+            left: self.config.search_steps,
+        };
+        Next::Again
+    }
+
+    /// The take-up of the first axis that owes some, or the step, and whether it is that.
+    fn owed_or(&self, ways: [i8; 3]) -> ([i8; 3], bool) {
+        let mut delta = [0; 3];
+        let axes = delta.iter_mut().zip(self.plays.iter().zip(ways));
+        let owing = axes.into_iter().find(|(_, (play, way))| play.owes(*way));
+        match owing {
+            Some((delta, (_, way))) => *delta = way,
+            None => return (ways, true),
+        }
+        (delta, false)
+    }
+
+    /// Whether an axis has come to the end of its way: the travel's where it is known, or the switch.
+    fn is_at_end(&self, ways: [i8; 3], inputs: &MillInputs) -> bool {
+        let axes = self.config.machine.axes.iter().zip(&self.plays);
+        let mut axes = axes.zip(ways.iter().zip(inputs.home));
+        axes.any(|((axis, play), (way, is_closed))| {
+            if *way < 0 && is_closed {
+                return true;
+            }
+            match axis.travel {
+                Some([low, high]) if self.is_homed && *way != 0 && !play.owes(*way) => {
+                    let to = play.load().saturating_add((*way).into());
+                    let Nm(to) = axis.scale.position(to);
+                    to < low.0 || to > high.0
+                }
+                _ => false,
+            }
+        })
+    }
+
+    /// Ends what decides step by step.
+    fn end(&mut self, answer: Answer) -> Next {
+        self.task = Task::Idle;
+        self.stand();
+        self.link.answer(answer);
+        Next::Again
+    }
+
+    /// Ticks between steps, up: never faster than asked for.
+    fn interval(&self, hz: u16) -> u32 {
+        self.config.machine.timer_hz.div_ceil(u32::from(hz).max(1))
+    }
+}
+
+fn is_closed(axis: Axis, inputs: &MillInputs) -> bool {
+    let switches = Axis::ALL.into_iter().zip(inputs.home);
+    switches
+        .into_iter()
+        .any(|(other, is_closed)| other == axis && is_closed)
+}
