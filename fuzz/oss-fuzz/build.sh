@@ -14,7 +14,7 @@ for file in fuzz_targets/*.rs; do
     zip -qj "$OUT/${target}_seed_corpus.zip" "corpus/$target"/*
     printf '[libfuzzer]\nmax_len = 512\n' >"$OUT/$target.options"
     case $target in
-    gcode | reader | format | expressions | parameters | machine) cp gcode.dict "$OUT/$target.dict" ;;
+    gcode | reader | format | expressions | parameters | contour | machine) cp gcode.dict "$OUT/$target.dict" ;;
     excellon) cp excellon.dict "$OUT/" ;;
     esac
 done

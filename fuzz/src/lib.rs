@@ -3,6 +3,7 @@
 
 mod backlash;
 mod bytes;
+mod contour;
 mod drill;
 mod excellon;
 mod expressions;
@@ -21,6 +22,7 @@ mod servo;
 mod stepper;
 
 pub use backlash::backlash;
+pub use contour::contour;
 pub use drill::drill;
 pub use excellon::excellon;
 pub use expressions::expressions;
@@ -42,12 +44,13 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 17] = [
+pub const TARGETS: [(&str, Target); 18] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
     ("expressions", expressions),
     ("parameters", parameters),
+    ("contour", contour),
     ("excellon", excellon),
     ("interp", interp),
     ("planner", planner),

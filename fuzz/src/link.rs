@@ -27,6 +27,7 @@ pub fn link(data: &[u8]) {
         [const { Vec::new() }; 2],
         [const { Vec::<Vec<u8>>::new() }; 2],
     );
+    let mut was_up = [false; 2];
     let (mut heard, mut shouts, mut named) = ([0_u32; 2], 0_u32, [false; 2]);
     for _ in 0..300 {
         if bytes.is_empty() {
@@ -50,9 +51,8 @@ pub fn link(data: &[u8]) {
             }
             2 => {
                 master.call(place).expect("it is a station");
-                named[place] = true;
+                (named[place], was_up[place]) = (true, false);
                 sent[place].clear();
-                got[place].clear();
             }
             3 => {
                 // Restarted: until it is called again it takes nothing.
@@ -82,20 +82,25 @@ pub fn link(data: &[u8]) {
                     } else {
                         master.push(byte, now_us)
                     };
-                    if let Some(Event::Down {
-                        station,
-                        unacknowledged,
-                        ..
-                    }) = told
-                    {
-                        check(&sent[station], &got[station], unacknowledged);
-                        named[station] = true;
+                    match told {
+                        Some(Event::Up { station }) => was_up[station] = true,
+                        Some(Event::Down {
+                            station,
+                            unacknowledged,
+                            ..
+                        }) => {
+                            check(&sent[station], &got[station], unacknowledged);
+                            (named[station], was_up[station]) = (true, false);
+                        }
+                        _ => {}
                     }
                     for (place, station) in stations.iter_mut().enumerate() {
                         match station.push(byte, now_us) {
                             Some(Received::Data(payload)) => got[place].push(payload.to_vec()),
                             Some(Received::Broadcast(_)) => heard[place] += 1,
-                            _ => {}
+                            // What was on its way when it was called belongs to the time before.
+                            Some(Received::Up) => got[place].clear(),
+                            None => {}
                         }
                     }
                 }
@@ -107,8 +112,10 @@ pub fn link(data: &[u8]) {
                         unacknowledged,
                         ..
                     } => {
-                        check(&sent[station], &got[station], unacknowledged);
-                        named[station] = true;
+                        if was_up[station] {
+                            check(&sent[station], &got[station], unacknowledged);
+                        }
+                        (named[station], was_up[station]) = (true, false);
                     }
                     Event::Missed { station } => named[station] = true,
                     Event::Checked => {

@@ -11,15 +11,15 @@
 //!
 //! What is sent arrives once, whole and in order, or the link goes down and says how many frames may or may not have arrived. A
 //! station that has restarted takes nothing until it is called again, and tells so; the number of a call comes back in its answer.
-//! A broadcast is sent once only, because a second one would start some later than others; every answer of a station says which
-//! broadcast it heard last, so the master knows who missed it.
+//! A broadcast is sent once only, because a second one would start some later than others; every answer of a station says whether
+//! it heard the last one, so the master knows who missed it.
 //!
 //! | field | bytes | |
 //! | --- | --- | --- |
 //! | address | 1 | of the station, in both directions; [`BROADCAST`] = all |
-//! | control | 1 | kind in the high half: 0 data, 1 acknowledgement, 2 gap (send again from here), 3 call. Low half: bit 0 = from the station; bits 1 to 3: its last broadcast, 0 = none |
+//! | control | 1 | kind in the high half: 0 data, 1 acknowledgement, 2 gap (send again from here), 3 call. Low half: bit 0 = from the station; bits 1 to 3: number of the master's last broadcast, from 1 to 7 and round again; from a station 0 if it did not hear it |
 //! | sequence | 1 | number in the high half, from 1 at a call, modulo 16; in the low half the number of the last frame taken |
-//! | payload | 0 to 120 | of a call: its number, and the master's last broadcast |
+//! | payload | 0 to 120 | of a call and its answer: the number of the call |
 //! | check | 2 | CRC-16/IBM-SDLC of all before it, low byte first |
 //!
 //! Nothing here owns a port or a clock: time is an argument in microseconds (`u32`, wrapping; calls at most 2^31 us apart).

@@ -357,6 +357,28 @@ fn minutes_of_noise_change_nothing() {
     assert!(downs > 0 && heard > 100, "{downs} {heard}");
 }
 
+/// A station that hears no broadcast at all is named every time: numbers come again after seven.
+#[test]
+fn who_misses_all_broadcasts_is_named_each_time() {
+    let mut line = Shared::up();
+    for round in 0..20 {
+        line.master.broadcast(&[round]).unwrap();
+        // The first frame on the line is the broadcast.
+        let mut is_broadcast = true;
+        line.run(60_000, &mut |to, byte| {
+            let is_lost = is_broadcast && to == To::Station(1) && byte == 0;
+            is_broadcast &= !is_lost;
+            if is_lost { vec![] } else { vec![byte] }
+        });
+        assert_eq!(line.events, [Event::Missed { station: 1 }, Event::Checked]);
+        line.events.clear();
+    }
+    assert_eq!(
+        [20, 0, 20],
+        [0, 1, 2].map(|station| line.heard[station].len())
+    );
+}
+
 /// Many broadcasts, each heard once by all, at the same byte of the line; nobody may send two at a time.
 #[test]
 fn broadcasts_are_heard_by_all_at_once() {

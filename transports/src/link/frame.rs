@@ -62,7 +62,7 @@ pub struct Frame<'a> {
     pub kind: Kind,
     /// A station speaks.
     pub from_station: bool,
-    /// The broadcast the station heard last, 1 to 7; 0 = none since the call.
+    /// Of a master, the number of its last broadcast, 1 to 7, 0 = none; of a station, the same if it heard that one, else 0.
     pub broadcast: u8,
     /// Its number, 0 to 15; of a broadcast, 1 to 7; 0 where it is no data.
     pub number: u8,

@@ -116,7 +116,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
         }
     }
 
-    /// Calls a station, whatever its state: both ends begin anew, and what was queued is gone.
+    /// Calls a station, whatever its state: both ends begin anew, and what was queued is gone; what was on the line may yet arrive before.
     ///
     /// # Errors
     /// [`Refused::NoStation`].
@@ -314,7 +314,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
             line.call = line.call.wrapping_add(1);
         }
         let acknowledged = line.conversation.taken();
-        let call = [line.call, broadcast];
+        let call = [line.call];
         let (kind, number, payload): (_, _, &[u8]) = match line.state {
             State::Calling => (Kind::Call, 0, &call),
             _ => match line.conversation.next() {
@@ -326,7 +326,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
             address: line.address,
             kind,
             from_station: false,
-            broadcast: 0,
+            broadcast,
             number,
             acknowledged,
             payload,

@@ -77,7 +77,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         peer
     }
 
-    /// Calls the other end, whatever the state: both begin anew, and what was queued is gone. Nothing happens at the end that is called.
+    /// Calls the other end, whatever the state: both begin anew, and what was queued is gone; what was on the line may yet arrive before. Nothing happens at the end that is called.
     pub fn call(&mut self) {
         if self.calls {
             self.state = State::Calling;
@@ -228,12 +228,12 @@ impl<const WINDOW: usize> Peer<WINDOW> {
                 self.until_us = Some(now_us.wrapping_add(self.timing.wait_us()));
                 // Each try has its number: what follows the answer to an earlier one was said before this one.
                 self.call = self.call.wrapping_add(1);
-                call = [self.call, 0];
+                call = [self.call];
                 (Kind::Call, 0, &call)
             }
             (_, Some(Answer::Up(number))) => {
                 self.answer = None;
-                call = [number, 0];
+                call = [number];
                 (Kind::Call, 0, &call)
             }
             (State::Down, Some(Answer::Down)) => {

@@ -41,7 +41,9 @@ pub struct Station {
     receiver: Receiver,
     conversation: Conversation<1>,
     is_up: bool,
+    /// The master's last broadcast, as far as this end knows, and whether it came here.
     broadcast: u8,
+    has_heard: bool,
     answer: Option<Answer>,
     heard_us: u32,
     sending: Option<Sent>,
@@ -57,6 +59,7 @@ impl Station {
             conversation: Conversation::new(),
             is_up: false,
             broadcast: 0,
+            has_heard: false,
             answer: None,
             heard_us: 0,
             sending: None,
@@ -74,21 +77,24 @@ impl Station {
             if !self.is_up || frame.kind != Kind::Data || !is_new {
                 return None;
             }
-            (self.heard_us, self.broadcast) = (now_us, frame.number);
+            (self.heard_us, self.broadcast, self.has_heard) = (now_us, frame.number, true);
             return Some(Received::Broadcast(frame.payload));
         }
         self.heard_us = now_us;
         self.sending = None;
         if frame.kind == Kind::Call {
-            let &[call, broadcast] = frame.payload.first_chunk()?;
+            self.answer = Some(Answer::Up(*frame.payload.first()?));
             self.conversation = Conversation::new();
-            (self.is_up, self.broadcast) = (true, broadcast & 7);
-            self.answer = Some(Answer::Up(call));
+            (self.is_up, self.broadcast, self.has_heard) = (true, frame.broadcast, false);
             return Some(Received::Up);
         }
         if !self.is_up {
             self.answer = Some(Answer::Down);
             return None;
+        }
+        if frame.broadcast != self.broadcast {
+            // Missed. It must not be taken for the one of the same number, seven later.
+            (self.broadcast, self.has_heard) = (frame.broadcast, false);
         }
         self.conversation.acknowledge(frame.acknowledged);
         self.conversation.rewind();
@@ -174,7 +180,7 @@ impl Station {
             address: self.address,
             kind,
             from_station: true,
-            broadcast: self.broadcast,
+            broadcast: if self.has_heard { self.broadcast } else { 0 },
             number,
             acknowledged,
             payload,
