@@ -12,7 +12,7 @@ use crate::word::{Word, words};
 const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
 const SLOTS: usize = 24;
 
-/// Slot of each letter A to Z, or [`NO_SLOT`].
+/// Slot of each letter A to Z, or [`NO_SLOT`], of which nothing is ever given.
 const SLOT_OF: [u8; 26] = {
     let mut table = [NO_SLOT; 26];
     let mut slot = 0;
@@ -22,7 +22,7 @@ const SLOT_OF: [u8; 26] = {
     }
     table
 };
-const NO_SLOT: u8 = 0xff;
+const NO_SLOT: u8 = 31;
 
 /// Slot of U; V and W follow.
 const INCREMENTS: u8 = 21;
@@ -193,7 +193,16 @@ impl Block {
     }
 
     /// What can only be told when all words are there.
+    #[inline(always)]
     fn check(&self) -> Result<(), Fault> {
+        if self.present & (bit(b'P') | bit(b'O')) == 0 && self.code(Group::NonModal).is_none() {
+            return Ok(());
+        }
+        self.check_words()
+    }
+
+    #[inline(never)]
+    fn check_words(&self) -> Result<(), Fault> {
         self.check_negative_p()?;
         self.check_program_number()?;
         if self.code(Group::NonModal) == Some(Code::Dwell) && !self.has(b'P') {
@@ -265,19 +274,22 @@ impl Block {
         span: Span,
         dialect: &Dialect,
     ) -> Result<(), ErrorKind> {
-        let slot = slot_of(letter)
-            .filter(|_| dialect.has_word(letter))
-            .ok_or(ErrorKind::UnknownWord(letter))?;
+        let slot = slot_of(letter);
         let bit = 1u32.wrapping_shl(u32::from(slot));
+        if dialect.letters().0 & bit == 0 {
+            return Err(ErrorKind::UnknownWord(letter));
+        }
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));
         }
-        if bit & PLAIN.0 != 0 && value.is_negative() {
-            return Err(ErrorKind::Negative(letter));
-        }
-        if bit & NUMBERS.0 != 0 {
-            let whole = value.whole().and_then(|whole| u32::try_from(whole).ok());
-            whole.ok_or(ErrorKind::NotWhole(letter))?;
+        if bit & PLAIN.0 != 0 {
+            if value.is_negative() {
+                return Err(ErrorKind::Negative(letter));
+            }
+            if bit & NUMBERS.0 != 0 {
+                let whole = value.whole().and_then(|whole| u32::try_from(whole).ok());
+                whole.ok_or(ErrorKind::NotWhole(letter))?;
+            }
         }
         self.present |= bit;
         let slot = usize::from(slot);
@@ -296,7 +308,7 @@ impl Block {
 
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn value(&self, letter: u8) -> Option<&Decimal> {
-        self.slot(slot_of(letter)?)
+        self.slot(slot_of(letter))
     }
 
     /// Whether one of these words is given.
@@ -361,6 +373,23 @@ impl Block {
         } else {
             None
         }
+    }
+
+    /// The words of the axes in their order, each with whether it is given.
+    #[inline(always)]
+    pub(crate) fn axis_words(&self) -> impl Iterator<Item = (&Decimal, bool)> {
+        let mut given = self.present;
+        self.values.iter().map(move |value| {
+            let this = given & 1 != 0;
+            given >>= 1;
+            (value, this)
+        })
+    }
+
+    /// Whether an increment (U, V, W) is given.
+    #[inline]
+    pub(crate) const fn has_increments(&self) -> bool {
+        EXTENDED && (self.present >> INCREMENTS) & 0b111 != 0
     }
 
     /// Bit n: the word of axis n is given.
@@ -583,22 +612,19 @@ pub(crate) fn first_of(mut slots: u32) -> u8 {
     b'?'
 }
 
-/// Slot of an upper-case letter.
-const fn slot_of(letter: u8) -> Option<u8> {
+/// Slot of an upper-case letter, or [`NO_SLOT`].
+const fn slot_of(letter: u8) -> u8 {
     let place = letter.wrapping_sub(b'A') as usize;
-    if place < SLOT_OF.len() && SLOT_OF[place] != NO_SLOT {
-        Some(SLOT_OF[place])
+    if place < SLOT_OF.len() {
+        SLOT_OF[place]
     } else {
-        None
+        NO_SLOT
     }
 }
 
 /// The bit of an upper-case letter in [`Block::present`]; 0 for one without a slot.
 const fn bit(letter: u8) -> u32 {
-    match slot_of(letter) {
-        Some(slot) => 1u32.wrapping_shl(slot as u32),
-        None => 0,
-    }
+    1u32.wrapping_shl(slot_of(letter) as u32) & !(1 << NO_SLOT)
 }
 
 /// A set of letters of words.
@@ -607,14 +633,23 @@ pub(crate) struct Letters(u32);
 
 impl Letters {
     pub(crate) const NONE: Letters = Letters(0);
+    pub(crate) const ALL: Letters = Letters::new(&LETTERS);
 
-    pub(crate) const fn new(mut letters: &[u8]) -> Letters {
-        let mut mask = 0;
+    pub(crate) const fn new(letters: &[u8]) -> Letters {
+        Letters::NONE.and(letters)
+    }
+
+    pub(crate) const fn and(self, mut letters: &[u8]) -> Letters {
+        let mut mask = self.0;
         while let Some((&letter, rest)) = letters.split_first() {
             mask |= bit(letter);
             letters = rest;
         }
         Letters(mask)
+    }
+
+    pub(crate) const fn without(self, letters: &[u8]) -> Letters {
+        Letters(self.0 & !Letters::new(letters).0)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What differs between the programs of different machines.
 
+use crate::block::Letters;
 use crate::code::EXTENDED;
 use crate::framing::Framing;
 
@@ -22,6 +23,26 @@ pub(crate) enum Flavour {
     Drill,
     Printer,
 }
+
+/// The letters of words in each dialect, by its flavour.
+static WORDS: [Letters; 8] = {
+    let rs274 = Letters::ALL.without(b"OUVW");
+    [
+        rs274,
+        rs274.without(b"DEHQ"),
+        rs274.without(b"DEHLQ"),
+        // U and W are words of the contour cycles only: `Modal::check_axes`.
+        if EXTENDED { rs274.and(b"UW") } else { rs274 },
+        if EXTENDED {
+            rs274.and(b"OUW")
+        } else {
+            rs274.and(b"O")
+        },
+        rs274.and(b"O"),
+        Letters::new(b"XY"),
+        rs274,
+    ]
+};
 
 impl Dialect {
     /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block a line, `;` starts a comment.
@@ -151,27 +172,10 @@ impl Dialect {
         matches!(self.flavour, Flavour::Micromill)
     }
 
-    /// Whether a letter other than G and M can start a word here.
-    pub(crate) const fn has_word(&self, letter: u8) -> bool {
-        match self.flavour {
-            Flavour::Micromill => !matches!(
-                letter,
-                b'D' | b'E' | b'H' | b'L' | b'Q' | b'O' | b'U' | b'V' | b'W'
-            ),
-            Flavour::Grbl => !matches!(
-                letter,
-                b'D' | b'E' | b'H' | b'Q' | b'O' | b'U' | b'V' | b'W'
-            ),
-            // U and W are words of the contour cycles only: `Modal::check_axes`.
-            Flavour::Lathe if EXTENDED => !matches!(letter, b'O' | b'V'),
-            Flavour::Rs274 | Flavour::Printer | Flavour::Lathe => {
-                !matches!(letter, b'O' | b'U' | b'V' | b'W')
-            }
-            Flavour::LatheA if EXTENDED => !matches!(letter, b'V'),
-            Flavour::LatheA => !matches!(letter, b'U' | b'V' | b'W'),
-            Flavour::Iso => !matches!(letter, b'U' | b'V' | b'W'),
-            Flavour::Drill => matches!(letter, b'X' | b'Y'),
-        }
+    /// The letters other than G and M that can start a word here.
+    #[inline(always)]
+    pub(crate) const fn letters(&self) -> Letters {
+        WORDS[self.flavour as usize]
     }
 
     /// Whether lines may have parameters `#` and expressions `[ ]`.

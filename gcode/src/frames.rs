@@ -7,7 +7,7 @@ use crate::code::{Code, EXTENDED, Group};
 use crate::commands::Commands;
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
-use crate::modal::{Modal, coordinate};
+use crate::modal::{Modal, Units, coordinate};
 use crate::nm::Nm;
 use crate::settings::missing;
 #[cfg(feature = "extended")]
@@ -67,6 +67,50 @@ impl<const N: usize> Modal<N> {
                 self.read_axis(block, terms, axis, to)?;
             }
             given >>= 1;
+        }
+        Ok(())
+    }
+
+    /// The end of a move: what [`Modal::read_axes`] makes of the position, without diameters and increments, with what is
+    /// the same for all axes looked up once.
+    #[inline(always)]
+    pub(crate) fn read_end(
+        &self,
+        block: &Block,
+        terms: Terms,
+        to: &mut [Nm; N],
+    ) -> Result<(), Fault> {
+        let none = [Nm(0); N];
+        let system = self.offsets.get(usize::from(self.work_system()));
+        let zeros = system.unwrap_or(&none).iter();
+        let zeros = zeros.zip(&self.modes.shift).zip(&self.modes.length);
+        let axes = (0..AXES).zip(to.iter_mut()).zip(&self.modes.position);
+        let (lengths, degrees) = (self.units().scale(false), Units::Millimetres.scale(false));
+        let (absolute, incremental) = (terms.has(SYSTEM), terms.has(POSITION));
+        let words = block.axis_words();
+        for (((axis, to), position), ((word, given), ((system, shift), length))) in
+            axes.zip(words.zip(zeros))
+        {
+            *to = *position;
+            if !given {
+                continue;
+            }
+            let (factor, exponent) = if axis < 3 { lengths } else { degrees };
+            let value = word.scaled(i32::from(factor), exponent);
+            let value = value.and_then(|value| Nm(value).within_limit());
+            // Each within Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+            let zero = if absolute {
+                system.0.saturating_add(shift.0).saturating_add(length.0)
+            } else if incremental {
+                position.0
+            } else {
+                0
+            };
+            let end = value.and_then(|value| Nm(value.0.wrapping_add(zero)).within_limit());
+            match end {
+                Some(end) => *to = end,
+                None => return Err(Fault::at(Reason::NumberTooLarge, axis_letter(axis))),
+            }
         }
         Ok(())
     }

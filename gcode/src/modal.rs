@@ -2,7 +2,7 @@
 
 use crate::arc::Plane;
 use crate::block::{Block, first_of};
-use crate::code::{Code, EXTENDED, Group, Side};
+use crate::code::{Code, EXTENDED, Group, ROOMY, Side};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::Commands;
 #[cfg(feature = "extended")]
@@ -347,10 +347,9 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         commands.clear();
-        let done = if block.is_move() && self.is_moving(block) {
-            self.apply_move(block, commands)
-        } else {
-            self.apply_any(block, commands)
+        let done = match self.plain_move(block) {
+            Some(mode) => self.apply_move(block, mode, commands),
+            None => self.apply_any(block, commands),
         };
         done.map_err(|fault| {
             commands.clear();
@@ -359,13 +358,22 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The stages of [`Modal::execute`] that a block with nothing but a move has.
-    fn apply_move(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+    #[inline(always)]
+    fn apply_move(
+        &mut self,
+        block: &Block,
+        mode: Code,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         // The position and the mode change as the last things.
         let before = self.modes.feed;
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
-            .and_then(|()| self.moves(block, commands));
+            .and_then(|()| match ROOMY {
+                true => self.moves_on(block, mode, commands),
+                false => self.moves(block, commands),
+            });
         if done.is_err() {
             self.modes.feed = before;
         }
@@ -385,13 +393,14 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// Whether the motion of the block is one of G0 to G3, and that before it too, or none.
-    fn is_moving(&self, block: &Block) -> bool {
+    /// The motion of a block with nothing else, if it is one of G0 to G3, and that before it too, or none.
+    #[inline(always)]
+    fn plain_move(&self, block: &Block) -> Option<Code> {
         let before = self.active(Group::Motion);
         let code = block.code(Group::Motion).unwrap_or(before);
         // A cycle that ends here leaves words behind.
-        let simple = before.is_plain_move() || before == Code::CancelMotion;
-        code.is_plain_move() && (simple || !EXTENDED)
+        let simple = before.is_plain_move() || before == Code::CancelMotion || !EXTENDED;
+        Some(code).filter(|code| block.is_move() && code.is_plain_move() && simple)
     }
 
     /// The code in effect of a modal group.

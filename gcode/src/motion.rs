@@ -2,7 +2,7 @@
 
 use crate::arc::{self, Arc, Direction, Plane};
 use crate::block::{Block, Letters};
-use crate::code::{Code, Group};
+use crate::code::{Code, Group, ROOMY};
 use crate::command::Feed;
 #[cfg(feature = "extended")]
 use crate::command::SpindleDirection;
@@ -15,6 +15,34 @@ use crate::modal::{Distance, FeedMode, Modal};
 use crate::nm::Nm;
 
 impl<const N: usize> Modal<N> {
+    /// What is left of [`Modal::moves`] for G0 to G3 in a block without other codes, behind a move or nothing.
+    ///
+    /// No non-modal code, no cycle that ends, no drill (it has no motion codes) and nothing that compensation forbids.
+    #[inline(always)]
+    pub(crate) fn moves_on(
+        &mut self,
+        block: &Block,
+        mode: Code,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let coded = block.code(Group::Motion).is_some();
+        let none = block.axes() == 0;
+        self.check_words(block, mode, coded || !none)?;
+        if !none {
+            self.travel_to(block, mode, self.terms(), commands)?;
+        } else if coded && mode.is_arc() {
+            self.travel(block, mode, true, commands)?;
+        }
+        if self.modes.dialect.flavour != Flavour::Micromill {
+            self.set_active(Group::Motion, mode);
+        }
+        #[cfg(feature = "extended")]
+        {
+            self.modes.more.tail = None;
+        }
+        Ok(())
+    }
+
     /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
     /// happens.
     #[inline(never)]
@@ -124,6 +152,18 @@ impl<const N: usize> Modal<N> {
         if none && !(mode.is_arc() && block.has_any(self.plane().shape().0)) {
             return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
         }
+        self.travel_to(block, mode, terms, commands)
+    }
+
+    /// The move itself, and the mode it has.
+    #[cfg_attr(target_has_atomic = "32", inline(always))]
+    fn travel_to(
+        &mut self,
+        block: &Block,
+        mode: Code,
+        terms: Terms,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         self.check_z_alone(block)?;
         self.aim(block, terms, commands)?;
         match mode {
@@ -155,6 +195,9 @@ impl<const N: usize> Modal<N> {
         terms: Terms,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
+        if ROOMY && !self.is_diameter() && !block.has_increments() {
+            return self.read_end(block, terms, &mut commands.arc.to);
+        }
         commands.arc.to = self.modes.position;
         self.read_axes(block, terms, &mut commands.arc.to)
     }

@@ -445,7 +445,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             }
             if !LINES && QUICK {
                 // Half the words of one line are too near to its end.
-                let byte = byte_at(self.rest, 0);
+                let byte = u32::from(*self.rest.first()?);
                 if alphabet(byte) < 26 {
                     if let Some(number) = short_number(self.rest, 1, LINES) {
                         if let Some(word) = self.take(byte, number) {
