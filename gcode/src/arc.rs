@@ -140,22 +140,25 @@ impl<const N: usize> Arc<N> {
     }
 }
 
-/// From one point to another in the plane of two axes; both lie within [`Nm::LIMIT`], or a number was too large.
+/// The way from one point to another in the plane of two axes; false if one of them is beyond [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn between<const N: usize>(
     from: &[Nm; N],
     to: &[Nm; N],
     axes: [usize; 2],
-) -> Option<[i64; 2]> {
-    let mut delta = [0; 2];
-    for (delta, axis) in delta.iter_mut().zip(axes) {
+    way: &mut [i64; 2],
+) -> bool {
+    for (way, &axis) in way.iter_mut().zip(&axes) {
         let (from, to) = (coordinate(from, axis), coordinate(to, axis));
-        *delta = to.0.checked_sub(from.0)?;
+        let Some(delta) = to.0.checked_sub(from.0) else {
+            return false;
+        };
+        *way = delta;
         if delta.unsigned_abs() > 1 << 52 {
-            return None;
+            return false;
         }
     }
-    Some(delta)
+    true
 }
 
 /// Places behind the point of a distance.
@@ -164,26 +167,17 @@ const BITS: u32 = 9;
 /// The distance of two points in 2^-9 nm, rounded down; 2^64 - 1 where one is beyond [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn distance<const N: usize>(from: &[Nm; N], to: &[Nm; N], axes: [usize; 2]) -> u64 {
-    match between(from, to, axes) {
-        // A square of at most 2^105, its root below 2^53.
-        Some([x, y]) => root_to(square(x, y), WHOLE_DIGITS + BITS).0,
-        None => u64::MAX,
+    let mut way = [0; 2];
+    if !between(from, to, axes, &mut way) {
+        return u64::MAX;
     }
+    // A square of at most 2^105, its root below 2^53.
+    root_to(square(way[0], way[1]), WHOLE_DIGITS + BITS).0
 }
 
 /// How far two distances differ, in whole nanometres, off by at most 0.502 nm.
 const fn apart(start: u64, end: u64) -> Nm {
     Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
-}
-
-/// `| |start - centre| - |end - centre| |`.
-pub(crate) fn mismatch<const N: usize>(
-    centre: &[Nm; N],
-    start: &[Nm; N],
-    end: &[Nm; N],
-    axes: [usize; 2],
-) -> Nm {
-    apart(distance(centre, start, axes), distance(centre, end, axes))
 }
 
 /// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict against it.
@@ -217,17 +211,17 @@ pub(crate) fn with_centre<const N: usize>(
     Ok(())
 }
 
-/// Turns the way from the start to the end of an arc of this radius into the way to its centre, rounded once to nm; `left`
-/// of the way to the end, or right of it.
+/// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple of half the way between
+/// them.
 ///
 /// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits) is stretched to it:
 /// then `short` is by how much. With an error of a radius it is what it should have been at least.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
-pub(crate) fn with_radius(
-    chord: &mut [i64; 2],
+pub(crate) fn beside(
+    chord: &[i64; 2],
     radius: Nm,
-    left: bool,
     short: &mut Nm,
+    ratio: &mut Ratio,
 ) -> Result<(), Fault> {
     if chord[0] == 0 && chord[1] == 0 {
         return Err(Fault::at_motion(Reason::RadiusToSamePoint));
@@ -250,18 +244,26 @@ pub(crate) fn with_radius(
             0
         }
     };
-    let across = if left {
-        [chord[1].wrapping_neg(), chord[0]]
+    *ratio = Ratio::of_roots(numerator, chord_square);
+    Ok(())
+}
+
+/// Turns the way from the start to the end of an arc into the way to its centre, rounded once to nm; `left` of the way to
+/// the end, or right of it.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn turn(chord: &mut [i64; 2], ratio: &Ratio, left: bool) {
+    let [x, y] = *chord;
+    let (mut right, mut up) = (ratio.of(y), ratio.of(x));
+    if left {
+        right = right.wrapping_neg();
     } else {
-        [chord[1], chord[0].wrapping_neg()]
-    };
-    let ratio = Ratio::of_roots(numerator, chord_square);
-    for (way, across) in chord.iter_mut().zip(across) {
+        up = up.wrapping_neg();
+    }
+    for (way, across) in chord.iter_mut().zip(&[right, up]) {
         // Both below 2^53, in 2^-6: halved and rounded, halves away from zero.
-        let twice = (*way << 6).wrapping_add(ratio.of(across));
+        let twice = (*way << 6).wrapping_add(*across);
         *way = twice.wrapping_add(1 << 6).wrapping_add(twice >> 63) >> 7;
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -318,9 +320,12 @@ mod tests {
         radius: i64,
         direction: Direction,
     ) -> (Result<[Nm; 2], Fault>, Nm) {
-        let (mut way, mut short) = (between(&from, &to, [0, 1]).unwrap(), Nm(0));
+        let (mut way, mut short) = ([0; 2], Nm(0));
+        assert!(between(&from, &to, [0, 1], &mut way));
         let left = (direction == Direction::CounterClockwise) != (radius < 0);
-        let done = with_radius(&mut way, Nm(radius.abs()), left, &mut short);
+        let mut ratio = Ratio::NONE;
+        let done = beside(&way, Nm(radius.abs()), &mut short, &mut ratio);
+        turn(&mut way, &ratio, left);
         let centre = [Nm(from[0].0 + way[0]), Nm(from[1].0 + way[1])];
         (done.map(|()| centre), short)
     }

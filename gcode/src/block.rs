@@ -307,7 +307,7 @@ impl Block {
     }
 
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
-    fn value(&self, letter: u8) -> Option<&Decimal> {
+    pub(crate) fn value(&self, letter: u8) -> Option<&Decimal> {
         self.slot(slot_of(letter))
     }
 

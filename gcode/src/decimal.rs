@@ -1,7 +1,7 @@
 //! Exact decimal numbers, as they are written in a program.
 
 use crate::error::ErrorKind;
-use crate::wide::{product, quotient};
+use crate::wide::{divide, product};
 use core::fmt;
 use fixed::traits::Fixed;
 
@@ -31,13 +31,123 @@ const fn power(mut n: u8) -> Option<u64> {
 }
 
 /// `10^n`, or `None` beyond 10^6.
-const fn small_power(n: u8) -> Option<i32> {
+const fn small_power(n: u32) -> Option<i32> {
     const POWERS: [i32; 7] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000];
     if (n as usize) < POWERS.len() {
         Some(POWERS[n as usize])
     } else {
         None
     }
+}
+
+/// `digits * factor * 10^shift`, rounded once; `None` when it does not fit. What fits registers is not kept on the stack.
+#[cfg_attr(target_pointer_width = "64", inline(always))]
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
+    let small = digits as i32 as i64 == digits && factor.unsigned_abs() <= 2147;
+    if small && shift >= 0 {
+        if let Some(scale) = small_power(shift as u32) {
+            // 2147 * 10^6 < 2^31, so this is one multiplication of 32 by 32 bits, which fits 63.
+            let scale = factor.wrapping_mul(scale);
+            return Some((digits as i32 as i64).wrapping_mul(scale as i64));
+        }
+    }
+    let (magnitude, by) = (digits.unsigned_abs(), factor.unsigned_abs());
+    let scaled = if cfg!(target_pointer_width = "64") {
+        times_by_powers(magnitude, by, shift)
+    } else {
+        times_by_tens(magnitude, by, shift)
+    };
+    match scaled {
+        Some(magnitude) if (digits < 0) != (factor < 0) => Some(magnitude.wrapping_neg()),
+        magnitude => magnitude,
+    }
+}
+
+/// Without signs: where there are many digits, or places to round away.
+#[inline(never)]
+const fn times_by_powers(digits: u64, factor: u32, mut shift: i32) -> Option<i64> {
+    // Below 2^95.
+    let mut scaled = product(digits, factor as u64);
+    if scaled == 0 {
+        return Some(0);
+    }
+    while shift > 0 {
+        // Too large already; otherwise below 2^64 * 10.
+        if scaled >> 64 != 0 {
+            return None;
+        }
+        scaled = product(scaled as u64, 10);
+        shift = shift.wrapping_sub(1);
+    }
+    // In two steps where it is more than 18 places: what the first one drops does not change the rounding.
+    while shift < 0 {
+        let step = if shift < -(MOST as i32) {
+            MOST
+        } else {
+            shift.wrapping_neg() as u8
+        };
+        let Some(divisor) = power(step) else {
+            return None;
+        };
+        shift = shift.wrapping_add(step as i32);
+        if shift == 0 {
+            // The power is even.
+            scaled = scaled.wrapping_add((divisor >> 1) as u128);
+        }
+        scaled = divide(scaled, divisor);
+    }
+    if scaled > i64::MAX as u128 {
+        None
+    } else {
+        Some(scaled as i64)
+    }
+}
+
+/// The same ten by ten, in 96 bits of registers: nothing is called but a multiplication.
+#[inline(never)]
+const fn times_by_tens(digits: u64, factor: u32, mut shift: i32) -> Option<i64> {
+    // Below 2^63 * 2^31, the lowest 32 bits apart.
+    let below = (digits as u32 as u64).wrapping_mul(factor as u64);
+    let above = (digits >> 32).wrapping_mul(factor as u64);
+    let mut high = above.wrapping_add(below >> 32);
+    let mut low = below as u32;
+    if high | low as u64 == 0 {
+        return Some(0);
+    }
+    while shift > 0 {
+        // Too large already; otherwise below 2^64 * 10.
+        if high >> 32 != 0 {
+            return None;
+        }
+        let below = (low as u64).wrapping_mul(10);
+        high = high.wrapping_mul(10).wrapping_add(below >> 32);
+        low = below as u32;
+        shift = shift.wrapping_sub(1);
+    }
+    let mut rest = 0u32;
+    while shift < 0 {
+        rest = 0;
+        let mut bits = 96;
+        while bits > 0 {
+            // rest < 10.
+            rest = (rest << 1) | (high >> 63) as u32;
+            high = (high << 1) | (low >> 31) as u64;
+            low <<= 1;
+            if rest >= 10 {
+                rest = rest.wrapping_sub(10);
+                low |= 1;
+            }
+            bits = u32::wrapping_sub(bits, 1);
+        }
+        shift = shift.wrapping_add(1);
+    }
+    if high >> 31 != 0 {
+        return None;
+    }
+    // The last digit that was dropped is the first behind the point. Below 2^63: one more may be 2^63.
+    let scaled = ((high << 32) | low as u64).wrapping_add((rest >= 5) as u64) as i64;
+    if scaled < 0 { None } else { Some(scaled) }
 }
 
 impl Decimal {
@@ -84,61 +194,10 @@ impl Decimal {
     ///
     /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
     /// nanometre. The usual case costs one multiplication or one 64-bit division.
+    #[inline(always)]
     pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
-        let small = self.digits as i32 as i64 == self.digits && factor.unsigned_abs() <= 2147;
-        if small && self.places <= exponent {
-            if let Some(scale) = small_power(exponent.wrapping_sub(self.places)) {
-                // 2147 * 10^6 < 2^31, so this is one multiplication of 32 by 32 bits, which fits 63.
-                let scale = factor.wrapping_mul(scale);
-                return Some((self.digits as i32 as i64).wrapping_mul(scale as i64));
-            }
-        }
-        match self.magnitude_scaled(factor.unsigned_abs(), exponent) {
-            Some(magnitude) if (self.digits < 0) != (factor < 0) => Some(magnitude.wrapping_neg()),
-            magnitude => magnitude,
-        }
-    }
-
-    /// Without signs: where there are many digits, or places to round away.
-    #[inline(never)]
-    const fn magnitude_scaled(self, factor: u32, exponent: u8) -> Option<i64> {
-        // Below 2^95.
-        let mut scaled = product(self.digits.unsigned_abs(), factor as u64);
-        if scaled == 0 {
-            return Some(0);
-        }
-        let mut missing = exponent.saturating_sub(self.places);
-        let mut excess = self.places.saturating_sub(exponent);
-        while missing > 0 {
-            // Too large already; otherwise below 2^64 * 10.
-            if scaled >> 64 != 0 {
-                return None;
-            }
-            scaled = product(scaled as u64, 10);
-            missing = missing.wrapping_sub(1);
-        }
-        // In two steps where it is more than 18 places: what the first one drops does not change the rounding, and 2^95 is
-        // below 2^64 times its divisor.
-        while excess > 0 {
-            let step = if excess > MOST { MOST } else { excess };
-            let Some(divisor) = power(step) else {
-                return None;
-            };
-            excess = excess.wrapping_sub(step);
-            if excess == 0 {
-                // The power is even.
-                scaled = scaled.wrapping_add((divisor >> 1) as u128);
-            }
-            if (scaled >> 64) as u64 >= divisor {
-                return None; // more than 64 bits
-            }
-            scaled = quotient(scaled, divisor) as u128;
-        }
-        if scaled > i64::MAX as u128 {
-            None
-        } else {
-            Some(scaled as i64)
-        }
+        let shift = (exponent as i32).wrapping_sub(self.places as i32);
+        times(self.digits, factor, shift)
     }
 
     /// The value as an integer if it is one (`2`, `2.0`, `2.`); `None` otherwise.
@@ -308,6 +367,31 @@ mod tests {
         assert_eq!(decimal(i64::MAX, 16).scaled(254, 5), Some(23_427_364_974));
         assert_eq!(decimal(-i64::MAX, 30).scaled(254, 5), Some(0));
         assert_eq!(decimal(i64::MAX, 20).scaled(-254, 5), Some(-2_342_736));
+    }
+
+    #[test]
+    fn both_ways_scale_alike() {
+        let numbers = (0..63).flat_map(|bit| {
+            let power = 1u64 << bit;
+            [
+                power - 1,
+                power,
+                power + 1,
+                i64::MAX as u64 >> (62 - bit),
+                power | 12345,
+            ]
+        });
+        for digits in numbers.filter(|&digits| i64::try_from(digits).is_ok()) {
+            for factor in [0, 1, 5, 127, 254, 3048, 1 << 31] {
+                for shift in -31..=9 {
+                    assert_eq!(
+                        times_by_tens(digits, factor, shift),
+                        times_by_powers(digits, factor, shift),
+                        "{digits} {factor} {shift}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

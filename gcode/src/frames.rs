@@ -116,7 +116,7 @@ impl<const N: usize> Modal<N> {
     }
 
     #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
     fn read_axis(
         &self,
         block: &Block,

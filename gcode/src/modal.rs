@@ -380,7 +380,8 @@ impl<const N: usize> Modal<N> {
         done
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_has_atomic = "32", inline(never))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
     fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.modes.write_to(&mut commands.before);
         let done = self.execute(block, commands);
@@ -735,15 +736,18 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn add_word(&self, block: &Block, letter: u8, to: &mut Nm) -> Result<(), Fault> {
         let (factor, exponent) = self.scale_of(letter);
-        let mut value = 0;
-        block.scaled(letter, factor, exponent, &mut value)?;
-        // Both below 2^63 / 2 where it counts.
-        let sum = Nm(to.0.wrapping_add(value));
-        if Nm(value).within_limit().is_none() || sum.within_limit().is_none() {
-            return Err(Fault::at(Reason::NumberTooLarge, letter));
+        let Some(word) = block.value(letter) else {
+            return Ok(());
+        };
+        if let Some(value) = word.scaled(i32::from(factor), exponent) {
+            // Both below 2^63 / 2 where it counts.
+            let sum = Nm(to.0.wrapping_add(value));
+            if Nm(value).within_limit().is_some() && sum.within_limit().is_some() {
+                *to = sum;
+                return Ok(());
+            }
         }
-        *to = sum;
-        Ok(())
+        Err(Fault::at(Reason::NumberTooLarge, letter))
     }
 
     /// The unit of a word: degrees, in millionths, or the unit of lengths, or half of it.

@@ -13,6 +13,7 @@ use crate::fault::{Fault, Reason};
 use crate::frames::Terms;
 use crate::modal::{Distance, FeedMode, Modal};
 use crate::nm::Nm;
+use crate::wide::Ratio;
 
 impl<const N: usize> Modal<N> {
     /// What is left of [`Modal::moves`] for G0 to G3 in a block without other codes, behind a move or nothing.
@@ -121,7 +122,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The motion itself.
-    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
     fn travel(
         &mut self,
         block: &Block,
@@ -156,7 +157,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The move itself, and the mode it has.
-    #[cfg_attr(target_has_atomic = "32", inline(always))]
+    #[inline(always)]
     fn travel_to(
         &mut self,
         block: &Block,
@@ -169,7 +170,16 @@ impl<const N: usize> Modal<N> {
         match mode {
             Code::Rapid => {}
             Code::Linear => self.set_feed_of(commands)?,
-            Code::Clockwise | Code::CounterClockwise => self.arc(block, mode, commands)?,
+            Code::Clockwise | Code::CounterClockwise => {
+                // One after the other: what one needs of the stack the next one has too.
+                self.shape_arc(block, mode, commands)?;
+                if block.has(b'R') {
+                    self.arc_by_radius(block, &mut commands.arc)?;
+                } else {
+                    self.read_centre(block, &mut commands.arc)?;
+                }
+                self.finish_arc(block, commands)?;
+            }
             _ => {
                 if commands.arc.to == self.modes.position {
                     return Err(Fault::at_axes(Reason::NoProbeMove));
@@ -311,11 +321,15 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G2 and G3, to the point aimed at: its words, its geometry, and what it has besides.
+    /// G2 and G3, to the point aimed at: which arc it is to be.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
-    fn arc(&self, block: &Block, mode: Code, commands: &mut Commands<N>) -> Result<(), Fault> {
+    fn shape_arc(
+        &self,
+        block: &Block,
+        mode: Code,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         let plane = self.plane();
-        let (shape, ends) = plane.shape();
         // Two axes make a plane; a machine without them has no such arc.
         if N < 3 && plane != Plane::Xy || N < 2 {
             return Err(Fault::at_motion(Reason::NoCentre));
@@ -328,7 +342,8 @@ impl<const N: usize> Modal<N> {
             Direction::CounterClockwise
         };
         arc.centre = self.modes.position;
-        arc.radius = None;
+        (arc.radius, arc.mismatch) = (None, Nm(0));
+        let (_, ends) = plane.shape();
         if block.has(b'R') {
             if block.has_any(plane.centre()) {
                 return Err(Fault::at(Reason::RadiusAndCentre, b'R'));
@@ -336,17 +351,18 @@ impl<const N: usize> Modal<N> {
             if !block.has_any(ends) {
                 return Err(Fault::at_motion(Reason::NoEnd));
             }
-            self.arc_by_radius(block, arc)?;
-        } else {
-            self.read_centre(block, arc)?;
-            let position = &self.modes.position;
-            arc::with_centre(
-                position,
-                &arc.to,
-                &arc.centre,
-                plane.axes(),
-                &mut arc.mismatch,
-            )?;
+        }
+        Ok(())
+    }
+
+    /// How well an arc fits, and what it has besides its geometry.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn finish_arc(&self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let arc = &mut commands.arc;
+        // A radius that was stretched says more than what is left by it.
+        if arc.mismatch == Nm(0) {
+            let (from, axes) = (&self.modes.position, arc.plane.axes());
+            arc::with_centre(from, &arc.to, &arc.centre, axes, &mut arc.mismatch)?;
         }
         arc.turns = 1;
         if block.whole(b'P', u32::MAX, &mut arc.turns).is_err() || arc.turns == 0 {
@@ -354,6 +370,7 @@ impl<const N: usize> Modal<N> {
         }
         arc.turns = arc.turns.wrapping_sub(1);
         // One unit of the finest last digit of these words, of which there is one at least.
+        let (shape, _) = arc.plane.shape();
         let (factor, exponent) = self.units().scale(false);
         let last = Decimal::new(1, block.most_places(shape));
         let resolution = last.and_then(|value| value.scaled(i32::from(factor), exponent));
@@ -365,24 +382,27 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn arc_by_radius(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
         const TOO_LARGE: Fault = Fault::at(Reason::NumberTooLarge, b'R');
-        let (from, axes) = (&self.modes.position, arc.plane.axes());
         let mut radius = Nm(0);
         self.add_word(block, b'R', &mut radius)?;
         let left = (arc.direction == Direction::CounterClockwise) != (radius.0 < 0);
         radius = Nm(radius.0.wrapping_abs());
-        arc.mismatch = Nm(0);
-        let mut way = arc::between(from, &arc.to, axes).ok_or(TOO_LARGE)?;
-        arc::with_radius(&mut way, radius, left, &mut arc.mismatch)?;
-        for (axis, way) in axes.into_iter().zip(way) {
+        let axes = arc.plane.axes();
+        let mut way = [0; 2];
+        if !arc::between(&self.modes.position, &arc.to, axes, &mut way) {
+            return Err(TOO_LARGE);
+        }
+        let mut ratio = Ratio::NONE;
+        arc::beside(&way, radius, &mut arc.mismatch, &mut ratio)?;
+        arc::turn(&mut way, &ratio, left);
+        if arc.mismatch == Nm(0) {
+            arc.radius = Some(radius);
+        }
+        for (&axis, &way) in axes.iter().zip(&way) {
             if let Some(centre) = arc.centre.get_mut(axis) {
                 // Below 2^52: a sum that wraps is beyond the limit as well.
                 let moved = Nm(centre.0.wrapping_add(way));
                 *centre = moved.within_limit().ok_or(TOO_LARGE)?;
             }
-        }
-        if arc.mismatch == Nm(0) {
-            arc.radius = Some(radius);
-            arc.mismatch = arc::mismatch(&arc.centre, from, &arc.to, axes);
         }
         Ok(())
     }
@@ -398,7 +418,7 @@ impl<const N: usize> Modal<N> {
         if absolute && !block.has_all(arc.plane.centre()) {
             return Err(Fault::at_motion(Reason::HalfCentre));
         }
-        for (axis, letter) in arc.plane.axes().into_iter().zip(letters) {
+        for (&axis, &letter) in arc.plane.axes().iter().zip(&letters) {
             if let Some(centre) = arc.centre.get_mut(axis) {
                 if absolute {
                     *centre = self.zero_of(axis);

@@ -56,11 +56,11 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         }
         let mut feed = Nm(0);
-        if mode == Code::InverseTime {
-            block.scaled(b'F', 1, 6, &mut feed.0)?;
-        } else if self.units() == Units::Micrometres {
+        let inverse = mode == Code::InverseTime;
+        if inverse || self.units() == Units::Micrometres {
             // F08 is 0.8 mm/min on the micro mill's link.
-            block.scaled(b'F', 1, 5, &mut feed.0)?;
+            let exponent = if inverse { 6 } else { 5 };
+            block.scaled(b'F', 1, exponent, &mut feed.0)?;
         } else {
             self.add_word(block, b'F', &mut feed)?;
         }

@@ -93,16 +93,6 @@ pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
     }
 }
 
-/// `value / divisor` rounded down, for a divisor below 2^63 and above `value >> 64`: the quotient has 64 bits.
-#[inline]
-pub(crate) const fn quotient(value: u128, divisor: u64) -> u64 {
-    if cfg!(target_pointer_width = "64") {
-        divide(value, divisor) as u64
-    } else {
-        quotient_by_digits((value >> 64) as u64, value as u64, divisor, WHOLE_DIGITS)
-    }
-}
-
 /// So many binary digits of a quotient, 64 of them before the point; `rest` is below the divisor, and that below 2^63.
 #[inline(never)]
 const fn quotient_by_digits(mut rest: u64, mut low: u64, divisor: u64, mut digits: u32) -> u64 {
@@ -148,6 +138,13 @@ pub(crate) struct Ratio {
 }
 
 impl Ratio {
+    /// To be filled.
+    pub(crate) const NONE: Ratio = Ratio {
+        above: 0,
+        below: 0,
+        digits: 0,
+    };
+
     /// Of two squares below 2^124; the denominator is not 0.
     #[inline]
     pub(crate) fn of_roots(numerator: u128, denominator: u128) -> Ratio {
