@@ -44,6 +44,7 @@ pub(crate) const fn missing(letter: u8, group: Group) -> Fault {
 }
 
 impl<const N: usize> Modal<N> {
+    #[cfg_attr(target_has_atomic = "32", inline(always))]
     pub(crate) fn set_feed(&mut self, block: &Block) -> Result<(), Fault> {
         let before = self.active(Group::FeedMode);
         let mode = block.code(Group::FeedMode).unwrap_or(before);
