@@ -1,12 +1,12 @@
 //! The records of the circuit-board drill: places in, three bytes each out, and back.
 //!
 //! The drill's controller keeps its program as records of three bytes: which axis, and where to, in motor steps from home. X
-//! and Y move one after the other; Z is one whole drilling, and its number is not looked at. A file of records is what its
+//! and Y move one after the other; Z is one whole drilling. The original does not look at its number; with its flaws mended it is a depth. A file of records is what its
 //! link takes in download mode: the records, then `f`.
 //!
 //! ```text
 //!   58 lo hi   `X`: to lo + 256 hi steps         59 lo hi   `Y`: likewise
-//!   5a 00 00   `Z`: drill here                   66         `f`: the end, where a record would begin
+//!   5a lo hi   `Z`: drill here, 0 = all the way  66         `f`: the end, where a record would begin
 //! ```
 //!
 //! ```
@@ -14,7 +14,7 @@
 //! use husillo_gcode::drill_record::{Record, Table, bytes, records};
 //!
 //! let hole = Table::DRILL.hole([Nm(10_000_000), Nm(5_000_000)])?;
-//! assert_eq!(hole, [Record::X(1070), Record::Y(535), Record::Drill]);
+//! assert_eq!(hole, [Record::X(1070), Record::Y(535), Record::Drill(0)]);
 //! let file: Vec<u8> = bytes(hole).collect();
 //! assert_eq!(file, [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0, 0, 0x66]);
 //! let back: Result<Vec<_>, _> = records(&file).collect();
@@ -44,8 +44,9 @@ pub enum Record {
     X(u16),
     /// To this place in Y, steps from home.
     Y(u16),
-    /// One drilling: down to the lower end switch and up to the upper one.
-    Drill,
+    /// One drilling: down by so many steps, or to the lower end switch, and up to the upper one. 0 is all of the way, and all that the
+    /// original does, which does not look at the number.
+    Drill(u16),
 }
 
 impl Record {
@@ -54,31 +55,32 @@ impl Record {
         let (letter, [low, high]) = match self {
             Record::X(steps) => (b'X', steps.to_le_bytes()),
             Record::Y(steps) => (b'Y', steps.to_le_bytes()),
-            Record::Drill => (b'Z', [0, 0]),
+            Record::Drill(steps) => (b'Z', steps.to_le_bytes()),
         };
         [letter, low, high]
     }
 
     /// The record of three bytes; `None` when the first is none of `X`, `Y`, `Z`. The controller takes any such byte but `f`
-    /// for an X, which is refused here. The two bytes behind a `Z` may be anything.
+    /// for an X, which is refused here.
     pub const fn from_bytes([letter, low, high]: [u8; 3]) -> Option<Record> {
         let steps = u16::from_le_bytes([low, high]);
         match letter {
             b'X' => Some(Record::X(steps)),
             b'Y' => Some(Record::Y(steps)),
-            b'Z' => Some(Record::Drill),
+            b'Z' => Some(Record::Drill(steps)),
             _ => None,
         }
     }
 }
 
-/// `X 1070`, `Y 535` or `drill`.
+/// `X 1070`, `Y 535`, `drill`, or `drill 300` to a depth.
 impl fmt::Display for Record {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Record::X(steps) => write!(f, "X {steps}"),
             Record::Y(steps) => write!(f, "Y {steps}"),
-            Record::Drill => f.write_str("drill"),
+            Record::Drill(0) => f.write_str("drill"),
+            Record::Drill(steps) => write!(f, "drill {steps}"),
         }
     }
 }
@@ -135,13 +137,26 @@ impl Table {
         }
     }
 
+    /// The place in steps of X and Y.
+    ///
+    /// # Errors
+    /// It is not on the table; of X where both are off.
+    pub const fn steps(&self, [x, y]: [Nm; 2]) -> Result<[u16; 2], OffTable> {
+        match (self.move_x(x), self.move_y(y)) {
+            (Ok(Record::X(x)), Ok(Record::Y(y))) => Ok([x, y]),
+            (Err(error), _) | (_, Err(error)) => Err(error),
+            // The two before give no other records.
+            _ => Ok([0; 2]),
+        }
+    }
+
     /// The records of one hole: X, Y, drill.
     ///
     /// # Errors
     /// The place is not on the table; of X where both are off.
     pub const fn hole(&self, [x, y]: [Nm; 2]) -> Result<[Record; 3], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
-            (Ok(x), Ok(y)) => Ok([x, y, Record::Drill]),
+            (Ok(x), Ok(y)) => Ok([x, y, Record::Drill(0)]),
             (Err(error), _) | (_, Err(error)) => Err(error),
         }
     }

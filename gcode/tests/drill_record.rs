@@ -34,7 +34,7 @@ fn the_examples_of_the_protocol() {
     // A step is 0.009346 mm.
     assert_eq!(Table::DRILL.move_y(Nm(9_346)), Ok(Record::Y(1)));
     // The buffer: 8192 = 3 * 2730 + 2, so a record straddles its end.
-    let full: Vec<u8> = bytes([Record::Drill; 2731]).collect();
+    let full: Vec<u8> = bytes([Record::Drill(0); 2731]).collect();
     assert_eq!((full.len() - 1, full[8190], full[8192]), (8193, b'Z', 0));
 }
 
@@ -48,7 +48,11 @@ fn every_record_comes_back() {
         }
         // The controller does not look at the number of a drilling.
         let [low, high] = steps.to_le_bytes();
-        assert_eq!(Record::from_bytes([b'Z', low, high]), Some(Record::Drill));
+        let steps = u16::from_le_bytes([low, high]);
+        assert_eq!(
+            Record::from_bytes([b'Z', low, high]),
+            Some(Record::Drill(steps))
+        );
     }
     for letter in 0..=u8::MAX {
         let known = matches!(letter, b'X' | b'Y' | b'Z');
@@ -78,7 +82,7 @@ fn the_table_ends_where_it_ends() {
     let table = Table::DRILL;
     assert_eq!(
         table.hole(millimetres(220, 45)),
-        Ok([Record::X(23_540), Record::Y(4_815), Record::Drill])
+        Ok([Record::X(23_540), Record::Y(4_815), Record::Drill(0)])
     );
     let off = |letter, at: Nm, last| Err(OffTable { letter, at, last });
     let at = Nm(220_004_673);
@@ -124,7 +128,7 @@ fn faults_have_their_place() {
     // Inside of a record `f` is a number.
     assert_eq!(
         read(b"XffYffZfff"),
-        Ok(vec![Record::X(0x6666), Record::Y(0x6666), Record::Drill])
+        Ok(vec![Record::X(0x6666), Record::Y(0x6666), Record::Drill(0)])
     );
     let messages: Vec<_> = [&b"Z\0\0\x07\0\0f"[..], b"Z\0", b"Z\0\0", b"f", b"Z\0\0f\0"]
         .iter()
@@ -146,7 +150,7 @@ fn record() -> impl Strategy<Value = Record> {
     prop_oneof![
         any::<u16>().prop_map(Record::X),
         any::<u16>().prop_map(Record::Y),
-        Just(Record::Drill)
+        any::<u16>().prop_map(Record::Drill)
     ]
 }
 
@@ -197,7 +201,7 @@ proptest! {
     #[test]
     fn places_are_off_by_half_a_step(x in -4_672_i64..=220_004_672, y in -4_672_i64..=45_004_672) {
         let hole = Table::DRILL.hole([Nm(x), Nm(y)]).unwrap();
-        let [Record::X(x_steps), Record::Y(y_steps), Record::Drill] = hole else {
+        let [Record::X(x_steps), Record::Y(y_steps), Record::Drill(0)] = hole else {
             panic!("{hole:?}")
         };
         for (nm, steps) in [(x, x_steps), (y, y_steps)] {

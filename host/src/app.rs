@@ -1,5 +1,6 @@
 //! What each command does, from its arguments to its exit status.
 
+mod drilling;
 mod rewrite;
 mod simulate;
 
@@ -7,7 +8,7 @@ use crate::calibrate::{Calibrate, What};
 use crate::check::{self, Facts};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, Holes, Interpolate,
-    Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target, Tune,
+    Listing, Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target, Tune,
 };
 use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
@@ -17,9 +18,11 @@ use crate::drill_code::Work;
 use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
 use crate::machine_file::{LoadError, MachineFile};
+use crate::order::Metric;
 use crate::source::Source;
 use crate::{
-    cell, commands, compare_page, compare_text, grid, interpolate, machines, setup, steps, tune,
+    cell, commands, compare_page, compare_text, drill, grid, interpolate, machines, setup, steps,
+    tune,
 };
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Machine};
@@ -69,6 +72,8 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Commands(args) => print_commands(args),
         Command::Steps(args) => write_steps(args),
         Command::Holes(args) => list_holes(args),
+        Command::Compile(args) => drilling::compile(args),
+        Command::Send(args) => drilling::send(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
@@ -98,7 +103,15 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
 }
 
 fn jog(args: &cell::Jog) -> Result<u8, Failure> {
-    let is_well = cell::jog(args, &mut io::stdout().lock())?;
+    let out = &mut io::stdout().lock();
+    let is_well = match args.machine.as_str() {
+        "microfactory" => cell::jog(args, out)?,
+        "drill" => drill::jog(args, out)?,
+        other => {
+            let message = format!("{other} cannot be jogged: there are microfactory and drill");
+            return Err(Failure::Usage(message));
+        }
+    };
     Ok(if is_well { OK } else { ERRORS })
 }
 
@@ -124,6 +137,11 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
     if args.machine == "microfactory" {
         cell::emulate(args, &mut io::stdout().lock())?;
+        return Ok(OK);
+    }
+    #[cfg(unix)]
+    if args.machine == "drill" {
+        drill::emulate(args, &mut io::stdout().lock())?;
         return Ok(OK);
     }
     ended(cmm::emulate(args, &mut io::stdout().lock()))
@@ -353,7 +371,7 @@ fn not_loaded(machine: &str, error: LoadError) -> io::Result<Failure> {
 }
 
 fn list_holes(args: &Holes) -> Result<u8, Failure> {
-    let options = holes::Options::new(args)?;
+    let options = holes::Options::new(&args.layout)?;
     let work = match args.make {
         DrillOutput::Gcode => Some(Work::new(args)?),
         DrillOutput::List | DrillOutput::Drill => None,
@@ -376,15 +394,15 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     if let Some(fit) = board.apply(&options)? {
         eprintln!("{name}: {fit}");
     }
-    if args.order == DrillOrder::Shortest {
-        board.sort_shortest();
+    if args.layout.order == DrillOrder::Shortest {
+        board.sort_shortest(Metric::Straight);
     }
     // All of it is made before the file is touched.
     let mut made = Vec::new();
     match (work, args.format) {
         (Some(work), _) => work.write(&board, name, &mut made)??,
         (None, format) if is_drill => {
-            let compiler = Compiler::new(args);
+            let compiler = Compiler::new(&args.layout);
             let tools = match compiler.compile(&board, name) {
                 Ok(tools) => tools,
                 Err(Refusal::Usage(message)) => return Err(Failure::Usage(message)),
@@ -468,11 +486,18 @@ fn verdict(errors: u64, warnings: u64) -> String {
 }
 
 fn print_commands(args: &Commands) -> Result<u8, Failure> {
+    if args.file.to_ascii_lowercase().ends_with(".cod") {
+        return drilling::list(&args.file, args.format);
+    }
+    if args.format == Listing::Gcode {
+        let message = "--format gcode is for records of the drill, *.cod";
+        return Err(Failure::Usage(message.into()));
+    }
     let job = Job::new(&args.file, &args.target, "free")?;
     let mut source = job.open()?;
     let mut findings = to_stderr(Format::Text);
     let mut out = BufWriter::with_capacity(1 << 18, io::stdout().lock());
-    let json = args.format == Output::Json;
+    let json = args.format == Listing::Json;
     commands::print(
         &mut source,
         job.name(),

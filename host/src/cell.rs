@@ -11,18 +11,19 @@ mod args;
 mod client;
 mod device;
 mod figure;
-mod wire;
 
 pub use args::Jog;
 
+use crate::wire::Wire;
 use action::Action;
 use client::Client;
 use device::Device;
 use std::io::Write;
 use std::sync::mpsc;
 use std::thread;
-use wire::Wire;
 
+/// Bits a second of the link.
+const BAUD: u32 = 9600;
 /// The figure of a device that was given none: the original's square with its diagonal, 1000 steps wide.
 const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
@@ -39,7 +40,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
         let wire = if *port == "sim" {
             Wire::simulated(Device::new(figure_of(args.figure.as_deref())?, true))
         } else {
-            Wire::open(port).map_err(|error| format!("{port}: {error}"))?
+            Wire::open(port, BAUD).map_err(|error| format!("{port}: {error}"))?
         };
         machines.push(Client::new(wire, !args.without_answers));
     }

@@ -57,6 +57,22 @@ pub enum Command {
         husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc\n  \
         husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
+    /// Translate a program or a drill file for a controller that has no interpreter: records of the circuit-board drill
+    #[command(after_help = "Examples:\n  \
+        husillo compile board.drl -m drill -o board.cod\n  \
+        husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
+        husillo compile holes.nc -m drill -o holes.cod\n  \
+        husillo commands board.cod --format gcode")]
+    Compile(Compile),
+    /// Send a program to the drill and see it drilled
+    #[command(after_help = "Examples:\n  \
+        husillo send board.drl -m drill --shift corner --port /dev/ttyUSB0\n  \
+        husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
+        husillo send board.cod -m drill --port /dev/ttyUSB0 --detach\n  \
+        husillo send board.drl -m drill --from 37\n\n\
+        It pauses between tools, spindle off, and asks for the diameter of the next one; Ctrl-C stops behind the hole that is being\n\
+        drilled. After a fault it says which hole is next: --from goes on there.")]
+    Send(Send),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
         husillo interpolate line --to 10,4,3\n  \
@@ -287,9 +303,9 @@ pub struct Commands {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub target: Target,
-    /// How to print the commands
+    /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
-    pub format: Output,
+    pub format: Listing,
 }
 
 /// `husillo steps`.
@@ -322,6 +338,38 @@ pub struct Holes {
     /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<String>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub layout: Layout,
+    /// Depth of the holes below the surface, which is Z0
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub depth: Option<String>,
+    /// Height above the surface between holes
+    #[arg(long, value_name = "MM", default_value = "2")]
+    pub clearance: String,
+    /// Height above the surface for tool changes
+    #[arg(long, value_name = "MM", default_value = "10")]
+    pub safe: String,
+    /// Feed into the board, a minute
+    #[arg(long, value_name = "MM", default_value = "60")]
+    pub feed: String,
+    /// Feed along slots, a minute [default: that of --feed]
+    #[arg(long, value_name = "MM")]
+    pub rout_feed: Option<String>,
+    /// Spindle speed
+    #[arg(long, value_name = "RPM")]
+    pub speed: Option<u32>,
+    /// How a hole is drilled
+    #[arg(long, value_enum, default_value = "g81")]
+    pub cycle: Cycle,
+    /// Depth of one peck of --cycle g83
+    #[arg(long, value_name = "MM", default_value = "0.5")]
+    pub peck: String,
+}
+
+/// How a drill file is read, which of its holes are made, in which order, and where.
+#[derive(Debug, Args)]
+pub struct Layout {
     /// Unit, whatever the file says
     #[arg(long, value_enum)]
     pub units: Option<DrillUnits>,
@@ -364,36 +412,81 @@ pub struct Holes {
     /// Move the board by X,Y millimetres, after all this; `corner` puts its least X and Y at 0,0
     #[arg(long, value_name = "X,Y|corner", allow_hyphen_values = true)]
     pub shift: Option<String>,
-    /// Depth of the holes below the surface, which is Z0
-    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
-    pub depth: Option<String>,
-    /// Height above the surface between holes
-    #[arg(long, value_name = "MM", default_value = "2")]
-    pub clearance: String,
-    /// Height above the surface for tool changes
-    #[arg(long, value_name = "MM", default_value = "10")]
-    pub safe: String,
-    /// Feed into the board, a minute
-    #[arg(long, value_name = "MM", default_value = "60")]
-    pub feed: String,
-    /// Feed along slots, a minute [default: that of --feed]
-    #[arg(long, value_name = "MM")]
-    pub rout_feed: Option<String>,
-    /// Spindle speed
-    #[arg(long, value_name = "RPM")]
-    pub speed: Option<u32>,
-    /// How a hole is drilled
-    #[arg(long, value_enum, default_value = "g81")]
-    pub cycle: Cycle,
-    /// Depth of one peck of --cycle g83
-    #[arg(long, value_name = "MM", default_value = "0.5")]
-    pub peck: String,
-    /// How a slot is made [default: rout; drill with --as drill]
+    /// How a slot is made [default: drill; rout with --as gcode]
     #[arg(long, value_enum)]
     pub slots: Option<SlotHandling>,
-    /// Let --as drill go beyond the table of 220 x 45 mm, up to 612 mm
+    /// Let records of the drill go beyond its table of 220 x 45 mm, up to 612 mm
     #[arg(long)]
     pub unbounded: bool,
+}
+
+/// `husillo compile`.
+#[derive(Debug, Args)]
+pub struct Compile {
+    /// Program in the drill's language, or drill file (Excellon, TANGO)
+    pub file: String,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub target: Target,
+    /// File to write; of a drill file with several tools NAME.T1.cod and so on, and of each drill file a manifest NAME.toml
+    #[arg(short, long, value_name = "NAME.cod")]
+    pub output: Option<String>,
+    /// Page with a picture of the board: holes, order and travel
+    #[arg(long, value_name = "REPORT.html")]
+    pub report: Option<String>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drilling: Drilling,
+}
+
+/// `husillo send`.
+#[derive(Debug, Args)]
+pub struct Send {
+    /// Program, drill file, records (NAME.cod) or a manifest of them (NAME.toml)
+    pub file: String,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub target: Target,
+    /// Port: sim, a serial device, or tcp:HOST:PORT
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
+    pub port: String,
+    /// Bits a second of the link
+    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: u32,
+    /// First hole to be drilled, counted through all tools
+    #[arg(long, value_name = "HOLE", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub from: u32,
+    /// End when the start is confirmed, and let the drill go on by itself: one tool, up to 8192 bytes
+    #[arg(long)]
+    pub detach: bool,
+    /// Do not ask for tools
+    #[arg(short, long)]
+    pub yes: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub drilling: Drilling,
+}
+
+/// What is said of a program for the drill.
+#[derive(Debug, Args)]
+pub struct Drilling {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub layout: Layout,
+    /// Depths from Z words and G81 to G83, for a drill with its flaws mended: the program is RS-274 then
+    #[arg(long)]
+    pub fixed: bool,
+    /// Depth of all holes of a drill file below the upper sensor, for a drill with its flaws mended [default: to the lower sensor]
+    #[arg(long, value_name = "MM")]
+    pub depth: Option<String>,
+    /// Height of the upper sensor above Z 0 of the program, with --fixed
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    pub home_height: String,
 }
 
 /// What to make of a drill file.
@@ -645,14 +738,17 @@ pub struct Measure {
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
-    /// Machine: microfactory, cmm, cmm3, or a TOML file of a measuring machine
+    /// Machine: microfactory, drill, cmm, cmm3, or a TOML file of a measuring machine
     pub machine: String,
     /// Figure of a microfactory: a G-code program of straight moves in X and Z
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
-    /// As the original did: a microfactory that does not answer and has no dead-man's time
+    /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
     #[arg(long)]
     pub faithful: bool,
+    /// Bits a second of the link of a drill
+    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: u32,
     /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
     #[arg(long, value_name = "servo:V,..")]
     pub modules: Option<String>,
@@ -808,6 +904,17 @@ pub enum Results {
     Json,
     /// For spreadsheets.
     Csv,
+}
+
+/// Text for people, JSON for programs, or a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Listing {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+    /// A program that compiles to the same.
+    Gcode,
 }
 
 /// Text for people or JSON for programs.

@@ -56,7 +56,7 @@ impl Work {
             },
             speed: args.speed,
             cycle: args.cycle,
-            slots: args.slots.unwrap_or(SlotHandling::Rout),
+            slots: args.layout.slots.unwrap_or(SlotHandling::Rout),
         })
     }
 

@@ -1,6 +1,6 @@
 //! A drill file as the records of the circuit-board drill, tool by tool.
 
-use crate::cli::{Holes, SlotHandling};
+use crate::cli::{Layout, SlotHandling};
 use crate::diagnostics::{Finding, Severity};
 use crate::drill_code::overlapping;
 use crate::holes::{Board, count};
@@ -39,7 +39,7 @@ pub enum Refusal {
 
 impl Compiler {
     /// Reads the options.
-    pub fn new(args: &Holes) -> Self {
+    pub fn new(args: &Layout) -> Self {
         Self {
             table: if args.unbounded {
                 Table::UNBOUNDED
@@ -173,7 +173,7 @@ impl Compiler {
                 match record {
                     Record::X(steps) => write!(out, "{separator}[\"X\", {steps}]")?,
                     Record::Y(steps) => write!(out, "{separator}[\"Y\", {steps}]")?,
-                    Record::Drill => write!(out, "{separator}[\"Z\", 0]")?,
+                    Record::Drill(steps) => write!(out, "{separator}[\"Z\", {steps}]")?,
                 }
             }
             write!(out, "]}}")?;

@@ -1,9 +1,9 @@
 //! Drill files: read, checked, listed.
 
-use crate::cli::{self, Holes};
+use crate::cli::{self, Layout};
 use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machine_file::{MachineFile, Travel};
-use crate::order;
+use crate::order::{self, Metric};
 use crate::panel::{Panel, Refused};
 use crate::placement::{Fit, Placement};
 use crate::quantity::{self, Quantity};
@@ -59,7 +59,7 @@ impl Options {
     /// # Errors
     ///
     /// A sentence about the option that is wrong.
-    pub fn new(args: &Holes) -> Result<Self, String> {
+    pub fn new(args: &Layout) -> Result<Self, String> {
         let digits = args.format_digits.as_deref().map(|text| {
             digits(text).ok_or_else(|| {
                 format!("--format-digits {text}: two digits with a point between, as in 2.4")
@@ -392,7 +392,7 @@ impl Board {
     }
 
     /// Puts the holes of each tool into the order of a short path, tool after tool.
-    pub fn sort_shortest(&mut self) {
+    pub fn sort_shortest(&mut self, metric: Metric) {
         let mut sorted = Vec::with_capacity(self.holes.len());
         let mut at = [0; 2];
         for tool in self.tools_in_use() {
@@ -403,8 +403,10 @@ impl Board {
                 .copied()
                 .collect();
             let points: Vec<_> = of_tool.iter().map(middle).collect();
-            let path = order::shortest(&points, at);
-            at = path.last().map_or(at, |&last| points[last]);
+            let path = order::shortest(&points, at, metric);
+            if metric == Metric::Straight {
+                at = path.last().map_or(at, |&last| points[last]);
+            } // The drill goes home for another tool.
             sorted.extend(path.iter().map(|&index| of_tool[index]));
         }
         self.holes = sorted;
@@ -422,8 +424,8 @@ impl Board {
     }
 
     /// The way from the origin over all holes in their order, in nm.
-    fn travel_nm(&self) -> f64 {
-        order::travel(self.holes.iter().map(middle), [0; 2])
+    pub fn travel_nm(&self, metric: Metric) -> f64 {
+        order::travel(self.holes.iter().map(middle), [0; 2], metric)
     }
 
     /// Least and greatest coordinates of the middles of holes and the ends of slots.
@@ -517,7 +519,7 @@ impl Board {
             writeln!(
                 out,
                 "  travel   {:.1} mm from the origin over all holes",
-                self.travel_nm() / 1e6
+                self.travel_nm(Metric::Straight) / 1e6
             )?;
         }
         Ok(())

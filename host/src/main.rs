@@ -29,6 +29,7 @@ mod decision;
 mod deviation;
 mod diagnostics;
 mod drawing;
+mod drill;
 mod drill_code;
 mod drill_file;
 mod emulation;
@@ -62,6 +63,7 @@ mod terminal;
 mod tune;
 mod turning;
 mod turns;
+mod wire;
 
 use clap::Parser;
 use std::process::ExitCode;

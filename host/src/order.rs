@@ -8,31 +8,46 @@ const NEIGHBOURS: usize = 8;
 /// The longest piece of the path that is turned round, so that very large boards stay quick.
 const LONGEST_TURN: usize = 50_000;
 
+/// What a way is measured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// Both axes at once, in a straight line.
+    Straight,
+    /// One axis after the other, as the circuit-board drill goes.
+    AxisByAxis,
+}
+
 /// Returns the indices of `points` in the order of a short path that begins at `start` and ends anywhere. Equal for
 /// equal input. Costs about n^1.5 for points that are spread out; n^2 at worst.
-pub fn shortest(points: &[[i64; 2]], start: [i64; 2]) -> Vec<usize> {
-    let plane = Plane::new(points, start);
+pub fn shortest(points: &[[i64; 2]], start: [i64; 2], metric: Metric) -> Vec<usize> {
+    let plane = Plane::new(points, start, metric);
     let mut path = plane.nearest_neighbour();
     plane.two_opt(&mut path);
     path.iter().skip(1).map(|point| point - 1).collect()
 }
 
 /// The length of the path from `start` through all points, in the unit of the points.
-pub fn travel(points: impl IntoIterator<Item = [i64; 2]>, start: [i64; 2]) -> f64 {
+pub fn travel(points: impl IntoIterator<Item = [i64; 2]>, start: [i64; 2], metric: Metric) -> f64 {
     let mut from = start;
     points
         .into_iter()
-        .map(|to| distance(std::mem::replace(&mut from, to), to))
+        .map(|to| metric.distance(std::mem::replace(&mut from, to), to))
         .sum()
 }
 
-fn distance([x0, y0]: [i64; 2], [x1, y1]: [i64; 2]) -> f64 {
-    let (dx, dy) = ((x1 - x0) as f64, (y1 - y0) as f64);
-    (dx * dx + dy * dy).sqrt()
+impl Metric {
+    fn distance(self, [x0, y0]: [i64; 2], [x1, y1]: [i64; 2]) -> f64 {
+        let (dx, dy) = ((x1 - x0) as f64, (y1 - y0) as f64);
+        match self {
+            Metric::Straight => (dx * dx + dy * dy).sqrt(),
+            Metric::AxisByAxis => dx.abs() + dy.abs(),
+        }
+    }
 }
 
 /// The points with the start as number 0, sorted along one axis so that near ones are found by looking to both sides.
 struct Plane {
+    metric: Metric,
     points: Vec<[i64; 2]>,
     /// The axis along which the points are spread most.
     axis: usize,
@@ -42,7 +57,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(points: &[[i64; 2]], start: [i64; 2]) -> Self {
+    fn new(points: &[[i64; 2]], start: [i64; 2], metric: Metric) -> Self {
         let points: Vec<_> = std::iter::once(start)
             .chain(points.iter().copied())
             .collect();
@@ -60,6 +75,7 @@ impl Plane {
             rank[point] = place;
         }
         Self {
+            metric,
             points,
             axis,
             sorted,
@@ -68,7 +84,7 @@ impl Plane {
     }
 
     fn distance(&self, a: usize, b: usize) -> f64 {
-        distance(self.points[a], self.points[b])
+        self.metric.distance(self.points[a], self.points[b])
     }
 
     /// How far two points are apart along the sorted axis: no more than their distance.
@@ -226,7 +242,11 @@ mod tests {
     use super::*;
 
     fn along(points: &[[i64; 2]], order: &[usize]) -> f64 {
-        travel(order.iter().map(|&point| points[point]), [0; 2])
+        travel(
+            order.iter().map(|&point| points[point]),
+            [0; 2],
+            Metric::Straight,
+        )
     }
 
     /// All orders, for few points.
@@ -235,7 +255,7 @@ mod tests {
         for turn in 0..left.len() {
             let point = left.remove(turn);
             let rest = best(points, points[point], left);
-            least = least.min(distance(from, points[point]) + rest);
+            least = least.min(Metric::Straight.distance(from, points[point]) + rest);
             left.insert(turn, point);
         }
         least
@@ -256,11 +276,12 @@ mod tests {
     fn every_point_once_and_never_longer_than_nearest_neighbour() {
         for count in [0, 1, 2, 3, 10, 300] {
             let points = scattered(count, count + 1);
-            let order = shortest(&points, [0; 2]);
+            let order = shortest(&points, [0; 2], Metric::Straight);
             let mut sorted = order.clone();
             sorted.sort_unstable();
             assert_eq!(sorted, (0..points.len()).collect::<Vec<_>>());
-            let first: Vec<_> = Plane::new(&points, [0; 2]).nearest_neighbour()[1..]
+            let first: Vec<_> = Plane::new(&points, [0; 2], Metric::Straight).nearest_neighbour()
+                [1..]
                 .iter()
                 .map(|point| point - 1)
                 .collect();
@@ -273,7 +294,7 @@ mod tests {
         let (mut total, mut least) = (0.0, 0.0);
         for seed in 0..60 {
             let points = scattered(7, seed);
-            total += along(&points, &shortest(&points, [0; 2]));
+            total += along(&points, &shortest(&points, [0; 2], Metric::Straight));
             least += best(&points, [0; 2], &mut (0..7).collect());
         }
         assert!(total < 1.06 * least, "{}", total / least);
@@ -282,15 +303,18 @@ mod tests {
     #[test]
     fn equal_points_and_rows() {
         let equal = vec![[5, 5]; 40];
-        assert_eq!(shortest(&equal, [0; 2]).len(), 40);
+        assert_eq!(shortest(&equal, [0; 2], Metric::Straight).len(), 40);
         let row: Vec<_> = (0..50).map(|x| [(x * 7 % 50) * 1000, 0]).collect();
-        assert_eq!(along(&row, &shortest(&row, [0; 2])), 49_000.0);
+        assert_eq!(
+            along(&row, &shortest(&row, [0; 2], Metric::Straight)),
+            49_000.0
+        );
     }
 
     #[test]
     fn two_opt_leaves_no_crossing_that_its_neighbours_see() {
         let points = scattered(400, 3);
-        let order = shortest(&points, [0; 2]);
+        let order = shortest(&points, [0; 2], Metric::Straight);
         // Random points of a square of side 2^24: about 0.7124 * sqrt(n * area) is the best tour.
         let tour = 0.7124 * (400.0_f64).sqrt() * f64::from(1 << 24);
         assert!(along(&points, &order) < 1.15 * tour);

@@ -1,6 +1,6 @@
 //! Where a board lies on the machine: mirrored, turned, fitted to measured holes, moved.
 
-use crate::cli::{Holes, Mirror};
+use crate::cli::{Layout, Mirror};
 use crate::holes::{Board, length};
 use husillo_gcode::excellon::Path;
 use husillo_gcode::{Direction, Nm};
@@ -109,7 +109,7 @@ impl Placement {
     /// # Errors
     ///
     /// A sentence about the option that is wrong.
-    pub fn new(args: &Holes) -> Result<Self, String> {
+    pub fn new(args: &Layout) -> Result<Self, String> {
         let references: Vec<_> = args
             .reference
             .iter()

@@ -422,7 +422,7 @@ fn drilled(program: &[u8]) -> Vec<[u16; 2]> {
         match record.unwrap() {
             Record::X(steps) => at[0] = steps,
             Record::Y(steps) => at[1] = steps,
-            Record::Drill => places.push(at),
+            Record::Drill(_) => places.push(at),
         }
     }
     places

@@ -348,6 +348,58 @@ fn a_wrong_bit_in_a_record_is_seen() {
     }
 }
 
+/// A fault while an unknown device is brought to rest: it is at rest then, or the host says that it is not. A device that takes a program
+/// echoes whatever it is sent, so what it says to a test is no proof: one wrong bit makes a `b` of the first bytes.
+#[test]
+fn a_device_that_echoes_everything_is_not_at_rest() {
+    for rules in [Rules::FIXED, Rules::FAITHFUL] {
+        for state in [
+            &b""[..],
+            b"b",
+            b"bX",
+            b"bX\x01",
+            b"bX\x01\x02",
+            b"m\x05",
+            b"m\x05D",
+        ] {
+            let bench = || {
+                let mut bench = Bench::<64>::new(rules, Timing::of(2400, 60_000_000));
+                for byte in state {
+                    bench.send(false, *byte);
+                    (0..200).for_each(|_| bench.tick());
+                }
+                bench
+            };
+            let mut good = bench();
+            let first = good.carried;
+            assert_eq!(good.run(Step::Resync), Ok(Outcome::Done), "{state:?}");
+            for place in first..good.carried {
+                for event in events() {
+                    let mut bench = bench();
+                    bench.event = Some((place, event));
+                    let outcome = bench.run(Step::Resync).expect("at any time");
+                    (bench.event, bench.is_unplugged) = (None, false);
+                    (0..300).for_each(|_| bench.tick());
+                    let mut rounds = 0;
+                    let mut outcome = outcome;
+                    while outcome != Outcome::Done && rounds < 3 {
+                        outcome = bench.run(Step::Resync).expect("at any time");
+                        rounds += 1;
+                    }
+                    assert_eq!(outcome, Outcome::Done, "{state:?} {event:?}");
+                    bench.orders.clear();
+                    assert_eq!(bench.run(Step::Home), Ok(Outcome::Done));
+                    assert_eq!(
+                        bench.orders,
+                        [Order::Home],
+                        "{state:?} {event:?} at {place}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Each flaw by its name: mended in one kind of device, there in the other.
 #[test]
 fn flaws_are_there_or_mended() {

@@ -224,6 +224,7 @@ mod drill {
             Host::stop as *const (),
             Host::stored_bytes as *const (),
             Host::transmit as *const (),
+            Host::wait_on as *const (),
             Timing::of as *const (),
             Timing::original as *const (),
         ]);

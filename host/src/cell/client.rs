@@ -1,7 +1,8 @@
 //! The host's side of the microfactory's link.
 
 use super::action::Action;
-use super::wire::Wire;
+use super::device::Device;
+use crate::wire::Wire;
 use husillo_transports::byte_commands::{ByteTable, REJECTED};
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ const HOMING: Duration = Duration::from_secs(120);
 
 /// The host's side.
 pub struct Client {
-    wire: Wire,
+    wire: Wire<Device>,
     answers: bool,
 }
 
@@ -31,7 +32,7 @@ enum Answer {
 
 impl Client {
     /// On a wire to a device that answers, or to one that does not.
-    pub const fn new(wire: Wire, answers: bool) -> Self {
+    pub const fn new(wire: Wire<Device>, answers: bool) -> Self {
         Self { wire, answers }
     }
 

@@ -4,8 +4,9 @@ use super::device::check;
 use super::{END_OF_TEXT, Failure, Outcome, Progress, Refused, Step, Timing};
 
 /// Bytes that bring any device to rest: four `f` close any record and meet the place where `f` ends a program, `Q` leaves the manual mode,
-/// and an idle device ignores all of them. `B` is the test.
-const RESYNC: [u8; 6] = [b'f', b'f', b'f', b'f', b'Q', b'B'];
+/// and an idle device ignores all of them. `B` is the test, which a device that takes a program echoes as well - one wrong bit makes
+/// `b`, which begins one, of `f` -, so a last `Q` follows: only an idle device says nothing to it.
+const RESYNC: [u8; 7] = [b'f', b'f', b'f', b'f', b'Q', b'B', b'Q'];
 
 /// Bytes that a device may hold beyond those that were echoed, when a failure is noticed and mended: one that came twice, one whose echo is
 /// missing, and the four of [`RESYNC`].
@@ -172,6 +173,11 @@ impl Host {
         runs.then_some(b'E')
     }
 
+    /// The wait that is under way begins anew: for work that takes longer than 2^31 us, which a caller knows of.
+    pub const fn wait_on(&mut self, now_us: u32) {
+        self.since_us = now_us;
+    }
+
     /// The next byte for the line, once; `None` when there is none for now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         match self.phase {
@@ -184,8 +190,16 @@ impl Host {
             }
             Phase::Resync(number) if self.left_us(now_us) == 0 => {
                 let byte = RESYNC.get(usize::from(number)).copied()?;
+                let next = Phase::Resync(number.wrapping_add(1)); // 7 at most
+                if usize::from(number).wrapping_add(1) == RESYNC.len() {
+                    // The answer to the test, or none.
+                    match self.heard {
+                        Some(b'B') => {}
+                        Some(other) => return self.end_resync(Failure::Wrong(other)),
+                        None => return self.end_resync(Failure::Silent),
+                    }
+                }
                 self.heard = None;
-                let next = Phase::Resync(number.wrapping_add(1)); // 6 at most
                 self.wait(next, self.timing.pause_us, now_us);
                 Some(byte)
             }
@@ -236,10 +250,14 @@ impl Host {
             Phase::Resync(number) if usize::from(number) < RESYNC.len() => {
                 return Progress::Sending;
             }
-            Phase::Resync(_) if self.heard == Some(b'B') => {
-                self.mode = Mode::Idle;
-                self.phase = Phase::Over(Outcome::Done);
-            }
+            Phase::Resync(_) => match self.heard {
+                None => {
+                    self.mode = Mode::Idle;
+                    self.phase = Phase::Over(Outcome::Done);
+                }
+                Some(b'B') => self.fail(Failure::Restarted),
+                Some(other) => self.fail(Failure::Wrong(other)),
+            },
             Phase::Guard => self.phase = Phase::Over(Outcome::Done),
             Phase::Answer(sent) if self.tries > 1 => {
                 self.tries = self.tries.saturating_sub(1);
@@ -257,7 +275,6 @@ impl Host {
             | Phase::Late
             | Phase::Record(_)
             | Phase::Text
-            | Phase::Resync(_)
             | Phase::Border
             | Phase::Boot => {
                 self.fail(Failure::Silent);
@@ -442,6 +459,12 @@ impl Host {
         } else {
             self.phase = Phase::Over(Outcome::Done);
         }
+    }
+
+    /// Nothing more is sent.
+    fn end_resync(&mut self, failure: Failure) -> Option<u8> {
+        self.fail(failure);
+        None
     }
 
     fn fail(&mut self, failure: Failure) {

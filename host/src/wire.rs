@@ -1,20 +1,16 @@
-//! Where the bytes of a microfactory go: a simulated device, a serial device, a socket.
+//! Where the bytes of a client go: a simulated device, a serial device, a socket.
 
-use super::device::Device;
 use crate::cmm::Port;
 use crate::emulation::Emulation;
 use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-/// Bits a second of the link.
-const BAUD: u32 = 9600;
-
-/// A wire, with the time that passes on it.
-pub enum Wire {
+/// A wire to a device or to a simulated one, with the time that passes on it.
+pub enum Wire<E> {
     /// A device in simulated time: ns since the beginning.
     Simulated {
-        device: Box<Device>,
+        device: Box<E>,
         ns: u64,
         answers: VecDeque<u8>,
     },
@@ -22,9 +18,9 @@ pub enum Wire {
     Real { port: Port, answers: VecDeque<u8> },
 }
 
-impl Wire {
+impl<E: Emulation> Wire<E> {
     /// To a simulated device.
-    pub fn simulated(device: Device) -> Self {
+    pub fn simulated(device: E) -> Self {
         Self::Simulated {
             device: Box::new(device),
             ns: 0,
@@ -32,14 +28,14 @@ impl Wire {
         }
     }
 
-    /// To a serial device or `tcp:HOST:PORT`.
+    /// To a serial device at so many bits a second, or `tcp:HOST:PORT`.
     ///
     /// # Errors
     ///
     /// It cannot be opened.
-    pub fn open(name: &str) -> io::Result<Self> {
+    pub fn open(name: &str, bits_per_s: u32) -> io::Result<Self> {
         Ok(Self::Real {
-            port: Port::open_at(name, BAUD)?,
+            port: Port::open_at(name, bits_per_s)?,
             answers: VecDeque::new(),
         })
     }
@@ -88,7 +84,7 @@ impl Wire {
                     ns,
                     answers,
                 } => {
-                    *ns += Device::PERIOD_NS;
+                    *ns += E::PERIOD_NS;
                     answers.extend(device.tick());
                 }
                 Self::Real { port, answers } => {

@@ -1,0 +1,275 @@
+//! `compile`, and what else has to do with records of the drill.
+
+use super::{ERRORS, Failure, OK, create, displayed, to_stderr, whole};
+use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
+use crate::diagnostics::Format;
+use crate::drill::{self, Board, Part, Translation};
+use crate::drill_file::{Compiler, Refusal};
+use crate::holes;
+use crate::order::Metric;
+use crate::setup;
+use crate::source::Source;
+use husillo_gcode::drill_record::{Record, STEPS_PER_MM, Table};
+use husillo_gcode::{Dialect, Nm};
+use std::io::{self, Write};
+
+/// What is to be drilled.
+pub(super) struct Job {
+    /// Tool by tool.
+    pub(super) parts: Vec<Part>,
+    /// Steps in the order of the file, where that was changed.
+    file_travel_steps: Option<u64>,
+    /// It may have to be compiled with tools named: a drill file.
+    is_drill_file: bool,
+}
+
+/// Reads a program, a drill file, records or a manifest; `None` where it has errors, which were told.
+pub(super) fn load(
+    file: &str,
+    dialect: Option<&str>,
+    args: &Drilling,
+) -> Result<Option<Job>, Failure> {
+    let lower = file.to_ascii_lowercase();
+    let of_parts = |parts| Job {
+        parts,
+        file_travel_steps: None,
+        is_drill_file: false,
+    };
+    if lower.ends_with(".toml") {
+        return Ok(Some(of_parts(drill::load_manifest(file)?)));
+    }
+    if lower.ends_with(".cod") {
+        let part = Part {
+            tool: 0,
+            diameter: None,
+            records: drill::load_records(file)?,
+        };
+        return Ok(Some(of_parts(vec![part])));
+    }
+    if holes::is_drill_file(dialect, file) {
+        return of_drill_file(file, args);
+    }
+    let name = displayed(file);
+    let dialect = match dialect {
+        None if args.fixed => Dialect::RS274,
+        None => Dialect::DRILL,
+        some => setup::dialect(some, file, None)?,
+    };
+    let home_height = holes::length(&args.home_height)
+        .ok_or_else(|| format!("--home-height {}: a length", args.home_height))?;
+    let translation = Translation {
+        dialect,
+        table: table(args),
+        home_height,
+    };
+    let mut source =
+        Source::open(file).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+    let mut findings = to_stderr(Format::Text);
+    let parts = translation.read(&mut source, name, &mut findings)?;
+    Ok((findings.errors == 0).then(|| of_parts(parts)))
+}
+
+fn table(args: &Drilling) -> Table {
+    if args.layout.unbounded {
+        Table::UNBOUNDED
+    } else {
+        Table::DRILL
+    }
+}
+
+fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
+    let options = holes::Options::new(&args.layout)?;
+    let depth = match &args.depth {
+        None => 0,
+        Some(text) => steps_of(text)
+            .ok_or_else(|| format!("--depth {text}: a length above zero, up to 612 mm"))?,
+    };
+    let name = displayed(file);
+    let mut findings = to_stderr(Format::Text);
+    let mut board = holes::read(&whole(file)?, name, &options, &mut findings)?;
+    if findings.errors > 0 {
+        return Ok(None);
+    }
+    if let Some(fit) = board.apply(&options)? {
+        eprintln!("{name}: {fit}");
+    }
+    let compiler = Compiler::new(&args.layout);
+    let mut compile = |board: &holes::Board| match compiler.compile(board, name) {
+        Ok(tools) => Ok(Some(tools)),
+        Err(Refusal::Usage(message)) => Err(Failure::Usage(message)),
+        Err(Refusal::Finding(finding)) => {
+            findings.add(&finding)?;
+            Ok(None)
+        }
+    };
+    let parts = |tools: Vec<crate::drill_file::ToolRecords>| -> Vec<Part> {
+        let to_depth = |record: Record| match record {
+            Record::Drill(_) => Record::Drill(depth),
+            other => other,
+        };
+        let part = |tool: crate::drill_file::ToolRecords| {
+            let records: Vec<_> = tool.records.into_iter().map(to_depth).collect();
+            Part {
+                tool: tool.tool.number.into(),
+                diameter: tool.tool.diameter,
+                records: drill::lean(&records),
+            }
+        };
+        tools.into_iter().map(part).collect()
+    };
+    let Some(tools) = compile(&board)? else {
+        return Ok(None);
+    };
+    let mut job = Job {
+        parts: parts(tools),
+        file_travel_steps: None,
+        is_drill_file: true,
+    };
+    if args.layout.order == DrillOrder::Shortest {
+        job.file_travel_steps = Some(job.parts.iter().map(drill::travel_steps).sum());
+        board.sort_shortest(Metric::AxisByAxis);
+        if let Some(tools) = compile(&board)? {
+            job.parts = parts(tools);
+        }
+    }
+    Ok(Some(job))
+}
+
+/// A depth in steps.
+fn steps_of(text: &str) -> Option<u16> {
+    let Nm(nm) = holes::length(text)?;
+    let steps = (i128::from(nm) * i128::from(STEPS_PER_MM) + 500_000).div_euclid(1_000_000);
+    u16::try_from(steps).ok().filter(|steps| *steps > 0)
+}
+
+/// Whether the machine is the drill; a sentence otherwise.
+pub(super) fn expect_drill(machine: Option<&str>) -> Result<(), Failure> {
+    match machine {
+        None | Some("drill") => Ok(()),
+        Some(other) => Err(Failure::Usage(format!(
+            "{other} takes programs as they are: -m drill is what takes records"
+        ))),
+    }
+}
+
+pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
+    expect_drill(args.target.machine.as_deref())?;
+    let name = displayed(&args.file);
+    let dialect = args.target.dialect.as_deref();
+    let Some(job) = load(&args.file, dialect, &args.drilling)? else {
+        eprintln!("{name}: errors; nothing written");
+        return Ok(ERRORS);
+    };
+    let parts = &job.parts;
+    if parts.is_empty() {
+        return Err(Failure::Usage(format!(
+            "{name}: no hole, and a program needs one record"
+        )));
+    }
+    let mut out = io::stdout().lock();
+    let files = args
+        .output
+        .as_ref()
+        .map(|output| drill::file_names(output, parts));
+    for (place, part) in parts.iter().enumerate() {
+        let bytes = part.bytes();
+        let file = files.as_ref().and_then(|files| files.get(place));
+        let to = file.map_or(String::new(), |file| format!("{file}: "));
+        writeln!(
+            out,
+            "{to}{}, {} holes, {} bytes, {:.1} mm in X and Y, about {}",
+            part.name(),
+            part.holes(),
+            bytes.len(),
+            drill::travel_steps(part) as f64 / f64::from(STEPS_PER_MM),
+            drill::spoken(drill::seconds(part, [0; 2]).iter().sum())
+        )?;
+        if let Some(file) = file {
+            create(file)?.write_all(&bytes)?;
+        }
+    }
+    if let Some(steps) = job.file_travel_steps {
+        let travel: u64 = parts.iter().map(drill::travel_steps).sum();
+        let [travel, file] = [travel, steps].map(|steps| steps as f64 / f64::from(STEPS_PER_MM));
+        writeln!(
+            out,
+            "travel {travel:.1} mm, in the order of the file {file:.1} mm: {:.0} % less",
+            100.0 * (1.0 - travel / file.max(0.1))
+        )?;
+    }
+    if let (Some(output), Some(files)) = (&args.output, &files) {
+        if job.is_drill_file || parts.len() > 1 {
+            let manifest = drill::manifest_name(output);
+            create(&manifest)?.write_all(drill::manifest_text(name, parts, files)?.as_bytes())?;
+            writeln!(out, "{manifest}: the tools and their files")?;
+        }
+    }
+    if let Some(report) = &args.report {
+        let page = drill::page(&Board {
+            name,
+            parts,
+            table: table(&args.drilling),
+            file_travel_steps: job.file_travel_steps,
+        });
+        create(report)?.write_all(page.as_bytes())?;
+        writeln!(out, "{report}: the board")?;
+    }
+    if args.output.is_none() && args.report.is_none() {
+        eprintln!("nothing written: see -o and --report");
+    }
+    Ok(OK)
+}
+
+/// `send`.
+pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+    expect_drill(args.target.machine.as_deref())?;
+    let name = displayed(&args.file);
+    let dialect = args.target.dialect.as_deref();
+    let Some(job) = load(&args.file, dialect, &args.drilling)? else {
+        eprintln!("{name}: errors; nothing sent");
+        return Ok(ERRORS);
+    };
+    if job.parts.is_empty() {
+        return Err(Failure::Usage(format!("{name}: no hole")));
+    }
+    let is_well = drill::send(args, &job.parts, &mut io::stdout().lock())?;
+    Ok(if is_well { OK } else { ERRORS })
+}
+
+/// `commands` of a file of records.
+pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
+    let records = drill::load_records(file)?;
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    match format {
+        Listing::Gcode => out.write_all(drill::program_text(&records)?.as_bytes())?,
+        Listing::Text => {
+            for (number, record) in records.iter().enumerate() {
+                let to = match record {
+                    Record::X(steps) | Record::Y(steps) => {
+                        format!("{} mm", drill::millimetres(*steps))
+                    }
+                    Record::Drill(0) => "to the lower sensor".into(),
+                    Record::Drill(steps) => format!("{} mm deep", drill::millimetres(*steps)),
+                };
+                writeln!(out, "{:>6}  {:<12} {to}", number + 1, record.to_string())?;
+            }
+        }
+        Listing::Json => {
+            for (number, record) in records.iter().enumerate() {
+                let (kind, steps) = match record {
+                    Record::X(steps) => ("x", steps),
+                    Record::Y(steps) => ("y", steps),
+                    Record::Drill(steps) => ("drill", steps),
+                };
+                writeln!(
+                    out,
+                    "{{\"record\":{},\"kind\":\"{kind}\",\"steps\":{steps},\"nm\":{}}}",
+                    number + 1,
+                    drill::millimetres(*steps).0
+                )?;
+            }
+        }
+    }
+    out.flush()?;
+    Ok(OK)
+}

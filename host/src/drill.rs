@@ -1,0 +1,185 @@
+//! The circuit-board drill: `husillo send`, `husillo jog -m drill` and `husillo emulate drill`.
+//!
+//! ```text
+//! action ─► hand ──┐
+//! parts ─► sender ─┴► client ─► wire ─┬─► device                    simulated time
+//!                                     └─► serial, socket ─► device  real time
+//! ```
+
+mod action;
+mod client;
+mod device;
+mod duration;
+mod line;
+mod manifest;
+mod operator;
+mod page;
+mod part;
+mod program;
+mod sender;
+#[cfg(test)]
+mod tests;
+
+pub use duration::{seconds, spoken, travel_steps};
+pub use manifest::{
+    file_names, load as load_manifest, load_records, name as manifest_name, text as manifest_text,
+};
+pub use page::{Board, html as page};
+pub use part::{Part, lean, millimetres};
+pub use program::{Translation, text as program_text};
+
+use crate::cell::Jog;
+use crate::wire::Wire;
+use action::{Action, Hand};
+use client::{Client, Trouble};
+use device::Device;
+use sender::{End, Operator, Sender};
+use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Opens a port at so many bits a second, or a simulated device.
+fn open(
+    port: &str,
+    bits_per_s: u32,
+    is_original: bool,
+    stop: Arc<AtomicBool>,
+) -> Result<Client, String> {
+    let wire = if port == "sim" {
+        Wire::simulated(Device::new(bits_per_s, is_original))
+    } else {
+        Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))?
+    };
+    Ok(Client::new(wire, bits_per_s, stop))
+}
+
+/// A flag that Ctrl-C sets.
+fn stop_flag() -> Result<Arc<AtomicBool>, String> {
+    #[cfg(unix)]
+    return crate::terminal::stop_flag();
+    #[cfg(not(unix))]
+    Ok(Arc::new(AtomicBool::new(false)))
+}
+
+/// `husillo jog -m drill`: carries out the actions one after the other.
+///
+/// # Errors
+///
+/// A sentence about the actions, before anything moves.
+pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
+    let actions = Action::parse(&args.actions)?;
+    let [port] = &args.port[..] else {
+        return Err("a drill is driven alone: one --port".into());
+    };
+    let mut client = open(port, args.baud, false, stop_flag()?)?;
+    let tell = |line: &str, out: &mut dyn Write| {
+        // A reader that has gone away does not stop a machine.
+        let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+    };
+    if let Err(trouble) = client.reach() {
+        eprintln!("error: {port}: {}", unreached(trouble));
+        return Ok(false);
+    }
+    let mut hand = Hand::new(client);
+    for action in &actions {
+        let start = hand.client().elapsed();
+        let result = hand.carry_out(action);
+        for line in hand.client().told() {
+            tell(&format!("  {line}"), out);
+        }
+        match result {
+            Ok(text) => {
+                let seconds = (hand.client().elapsed() - start).as_secs_f64();
+                tell(&format!("{action}: {seconds:.1} s"), out);
+                if !text.is_empty() {
+                    tell(&text, out);
+                }
+            }
+            Err(sentence) => {
+                eprintln!("error: {port}: {action}: {sentence}");
+                return Ok(false);
+            }
+        }
+    }
+    if let Err(sentence) = hand.end() {
+        eprintln!("error: {port}: {sentence}");
+        return Ok(false);
+    }
+    Ok(true)
+}
+
+/// `husillo send`.
+///
+/// # Errors
+///
+/// A sentence about what cannot be asked for, before anything moves.
+pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
+    let client = open(&args.port, args.baud, false, stop_flag()?)?;
+    let mut operator = operator::Console::new(out);
+    let mut sender = Sender {
+        client,
+        operator: &mut operator,
+        parts,
+        from: args.from as usize - 1,
+        // There and back, and what a computer takes between.
+        byte_s: 20.0 / f64::from(args.baud) + 0.001,
+        is_sure: args.yes,
+    };
+    let end = sender.send(args.detach)?;
+    let all = parts.iter().map(Part::holes).sum();
+    let sentence = sender::sentence(&end, &args.file, all);
+    operator.close();
+    match end {
+        End::Failed(_) => {
+            eprintln!("error: {}: {sentence}", args.port);
+            Ok(false)
+        }
+        End::Drilled | End::Detached => {
+            operator.tell(&sentence);
+            Ok(true)
+        }
+    }
+}
+
+/// What to do where there is no answer from the beginning.
+fn unreached(trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Link(_) => format!(
+            "{}. Is it at work still? Otherwise press its button R, wait until it has homed, and try again",
+            trouble.text()
+        ),
+        _ => trouble.text(),
+    }
+}
+
+/// `husillo emulate drill`.
+///
+/// # Errors
+///
+/// A sentence about the terminal.
+#[cfg(unix)]
+pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), String> {
+    use crate::terminal::{self, Pace, Terminal};
+    use std::path::Path;
+    use std::time::Duration;
+
+    let mut device = Device::new(args.baud, args.faithful);
+    let pace = Pace {
+        speed: args.speed,
+        limit: args.seconds.map(Duration::from_secs_f64),
+        is_over: terminal::stop_flag()?,
+    };
+    let link = &args.link;
+    Terminal::new(Path::new(link))
+        .and_then(|mut terminal| {
+            writeln!(
+                out,
+                "Drill at {link}, {} baud; Ctrl-C ends it\nConnect: husillo send board.drl -m drill --port {link}\nPanel: {}",
+                args.baud,
+                device::PANEL
+            )?;
+            out.flush()?;
+            terminal.run(&mut device, &pace, out)
+        })
+        .map_err(|error| format!("{link}: {error}"))
+}

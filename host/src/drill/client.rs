@@ -1,0 +1,329 @@
+//! The host's side of the drill's link: one step after another, on a wire.
+
+use super::device::Device;
+use crate::wire::Wire;
+use husillo_transports::drill::{
+    COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
+};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// The longest the host waits at a stretch before it looks whether it has to stop.
+const LOOK: Duration = Duration::from_millis(20);
+/// What a device does not do in this, it does not do: `Host` is told to wait on until the caller's own limit.
+const RUN_US: u32 = 30_000_000;
+/// Silence after a link test that says: it is at work.
+const SILENCE: Duration = Duration::from_millis(300);
+
+/// How a step did not go well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trouble {
+    /// The link, or the device.
+    Link(Failure),
+    /// Stopped on request.
+    Stopped,
+    /// The port failed: unplugged at this end.
+    Port(std::io::ErrorKind),
+    /// The device cannot do this now.
+    Refused(Refused),
+}
+
+impl Trouble {
+    /// A sentence.
+    pub fn text(self) -> String {
+        match self {
+            Trouble::Link(Failure::Silent) => {
+                "no answer: the drill is off or unplugged, stands for a fault, or a byte was lost"
+                    .into()
+            }
+            Trouble::Link(Failure::Wrong(byte)) => {
+                format!(
+                    "{byte:#04x} came back for another byte: the line is noisy, or is not a drill's"
+                )
+            }
+            Trouble::Link(Failure::Unasked(byte)) => {
+                format!("{byte:#04x} came without being asked for: a byte was doubled on the line")
+            }
+            Trouble::Link(Failure::Restarted) => {
+                "the drill was reset: it has homed, and its program is gone".into()
+            }
+            Trouble::Link(Failure::Full) => {
+                "the drill's memory has no room for another hole".into()
+            }
+            Trouble::Stopped => "stopped".into(),
+            Trouble::Port(kind) => format!("the port failed: {kind}"),
+            Trouble::Refused(refused) => format!("not done: {refused}"),
+        }
+    }
+}
+
+/// A host on a wire.
+pub struct Client {
+    wire: Wire<Device>,
+    host: Host,
+    stop: Arc<AtomicBool>,
+    /// What the device said in a step whose answer is a text.
+    text: Vec<u8>,
+    has_extras: bool,
+}
+
+impl Client {
+    /// On a wire of so many bits a second; stops when the flag is set.
+    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+        let mut timing = Timing::of(bits_per_s, RUN_US);
+        if matches!(wire, Wire::Real { .. }) {
+            // A computer and its adapter may sleep for longer than a character.
+            timing.echo_us += 30_000;
+            timing.guard_us += 30_000;
+        }
+        Self {
+            wire,
+            host: Host::new(timing, MEMORY_BYTES as u32),
+            stop,
+            text: Vec::new(),
+            has_extras: false,
+        }
+    }
+
+    /// Time on the wire since it was opened.
+    pub fn elapsed(&self) -> Duration {
+        self.wire.elapsed()
+    }
+
+    /// What a simulated device told.
+    pub fn told(&mut self) -> Vec<String> {
+        self.wire.told()
+    }
+
+    /// The simulated device, if there is one.
+    #[cfg(test)]
+    pub fn device(&mut self) -> Option<&mut Device> {
+        match &mut self.wire {
+            Wire::Simulated { device, .. } => Some(device),
+            Wire::Real { .. } => None,
+        }
+    }
+
+    /// Whether the device has what the original lacked.
+    pub const fn has_extras(&self) -> bool {
+        self.has_extras
+    }
+
+    /// Bytes of the program that are done for certain, and that may have been begun.
+    pub const fn done_and_begun(&self) -> [u32; 2] {
+        [self.host.done_bytes(), self.host.begun_bytes()]
+    }
+
+    /// Whether the operator wants it to stop.
+    pub fn is_stopping(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Brings the device from any state to rest, and finds out whether it has extras.
+    ///
+    /// # Errors
+    ///
+    /// It does not answer within about seven seconds: it is at work, off, or not there.
+    pub fn reach(&mut self) -> Result<(), Trouble> {
+        let mut last = Trouble::Link(Failure::Silent);
+        // A byte of the manual mode may make it home first.
+        for _ in 0..10 {
+            match self.run(Step::Resync) {
+                Ok(()) => {
+                    self.has_extras = self.run(Step::Read(COUNT)).is_ok();
+                    if self.has_extras {
+                        return Ok(());
+                    }
+                    // The original says nothing to that.
+                    return self.run(Step::Resync);
+                }
+                Err(Trouble::Link(failure)) => last = Trouble::Link(failure),
+                Err(trouble) => return Err(trouble),
+            }
+        }
+        Err(last)
+    }
+
+    /// Brings the device to rest after a failure; shorter than [`reach`](Self::reach), as it was there a moment ago.
+    ///
+    /// # Errors
+    ///
+    /// It does not answer.
+    pub fn find_out(&mut self) -> Result<(), Trouble> {
+        // What the operator has asked for is not asked for now.
+        self.stop.store(false, Ordering::Relaxed);
+        let mut last = Ok(());
+        for _ in 0..4 {
+            last = self.run(Step::Resync);
+            if last.is_ok() {
+                break;
+            }
+        }
+        last
+    }
+
+    /// How many drillings the device has done since its memory was cleared; `None` where it cannot say: the original, or after a reset.
+    ///
+    /// # Errors
+    ///
+    /// The link.
+    pub fn drillings(&mut self) -> Result<Option<u16>, Trouble> {
+        if !self.has_extras {
+            return Ok(None);
+        }
+        self.run(Step::Read(COUNT))?;
+        let [letter, low, high] = self.host.record();
+        Ok((letter == b'c').then(|| u16::from_le_bytes([low, high])))
+    }
+
+    /// The program in the device's memory, record by record.
+    ///
+    /// # Errors
+    ///
+    /// The link, or the device cannot.
+    pub fn program(&mut self) -> Result<Vec<[u8; 3]>, Trouble> {
+        let mut records = Vec::new();
+        for number in 0..COUNT {
+            self.run(Step::Read(number))?;
+            let record = self.host.record();
+            if record == [b'f', 0, 0] {
+                break;
+            }
+            records.push(record);
+        }
+        Ok(records)
+    }
+
+    /// The device's help.
+    ///
+    /// # Errors
+    ///
+    /// The link, or the device has none.
+    pub fn help(&mut self) -> Result<String, Trouble> {
+        self.text.clear();
+        self.run(Step::Help)?;
+        // The echo before it and the mark behind it are no text.
+        let inner = self.text.get(1..self.text.len().max(2) - 1);
+        Ok(String::from_utf8_lossy(inner.unwrap_or_default()).into_owned())
+    }
+
+    /// A step that takes a few seconds at most.
+    ///
+    /// # Errors
+    ///
+    /// See [`Trouble`].
+    pub fn run(&mut self, step: Step) -> Result<(), Trouble> {
+        self.run_for(step, Duration::ZERO, |_| {})
+    }
+
+    /// A step for which the device may need this long; meanwhile the time since its beginning is told.
+    ///
+    /// # Errors
+    ///
+    /// See [`Trouble`].
+    pub fn run_for(
+        &mut self,
+        step: Step,
+        longest: Duration,
+        mut tell: impl FnMut(Duration),
+    ) -> Result<(), Trouble> {
+        let start = self.elapsed();
+        let now = self.now_us();
+        self.host.start(step, now).map_err(Trouble::Refused)?;
+        let mut has_stopped = false;
+        loop {
+            self.transmit()?;
+            match self.host.poll(self.now_us()) {
+                Progress::Done(Outcome::Done) => return Ok(()),
+                Progress::Done(Outcome::Stopped) => return Err(Trouble::Stopped),
+                Progress::Done(Outcome::Failed(failure)) => return Err(Trouble::Link(failure)),
+                Progress::Idle | Progress::Sending => {}
+                Progress::Waiting { us } => {
+                    let passed = self.elapsed() - start;
+                    // A host waits 30 s for a run: while the run may last, that begins anew.
+                    if us < RUN_US / 2 && us > 1_000_000 && passed < longest {
+                        let now = self.now_us();
+                        self.host.wait_on(now);
+                    }
+                    if self.is_stopping() && !has_stopped {
+                        has_stopped = true;
+                        if let Some(byte) = self.host.stop() {
+                            self.put(byte)?;
+                        }
+                    }
+                    self.listen(Duration::from_micros(u64::from(us)).min(LOOK))?;
+                    tell(passed);
+                }
+            }
+        }
+    }
+
+    /// Starts the program and makes sure that it runs, without waiting for its end: a device at work does not answer a link test,
+    /// one that did not hear the start does. `false` where the program is done already: nothing is left to itself.
+    ///
+    /// # Errors
+    ///
+    /// It did not start.
+    pub fn start(&mut self) -> Result<bool, Trouble> {
+        let now = self.now_us();
+        self.host
+            .start(Step::Execute, now)
+            .map_err(Trouble::Refused)?;
+        self.transmit()?;
+        for _ in 0..2 {
+            let end = self.elapsed() + SILENCE;
+            while self.elapsed() < end {
+                self.listen(end - self.elapsed())?;
+                match self.host.poll(self.now_us()) {
+                    Progress::Done(Outcome::Done) => return Ok(false),
+                    Progress::Done(Outcome::Failed(failure)) => return Err(Trouble::Link(failure)),
+                    Progress::Done(Outcome::Stopped) => return Err(Trouble::Stopped),
+                    _ => {}
+                }
+            }
+            self.put(b'B')?;
+        }
+        let end = self.elapsed() + SILENCE;
+        while self.elapsed() < end {
+            self.listen(end - self.elapsed())?;
+            match self.host.poll(self.now_us()) {
+                Progress::Done(Outcome::Done) => return Ok(false),
+                // The answer to the test: it is idle.
+                Progress::Done(_) => return Err(Trouble::Link(Failure::Silent)),
+                _ => {}
+            }
+        }
+        Ok(true)
+    }
+
+    fn transmit(&mut self) -> Result<(), Trouble> {
+        let now = self.now_us();
+        match self.host.transmit(now) {
+            Some(byte) => self.put(byte),
+            None => Ok(()),
+        }
+    }
+
+    fn put(&mut self, byte: u8) -> Result<(), Trouble> {
+        self.wire
+            .send(byte)
+            .map_err(|error| Trouble::Port(error.kind()))
+    }
+
+    /// Waits for a byte.
+    fn listen(&mut self, within: Duration) -> Result<(), Trouble> {
+        let byte = self.wire.receive(within);
+        if let Some(byte) = byte.map_err(|error| Trouble::Port(error.kind()))? {
+            self.text.push(byte);
+            let now = self.now_us();
+            self.host.push(byte, now);
+        }
+        Ok(())
+    }
+
+    /// Wraps as the host expects it.
+    fn now_us(&self) -> u32 {
+        self.wire.elapsed().as_micros() as u32
+    }
+}

@@ -1,0 +1,62 @@
+//! How long the drill takes, by its rates.
+
+use super::device::STROKE_STEPS;
+use super::part::{Part, Stop};
+use husillo_machine::DrillConfig;
+
+/// Seconds of a move or a drilling, and the rest behind it.
+const SETTLE_S: f64 =
+    DrillConfig::ORIGINAL.settle_ticks as f64 / DrillConfig::ORIGINAL.timer_hz as f64;
+
+/// Seconds that the machine takes for the drillings of a part, from a place on, one after the other.
+pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
+    part.stops()
+        .map(|stop| {
+            let taken = way_s(from, stop.at) + drilling_s(stop);
+            from = stop.at;
+            taken
+        })
+        .collect()
+}
+
+/// Seconds of the way from one place to another, X before Y.
+pub fn way_s(from: [u16; 2], to: [u16; 2]) -> f64 {
+    let [x_hz, y_hz, _] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
+    f64::from(from[0].abs_diff(to[0])) / x_hz
+        + f64::from(from[1].abs_diff(to[1])) / y_hz
+        + 2.0 * SETTLE_S
+}
+
+/// Down and up.
+fn drilling_s(stop: Stop) -> f64 {
+    let [.., z_hz] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
+    let depth = match stop.depth {
+        0 => STROKE_STEPS,
+        depth => depth.min(STROKE_STEPS),
+    };
+    2.0 * f64::from(depth) / z_hz + SETTLE_S
+}
+
+/// Steps of X and Y over all drillings of a part from home, and back.
+pub fn travel_steps(part: &Part) -> u64 {
+    let mut at = [0_u16; 2];
+    let mut steps = 0;
+    let back = std::iter::once([0_u16; 2]);
+    for to in part.stops().map(|stop| stop.at).chain(back) {
+        for axis in 0..2 {
+            steps += u64::from(at[axis].abs_diff(to[axis]));
+        }
+        at = to;
+    }
+    steps
+}
+
+/// `3 min 20 s`.
+pub fn spoken(seconds: f64) -> String {
+    let whole = seconds.round().max(0.0) as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, min, s) => format!("{min} min {s} s"),
+        (h, min, _) => format!("{h} h {min} min"),
+    }
+}

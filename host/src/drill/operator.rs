@@ -1,0 +1,58 @@
+//! The operator before a terminal.
+
+use super::sender::{Operator, left};
+use husillo_gcode::Nm;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{self, Write};
+
+/// Parts of the bar.
+const PARTS: u64 = 1000;
+
+/// Standard input, an output, and a bar on standard error.
+pub struct Console<'a> {
+    out: &'a mut dyn Write,
+    bar: ProgressBar,
+}
+
+impl<'a> Console<'a> {
+    /// What is told goes there.
+    pub fn new(out: &'a mut dyn Write) -> Self {
+        let bar = ProgressBar::new(PARTS);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {msg}") {
+            bar.set_style(style);
+        }
+        Self { out, bar }
+    }
+
+    /// Takes the bar away.
+    pub fn close(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Operator for Console<'_> {
+    fn tell(&mut self, line: &str) {
+        self.bar.suspend(|| {
+            // A reader that has gone away does not stop a machine.
+            let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
+        });
+    }
+
+    fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String> {
+        let wanted = diameter.map_or(String::new(), |nm| format!(" It should be {nm}."));
+        self.tell(&format!(
+            "{tool}: the spindle stands. Put it in and type its diameter in mm.{wanted}"
+        ));
+        let mut line = String::new();
+        match io::stdin().read_line(&mut line) {
+            Ok(0) | Err(_) => None,
+            Ok(_) => Some(line.trim().to_owned()),
+        }
+    }
+
+    fn progress(&mut self, share: f64, left_s: f64) {
+        self.bar
+            .set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+        self.bar.set_message(left(left_s));
+    }
+}

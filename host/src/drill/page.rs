@@ -1,0 +1,220 @@
+//! A picture of the board: holes, order and travel.
+
+use super::duration::{seconds, spoken, travel_steps, way_s};
+use super::part::{Part, millimetres};
+use crate::report::{STYLE, escape};
+use husillo_gcode::drill_record::{STEPS_PER_MM, Table};
+use std::fmt::Write;
+
+/// Colours of tools, light and dark: six, then again.
+const COLOURS: &str = "\
+:root{--t0:#0b5cad;--t1:#b3261e;--t2:#1b7f3b;--t3:#8a4fbf;--t4:#9a6700;--t5:#00767f}\
+@media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;--t4:#f0c419;--t5:#4dd0d8}}\
+.way{stroke-width:1;stroke-opacity:.55;stroke-linejoin:round}.hole{fill-opacity:.75;stroke:none}\
+.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
+/// Diameter drawn where it is not known, mm.
+const UNKNOWN_MM: f64 = 0.8;
+/// Most numbers written beside holes.
+const MOST_NUMBERS: usize = 60;
+
+/// What the page is about.
+pub struct Board<'a> {
+    /// Name of the file.
+    pub name: &'a str,
+    /// What is drilled, tool by tool.
+    pub parts: &'a [Part],
+    /// Where holes may be.
+    pub table: Table,
+    /// Steps of X and Y in the order of the file, if the order was changed.
+    pub file_travel_steps: Option<u64>,
+}
+
+/// The page: one file with everything inside.
+pub fn html(board: &Board<'_>) -> String {
+    let mut page = String::new();
+    let name = escape(board.name);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}{COLOURS}</style>\n</head>\n<body>\n\
+         <header><h1>{name}</h1><p>Drill for circuit boards: X, then Y, then down and up</p></header>\n<main>\n<dl>"
+    );
+    for (term, value) in figures(board) {
+        let _ = writeln!(
+            page,
+            "<div><dt>{term}</dt><dd>{}</dd></div>",
+            escape(&value)
+        );
+    }
+    page.push_str("</dl>\n<section><h2>Board</h2>\n");
+    picture(&mut page, board);
+    page.push_str(
+        "<p>The numbers are the order; a hole tells its place. The frame of dashes is the board's extent, the red one the table.</p></section>\n",
+    );
+    table(&mut page, board);
+    page.push_str("</main>\n</body>\n</html>\n");
+    page
+}
+
+fn mm(steps: u64) -> String {
+    format!("{:.1} mm", steps as f64 / f64::from(STEPS_PER_MM))
+}
+
+fn figures(board: &Board<'_>) -> Vec<(&'static str, String)> {
+    let holes: usize = board.parts.iter().map(Part::holes).sum();
+    let travel: u64 = board.parts.iter().map(travel_steps).sum();
+    let time: f64 = board
+        .parts
+        .iter()
+        .map(|part| {
+            let last = part.stops().last().map_or([0; 2], |stop| stop.at);
+            seconds(part, [0; 2]).iter().sum::<f64>() + way_s(last, [0; 2])
+        })
+        .sum();
+    let mut figures = vec![
+        ("Holes", holes.to_string()),
+        ("Tools", board.parts.len().to_string()),
+    ];
+    if let Some([[x, y], [to_x, to_y]]) = extent(board.parts) {
+        let size = format!("{} x {} mm", millimetres(to_x - x), millimetres(to_y - y));
+        figures.push(("Extent of the holes", size));
+    }
+    figures.push(("Travel in X and Y", mm(travel)));
+    if let Some(file) = board.file_travel_steps {
+        let less = 100.0 * (1.0 - travel as f64 / file.max(1) as f64);
+        figures.push((
+            "In the file's order",
+            format!("{}, so {less:.0} % are saved", mm(file)),
+        ));
+    }
+    figures.push(("Time without tool changes", spoken(time)));
+    figures
+}
+
+fn extent(parts: &[Part]) -> Option<[[u16; 2]; 2]> {
+    let places = parts
+        .iter()
+        .flat_map(|part| part.stops().map(|stop| stop.at));
+    places.map(|at| [at, at]).reduce(|[low, high], [at, _]| {
+        [
+            [low[0].min(at[0]), low[1].min(at[1])],
+            [high[0].max(at[0]), high[1].max(at[1])],
+        ]
+    })
+}
+
+fn to_mm(steps: u16) -> f64 {
+    f64::from(steps) / f64::from(STEPS_PER_MM)
+}
+
+fn picture(page: &mut String, board: &Board<'_>) {
+    let Some([low, high]) = extent(board.parts) else {
+        page.push_str("<p>No hole.</p>\n");
+        return;
+    };
+    let is_bounded = board.table != Table::UNBOUNDED;
+    let mut right = to_mm(high[0]);
+    let mut up = to_mm(high[1]);
+    if is_bounded {
+        right = right.max(to_mm(board.table.x));
+        up = up.max(to_mm(board.table.y));
+    }
+    let margin = 0.03 * right.max(up) + 1.0;
+    let (width, height) = (right + 2.0 * margin, up + 2.0 * margin);
+    let y_of = |y: u16| up - to_mm(y);
+    let _ = writeln!(
+        page,
+        "<svg viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" role=\"img\" aria-label=\"holes and the way between them\">",
+        -margin, -margin
+    );
+    if is_bounded {
+        let _ = writeln!(
+            page,
+            "<rect class=\"area\" x=\"0\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\"/>",
+            y_of(board.table.y),
+            to_mm(board.table.x),
+            to_mm(board.table.y)
+        );
+    }
+    let _ = writeln!(
+        page,
+        "<rect class=\"board\" x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\"/>",
+        to_mm(low[0]),
+        y_of(high[1]),
+        to_mm(high[0]) - to_mm(low[0]),
+        to_mm(high[1]) - to_mm(low[1])
+    );
+    for (place, part) in board.parts.iter().enumerate() {
+        let _ = write!(
+            page,
+            "<path class=\"way\" style=\"stroke:var(--t{})\" d=\"M0 {:.3}",
+            place % 6,
+            y_of(0)
+        );
+        for stop in part.stops() {
+            let [x, y] = stop.at;
+            let _ = write!(page, "H{:.3}V{:.3}", to_mm(x), y_of(y));
+        }
+        page.push_str("\"/>\n");
+    }
+    let count: usize = board.parts.iter().map(Part::holes).sum();
+    let every = count.div_ceil(MOST_NUMBERS).max(1);
+    let size = 0.012 * width;
+    let mut number = 0;
+    for (place, part) in board.parts.iter().enumerate() {
+        let diameter = part.diameter.map_or(UNKNOWN_MM, |nm| nm.0 as f64 / 1e6);
+        let _ = writeln!(
+            page,
+            "<g class=\"hole\" style=\"fill:var(--t{})\">",
+            place % 6
+        );
+        for stop in part.stops() {
+            number += 1;
+            let ([x, y], [x_mm, y_mm]) = (stop.at, stop.at.map(millimetres));
+            let _ = writeln!(
+                page,
+                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{number}: {x_mm}, {y_mm} mm, {}</title></circle>",
+                to_mm(x),
+                y_of(y),
+                diameter / 2.0,
+                escape(&part.name())
+            );
+            if number % every == 1 || every == 1 || number == count {
+                let _ = writeln!(
+                    page,
+                    "<text x=\"{:.3}\" y=\"{:.3}\" style=\"font-size:{size:.3}px\">{number}</text>",
+                    to_mm(x) + 0.6 * diameter,
+                    y_of(y) - 0.6 * diameter
+                );
+            }
+        }
+        page.push_str("</g>\n");
+    }
+    page.push_str("</svg>\n");
+}
+
+fn table(page: &mut String, board: &Board<'_>) {
+    page.push_str(
+        "<section><h2>Tools</h2><div class=\"scroll\"><table><tr><th>Tool</th><th>Diameter</th><th>Holes</th><th>Bytes</th>\
+         <th>Travel</th><th>Time</th></tr>\n",
+    );
+    for (place, part) in board.parts.iter().enumerate() {
+        let diameter = part
+            .diameter
+            .map_or("unknown".to_owned(), |nm| format!("{nm} mm"));
+        let _ = writeln!(
+            page,
+            "<tr><td><span class=\"swatch\" style=\"background:var(--t{})\"></span>T{}</td><td>{diameter}</td><td>{}</td><td>{}</td>\
+             <td>{}</td><td>{}</td></tr>",
+            place % 6,
+            part.tool,
+            part.holes(),
+            part.bytes().len(),
+            mm(travel_steps(part)),
+            spoken(seconds(part, [0; 2]).iter().sum())
+        );
+    }
+    page.push_str("</table></div></section>\n");
+}

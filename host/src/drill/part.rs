@@ -1,0 +1,129 @@
+//! What is drilled with one tool.
+
+use husillo_gcode::Nm;
+use husillo_gcode::drill_record::{Record, bytes};
+
+/// Records for one tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Number of the tool; 0 where nobody gave it one.
+    pub tool: u32,
+    /// Its diameter, where it is known.
+    pub diameter: Option<Nm>,
+    /// What to do with it.
+    pub records: Vec<Record>,
+}
+
+/// A drilling of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop {
+    /// Steps of X and Y.
+    pub at: [u16; 2],
+    /// Steps below the upper sensor; 0 is all of the way.
+    pub depth: u16,
+}
+
+impl Part {
+    /// How many drillings.
+    pub fn holes(&self) -> usize {
+        let is_hole = |record: &&Record| matches!(record, Record::Drill(_));
+        self.records.iter().filter(is_hole).count()
+    }
+
+    /// The drillings in their order, from home.
+    pub fn stops(&self) -> impl Iterator<Item = Stop> {
+        let mut at = [0; 2];
+        self.records.iter().filter_map(move |record| {
+            match *record {
+                Record::X(x) => at[0] = x,
+                Record::Y(y) => at[1] = y,
+                Record::Drill(depth) => return Some(Stop { at, depth }),
+            }
+            None
+        })
+    }
+
+    /// What is left of it behind so many drillings: it begins where the last of them is.
+    pub fn rest_behind(&self, drillings: usize) -> Part {
+        let (mut at, mut left, mut behind) = ([0; 2], drillings, 0);
+        for record in &self.records {
+            if left == 0 {
+                break;
+            }
+            match *record {
+                Record::X(x) => at[0] = x,
+                Record::Y(y) => at[1] = y,
+                Record::Drill(_) => left -= 1,
+            }
+            behind += 1;
+        }
+        let there = [Record::X(at[0]), Record::Y(at[1])];
+        let there = there.iter().filter(|_| behind > 0);
+        let rest = self.records.get(behind..).unwrap_or_default();
+        Part {
+            records: there.chain(rest).copied().collect(),
+            ..*self
+        }
+    }
+
+    /// The bytes of its file.
+    pub fn bytes(&self) -> Vec<u8> {
+        bytes(self.records.iter().copied()).collect()
+    }
+
+    /// `T1 (0.8 mm)`.
+    pub fn name(&self) -> String {
+        match self.diameter {
+            None if self.tool == 0 => "the program".into(),
+            Some(diameter) => format!("T{} ({diameter} mm)", self.tool),
+            None => format!("T{}", self.tool),
+        }
+    }
+}
+
+/// The same records without moves to where it is already, from home: they would cost three bytes each on a slow line.
+pub fn lean(records: &[Record]) -> Vec<Record> {
+    let mut at = [0; 2];
+    let moves = |record: &&Record| match **record {
+        Record::X(x) => std::mem::replace(&mut at[0], x) != x,
+        Record::Y(y) => std::mem::replace(&mut at[1], y) != y,
+        Record::Drill(_) => true,
+    };
+    records.iter().filter(moves).copied().collect()
+}
+
+/// A place in steps as millimetres, to the nanometre.
+pub fn millimetres(steps: u16) -> Nm {
+    let scaled = i64::from(steps) * 1_000_000;
+    let per_mm = i64::from(husillo_gcode::drill_record::STEPS_PER_MM);
+    Nm((scaled + per_mm / 2) / per_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_of_a_part_drills_the_rest_of_its_holes() {
+        let part = Part {
+            tool: 3,
+            diameter: None,
+            records: vec![
+                Record::X(10),
+                Record::Y(20),
+                Record::Drill(0),
+                Record::X(30),
+                Record::Drill(5),
+                Record::Drill(9),
+                Record::Y(7),
+                Record::Drill(0),
+            ],
+        };
+        let all: Vec<_> = part.stops().collect();
+        assert_eq!((all.len(), part.holes()), (4, 4));
+        for hole in 0..=4 {
+            let rest: Vec<_> = part.rest_behind(hole).stops().collect();
+            assert_eq!(rest, all[hole..], "{hole}");
+        }
+    }
+}

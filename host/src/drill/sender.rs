@@ -1,0 +1,387 @@
+//! A board over the link, tool by tool.
+
+use super::client::{Client, Trouble};
+use super::duration::{seconds, spoken, way_s};
+use super::part::Part;
+use husillo_gcode::Nm;
+use husillo_gcode::drill_record::Record;
+use husillo_transports::drill::{MEMORY_BYTES, Step};
+use std::time::Duration;
+
+/// Whom the sender talks to.
+pub trait Operator {
+    /// Something to know.
+    fn tell(&mut self, line: &str);
+
+    /// The spindle stands: the next tool, and what its diameter should be. What is in it now, mm; `None` ends.
+    fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
+
+    /// How far it is: a share of all, and seconds that are left, as reckoned.
+    fn progress(&mut self, share: f64, left_s: f64);
+}
+
+/// How it ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// All holes are drilled.
+    Drilled,
+    /// It drills by itself from here.
+    Detached,
+    /// It did not go well.
+    Failed(Failed),
+}
+
+/// Where it stopped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failed {
+    /// What happened.
+    pub why: String,
+    /// Holes that are done for certain, of all, and that may have been begun: the board tells.
+    pub done: usize,
+    /// At least `done`.
+    pub begun: usize,
+}
+
+/// What to do with a board.
+pub struct Sender<'a, O> {
+    pub client: Client,
+    pub operator: &'a mut O,
+    pub parts: &'a [Part],
+    /// The first hole to be drilled, from 0, counted through all parts.
+    pub from: usize,
+    /// Seconds of a byte and its echo.
+    pub byte_s: f64,
+    /// Ask for nothing.
+    pub is_sure: bool,
+}
+
+/// How a part ended.
+enum Ended {
+    /// Drilled, or left to itself.
+    Well { is_detached: bool },
+    /// Before the device's memory was cleared for it: nothing of it is done, and what the link counts is of the part before.
+    Before(Trouble),
+    /// Behind that.
+    After(Trouble),
+}
+
+/// A part, as it is sent.
+struct Load {
+    bytes: Vec<u8>,
+    /// Seconds of its drillings.
+    seconds: Vec<f64>,
+    /// Holes of all parts before its first.
+    before: usize,
+}
+
+/// How far all of it is.
+struct Reckoning {
+    /// Seconds that are behind, and all of them.
+    behind_s: f64,
+    all_s: f64,
+    /// Ratio of what runs took to what was reckoned.
+    pace: f64,
+}
+
+impl<O: Operator> Sender<'_, O> {
+    /// Sends it and sees it drilled; with `detach` it ends when the start is confirmed.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about what cannot be asked for, before anything moves.
+    pub fn send(&mut self, detach: bool) -> Result<End, String> {
+        let loads = self.loads()?;
+        if detach {
+            let [load] = &loads[..] else {
+                return Err(format!(
+                    "--detach is for one tool, and this has {}: the drill waits for nobody to change it",
+                    loads.len()
+                ));
+            };
+            if load.bytes.len() > MEMORY_BYTES {
+                return Err(format!(
+                    "--detach is for programs of up to {MEMORY_BYTES} bytes, which the drill holds; this one has {}",
+                    load.bytes.len()
+                ));
+            }
+        }
+        let all_s: f64 = (loads.iter())
+            .map(|load| load.seconds.iter().sum::<f64>() + self.byte_s * load.bytes.len() as f64)
+            .sum();
+        let mut reckoning = Reckoning {
+            behind_s: 0.0,
+            all_s,
+            pace: 1.0,
+        };
+        if let Err(trouble) = self.client.reach() {
+            let why = super::unreached(trouble);
+            return Ok(self.failed(why, self.from, self.from));
+        }
+        if !self.client.has_extras() {
+            self.operator.tell(
+                "this drill is an original one: it cannot say how far it is, and its spindle is switched by hand",
+            );
+        }
+        if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
+            return Ok(self.failed(trouble.text(), self.from, self.from));
+        }
+        let several = loads.len() > 1;
+        let parts: Vec<&Part> = self.parts.iter().collect();
+        let skipped = parts.len() - loads.len();
+        for (load, part) in loads.iter().zip(&parts[skipped..]) {
+            if several && !self.is_sure && !self.changed(part) {
+                let why = format!("{} was not put in", part.name());
+                return Ok(self.failed(why, load.before, load.before));
+            }
+            match self.one(load, detach, &mut reckoning) {
+                Ended::Well { is_detached: false } => {}
+                Ended::Well { is_detached: true } => return Ok(End::Detached),
+                Ended::Before(trouble) => {
+                    return Ok(self.failed(trouble.text(), load.before, load.before));
+                }
+                Ended::After(trouble) => return Ok(self.stopped(load, trouble)),
+            }
+            self.operator.tell(&format!(
+                "{}: {} holes drilled",
+                part.name(),
+                load.seconds.len()
+            ));
+        }
+        Ok(End::Drilled)
+    }
+
+    /// The parts that are left, each ending at home where another follows: so `c` leaves zero where it is.
+    fn loads(&self) -> Result<Vec<Load>, String> {
+        let all: usize = self.parts.iter().map(Part::holes).sum();
+        if self.from >= all {
+            return Err(format!("--from {}: there are {all} holes", self.from + 1));
+        }
+        let mut before = 0;
+        let mut loads = Vec::new();
+        for (place, part) in self.parts.iter().enumerate() {
+            let behind = before + part.holes();
+            if self.from < behind {
+                let skipped = self.from.saturating_sub(before);
+                let mut rest = part.rest_behind(skipped);
+                let seconds = seconds(&rest, [0; 2]);
+                if place + 1 < self.parts.len() {
+                    rest.records.extend([Record::X(0), Record::Y(0)]);
+                }
+                loads.push(Load {
+                    bytes: rest.bytes(),
+                    seconds,
+                    before: before + skipped,
+                });
+            }
+            before = behind;
+        }
+        Ok(loads)
+    }
+
+    /// Asks for a tool until it is there; `false` where the operator ends it.
+    fn changed(&mut self, part: &Part) -> bool {
+        loop {
+            let Some(answer) = self.operator.change(&part.name(), part.diameter) else {
+                return false;
+            };
+            let given = crate::holes::length(&answer).filter(|nm| nm.0 > 0);
+            match (given, part.diameter) {
+                (None, _) => self.operator.tell(&format!(
+                    "`{answer}` is no diameter: millimetres, as in 0.8"
+                )),
+                // A drill is not ground better than to 5 um.
+                (Some(given), Some(wanted)) if (given.0 - wanted.0).abs() > 5000 => {
+                    self.operator
+                        .tell(&format!("{given} mm is not {wanted} mm"));
+                }
+                _ => return true,
+            }
+        }
+    }
+
+    /// A part: cleared, stored, run.
+    fn one(&mut self, load: &Load, detach: bool, reckoning: &mut Reckoning) -> Ended {
+        if let Err(trouble) = self.client.run(Step::Clear) {
+            return Ended::Before(trouble);
+        }
+        match self.store_and_run(load, detach, reckoning) {
+            Ok(is_detached) => Ended::Well { is_detached },
+            Err(trouble) => Ended::After(trouble),
+        }
+    }
+
+    /// `true` where it was left to itself.
+    fn store_and_run(
+        &mut self,
+        load: &Load,
+        detach: bool,
+        reckoning: &mut Reckoning,
+    ) -> Result<bool, Trouble> {
+        self.spindle(true)?;
+        self.client.run(Step::Begin)?;
+        // All but the `f`, which is a step of its own.
+        let body = load.bytes.split_last().map_or(&[][..], |(_, body)| body);
+        let mut run_s = 0.0;
+        for (place, byte) in body.iter().enumerate() {
+            if self.client.is_stopping() {
+                return Err(Trouble::Stopped);
+            }
+            let is_border = place > 0 && place % MEMORY_BYTES == 0;
+            let part_s = if is_border {
+                Self::run_s(load, place) - run_s
+            } else {
+                0.0
+            };
+            run_s += part_s;
+            self.step(Step::Store(*byte), part_s, reckoning)?;
+            reckoning.behind_s += self.byte_s;
+            if place % 64 == 0 {
+                self.operator
+                    .progress(reckoning.share(), reckoning.left_s(0.0));
+            }
+        }
+        self.client.run(Step::End)?;
+        if detach {
+            return self.client.start();
+        }
+        let rest_s = load.seconds.iter().sum::<f64>() - run_s + way_s([0; 2], [0; 2]);
+        self.step(Step::Execute, rest_s, reckoning)?;
+        self.spindle(false)?;
+        Ok(false)
+    }
+
+    /// A step in which the device drills for so long, as reckoned.
+    fn step(&mut self, step: Step, run_s: f64, reckoning: &mut Reckoning) -> Result<(), Trouble> {
+        if run_s == 0.0 {
+            return self.client.run(step);
+        }
+        let start = self.client.elapsed();
+        // Twice that, as nobody knows how quick its motors are.
+        let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s);
+        let operator = &mut *self.operator;
+        let seen = &*reckoning;
+        self.client.run_for(step, longest, |passed| {
+            // Never more than was reckoned: the rest is told as it is.
+            let passed_s = (passed.as_secs_f64() / seen.pace).min(run_s);
+            operator.progress(
+                (seen.behind_s + passed_s) / seen.all_s.max(1e-9),
+                seen.left_s(passed_s),
+            );
+        })?;
+        let took_s = (self.client.elapsed() - start).as_secs_f64();
+        reckoning.behind_s += run_s;
+        if run_s > 1.0 {
+            reckoning.pace = took_s / run_s;
+        }
+        Ok(())
+    }
+
+    /// Seconds of the drillings whose records are whole in so many bytes.
+    fn run_s(load: &Load, bytes: usize) -> f64 {
+        load.seconds
+            .iter()
+            .take(drillings(&load.bytes, bytes))
+            .sum()
+    }
+
+    fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
+        if self.client.has_extras() {
+            self.client.run(Step::Spindle(on))
+        } else {
+            let what = if on { "on" } else { "off" };
+            self.operator
+                .tell(&format!("switch the spindle {what} by hand"));
+            Ok(())
+        }
+    }
+
+    /// What is known after a failure: from the bytes, and from the device where it can say.
+    fn stopped(&mut self, load: &Load, trouble: Trouble) -> End {
+        let [done, begun] = self
+            .client
+            .done_and_begun()
+            .map(|bytes| drillings(&load.bytes, bytes as usize));
+        let all = load.seconds.len();
+        let (mut done, mut begun) = (done.min(all), begun.min(all));
+        let is_reset = trouble == Trouble::Link(husillo_transports::drill::Failure::Restarted);
+        if !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok() {
+            // A count of before a reset is gone.
+            if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {
+                let count = usize::from(count);
+                // Modulo 2^16: the count that lies between what is known.
+                let laps = done.saturating_sub(count).div_ceil(1 << 16);
+                let exact = count + (laps << 16);
+                if (done..=begun).contains(&exact) {
+                    (done, begun) = (exact, exact);
+                }
+            }
+            // It stands: what it says to this is not what went wrong.
+            let _ = self.spindle(false);
+        }
+        self.failed(trouble.text(), load.before + done, load.before + begun)
+    }
+
+    fn failed(&self, why: String, done: usize, begun: usize) -> End {
+        End::Failed(Failed { why, done, begun })
+    }
+}
+
+/// Home from anywhere on the table.
+const HOMING: Duration = Duration::from_secs(180);
+
+/// Drillings whose records are whole in so many bytes of a program.
+fn drillings(bytes: &[u8], length: usize) -> usize {
+    let bytes = bytes.get(..length.min(bytes.len())).unwrap_or_default();
+    let records = bytes.chunks_exact(3);
+    records
+        .filter(|record| record.first() == Some(&b'Z'))
+        .count()
+}
+
+impl Reckoning {
+    fn share(&self) -> f64 {
+        self.behind_s / self.all_s.max(1e-9)
+    }
+
+    /// Seconds that are left when so many of the present run have passed.
+    fn left_s(&self, passed_s: f64) -> f64 {
+        (self.all_s - self.behind_s - passed_s).max(0.0) * self.pace
+    }
+}
+
+/// What to say of an end, and how to go on.
+pub fn sentence(end: &End, file: &str, all: usize) -> String {
+    match end {
+        End::Drilled => format!("{all} holes drilled"),
+        End::Detached => "it has started, and drills by itself from here".into(),
+        End::Failed(Failed { why, done, begun }) => {
+            let next = done + 1;
+            let known = if done == begun {
+                format!("{done} of {all} holes are drilled")
+            } else {
+                format!(
+                    "{done} of {all} holes are drilled for certain, and up to {begun} may be: look at the board"
+                )
+            };
+            let go_on = if *done == all {
+                "nothing is left to do".into()
+            } else if done == begun {
+                format!("go on with: husillo send {file} --from {next}")
+            } else {
+                format!(
+                    "go on with --from and the number of the first hole that is not there, {next} or later"
+                )
+            };
+            format!("{why}\n{known}; {go_on}")
+        }
+    }
+}
+
+/// `about 3 min 20 s left`.
+pub fn left(seconds: f64) -> String {
+    if seconds < 1.0 {
+        "longer than reckoned".into()
+    } else {
+        format!("about {} left", spoken(seconds))
+    }
+}

@@ -1,0 +1,334 @@
+//! Boards over the simulated line in virtual time, on good lines and bad ones.
+
+use super::client::Client;
+use super::device::Device;
+use super::line::Fault;
+use super::part::Part;
+use super::sender::{End, Failed, Operator, Sender};
+use crate::emulation::Emulation;
+use crate::wire::Wire;
+use husillo_gcode::Nm;
+use husillo_gcode::drill_record::Record;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Types what it was told to.
+#[derive(Default)]
+struct Script {
+    answers: Vec<&'static str>,
+    told: Vec<String>,
+    shares: Vec<[f64; 2]>,
+}
+
+impl Operator for Script {
+    fn tell(&mut self, line: &str) {
+        self.told.push(line.to_owned());
+    }
+
+    fn change(&mut self, tool: &str, _: Option<Nm>) -> Option<String> {
+        self.told.push(format!("change to {tool}"));
+        (!self.answers.is_empty()).then(|| self.answers.remove(0).to_owned())
+    }
+
+    fn progress(&mut self, share: f64, left_s: f64) {
+        self.shares.push([share, left_s]);
+    }
+}
+
+fn part(tool: u32, holes: &[[u16; 2]]) -> Part {
+    let hole = |[x, y]: &[u16; 2]| [Record::X(*x), Record::Y(*y), Record::Drill(0)];
+    Part {
+        tool,
+        diameter: Some(Nm(800_000)),
+        records: holes.iter().flat_map(hole).collect(),
+    }
+}
+
+fn client(is_original: bool) -> Client {
+    let wire = Wire::simulated(Device::quick(is_original));
+    Client::new(wire, 2400, Arc::new(AtomicBool::new(false)))
+}
+
+/// Sends it from a hole on; the client comes back.
+fn send(
+    client: Client,
+    parts: &[Part],
+    from: usize,
+    detach: bool,
+    operator: &mut Script,
+) -> (Result<End, String>, Client) {
+    let mut sender = Sender {
+        client,
+        operator,
+        parts,
+        from,
+        byte_s: 0.0085,
+        is_sure: true,
+    };
+    let end = sender.send(detach);
+    (end, sender.client)
+}
+
+fn device(client: &mut Client) -> &mut Device {
+    client.device().expect("it is simulated")
+}
+
+/// Places of whole holes.
+fn drilled(client: &mut Client) -> Vec<[i32; 2]> {
+    let holes = device(client).rig().holes().iter();
+    holes
+        .filter(|hole| hole.depth == 6)
+        .map(|hole| hole.at)
+        .collect()
+}
+
+/// Until the device stands.
+fn rest(client: &mut Client) {
+    for _ in 0..8000 {
+        device(client).tick();
+    }
+}
+
+fn places(parts: &[Part]) -> Vec<[i32; 2]> {
+    let stops = parts.iter().flat_map(Part::stops);
+    stops.map(|stop| stop.at.map(i32::from)).collect()
+}
+
+fn board() -> Vec<Part> {
+    vec![
+        part(1, &[[0x42, 0x65], [0x77, 0x66]]),
+        part(2, &[[0x66, 0x6d], [0x00, 0x00]]),
+    ]
+}
+
+#[test]
+fn a_board_of_two_tools() {
+    for is_original in [false, true] {
+        let parts = board();
+        let mut operator = Script::default();
+        let (end, mut client) = send(client(is_original), &parts, 0, false, &mut operator);
+        assert_eq!(end, Ok(End::Drilled));
+        assert_eq!(drilled(&mut client), places(&parts));
+        let rig = device(&mut client).rig();
+        assert_eq!(rig.lost_steps(), [0; 3]);
+        assert_eq!(rig.dragged_steps(), 0);
+        assert!(!rig.spindle_turns());
+        // The original's spindle is the operator's.
+        assert!(rig.holes().iter().all(|hole| hole.is_clean != is_original));
+        let by_hand = operator.told.iter().filter(|line| line.contains("by hand"));
+        assert_eq!(by_hand.count(), if is_original { 5 } else { 0 });
+    }
+}
+
+/// It homes once: after a tool the axes come back to zero by their steps.
+#[test]
+fn it_does_not_home_between_tools() {
+    let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
+    assert_eq!(end, Ok(End::Drilled));
+    let homed = device(&mut client).tell();
+    assert_eq!(
+        homed.iter().filter(|line| *line == "homed").count(),
+        2,
+        "after power came on, and before the first tool"
+    );
+}
+
+#[test]
+fn it_asks_for_each_tool() {
+    let parts = board();
+    let mut operator = Script {
+        answers: vec!["0.8", "much", "0.9", "0.8 mm"],
+        ..Script::default()
+    };
+    let mut sender = Sender {
+        client: client(false),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+    };
+    assert_eq!(sender.send(false), Ok(End::Drilled));
+    assert!(
+        operator.told.contains(&"0.9 mm is not 0.8 mm".into()),
+        "{:?}",
+        operator.told
+    );
+    // Nobody there to put the second one in.
+    operator.answers = vec!["0.8"];
+    let mut sender = Sender {
+        client: client(false),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+    };
+    let Ok(End::Failed(failed)) = sender.send(false) else {
+        panic!()
+    };
+    assert_eq!((failed.done, failed.begun), (2, 2));
+}
+
+/// A program of three memories: the wait at each border, every hole once; the share rises to the end, and what is left falls.
+#[test]
+fn a_long_board_is_done_in_parts() {
+    let holes: Vec<[u16; 2]> = (0..2000).map(|n| [n % 40, n / 50]).collect();
+    let parts = [part(1, &holes)];
+    let mut operator = Script::default();
+    let (end, mut client) = send(client(false), &parts, 0, false, &mut operator);
+    assert_eq!(end, Ok(End::Drilled));
+    assert_eq!(drilled(&mut client), places(&parts));
+    let shares = &operator.shares;
+    assert!(
+        shares
+            .windows(2)
+            .all(|pair| pair[0][0] <= pair[1][0] + 1e-9)
+    );
+    let last = shares.last().unwrap();
+    assert!(last[0] > 0.98 && last[0] < 1.01, "{last:?}");
+    let (end, _) = send(client, &parts, 0, true, &mut operator);
+    assert!(end.unwrap_err().contains("8192"));
+}
+
+#[test]
+fn a_detached_start_is_certain() {
+    let parts = [part(1, &[[3000, 10], [5, 400]])];
+    let (end, mut client) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    assert!(drilled(&mut client).is_empty());
+    rest(&mut client);
+    assert_eq!(drilled(&mut client), places(&parts));
+    let (end, _) = send(client, &board(), 0, true, &mut Script::default());
+    assert!(end.unwrap_err().contains("one tool"));
+}
+
+/// A start that the device did not hear is told: nothing has started.
+#[test]
+fn a_start_that_was_lost_is_told() {
+    let parts = [part(1, &[[2000, 10]])];
+    let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    let carried = device(&mut good).line().carried;
+    let mut unheard = 0;
+    for place in carried - 6..carried {
+        let mut client = client(false);
+        device(&mut client).line().fault = Some((place, Fault::Lost));
+        let (end, mut client) = send(client, &parts, 0, true, &mut Script::default());
+        rest(&mut client);
+        let has_drilled = !drilled(&mut client).is_empty();
+        let says_so = end == Ok(End::Detached);
+        assert_eq!(has_drilled, says_so, "{place}: {end:?}");
+        unheard += u32::from(!says_so);
+    }
+    assert!(unheard >= 1);
+}
+
+fn faults() -> impl Iterator<Item = Fault> {
+    (0..8).map(Fault::Flipped).chain([
+        Fault::Lost,
+        Fault::Doubled,
+        Fault::Late(30_000),
+        Fault::Late(200_000),
+        Fault::Unplugged,
+        Fault::Reset,
+    ])
+}
+
+/// Sends it with a fault; then, as the operator, goes on from the hole that is said to be the next, or the first one that is not in the board.
+/// `false` where nothing was reported. At the end every hole is there once.
+fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool {
+    let expected = places(parts);
+    let mut from = 0;
+    let mut client = client;
+    for round in 0..4 {
+        let (end, back) = send(client, parts, from, false, &mut Script::default());
+        client = back;
+        match end.expect("it can be asked for") {
+            End::Drilled => {
+                assert_eq!(drilled(&mut client), expected, "{context}");
+                assert_eq!(device(&mut client).rig().dragged_steps(), 0, "{context}");
+                return round > 0;
+            }
+            End::Detached => panic!("{context}"),
+            End::Failed(Failed { why, done, begun }) => {
+                rest(&mut client);
+                let count = drilled(&mut client).len();
+                assert!(
+                    (done..=begun).contains(&count),
+                    "{context}: {why}; {count} holes, {done} said done, {begun} begun"
+                );
+                assert_eq!(drilled(&mut client), expected[..count], "{context}");
+                if count == expected.len() {
+                    return true;
+                }
+                from = count;
+                device(&mut client).line().plug(true);
+            }
+        }
+    }
+    panic!("{context}: {fault:?} never ends");
+}
+
+/// Every fault at every byte of a board of two tools, on both kinds of device.
+#[test]
+fn any_fault_at_any_byte_is_survived_or_reported() {
+    for is_original in [false, true] {
+        let parts = board();
+        let (end, mut good) = send(
+            client(is_original),
+            &parts,
+            0,
+            false,
+            &mut Script::default(),
+        );
+        assert_eq!(end, Ok(End::Drilled));
+        let carried = device(&mut good).line().carried;
+        let (mut reported, mut unharmed) = (0, 0);
+        for place in 0..carried {
+            for fault in faults() {
+                let mut client = client(is_original);
+                device(&mut client).line().fault = Some((place, fault));
+                let context = format!("original {is_original}, {fault:?} at {place} of {carried}");
+                if goes_on(client, &parts, fault, &context) {
+                    reported += 1;
+                } else {
+                    unharmed += 1;
+                }
+            }
+        }
+        println!("{reported} reported, {unharmed} without harm");
+        assert!(reported > 500 && unharmed > 50, "{reported}, {unharmed}");
+    }
+}
+
+/// The same anywhere in long ones, with the border of the device's memory among them.
+#[test]
+fn faults_in_long_boards_are_survived_or_reported() {
+    let (mut state, mut reported) = (5_u64, 0);
+    let mut random = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let faults: Vec<_> = faults().collect();
+    for round in 0..12 {
+        let holes: Vec<[u16; 2]> = (0..950)
+            .map(|_| [random(60) as u16, random(60) as u16])
+            .collect();
+        let parts = [part(1, &holes)];
+        let mut client = client(false);
+        // Half of them near the border, where a full memory is run.
+        let place = if round % 2 == 0 {
+            random(17_000)
+        } else {
+            2 * 8192 + random(80)
+        };
+        let fault = faults[random(faults.len() as u64) as usize];
+        device(&mut client).line().fault = Some((place, fault));
+        let context = format!("round {round}, {fault:?} at {place}");
+        reported += u32::from(goes_on(client, &parts, fault, &context));
+    }
+    assert!(reported > 5, "{reported}");
+}

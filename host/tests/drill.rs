@@ -1,0 +1,364 @@
+//! The drill as a user drives it: `jog -m drill`, `emulate drill`.
+
+mod emulated;
+
+use assert_cmd::Command;
+use emulated::Emulated;
+use predicates::prelude::*;
+use predicates::str::contains;
+
+fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// A drill 100 times as fast as a real one; `None` where there are no pseudo-terminals.
+fn device(name: &str, args: &[&str]) -> Option<Emulated> {
+    Emulated::new("drill", name, &[&["--speed", "100"], args].concat())
+}
+
+fn jog(device: &Emulated, actions: &[&str]) -> assert_cmd::assert::Assert {
+    let port = ["jog", "-m", "drill", "--port", device.port()];
+    husillo().args(port).args(actions).assert()
+}
+
+/// A name in the folder for passing files that is this test's alone.
+fn passing(name: &str) -> std::path::PathBuf {
+    std::env::temp_dir().join(format!("husillo-drill-{}-{name}", std::process::id()))
+}
+
+#[test]
+fn a_session_by_hand_in_simulated_time() {
+    let file = passing("taught.cod");
+    husillo()
+        .args(["jog", "-m", "drill", "test", "help", "x", "300", "teach"])
+        .args(["x", "-20", "y+", "1s", "teach", "z", "10", "z", "-30"])
+        .args(["spindle", "on", "spindle", "off", "save"])
+        .arg(&file)
+        .arg("run")
+        .assert()
+        .success()
+        .stdout(contains("T teach").and(contains("taught 300,0")))
+        .stdout(contains("drilled at 280,").and(contains("6 records")))
+        // 300 steps at 247 a second, and homing before them.
+        .stdout(contains("spindle on: ").and(contains("homed")));
+    let program = std::fs::read(&file).unwrap();
+    let _ = std::fs::remove_file(&file);
+    assert_eq!(program[..9], *b"X\x2c\x01Y\0\0Z\0\0");
+    assert_eq!(program.len(), 19);
+}
+
+#[test]
+fn the_same_over_a_pseudo_terminal() {
+    let Some(mut device) = device("drill-hand", &[]) else {
+        return;
+    };
+    jog(
+        &device,
+        &["home", "x", "300", "y", "25", "teach", "x+", "0.2s", "run"],
+    )
+    .success();
+    device.read_until("drilled at 300,25");
+    let place = device.type_line("where", "lost");
+    assert!(
+        place.contains("x 300 y 25 steps from home, z 0 "),
+        "{place}"
+    );
+    assert!(
+        place.contains("1 holes") && place.contains("; 0 steps lost"),
+        "{place}"
+    );
+}
+
+/// A switch that does not close, power that goes, a cable that is pulled, the button: each is told in a sentence, and the button
+/// brings it back.
+#[test]
+fn faults_at_the_panel() {
+    let Some(mut device) = device("drill-panel", &[]) else {
+        return;
+    };
+    jog(&device, &["home"]).success();
+    device.type_line("close x", "held closed");
+    device.type_line("reset", "reset");
+    device.read_until("fault: home switch x is closed still");
+    device.type_line("free x", "free");
+    jog(&device, &["home"]).code(1).stderr(contains("button R"));
+    device.type_line("reset", "reset");
+    jog(&device, &["home", "x", "10"]).success();
+    // Steps lost: the switch comes too early.
+    device.type_line("push x -60", "pushed");
+    device.type_line("where", "x 10 ");
+    device.type_line("unplug", "unplugged");
+    jog(&device, &["home"])
+        .code(1)
+        .stderr(contains("no answer: the drill is off or unplugged"));
+    device.type_line("plug", "plugged");
+    device.type_line("power off", "off");
+    jog(&device, &["home"])
+        .code(1)
+        .stderr(contains("no answer"));
+    device.type_line("power on", "on");
+    jog(&device, &["home", "x", "10"]).success();
+}
+
+#[test]
+fn the_original_teaches_nothing() {
+    let Some(mut device) = device("drill-original", &["--faithful"]) else {
+        return;
+    };
+    jog(&device, &["x", "5", "spindle", "on"]).success();
+    device.read_until("spindle on");
+    jog(&device, &["teach"])
+        .code(1)
+        .stderr(contains("no teach-in"));
+}
+
+#[test]
+fn wrong_actions_move_nothing() {
+    for (actions, reason) in [
+        (&["fly"][..], "unknown action `fly`"),
+        (&["home", "x"], "by how many steps"),
+        (&["y+", "5"], "how long"),
+        (&["save"], "to which file"),
+    ] {
+        husillo()
+            .args(["jog", "-m", "drill"])
+            .args(actions)
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains(reason));
+    }
+    husillo()
+        .args(["jog", "-m", "micromill", "home"])
+        .assert()
+        .code(2)
+        .stderr(contains("microfactory and drill"));
+}
+
+/// A program of the drill's language, in a file of this test's own.
+fn program(name: &str, text: &str) -> String {
+    let file = passing(name);
+    std::fs::write(&file, text).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+const THREE: &str = "%\nG21\nG90\nX10 Y5\nX12.54\nY7.54\n%\n";
+
+#[test]
+fn programs_are_compiled_and_listed() {
+    let file = program("three.nc", THREE);
+    let records = passing("three.cod");
+    husillo()
+        .args(["compile", &file, "-m", "drill", "-o"])
+        .arg(&records)
+        .assert()
+        .success()
+        .stdout(contains("3 holes, 22 bytes, 40.2 mm in X and Y"));
+    let listed = |format: &str| {
+        let command = ["commands", records.to_str().unwrap(), "--format", format];
+        husillo().args(command).assert().success()
+    };
+    listed("text").stdout(contains("1  X 1070       10 mm").and(contains("drill        to the")));
+    listed("json").stdout(contains(
+        "{\"record\":4,\"kind\":\"x\",\"steps\":1342,\"nm\":12542056}",
+    ));
+    // There and back: the same bytes.
+    let text = String::from_utf8(listed("gcode").get_output().stdout.clone()).unwrap();
+    let again = program("again.nc", &text);
+    let second = passing("again.cod");
+    husillo()
+        .args(["compile", &again, "-o"])
+        .arg(&second)
+        .assert()
+        .success();
+    assert_eq!(
+        std::fs::read(&records).unwrap(),
+        std::fs::read(&second).unwrap()
+    );
+    husillo()
+        .args(["compile", &file, "-m", "micromill"])
+        .assert()
+        .code(2)
+        .stderr(contains("-m drill is what takes records"));
+    for file in [file.as_ref(), again.as_ref(), &*records, &*second] {
+        let _ = std::fs::remove_file::<&std::path::Path>(file);
+    }
+}
+
+#[test]
+fn a_board_has_a_file_for_each_tool_and_a_manifest() {
+    let folder = passing("board");
+    let output = folder.join("b.cod");
+    let page = folder.join("b.html");
+    let board = ["compile", "../examples/board.drl", "-m", "drill"];
+    husillo()
+        .args(board)
+        .args(["--shift", "corner", "--order", "shortest", "-o"])
+        .arg(&output)
+        .arg("--report")
+        .arg(&page)
+        .assert()
+        .success()
+        .stdout(contains("b.T4.cod: T4 (1.5 mm), 7 holes").and(contains("% less")));
+    let manifest = std::fs::read_to_string(folder.join("b.toml")).unwrap();
+    assert!(manifest.contains("diameter_mm = 3.2\nfile = \"b.T3.cod\"\nholes = 2"));
+    let page = std::fs::read_to_string(page).unwrap();
+    assert_eq!(page.matches("<circle").count(), 29);
+    assert!(page.contains("Travel in X and Y") && !page.contains("<script"));
+    let manifest = folder.join("b.toml");
+    husillo()
+        .args(["send", manifest.to_str().unwrap(), "-m", "drill"])
+        .write_stdin("0.8\n1.2\n1\n3.2\n1.5\n")
+        .assert()
+        .success()
+        .stdout(contains("1.2 mm is not 1 mm").and(contains("29 holes drilled")));
+    // With a depth for all of them, and off the table.
+    husillo()
+        .args(board)
+        .args(["--depth", "31.5", "-o"])
+        .arg(&output)
+        .assert()
+        .success();
+    let deep = std::fs::read(folder.join("b.T3.cod")).unwrap();
+    assert!(
+        deep.windows(3).any(|record| record == b"Z\x2b\x0d"),
+        "3371 steps"
+    );
+    husillo()
+        .args(board)
+        .args(["--shift", "200,0"])
+        .assert()
+        .code(1)
+        .stderr(contains("off the table"));
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+fn send(device: &Emulated, file: &str, args: &[&str]) -> assert_cmd::assert::Assert {
+    let port = ["send", file, "-m", "drill", "--port", device.port()];
+    husillo().args(port).args(args).assert()
+}
+
+#[test]
+fn a_program_over_a_pseudo_terminal() {
+    let Some(mut device) = Emulated::new("drill", "drill-send", &["--speed", "25"]) else {
+        return;
+    };
+    let file = program("send.nc", THREE);
+    send(&device, &file, &[])
+        .success()
+        .stdout(contains("3 holes drilled"));
+    assert_eq!(
+        device.type_line("holes", "3 holes:").trim(),
+        "3 holes: 1070,535 depth 3745; 1342,535 depth 3745; 1342,807 depth 3745"
+    );
+    // By itself, and from the second hole on.
+    device.type_line("board", "without holes");
+    send(&device, &file, &["--from", "2", "--detach"])
+        .success()
+        .stdout(contains("drills by itself"));
+    device.read_until("drilled at 1342,807");
+    device.type_line("holes", "2 holes: 1342,535");
+    let _ = std::fs::remove_file(file);
+}
+
+#[test]
+fn the_original_over_a_pseudo_terminal() {
+    let Some(mut device) = device("drill-send-original", &["--faithful", "--baud", "9600"]) else {
+        return;
+    };
+    let file = program("original.nc", THREE);
+    send(&device, &file, &["--baud", "9600"])
+        .success()
+        .stdout(contains("switch the spindle on by hand").and(contains("3 holes drilled")));
+    device.type_line(
+        "holes",
+        "3 holes: 1070,535 depth 3745 with a spindle that stood",
+    );
+    let _ = std::fs::remove_file(file);
+}
+
+/// Ctrl-C: stops behind the hole that is being drilled, and says which is next.
+#[cfg(unix)]
+#[test]
+fn a_run_is_stopped() {
+    let Some(mut device) = device("drill-stop", &[]) else {
+        return;
+    };
+    let file = program("stop.nc", THREE);
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .args(["send", &file, "-m", "drill", "--port", device.port()])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    device.read_until("drilled at 1070,535");
+    let interrupted = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupted.is_ok_and(|status| status.success()));
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("stopped\n"), "{told}");
+    assert!(
+        told.contains("of 3 holes are drilled; go on with"),
+        "{told}"
+    );
+    let where_ = device.type_line("where", "lost");
+    assert!(where_.contains("spindle off"), "{where_}");
+    let count = where_.split(" holes").next().unwrap();
+    let count = count.rsplit(' ').next().unwrap().to_owned();
+    assert!(
+        told.contains(&format!("\n{count} of 3")),
+        "{told}; {where_}"
+    );
+    if count != "3" {
+        let next = (count.parse::<u32>().unwrap() + 1).to_string();
+        send(&device, &file, &["--from", &next]).success();
+    }
+    device.type_line("holes", "3 holes: 1070,535");
+    let _ = std::fs::remove_file(file);
+}
+
+/// The button, and the cable, in the middle of a run.
+#[test]
+fn an_emergency_stop_and_a_pulled_cable() {
+    let Some(mut device) = device("drill-emergency", &[]) else {
+        return;
+    };
+    let file = program("emergency.nc", THREE);
+    let begin = |device: &Emulated| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(["send", &file, "-m", "drill", "--port", device.port()])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap()
+    };
+    let child = begin(&device);
+    device.read_until("drilled at 1070,535");
+    device.type_line("reset", "reset");
+    device.read_until("homed");
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("the drill was reset"), "{told}");
+    assert!(told.contains("look at the board"), "{told}");
+    device.type_line("board", "without holes");
+    // The cable: the drill goes on to the end of what it holds, and nobody hears it.
+    let child = begin(&device);
+    device.read_until("spindle on");
+    device.type_line("unplug", "unplugged");
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("no answer"), "{told}");
+    assert!(
+        told.contains("0 of 3 holes are drilled; go on with"),
+        "{told}"
+    );
+    device.type_line("plug", "plugged");
+    send(&device, &file, &[]).success();
+    device.type_line("holes", "3 holes: 1070,535");
+    let _ = std::fs::remove_file(file);
+}
