@@ -5,11 +5,11 @@ use crate::block::{Block, axis_letter};
 use crate::code::{Code, Group};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::Commands;
-use crate::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle, State};
+use crate::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle};
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
 use crate::kind::Kind;
-use crate::modal::{Distance, FeedMode, Modal, Sticky, shifted};
+use crate::modal::{Distance, FeedMode, Modal, Sticky, coordinate, shifted};
 use crate::nm::Nm;
 use crate::settings::{unsigned, whole};
 use crate::thread::{MOST_PASSES, Passes, tangent};
@@ -67,7 +67,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// G73, G74, G81 to G89.
+    /// G73, G74, G81 to G89. The cycle is made where it stays, in steps of which each leaves the stack before the next one.
+    #[inline(never)]
     fn holes(
         &mut self,
         block: &Block,
@@ -77,19 +78,56 @@ impl<const N: usize> Modal<N> {
         if self.feed_mode() == FeedMode::InverseTime {
             return Err(Fault::at_motion(Reason::WrongFeedMode));
         }
+        let Some(holes) = commands.holes() else {
+            return Ok(());
+        };
+        holes.kind = kind;
         // A lathe drills along Z, whatever the plane of its arcs.
-        let plane = if self.modes.dialect.is_lathe() {
+        holes.plane = if self.modes.dialect.is_lathe() {
             Plane::Xy
         } else {
             self.plane()
         };
-        let across = plane.across();
-        let part = |point: &[Nm; N], axis: usize| point.get(axis).copied().unwrap_or_default();
-        let height = part(&self.modes.position, across);
+        self.levels(block, holes)?;
+        holes.left = match whole(block, b'L', u32::MAX)? {
+            None => 1,
+            Some(0) if self.modes.dialect.flavour != Flavour::Iso => {
+                return Err(Fault::at(Reason::OutOfRange, b'L'));
+            }
+            Some(count) => count,
+        };
+        holes.peck = self.peck(block, holes)?;
+        if kind == Kind::BackBore {
+            self.back_bore(block, holes)?;
+        }
+        if let Some(value) = block.word(b'P') {
+            self.modes.sticky.dwell_micros =
+                unsigned(value, 6).ok_or_else(|| Fault::at(Reason::OutOfRange, b'P'))?;
+        }
+        holes.dwell_micros = self.modes.sticky.dwell_micros;
+        holes.spindle = (self.spindle_direction(), self.modes.milli_rpm);
+        holes.path = Some(self.path()).filter(|path| matches!(path, PathMode::Blend { .. }));
+        self.check_cycle_spindle(kind)?;
+        self.set_feed_of(commands)?;
+        let feed = commands.feed;
+        if let Some(holes) = commands.holes_made() {
+            holes.feed = feed;
+            self.places(block, holes)?;
+            if holes.left != 0 {
+                commands.motion(Code::DrillCycle);
+            }
+        }
+        Ok(())
+    }
+
+    /// The heights of a cycle.
+    #[inline(never)]
+    fn levels(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
+        let across = holes.plane.across();
+        let height = coordinate(&self.modes.position, across);
         let incremental = self.distance() == Distance::Incremental;
-        let sum = |letter: u8, a: Nm, b: Nm| shifted(a, b, letter);
         let zero = self.zero_of(across);
-        let peck_on_lathe = kind == Kind::LathePeck;
+        let peck_on_lathe = holes.kind == Kind::LathePeck;
         if peck_on_lathe && block.axes() & !0b100 != 0 {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
             return Err(Fault::at(Reason::UnusedWord, letter));
@@ -106,111 +144,74 @@ impl<const N: usize> Modal<N> {
         };
         // Incremental retract planes count from the level before the series.
         let initial = *self.modes.sticky.initial.get_or_insert(height);
-        let retract = match (peck_on_lathe, incremental) {
+        holes.retract = match (peck_on_lathe, incremental) {
             (true, _) => height,
-            (false, true) => sum(b'R', initial, given)?,
-            (false, false) => sum(b'R', zero, given)?,
+            (false, true) => shifted(initial, given, b'R')?,
+            (false, false) => shifted(zero, given, b'R')?,
         };
         self.modes.sticky.retract = Some(given);
+        holes.clearance = if peck_on_lathe { given } else { PECK_CLEARANCE };
 
         let depth_letter = block.letter_of(across);
         let depth = self.kept(block, depth_letter, self.modes.sticky.bottom)?;
-        let bottom = match incremental || block.increment(across).is_some() {
-            true => sum(depth_letter, retract, depth)?,
-            false => sum(depth_letter, zero, depth)?,
+        holes.bottom = match incremental || block.increment(across).is_some() {
+            true => shifted(holes.retract, depth, depth_letter)?,
+            false => shifted(zero, depth, depth_letter)?,
         };
         self.modes.sticky.bottom = Some(depth);
-        if retract < bottom || (peck_on_lathe && retract == bottom) {
+        if holes.retract < holes.bottom || (peck_on_lathe && holes.retract == holes.bottom) {
             let letter = if peck_on_lathe { depth_letter } else { b'R' };
             return Err(match block.word(letter) {
                 Some(_) => Fault::at(Reason::RetractBelowBottom, letter),
                 None => Fault::at_motion(Reason::RetractBelowBottom),
             });
         }
-
-        let left = match whole(block, b'L', u32::MAX)? {
-            None => 1,
-            Some(0) if self.modes.dialect.flavour != Flavour::Iso => {
-                return Err(Fault::at(Reason::OutOfRange, b'L'));
-            }
-            Some(count) => count,
+        holes.clear = if self.active(Group::Return) == Code::ReturnToRetract {
+            holes.retract
+        } else {
+            holes.retract.max(initial)
         };
-        let peck = self.peck(block, kind, retract, bottom, left)?;
-        let (offset, middle) = self.back_bore(block, kind, plane, [zero, bottom], incremental)?;
-        if let Some(value) = block.word(b'P') {
-            self.modes.sticky.dwell_micros =
-                unsigned(value, 6).ok_or_else(|| Fault::at(Reason::OutOfRange, b'P'))?;
-        }
-        self.check_cycle_spindle(kind)?;
-        self.set_feed_of(commands)?;
-        let feed = commands.feed;
+        Ok(())
+    }
 
-        let target = self.target(block)?;
-        let axes = plane.axes();
-        let hole = axes.map(|axis| part(&target, axis));
-        let mut pitch = [Nm(0); 2];
-        let mut last = hole;
-        for ((axis, pitch), last) in axes.into_iter().zip(&mut pitch).zip(&mut last) {
-            let here = part(&self.modes.position, axis);
+    /// The places of the holes, and the one where the cycle ends.
+    #[inline(never)]
+    fn places(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
+        // The position after it, when there is an end.
+        let mut end = self.modes.position;
+        self.read_axes(block, self.terms(), &mut end)?;
+        let incremental = self.distance() == Distance::Incremental;
+        holes.at = self.modes.position;
+        let axes = holes.plane.axes();
+        for ((&axis, pitch), hole) in axes.iter().zip(&mut holes.pitch).zip(&mut holes.hole) {
+            *hole = coordinate(&end, axis);
+            *pitch = Nm(0);
             if incremental || block.increment(axis).is_some() {
                 // Both within 2^50.
-                pitch.0 = last.0.saturating_sub(here.0);
+                pitch.0 = hole.0.saturating_sub(coordinate(&holes.at, axis).0);
             }
             let letter = block.letter_of(axis);
             let more = pitch
                 .0
-                .checked_mul(i64::from(left.max(1)).saturating_sub(1))
+                .checked_mul(i64::from(holes.left.max(1)).saturating_sub(1))
                 .ok_or_else(|| Fault::at(Reason::NumberTooLarge, letter))?;
-            *last = sum(letter, *last, Nm(more))?;
-        }
-        let clear = if self.active(Group::Return) == Code::ReturnToRetract {
-            retract
-        } else {
-            retract.max(initial)
-        };
-        if left == 0 {
-            return Ok(());
-        }
-        let at = self.modes.position;
-        for (axis, value) in axes.into_iter().zip(last).chain([(across, clear)]) {
-            if let Some(entry) = self.modes.position.get_mut(axis) {
-                *entry = value;
+            if let Some(end) = end.get_mut(axis) {
+                *end = shifted(*hole, Nm(more), letter)?;
             }
         }
-        commands.cycle(Cycle::Holes(Holes {
-            kind,
-            plane,
-            at,
-            hole,
-            pitch,
-            retract,
-            bottom,
-            clear,
-            peck,
-            clearance: if peck_on_lathe { given } else { PECK_CLEARANCE },
-            offset,
-            middle,
-            dwell_micros: self.modes.sticky.dwell_micros,
-            feed,
-            spindle: (self.spindle_direction(), self.modes.milli_rpm),
-            path: Some(self.path()).filter(|path| matches!(path, PathMode::Blend { .. })),
-            left,
-            state: State::Begin,
-        }));
+        if holes.left != 0 {
+            if let Some(end) = end.get_mut(holes.plane.across()) {
+                *end = holes.clear;
+            }
+            self.modes.position = end;
+        }
         Ok(())
     }
 
     /// The depth of a peck; not too many of them.
-    fn peck(
-        &mut self,
-        block: &Block,
-        kind: Kind,
-        retract: Nm,
-        bottom: Nm,
-        left: u32,
-    ) -> Result<Nm, Fault> {
-        if !matches!(kind, Kind::Peck | Kind::ChipBreak | Kind::LathePeck) {
-            if u64::from(left) > MOST_PECKS {
+    fn peck(&mut self, block: &Block, holes: &Holes<N>) -> Result<Nm, Fault> {
+        if !matches!(holes.kind, Kind::Peck | Kind::ChipBreak | Kind::LathePeck) {
+            if u64::from(holes.left) > MOST_PECKS {
                 return Err(Fault::at(Reason::TooManyPasses, b'L'));
             }
             return Ok(Nm(0));
@@ -221,50 +222,42 @@ impl<const N: usize> Modal<N> {
         }
         self.modes.sticky.peck = Some(peck);
         // bottom <= retract, both within 2^51.
-        let deep = retract.0.saturating_sub(bottom.0).unsigned_abs();
+        let deep = holes.retract.0.saturating_sub(holes.bottom.0);
         let pecks = deep
+            .unsigned_abs()
             .checked_div(peck.0.unsigned_abs())
             .unwrap_or(0)
             .saturating_add(1);
-        if pecks.saturating_mul(u64::from(left)) > MOST_PECKS {
+        if pecks.saturating_mul(u64::from(holes.left)) > MOST_PECKS {
             return Err(Fault::at_motion(Reason::TooManyPasses));
         }
         Ok(peck)
     }
 
     /// I, J and K of G87: the offset in the plane and the height to which it bores.
-    fn back_bore(
-        &mut self,
-        block: &Block,
-        kind: Kind,
-        plane: Plane,
-        [zero, bottom]: [Nm; 2],
-        incremental: bool,
-    ) -> Result<([Nm; 2], Nm), Fault> {
-        if kind != Kind::BackBore {
-            return Ok(([Nm(0); 2], Nm(0)));
-        }
-        let letters = plane.centre_letters();
-        let across = match plane {
+    #[inline(never)]
+    fn back_bore(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
+        let [i, j] = holes.plane.centre_letters();
+        let across = match holes.plane {
             Plane::Xy => b'K',
             Plane::Zx => b'J',
             Plane::Yz => b'I',
         };
         let before = self.modes.sticky.back_bore;
-        let [i, j, k] = [0, 1, 2].map(|place| before.and_then(|kept| kept.get(place).copied()));
-        let kept = [
-            self.kept(block, letters[0], i)?,
-            self.kept(block, letters[1], j)?,
-            self.kept(block, across, k)?,
-        ];
+        let mut kept = before.unwrap_or_default();
+        for (kept, &letter) in kept.iter_mut().zip(&[i, j, across]) {
+            *kept = self.kept(block, letter, before.map(|_| *kept))?;
+        }
         self.modes.sticky.back_bore = Some(kept);
-        let from = if incremental { bottom } else { zero };
-        let middle = from
-            .0
-            .checked_add(kept[2].0)
-            .and_then(|sum| Nm(sum).within_limit())
-            .ok_or_else(|| Fault::at(Reason::NumberTooLarge, across))?;
-        Ok(([kept[0], kept[1]], middle))
+        let from = if self.distance() == Distance::Incremental {
+            holes.bottom
+        } else {
+            self.zero_of(holes.plane.across())
+        };
+        let [i, j, height] = kept;
+        holes.offset = [i, j];
+        holes.middle = shifted(from, height, across)?;
+        Ok(())
     }
 
     /// Taps turn their own way; bores that stop the spindle need it to turn.
@@ -285,6 +278,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The turning, facing and threading cycles of lathes: X and Z of the far corner, `R` the taper.
+    #[inline(never)]
     fn rectangle(
         &mut self,
         block: &Block,
@@ -363,6 +357,7 @@ impl<const N: usize> Modal<N> {
     }
 
     /// G76, with the words of LinuxCNC; I, J and K are diameters under G7.
+    #[inline(never)]
     fn passes(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.check_turning()?;
         let needs = |letter| Fault::at_motion(Reason::MissingWord).of(letter);

@@ -8,7 +8,7 @@ use crate::command::{Command, Feed, PathMode, SpindleDirection};
 #[cfg(feature = "extended")]
 use crate::command::{Input, Spline, Switch, WaitFor};
 #[cfg(feature = "extended")]
-use crate::cycle::Cycle;
+use crate::cycle::{Cycle, Holes};
 use crate::modal::Modes;
 use crate::nm::Nm;
 
@@ -258,6 +258,21 @@ impl<const N: usize> Commands<N> {
         self.pending |= COMPENSATION;
     }
 
+    /// Holes to be filled in.
+    pub(crate) fn holes(&mut self) -> Option<&mut Holes<N>> {
+        self.more.cycle = Some(Cycle::Holes(Holes::NONE));
+        self.holes_made()
+    }
+
+    /// Those that were made last.
+    pub(crate) fn holes_made(&mut self) -> Option<&mut Holes<N>> {
+        match &mut self.more.cycle {
+            Some(Cycle::Holes(holes)) => Some(holes),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
     pub(crate) fn cycle(&mut self, cycle: Cycle<N>) {
         self.more.cycle = Some(cycle);
         self.motion(Code::DrillCycle);

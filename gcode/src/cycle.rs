@@ -113,6 +113,30 @@ pub(crate) struct Holes<const N: usize> {
     pub(crate) state: State,
 }
 
+impl<const N: usize> Holes<N> {
+    /// None yet.
+    pub(crate) const NONE: Self = Holes {
+        kind: Kind::Drill,
+        plane: Plane::Xy,
+        at: [Nm(0); N],
+        hole: [Nm(0); 2],
+        pitch: [Nm(0); 2],
+        retract: Nm(0),
+        bottom: Nm(0),
+        clear: Nm(0),
+        peck: Nm(0),
+        clearance: Nm(0),
+        offset: [Nm(0); 2],
+        middle: Nm(0),
+        dwell_micros: 0,
+        feed: Feed::PerMinute(Nm(0)),
+        spindle: (SpindleDirection::Off, 0),
+        path: None,
+        left: 0,
+        state: State::Begin,
+    };
+}
+
 /// Where a drilling cycle is.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum State {
