@@ -233,12 +233,13 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     };
     writeln!(
         out,
-        "{}: {} {modules} at {}; Ctrl-C ends it\nConnect: husillo measure -m {} --port {} status",
+        "{}: {} {modules} at {}; Ctrl-C ends it\nConnect: husillo measure -m {} --port {} status\nPanel: {}",
         machine.title,
         versions.len(),
         args.link,
         args.machine,
-        args.link
+        args.link,
+        emulated::PANEL
     )
     .and_then(|()| out.flush())
     .and_then(|()| terminal.run(&mut emulated, &pace, out))

@@ -69,16 +69,33 @@ impl Terminal {
     ) -> io::Result<()> {
         let panel = panel();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
+        let mut is_plugged = true;
         let is_over = || {
             let is_late = pace.limit.is_some_and(|limit| start.elapsed() >= limit);
             is_late || pace.is_over.load(Ordering::Relaxed)
         };
         while !is_over() {
             for byte in read_port(&mut self.master)? {
-                device.send(byte);
+                if is_plugged {
+                    device.send(byte);
+                }
             }
             while let Ok(line) = panel.try_recv() {
-                writeln!(out, "{}", device.control(line.trim()))?;
+                let line = line.trim();
+                // The cable is the same for every device.
+                let answer = match line {
+                    "unplug" | "plug" => {
+                        is_plugged = line == "plug";
+                        if is_plugged {
+                            "plugged in"
+                        } else {
+                            "unplugged"
+                        }
+                        .to_owned()
+                    }
+                    _ => device.control(line),
+                };
+                writeln!(out, "{answer}")?;
             }
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
             let behind = (periods as u64).saturating_sub(done + left_out);
@@ -86,7 +103,7 @@ impl Terminal {
             for _ in 0..behind.min(MOST_BEHIND) {
                 done += 1;
                 let bytes = device.tick();
-                if !bytes.is_empty() {
+                if !bytes.is_empty() && is_plugged {
                     self.write(&bytes)?;
                 }
             }

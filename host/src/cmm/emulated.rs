@@ -17,9 +17,15 @@ pub struct Emulated {
     chain: ServoChain,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
+    /// The probe held closed, or open, by hand.
+    held: Option<bool>,
     #[cfg(test)]
     interruption: Option<(usize, u64)>,
 }
+
+/// What may be typed at the panel.
+#[cfg(unix)]
+pub const PANEL: &str = "close probe, open probe, free probe, power off|on, unplug, plug";
 
 impl Emulated {
     /// Modules of these versions with the prototype's motors, the first at the far end.
@@ -46,6 +52,7 @@ impl Emulated {
             chain: ServoChain::new(versions, DcMotorModel::PROTOTYPE),
             contacts: contacts.to_vec(),
             piece,
+            held: None,
             #[cfg(test)]
             interruption: None,
         })
@@ -103,7 +110,7 @@ impl Emulated {
                 .is_some_and(|piece| piece.is_closed(chain));
         // The probe is wired to limit 1 of every module.
         let around = Surroundings {
-            limit_1: is_closed,
+            limit_1: self.held.unwrap_or(is_closed),
             ..Surroundings::default()
         };
         for module in 0..self.chain.len() {
@@ -140,6 +147,27 @@ impl Emulation for Emulated {
 
     fn tick(&mut self) -> Vec<u8> {
         Emulated::tick(self)
+    }
+
+    #[cfg(unix)]
+    fn control(&mut self, line: &str) -> String {
+        match line.split_whitespace().collect::<Vec<_>>()[..] {
+            [held @ ("close" | "open" | "free"), "probe"] => {
+                self.held = match held {
+                    "close" => Some(true),
+                    "open" => Some(false),
+                    _ => None,
+                };
+                format!("probe: {held}")
+            }
+            ["power", power @ ("off" | "on")] => {
+                for module in 0..self.chain.len() {
+                    self.chain.set_dead(module, power == "off");
+                }
+                format!("power is {power}")
+            }
+            _ => format!("there are {PANEL}"),
+        }
     }
 }
 

@@ -78,7 +78,7 @@ fn figures(board: &Board<'_>) -> Vec<(&'static str, String)> {
         ("Tools", board.parts.len().to_string()),
     ];
     if let Some([[x, y], [to_x, to_y]]) = extent(board.parts) {
-        let size = format!("{} x {} mm", millimetres(to_x - x), millimetres(to_y - y));
+        let size = format!("{:.2} x {:.2} mm", to_mm(to_x - x), to_mm(to_y - y));
         figures.push(("Extent of the holes", size));
     }
     figures.push(("Travel in X and Y", mm(travel)));
@@ -115,12 +115,8 @@ fn picture(page: &mut String, board: &Board<'_>) {
         return;
     };
     let is_bounded = board.table != Table::UNBOUNDED;
-    let mut right = to_mm(high[0]);
-    let mut up = to_mm(high[1]);
-    if is_bounded {
-        right = right.max(to_mm(board.table.x));
-        up = up.max(to_mm(board.table.y));
-    }
+    // The board fills the picture; of a large table only the corner at zero is in it.
+    let (right, up) = (1.05 * to_mm(high[0]) + 1.0, 1.05 * to_mm(high[1]) + 1.0);
     let margin = 0.03 * right.max(up) + 1.0;
     let (width, height) = (right + 2.0 * margin, up + 2.0 * margin);
     let y_of = |y: u16| up - to_mm(y);
