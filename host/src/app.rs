@@ -17,15 +17,17 @@ use crate::diagnostics::{Findings, Format};
 use crate::drill_code::Work;
 use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
+use crate::lash;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::order::Metric;
+use crate::setup::Mill;
 use crate::source::Source;
 use crate::{
     cell, commands, compare_page, compare_text, drill, grid, interpolate, machines, setup, steps,
     tune,
 };
 use husillo_gcode::Dialect;
-use husillo_machine::{Config, Machine};
+use husillo_machine::Config;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
 use std::path::Path;
@@ -150,6 +152,16 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
 fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
     let out = &mut io::stdout().lock();
     ended(match &args.what {
+        What::Backlash(args) => {
+            let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;
+            for (path, text) in [(&args.report, made.page), (&args.output, made.machine)] {
+                if let Some(path) = path {
+                    create(path)?.write_all(text.as_bytes())?;
+                }
+            }
+            Ok(())
+        }
+        What::Circles(args) => Ok(lash::print_circles(args, &load(&args.machine)?, out)?),
         What::Axis(args) => cmm::calibrate_axis(args, out),
         What::Squareness(args) => cmm::calibrate_squareness(args, out),
     })
@@ -326,10 +338,10 @@ impl Job {
         )?)
     }
 
-    fn new_machine(&self, compensation: bool) -> Machine<3> {
-        let mut machine = Machine::new(self.config);
+    fn new_machine(&self, compensation: bool) -> Result<Mill, Failure> {
+        let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
         machine.set_compensation(compensation);
-        machine
+        Ok(machine)
     }
 }
 
@@ -530,7 +542,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         return Ok(ERRORS);
     }
     let mut source = job.open()?;
-    let mut machine = job.new_machine(!args.no_compensation);
+    let mut machine = job.new_machine(!args.no_compensation)?;
     if args.output == "-" {
         let mut out = BufWriter::with_capacity(1 << 18, io::stdout().lock());
         steps::write(&mut source, &mut machine, &mut out)?;

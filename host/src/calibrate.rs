@@ -21,6 +21,49 @@ pub enum What {
     /// Angles between the axes, from a bar laid along diagonals
     #[command(after_help = SQUARENESS_HELP)]
     Squareness(SquarenessArgs),
+    /// Backlash by place, from lines cut in pairs
+    #[command(after_help = BACKLASH_HELP)]
+    Backlash(BacklashArgs),
+    /// What is left of the backlash at the ends of circles, beside what was measured on the original
+    Circles(CirclesArgs),
+}
+
+/// `husillo calibrate backlash`.
+#[derive(Debug, Args)]
+pub struct BacklashArgs {
+    /// Readings as CSV; - is standard input
+    #[arg(
+        value_name = "READINGS.csv",
+        required_unless_present = "simulate",
+        conflicts_with = "simulate"
+    )]
+    pub file: Option<String>,
+    /// Machine that cut the lines: a name, or a TOML file
+    #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
+    pub machine: String,
+    /// Cut the lines on the simulated machine, with the play of [simulated_lash], and measure them
+    #[arg(long)]
+    pub simulate: bool,
+    /// With --simulate: from one place to the next, at most
+    #[arg(long, value_name = "LENGTH", default_value = "0.5 mm")]
+    pub every: String,
+    /// The lines were cut without any take-up
+    #[arg(long)]
+    pub uncompensated: bool,
+    /// Machine file to write: this one with the map in it
+    #[arg(short, long, value_name = "MACHINE.toml")]
+    pub output: Option<String>,
+    /// Report to write: one value an axis beside the map
+    #[arg(long, value_name = "REPORT.html")]
+    pub report: Option<String>,
+}
+
+/// `husillo calibrate circles`.
+#[derive(Debug, Args)]
+pub struct CirclesArgs {
+    /// Machine with a [simulated_lash]: a name, or a TOML file
+    #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
+    pub machine: String,
 }
 
 /// `husillo calibrate axis`.
@@ -68,6 +111,23 @@ The result are lines for the machine file, on standard output:
 
 Example:
   husillo calibrate axis -m cmm3 --axis x gauge.csv >> mine.toml";
+
+const BACKLASH_HELP: &str = "\
+The two-line test: cut a short line across an axis with the axis coming from below, and one beside it with the axis coming from
+above. What lies between them, measured under a microscope, less what was programmed, is what is left of the lash at the second
+line. READINGS.csv has a heading and a pair of lines a row:
+  axis        X or Y
+  x, y        where the second line was cut (machine position); leave one out, or empty, for bands along that axis
+  programmed  from the line reached from below to the one reached from above, along the axis, with its sign
+  measured    the same as measured
+in mm, or with a unit. Places that were measured several times are averaged; every column of places needs every row.
+
+The result are the sections [lash.x] and [lash.y] for the machine file, on standard output. The controller interpolates between
+the places, looks the lash up as the tool moves, and keeps to it where it changes on the way.
+
+Example:
+  husillo calibrate backlash --simulate -o mine.toml --report out/backlash.html
+  husillo run part.nc -m mine.toml --worn";
 
 const SQUARENESS_HELP: &str = "\
 ENDS.csv has a heading and a place of the bar a line: x1,y1,z1,x2,y2,z2, the centres of its two balls in mm (of two axes

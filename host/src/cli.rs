@@ -230,6 +230,9 @@ pub struct Run {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
+    /// Simulate the screws with the play of [simulated_lash], which is another at every place
+    #[arg(long)]
+    pub worn: bool,
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
     pub lose: Vec<crate::encoder_file::Push>,

@@ -1,9 +1,10 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
 use crate::blocks;
+use crate::setup::{ClosedMill, Mill};
 use crate::source::Source;
 use crate::turning::Turning;
-use husillo_machine::{ClosedLoop, Event, Followed, Machine, Pause, Refused};
+use husillo_machine::{Event, Followed, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -14,15 +15,15 @@ use std::ops::ControlFlow;
 /// Reading or writing fails, or the machine refuses a line: a check before makes sure that it does not.
 pub fn feed(
     source: &mut Source,
-    machine: &mut Machine<3>,
-    mut each: impl FnMut(&Machine<3>, &Event<3>) -> io::Result<()>,
+    machine: &mut Mill,
+    mut each: impl FnMut(&Mill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Machine<3>, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Mill, event: &Event<3>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -67,16 +68,16 @@ pub fn feed(
 /// Those of [`feed`].
 pub fn feed_followed(
     source: &mut Source,
-    machine: &mut ClosedLoop<3>,
+    machine: &mut ClosedMill,
     mut counts: [i64; 3],
-    mut each: impl FnMut(&ClosedLoop<3>, &Followed<3>) -> io::Result<[i64; 3]>,
+    mut each: impl FnMut(&ClosedMill, &Followed<3>) -> io::Result<[i64; 3]>,
 ) -> io::Result<()> {
     let config = machine.machine().config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut pull = |machine: &mut ClosedLoop<3>| -> io::Result<Pulled> {
+    let mut pull = |machine: &mut ClosedMill| -> io::Result<Pulled> {
         let Some(mut entry) = machine.next_event(&counts) else {
             return Ok(match machine.is_stopped() {
                 true => Pulled::End,
@@ -137,8 +138,8 @@ enum Pulled {
 
 #[inline]
 fn pull(
-    machine: &mut Machine<3>,
-    each: &mut impl FnMut(&Machine<3>, &Event<3>) -> io::Result<()>,
+    machine: &mut Mill,
+    each: &mut impl FnMut(&Mill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     // By reference: moving the event would read whole what was just written in parts, and wait for it.
     let Some(ref event) = machine.next_event() else {

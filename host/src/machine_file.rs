@@ -2,6 +2,7 @@
 
 use crate::diagnostics::{Finding, Place};
 use crate::encoder_file::EncoderFile;
+use crate::lash::LashFile;
 use crate::power::Power;
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
@@ -70,6 +71,8 @@ pub struct MachineFile {
     pub spindle_counts: Option<u32>,
     /// Axes that may move at once; more are warned about.
     pub simultaneous_axes: u32,
+    /// Lash by place.
+    pub lash: LashFile,
     /// What the motors do when nothing moves.
     pub idle: Idle,
     /// The axes of pictures, by index: to the right and up.
@@ -263,6 +266,12 @@ impl MachineFile {
             })
             .flatten();
         let idle = root.optional_table("idle", read_idle).unwrap_or(Idle::Hold);
+        let lash = match &axes {
+            Some((Some(x), Some(y), Some(z))) => {
+                LashFile::read(&mut root, [x.step, y.step, z.step])
+            }
+            _ => LashFile::default(),
+        };
         root.finish();
         match axes {
             Some((Some(x), Some(y), Some(z))) if findings.is_empty() => Ok(Self {
@@ -278,6 +287,7 @@ impl MachineFile {
                 corner_deviation: motion.corner_deviation,
                 spindle_counts,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
+                lash,
                 idle,
                 view: view.flatten().unwrap_or([0, 1]),
             }),
@@ -285,13 +295,23 @@ impl MachineFile {
         }
     }
 
+    /// The text of the file.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: it is no longer there.
+    pub fn text(&self) -> Result<String, String> {
+        let built_in = BUILT_IN.iter().find(|(_, path, _)| *path == self.path);
+        match built_in {
+            Some((.., text)) => Ok((*text).to_owned()),
+            None => std::fs::read_to_string(&self.path)
+                .map_err(|error| format!("{}: {error}", self.path)),
+        }
+    }
+
     /// Where the travel of an axis stands in the machine file.
     pub fn travel_place(&self, axis: usize) -> Option<Place> {
-        let built_in = BUILT_IN.iter().find(|(_, path, _)| *path == self.path);
-        let text = match built_in {
-            Some((.., text)) => (*text).to_owned(),
-            None => std::fs::read_to_string(&self.path).ok()?,
-        };
+        let text = self.text().ok()?;
         let span = self.axes.get(axis)?.travel_span.clone();
         Some(Place::in_text(&self.path, &text, span))
     }

@@ -41,6 +41,7 @@ mod format;
 mod grid;
 mod holes;
 mod interpolate;
+mod lash;
 mod machine_file;
 mod machines;
 mod measure;

@@ -5,10 +5,10 @@ use crate::drawing::{Class, Drawing, Point};
 use crate::encoder_file::Push;
 use crate::machine_file::MachineFile;
 use crate::report::{Ideal, Motor};
-use crate::setup;
+use crate::setup::{self, ClosedMill, Mill};
 use crate::speed::{Circle, Move, Speed, Stop};
 use husillo_gcode::{Command, Direction, Feed, Nm};
-use husillo_machine::{ClosedLoop, Event, Followed, Machine, Motors, Origin, Segment, StepEvent};
+use husillo_machine::{Event, Followed, Motors, Origin, Segment, StepEvent};
 use husillo_sim::Rig;
 use husillo_stepper::Drive;
 use std::io::{self, Write};
@@ -73,14 +73,28 @@ impl std::fmt::Debug for Run<'_> {
 }
 
 impl<'a> Run<'a> {
-    /// A homed machine at rest; every step goes to `trace` too.
+    /// A homed machine at rest, with the lash of its file or, worn, with that of `[simulated_lash]`; every step goes to `trace` too.
     ///
     /// # Errors
     ///
-    /// A driver that has not the step mode of the machine file.
-    pub fn new(machine: &'a MachineFile, trace: Option<Box<dyn Write>>) -> Result<Self, String> {
+    /// A driver that has not the step mode of the machine file, or nothing of how worn it is.
+    pub fn new(
+        machine: &'a MachineFile,
+        is_worn: bool,
+        trace: Option<Box<dyn Write>>,
+    ) -> Result<Self, String> {
         let motors = setup::motors(machine)?;
-        let rig = setup::rig(machine, &motors);
+        let mut rig = setup::rig(machine, &motors);
+        if is_worn {
+            let steps = machine.axes.each_ref().map(|axis| axis.step);
+            let field = machine.lash.field(steps).ok_or_else(|| {
+                format!(
+                    "{}: no [simulated_lash]: nobody says how worn it is",
+                    machine.path
+                )
+            })?;
+            rig = rig.with_lash_field(field);
+        }
         let nm_per_step = machine
             .axes
             .each_ref()
@@ -141,11 +155,7 @@ impl<'a> Run<'a> {
     /// # Errors
     ///
     /// The trace cannot be written.
-    pub fn followed(
-        &mut self,
-        machine: &ClosedLoop<3>,
-        entry: &Followed<3>,
-    ) -> io::Result<[i64; 3]> {
+    pub fn followed(&mut self, machine: &ClosedMill, entry: &Followed<3>) -> io::Result<[i64; 3]> {
         let letter = |axis: usize| char::from(self.machine.axes[axis].letter);
         let after = format!("after {} step events", self.events);
         match *entry {
@@ -215,7 +225,7 @@ impl<'a> Run<'a> {
     ///
     /// The trace cannot be written.
     #[inline]
-    pub fn event(&mut self, machine: &Machine<3>, event: &Event<3>) -> io::Result<()> {
+    pub fn event(&mut self, machine: &Mill, event: &Event<3>) -> io::Result<()> {
         match event {
             Event::Step(step) => self.step(machine, step),
             Event::Dwell { wait_ticks } => {
@@ -231,7 +241,7 @@ impl<'a> Run<'a> {
     }
 
     #[inline]
-    fn step(&mut self, machine: &Machine<3>, step: &StepEvent<3>) -> io::Result<()> {
+    fn step(&mut self, machine: &Mill, step: &StepEvent<3>) -> io::Result<()> {
         self.apply(step);
         let tool = self.tool;
         for ((low, high), tool) in self.low.iter_mut().zip(&mut self.high).zip(tool) {
@@ -296,7 +306,7 @@ impl<'a> Run<'a> {
 
     /// Another move begins, or take-up does, or it ends.
     #[cold]
-    fn turn_to(&mut self, machine: &Machine<3>, origin: Origin, at: [f64; 3]) {
+    fn turn_to(&mut self, machine: &Mill, origin: Origin, at: [f64; 3]) {
         let executing = machine.executing().copied();
         if executing != self.segment {
             self.segment = executing;
@@ -324,7 +334,7 @@ impl<'a> Run<'a> {
         self.origin = origin;
     }
 
-    fn begin(&mut self, machine: &Machine<3>, segment: &Segment<3>) {
+    fn begin(&mut self, machine: &Mill, segment: &Segment<3>) {
         let Some(path) = Path::programmed(segment.from, &segment.command, self.half_step_nm) else {
             return;
         };

@@ -1,10 +1,79 @@
 //! A machine file as the parts the crates are made of: limits, motors, the simulated machine.
 
+use crate::lash::Map;
 use crate::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
+use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, Config, Motors, Scale};
+use husillo_interp::Path;
+use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
+use std::sync::Arc;
+
+/// The lash of an axis here: one value is a map with one place.
+pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
+/// A machine with such screws.
+pub type Mill = Machine<3, Path<3>, Screw>;
+/// One with encoders, too.
+pub type ClosedMill = ClosedLoop<3, Path<3>, Screw>;
+
+/// What the controller takes up: the file's maps, and one value where it has none.
+///
+/// # Errors
+///
+/// A lash that is out of range.
+pub fn maps(file: &MachineFile) -> Result<[Map; 3], String> {
+    let one = one_value(file);
+    for axis in &file.axes {
+        if axis.lash_steps > MOST_LASH_STEPS {
+            let letter = char::from(axis.letter);
+            return Err(format!(
+                "{}: the backlash of {letter} is out of range",
+                file.path
+            ));
+        }
+    }
+    let own = file.lash.maps.iter().cloned();
+    let mut all = one;
+    for (map, own) in all.iter_mut().zip(own) {
+        if let Some(own) = own {
+            *map = own;
+        }
+    }
+    Ok(all)
+}
+
+/// Most lash of an axis, steps.
+const MOST_LASH_STEPS: u32 = (1 << 20) - 1;
+
+/// One value an axis, whatever maps the file has.
+pub fn one_value(file: &MachineFile) -> [Map; 3] {
+    file.axes.each_ref().map(|axis| flat(axis.lash_steps))
+}
+
+/// Nothing to take up.
+pub fn no_lash() -> [Map; 3] {
+    [0; 3].map(flat)
+}
+
+/// The same lash everywhere.
+fn flat(steps: u32) -> Map {
+    let places = || Arc::from([0]);
+    LashMap::new(
+        [0, 1],
+        [places(), places()],
+        Arc::from([steps.min(MOST_LASH_STEPS)]),
+    )
+    .expect("one entry in range, at one place")
+}
+
+/// A machine that takes these up.
+pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Mill {
+    Mill::with_lash(
+        config,
+        maps.map(|map| MappedBacklash::new(map, Flank::Positive)),
+    )
+}
 
 /// The language of a program: what was asked for, or what the name of the file says, or the machine's own.
 ///

@@ -1,8 +1,9 @@
 //! `husillo steps`: the step events as CSV.
 
 use crate::feeder;
+use crate::setup::Mill;
 use crate::source::Source;
-use husillo_machine::{Event, Machine};
+use husillo_machine::Event;
 use std::io::{self, Write};
 
 /// Writes `event,wait_ticks,dx,dy,dz`, one row an event; dwells are rows with zero deltas that share the number of the
@@ -11,11 +12,7 @@ use std::io::{self, Write};
 /// # Errors
 ///
 /// Reading or writing fails.
-pub fn write(
-    source: &mut Source,
-    machine: &mut Machine<3>,
-    out: &mut impl Write,
-) -> io::Result<u64> {
+pub fn write(source: &mut Source, machine: &mut Mill, out: &mut impl Write) -> io::Result<u64> {
     out.write_all(b"event,wait_ticks,dx,dy,dz\n")?;
     let mut count = 0_u64;
     let mut numbers = [itoa::Buffer::new(), itoa::Buffer::new()];

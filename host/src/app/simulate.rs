@@ -8,8 +8,7 @@ use crate::feeder;
 use crate::machine_file::Travel;
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
-use crate::setup;
-use husillo_machine::ClosedLoop;
+use crate::setup::{self, ClosedMill};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -77,9 +76,9 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         }
         None => None,
     };
-    let mut run = Run::new(&job.machine, trace)?;
+    let mut run = Run::new(&job.machine, args.worn, trace)?;
     let mut source = job.open()?;
-    let mut machine = job.new_machine(!args.no_compensation);
+    let mut machine = job.new_machine(!args.no_compensation)?;
     run.set_pushes(&args.lose);
     let bar = progress(facts.events);
     let mut countdown = PROGRESS_EVENTS;
@@ -93,7 +92,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
-        let mut closed = ClosedLoop::new(machine, encoders);
+        let mut closed = ClosedMill::new(machine, encoders);
         let counts = run.counts();
         feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
             tick();

@@ -1,0 +1,82 @@
+//! A machine and the simulated screws behind it, block by block.
+
+use super::Map;
+use crate::machine_file::MachineFile;
+use crate::setup::{self, Mill};
+use husillo_gcode::Dialect;
+use husillo_machine::{Event, Motors, Origin};
+use husillo_sim::Rig;
+use husillo_stepper::Drive;
+
+/// Where things are after a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Where the controller has the tool, nm.
+    pub sent_nm: [f64; 3],
+    /// Where it is, nm.
+    pub tool_nm: [f64; 3],
+    /// What moved it.
+    pub origin: Origin,
+}
+
+/// A homed machine on screws with the play of the file's `[simulated_lash]`.
+pub struct Bench {
+    machine: Mill,
+    motors: Motors<3, Drive>,
+    rig: Rig<3>,
+    nm_per_step: [f64; 3],
+}
+
+impl Bench {
+    /// A machine that takes up what `maps` say.
+    ///
+    /// # Errors
+    ///
+    /// Mistakes of the machine file, or no `[simulated_lash]`.
+    pub fn new(file: &MachineFile, maps: [Map; 3]) -> Result<Bench, String> {
+        let steps = file.axes.each_ref().map(|axis| axis.step);
+        let field = file.lash.field(steps).ok_or_else(|| {
+            format!(
+                "{}: no [simulated_lash]: what the simulated screws are like has to be known",
+                file.path
+            )
+        })?;
+        let config = setup::config(file, Dialect::RS274)?;
+        let motors = setup::motors(file)?;
+        Ok(Bench {
+            machine: setup::with_maps(config, maps),
+            rig: setup::rig(file, &motors).with_lash_field(field),
+            motors,
+            nm_per_step: steps.map(|step| step.num as f64 / step.den as f64),
+        })
+    }
+
+    /// Makes a block; `each` sees every step of it.
+    ///
+    /// # Errors
+    ///
+    /// The machine refuses the block, or loses steps.
+    pub fn make(&mut self, block: &str, mut each: impl FnMut(&Moment)) -> Result<(), String> {
+        let refused = |why: &dyn std::fmt::Display| format!("{block}: {why}");
+        self.machine
+            .line(block.as_bytes())
+            .map_err(|why| refused(&why))?;
+        while let Some(event) = self.machine.next_event() {
+            let Event::Step(step) = event else { continue };
+            let levels = self.motors.step(&step.delta);
+            self.rig.apply(levels, step.wait_ticks);
+            let nm = |steps: [i32; 3]| {
+                [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
+            };
+            each(&Moment {
+                sent_nm: nm(self.machine.position_steps()),
+                tool_nm: nm(self.rig.tool()),
+                origin: self.machine.origin(),
+            });
+        }
+        match self.rig.lost_steps() {
+            [0, 0, 0] => Ok(()),
+            lost => Err(refused(&format!("{lost:?} steps lost"))),
+        }
+    }
+}

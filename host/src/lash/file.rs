@@ -1,0 +1,282 @@
+//! `[lash]` and `[simulated_lash]` of machine files.
+
+use crate::quantity::Fraction;
+use crate::table::Table;
+use husillo_backlash::{LashMap, MapError};
+use husillo_sim::LashField;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::de::DeValue;
+
+/// A map as the crates take it.
+pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
+
+/// A table of lash as it is written: places in mm along one axis or two, and um there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceTable {
+    /// Axes by number, rising; the same one twice for a table along one axis.
+    pub axes: [usize; 2],
+    /// Places along them; one place for an axis along which it is the same everywhere.
+    pub places_mm: [Vec<f64>; 2],
+    /// All places of the first axis at the first of the second, and so on.
+    pub lash_um: Vec<f64>,
+}
+
+impl PlaceTable {
+    /// The map of an axis, in whole steps.
+    ///
+    /// # Errors
+    ///
+    /// [`MapError`].
+    pub fn map(&self, own: Fraction, steps: [Fraction; 3]) -> Result<Map, MapError> {
+        let places = [0, 1].map(|index| {
+            let step = steps[self.axes[index]];
+            let of_mm = |mm: &f64| in_steps(mm * 1e6, step) as i32;
+            self.places_mm[index].iter().map(of_mm).collect()
+        });
+        let lash = self.lash_um.iter();
+        let lash = lash.map(|um| in_steps(um * 1e3, own) as u32).collect();
+        LashMap::new(self.axes, places, lash)
+    }
+
+    /// As it is written in a machine file, for an axis.
+    pub fn text(&self, letter: u8) -> String {
+        let list = |values: &[f64]| {
+            let texts = values.iter().map(|value| short(*value));
+            format!("[{}]", texts.collect::<Vec<_>>().join(", "))
+        };
+        let mut text = format!("[lash.{}]\n", char::from(letter).to_ascii_lowercase());
+        let mut is_grid = true;
+        for (index, places) in self.places_mm.iter().enumerate() {
+            if index == 1 && self.axes[0] == self.axes[1] {
+                is_grid = false;
+                break;
+            }
+            let name = char::from(b"xyz"[self.axes[index]]);
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{name}_mm = {}", list(places));
+        }
+        if is_grid {
+            text.push_str("um = [\n");
+            for row in self.lash_um.chunks(self.places_mm[0].len()) {
+                let _ = writeln!(text, "    {},", list(row));
+            }
+            text.push_str("]\n");
+        } else {
+            let _ = writeln!(text, "um = {}", list(&self.lash_um));
+        }
+        text
+    }
+}
+
+/// Saturates where it is converted.
+fn in_steps(nm: f64, step: Fraction) -> f64 {
+    (nm * step.den as f64 / step.num as f64).round()
+}
+
+/// Two decimals, or fewer.
+fn short(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".into()
+    } else {
+        text.to_owned()
+    }
+}
+
+/// Play of a simulated screw: `mean + swing sin(2 pi own / sine) cos(2 pi other / cosine)` over the positions of X and Y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Micrometres.
+    pub mean_um: f64,
+    /// Micrometres.
+    pub swing_um: f64,
+    /// Period along the own axis, mm.
+    pub sine_mm: f64,
+    /// Period along the other axis, mm.
+    pub cosine_mm: f64,
+}
+
+impl Wave {
+    /// Play at a place in mm, in um.
+    pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
+        let (sine, cosine) = (TAU * own_mm / self.sine_mm, TAU * other_mm / self.cosine_mm);
+        self.mean_um + self.swing_um * sine.sin() * cosine.cos()
+    }
+
+    fn read(table: &mut Table<'_, '_>) -> Option<Wave> {
+        Some(Wave {
+            mean_um: table.required_number("mean_um", 0.0..=1e4)?,
+            swing_um: table.required_number("swing_um", 0.0..=1e3)?,
+            sine_mm: table.required_number("sine_mm", 0.1..=1e5)?,
+            cosine_mm: table.required_number("cosine_mm", 0.1..=1e5)?,
+        })
+    }
+}
+
+/// What a machine file says of lash by place.
+#[derive(Clone, Debug, Default)]
+pub struct LashFile {
+    /// What the controller takes up on X, Y and Z, where that is another at every place.
+    pub maps: [Option<Map>; 3],
+    /// What the simulated screws of X and Y have, where that is asked for.
+    pub simulated: Option<[Wave; 2]>,
+}
+
+impl LashFile {
+    /// Reads both tables of the file.
+    pub fn read(root: &mut Table<'_, '_>, steps: [Fraction; 3]) -> LashFile {
+        let names = ["x", "y", "z"];
+        let tables = root.optional_table("lash", |lash| {
+            names.map(|name| lash.optional_table(name, read_places).flatten())
+        });
+        let simulated = root.optional_table("simulated_lash", |table| {
+            let x = table.table("x", Wave::read).flatten();
+            Some([x?, table.table("y", Wave::read).flatten()?])
+        });
+        let mut file = LashFile {
+            simulated: simulated.flatten(),
+            ..LashFile::default()
+        };
+        let tables = tables.into_iter().flatten();
+        for ((axis, table), own) in file.maps.iter_mut().zip(tables).zip(steps) {
+            if let Some((table, span)) = table {
+                match table.map(own, steps) {
+                    Ok(map) => *axis = Some(map),
+                    Err(why) => root.wrong(span, "this is no map of lash", &why.to_string()),
+                }
+            }
+        }
+        file
+    }
+
+    /// The play of the simulated screws, in steps.
+    pub fn field(&self, steps: [Fraction; 3]) -> Option<Arc<dyn LashField<3>>> {
+        let [wave_x, wave_y] = self.simulated?;
+        let [x_nm, y_nm, _] = steps.map(|step| step.num as f64 / step.den as f64);
+        Some(Arc::new(move |[x, y, _]: [f64; 3]| {
+            let (x, y) = (x * x_nm / 1e6, y * y_nm / 1e6);
+            [
+                wave_x.lash_um(x, y) * 1e3 / x_nm,
+                wave_y.lash_um(y, x) * 1e3 / y_nm,
+                0.0,
+            ]
+        }))
+    }
+}
+
+/// Numbers in a list.
+fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
+    let number = |value: &DeValue<'_>| -> Option<f64> {
+        let text = match (value.as_float(), value.as_integer()) {
+            (Some(float), _) => float.as_str(),
+            (_, Some(integer)) => integer.as_str(),
+            _ => return None,
+        };
+        text.parse().ok().filter(|number: &f64| number.is_finite())
+    };
+    value
+        .as_array()?
+        .iter()
+        .map(|item| number(item.get_ref()))
+        .collect()
+}
+
+fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> {
+    let mut along = Vec::new();
+    for (axis, key) in ["x_mm", "y_mm", "z_mm"].into_iter().enumerate() {
+        if let Some((value, span)) = table.value(key) {
+            match numbers(value) {
+                Some(places) => along.push((axis, places)),
+                None => {
+                    table.wrong(
+                        span,
+                        &format!("`{key}` is no list of numbers"),
+                        "places in mm",
+                    );
+                    return None;
+                }
+            }
+        }
+    }
+    let Some((value, span)) = table.value("um") else {
+        table.missing("um");
+        return None;
+    };
+    // A list, or a list of lists.
+    let rows = value.as_array().and_then(|rows| {
+        let rows = rows.iter().map(|row| numbers(row.get_ref()));
+        rows.collect::<Option<Vec<_>>>()
+    });
+    let found = match (along.as_slice(), numbers(value), rows) {
+        ([(axis, places)], Some(lash_um), _) => Some(PlaceTable {
+            axes: [*axis; 2],
+            places_mm: [places.clone(), vec![0.0]],
+            lash_um,
+        }),
+        ([(first, across), (second, up)], _, Some(rows))
+            if rows.len() == up.len() && rows.iter().all(|row| row.len() == across.len()) =>
+        {
+            Some(PlaceTable {
+                axes: [*first, *second],
+                places_mm: [across.clone(), up.clone()],
+                lash_um: rows.concat(),
+            })
+        }
+        _ => None,
+    };
+    if found.is_none() {
+        let form = "with places along one axis a list of them, along two a list of lists: one for every place of the second";
+        table.wrong(
+            span.clone(),
+            "`um` has not one number for every place",
+            form,
+        );
+    }
+    Some((found?, span))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::machine_file::MachineFile;
+
+    const MICROMILL: &str = include_str!("../../../machines/micromill.toml");
+
+    #[test]
+    fn bands_and_grids() {
+        let text = format!(
+            "{MICROMILL}\n[lash.x]\ny_mm = [1.2, 3.5, 5.8]\num = [190, 201, 187]\n\
+             [lash.y]\nx_mm = [0, 10]\ny_mm = [0, 7]\num = [[178, 178], [178, 164]]\n"
+        );
+        let file = MachineFile::parse("mine.toml", &text).unwrap();
+        let [x, y, z] = file.lash.maps;
+        let x = x.unwrap();
+        // 201 um and half the way to 187 um.
+        assert_eq!(x.steps([25_000, 0]), 1436);
+        assert_eq!(x.steps([33_214, 0]), 1386);
+        let y = y.unwrap();
+        assert_eq!(y.steps([0, 0]), 1271);
+        assert_eq!(y.steps([71_429, 50_000]), 1171);
+        assert!(z.is_none());
+    }
+
+    #[test]
+    fn mistakes_are_told() {
+        let wrong = |section: &str| {
+            let text = format!("{MICROMILL}\n{section}\n");
+            let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
+            findings[0].message.clone()
+        };
+        assert!(wrong("[lash.x]\ny_mm = [1, 2]\num = [190]").contains("no map"));
+        assert!(
+            wrong("[lash.x]\ny_mm = [1, 2]\nx_mm = [0]\num = [190, 2]").contains("every place")
+        );
+        assert!(wrong("[lash.x]\ny_mm = [2, 1]\num = [190, 190]").contains("no map"));
+        assert!(wrong("[lash.x]\ny_mm = [1, 1.1]\num = [100, 190]").contains("no map"));
+        assert!(wrong("[lash.q]\ny_mm = [1, 1.1]\num = [100, 190]").contains("unknown key"));
+        assert!(wrong("[lash.x]\ny_mm = \"1\"\num = [100, 190]").contains("no list"));
+    }
+}

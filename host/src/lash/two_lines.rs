@@ -1,0 +1,59 @@
+//! The two-line test: a line cut with the axis coming from below and one beside it with the axis coming from above.
+
+use super::bench::Bench;
+use super::grid::Reading;
+
+/// How far the axis goes to a line, mm: more than what is left of its lash.
+const RUN_UP_MM: f64 = 0.05;
+/// Length of a line, mm.
+const LINE_MM: f64 = 0.02;
+/// From one line to the other, mm.
+const APART_MM: f64 = 0.3;
+
+/// Cuts the lines of an axis (0 or 1) around a place and measures what lies between them.
+///
+/// # Errors
+///
+/// The machine refuses a move.
+pub fn cut(
+    bench: &mut Bench,
+    axis: usize,
+    place_mm: [f64; 2],
+    travel_mm: [[f64; 2]; 2],
+) -> Result<Reading, String> {
+    let other = 1 - axis;
+    let [low, high] = travel_mm[axis];
+    // As near to the end of the travel as the way to it from above allows.
+    let from_above = place_mm[axis].min(high - RUN_UP_MM);
+    let from_below = if from_above - APART_MM - RUN_UP_MM < low {
+        from_above + APART_MM
+    } else {
+        from_above - APART_MM
+    };
+    let begin =
+        (place_mm[other] - LINE_MM / 2.0).clamp(travel_mm[other][0], travel_mm[other][1] - LINE_MM);
+    let line = |bench: &mut Bench, start: f64, at: f64| -> Result<f64, String> {
+        let names = ["X", "Y"];
+        let (own, across) = (names[axis], names[other]);
+        bench.make(&format!("G0 {own}{start:.4} {across}{begin:.4}"), |_| {})?;
+        bench.make(&format!("G0 {own}{at:.4}"), |_| {})?;
+        let (mut sum, mut steps) = (0.0, 0_u32);
+        bench.make(&format!("G1 {across}{:.4} F1", begin + LINE_MM), |moment| {
+            sum += moment.tool_nm[axis];
+            steps += 1;
+        })?;
+        Ok(sum / f64::from(steps.max(1)))
+    };
+    let below = line(bench, from_below - RUN_UP_MM, from_below)?;
+    let above = line(bench, from_above + RUN_UP_MM, from_above)?;
+    let mut place = place_mm;
+    place[axis] = from_above;
+    place[other] = begin + LINE_MM / 2.0;
+    // Whole steps are what the machine goes to; what it was told is what the operator knows.
+    Ok(Reading {
+        axis,
+        place_mm: place.map(Some),
+        programmed_nm: ((from_above - from_below) * 1e6).round(),
+        measured_nm: above - below,
+    })
+}
