@@ -20,6 +20,8 @@ pub struct Facts {
     pub rapid_nm: f64,
     /// Step events, about.
     pub events: f64,
+    /// How often every axis turns round, the first motion counted where it is backwards.
+    pub reversals: [u64; 3],
 }
 
 /// What is said once about a program, and what adds up along it.
@@ -82,6 +84,7 @@ pub fn check<W: Write>(
         feed_nm: checker.feed_nm,
         rapid_nm: checker.rapid_nm,
         events: checker.events,
+        reversals: checker.turns.reversals(),
     })
 }
 

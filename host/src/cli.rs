@@ -233,9 +233,24 @@ pub struct Run {
     /// Simulate the screws with the play of [simulated_lash], which is another at every place
     #[arg(long)]
     pub worn: bool,
+    /// In which order closed contours are cut
+    #[arg(long, value_enum, default_value = "file")]
+    pub order: CuttingOrder,
+    /// Compare the left side of the work with the mirror image of its right side, about this machine position of X in mm
+    #[arg(long, value_name = "X")]
+    pub symmetry: Option<f64>,
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
     pub lose: Vec<crate::encoder_file::Push>,
+}
+
+/// In which order closed contours are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CuttingOrder {
+    /// As they are written
+    File,
+    /// As two halves from the same start point, so that both sides are cut on the same flank of the screw across
+    Mirrored,
 }
 
 /// `husillo check`.

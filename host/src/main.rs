@@ -46,6 +46,7 @@ mod machine_file;
 mod machines;
 mod measure;
 mod method;
+mod mirror;
 mod order;
 mod panel;
 mod placement;
@@ -58,6 +59,7 @@ mod setup;
 mod source;
 mod speed;
 mod steps;
+mod symmetry;
 mod table;
 #[cfg(unix)]
 mod terminal;

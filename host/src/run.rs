@@ -7,6 +7,7 @@ use crate::machine_file::MachineFile;
 use crate::report::{Ideal, Motor};
 use crate::setup::{self, ClosedMill, Mill};
 use crate::speed::{Circle, Move, Speed, Stop};
+use crate::symmetry::Symmetry;
 use husillo_gcode::{Command, Direction, Feed, Nm};
 use husillo_machine::{Event, Followed, Motors, Origin, Segment, StepEvent};
 use husillo_sim::Rig;
@@ -62,6 +63,8 @@ pub struct Run<'a> {
     pushes: Vec<Push>,
     /// What the encoders told.
     pub told: Vec<String>,
+    /// Sides of the work, where they are compared.
+    pub symmetry: Option<Symmetry>,
 }
 
 impl std::fmt::Debug for Run<'_> {
@@ -135,6 +138,7 @@ impl<'a> Run<'a> {
             trace,
             pushes: Vec::new(),
             told: Vec::new(),
+            symmetry: None,
         };
         run.phases = [0, 1, 2].map(|axis| vec![(0, run.currents(axis))]);
         if let Some(trace) = &mut run.trace {
@@ -262,6 +266,11 @@ impl<'a> Run<'a> {
             Origin::Feed => {
                 let squared = self.path.distance_squared(&at);
                 self.deviation.add(squared);
+                if let Some(symmetry) = &mut self.symmetry {
+                    let sent = machine.position_steps();
+                    let sent = [0, 1].map(|axis| f64::from(sent[axis]) * self.nm_per_step[axis]);
+                    symmetry.add(sent, [at[0], at[1]]);
+                }
                 self.arrived = machine.position_steps() == self.target;
             }
             Origin::TakeUp => self.take_up(step, at),

@@ -2,13 +2,16 @@
 
 use super::{ERRORS, Failure, Job, OK, create, to_stderr, verdict};
 use crate::check::{Facts, duration};
-use crate::cli::{Output, Run as RunArgs};
+use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::diagnostics::{Findings, Format};
 use crate::feeder;
 use crate::machine_file::Travel;
+use crate::mirror;
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
 use crate::setup::{self, ClosedMill};
+use crate::symmetry::{Difference, Symmetry};
+use husillo_gcode::Dialect;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -26,12 +29,50 @@ struct Results {
     rms_deviation_nm: f64,
     reversals: [u64; 3],
     lost_steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    order: Option<Order>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    left_right: Option<Difference>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     encoders: Vec<String>,
     feed_nm: i64,
     rapid_nm: i64,
     errors: u64,
     warnings: u64,
+}
+
+/// What `--order mirrored` has done.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Order {
+    /// Contours cut in halves.
+    mirrored: usize,
+    /// Closed contours cut as they were.
+    whole: usize,
+    /// Reversals of every axis in the order of the file.
+    reversals_of_file: [u64; 3],
+    /// The same in the order that was cut.
+    reversals: [u64; 3],
+}
+
+/// Puts the program of a job into mirrored order.
+fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
+    let mut source = job.open()?;
+    let made = mirror::mirrored(&mut source, job.name(), job.dialect)?;
+    job.input = Some(made.text.into_bytes());
+    job.dialect = Dialect::RS274;
+    job.config.dialect = Dialect::RS274;
+    let mut told = Findings::new(Vec::new(), Format::Short, false, 1);
+    let as_file = std::mem::replace(facts, job.check(&mut told)?);
+    if told.errors > 0 {
+        let why = String::from_utf8_lossy(told.writer()).into_owned();
+        return Err(Failure::Usage(format!("in mirrored order: {why}")));
+    }
+    Ok(Order {
+        mirrored: made.contours,
+        whole: made.whole,
+        reversals_of_file: as_file.reversals,
+        reversals: facts.reversals,
+    })
 }
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
@@ -41,7 +82,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut drawn = to_stderr(Format::Text);
     // The warnings are drawn now and listed in the report.
     let mut listed = Findings::new(Vec::new(), Format::Short, false, 50);
-    let facts = job.check(&mut drawn)?;
+    let mut facts = job.check(&mut drawn)?;
     let (errors, warnings) = (drawn.errors, drawn.warnings);
     if errors > 0 {
         eprintln!(
@@ -70,6 +111,10 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
             verdict(errors, warnings)
         )?;
     }
+    let order = match args.order {
+        CuttingOrder::File => None,
+        CuttingOrder::Mirrored => Some(mirror(&mut job, &mut facts)?),
+    };
     let trace = match &args.trace {
         Some(path) => {
             Some(Box::new(BufWriter::with_capacity(1 << 18, create(path)?)) as Box<dyn Write>)
@@ -80,6 +125,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut source = job.open()?;
     let mut machine = job.new_machine(!args.no_compensation)?;
     run.set_pushes(&args.lose);
+    run.symmetry = args.symmetry.map(|mm| Symmetry::new(mm * 1e6));
     let bar = progress(facts.events);
     let mut countdown = PROGRESS_EVENTS;
     let mut tick = || {
@@ -110,7 +156,9 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     run.finish()?;
 
     let offset = machine.modal().work_offset().map(|nm| nm.0);
-    let results = results(&job, &run, &facts, offset, [errors, warnings]);
+    let mut results = results(&job, &run, &facts, offset, [errors, warnings]);
+    results.order = order;
+    results.left_right = run.symmetry.as_ref().and_then(Symmetry::difference);
     let output = match (&args.output, text) {
         (Some(path), _) => Some(path.clone()),
         (None, true) => Some(default_report(&job.file)),
@@ -210,6 +258,8 @@ fn results(
         reversals: run.reversals,
         lost_steps: run.lost_steps().iter().sum(),
         encoders: run.told.clone(),
+        order: None,
+        left_right: None,
         feed_nm: facts.feed_nm.round() as i64,
         rapid_nm: facts.rapid_nm.round() as i64,
         errors,
@@ -256,6 +306,26 @@ fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Re
             0 => writeln!(out)?,
             lost => writeln!(out, ", {lost} STEPS LOST")?,
         }
+    }
+    if let Some(order) = &results.order {
+        let count = |reversals: [u64; 3]| reversals.iter().sum::<u64>();
+        writeln!(
+            out,
+            "Mirrored   {} contours in halves, {} as they were; {} reversals, {} in the order of the file",
+            order.mirrored,
+            order.whole,
+            count(order.reversals),
+            count(order.reversals_of_file)
+        )?;
+    }
+    if let Some(apart) = &results.left_right {
+        writeln!(
+            out,
+            "Left/right {} apart at most, {} RMS, over {} pairs of points",
+            length(apart.max_nm),
+            length(apart.rms_nm),
+            apart.pairs
+        )?;
     }
     for told in run.told.iter().take(MOST_TOLD) {
         writeln!(out, "Encoders   {told}")?;

@@ -1,0 +1,93 @@
+//! Any bytes on the link of the microfactory, read by a link alone and by one with a cell behind it.
+
+use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs};
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable, REJECTED};
+
+use crate::bytes::Bytes;
+
+/// - A byte is answered once: by itself or by `?`, and only one that was taken gives a command.
+/// - While something moves only stop, emergency stop and the same jog are taken.
+/// - A count of 0 never runs; motors are below four. Behind an emergency stop nothing is taken until the reset.
+/// - A cell moves no motor of an axis towards a closed switch, and no motor at all after an emergency stop.
+pub fn byte_commands(data: &[u8]) {
+    let mut bytes = Bytes::new(data);
+    check_link(&mut bytes);
+    check_cell(&mut bytes);
+}
+
+fn check_link(bytes: &mut Bytes<'_>) {
+    let mut link = ByteCommands::new(ByteTable::DEFAULT).acknowledging();
+    let mut jog = None;
+    let mut is_stopped = false;
+    for _ in 0..bytes.byte() {
+        let (byte, flags) = (bytes.byte(), bytes.byte());
+        if flags == 0xFF {
+            link.reset();
+            (jog, is_stopped) = (None, false);
+        }
+        let is_moving = flags & 1 != 0;
+        let received = link.receive(byte, is_moving);
+        let is_taken = received.reply == Some(byte) && (byte != REJECTED || received.command.is_some());
+        assert!(received.reply == Some(byte) || received.reply == Some(REJECTED));
+        let Some(command) = received.command else {
+            assert!(!(is_stopped && is_taken), "taken behind an emergency stop");
+            continue;
+        };
+        assert!(received.reply == Some(byte) && !is_stopped);
+        match command {
+            ByteCommand::Emergency => is_stopped = true,
+            ByteCommand::Stop => {}
+            ByteCommand::Jog { motor, forward } => {
+                assert!(motor < 4);
+                assert!(!is_moving || jog == Some((motor, forward)));
+                jog = Some((motor, forward));
+            }
+            ByteCommand::Steps { motor, count, .. } => {
+                assert!(motor < 4 && count > 0 && !is_moving);
+            }
+            ByteCommand::Home | ByteCommand::Figure => assert!(!is_moving),
+        }
+    }
+}
+
+fn check_cell(bytes: &mut Bytes<'_>) {
+    let flags = bytes.byte();
+    let config = CellConfig {
+        lash_steps: [u16::from(bytes.byte()), 0, u16::from(bytes.byte())],
+        back_off_steps: u16::from(bytes.byte() & 31),
+        search_steps: 300,
+        approach_steps: 200,
+        dead_man_ticks: (flags & 1 != 0).then_some(40_000),
+        resets_before_moves: flags & 2 != 0,
+        spindle_turns_in_figures: flags & 4 != 0,
+        ..CellConfig::ORIGINAL
+    };
+    let figure: Vec<[i32; 2]> = (0..bytes.byte() & 3)
+        .map(|_| [bytes.byte(), bytes.byte()].map(|way| i32::from(way.cast_signed())))
+        .collect();
+    let mut link = ByteCommands::new(ByteTable::DEFAULT);
+    let mut cell = Cell::new(config, figure);
+    let mut is_stopped = false;
+    while !bytes.is_empty() {
+        let (byte, switches) = (bytes.byte(), bytes.byte());
+        let inputs = CellInputs {
+            home: [1, 2, 4].map(|bit| switches & bit != 0),
+            contact: switches & 8 != 0,
+        };
+        if let Some(command) = link.receive(byte, cell.is_moving()).command {
+            is_stopped |= command == ByteCommand::Emergency;
+            cell.command(command);
+        }
+        for _ in 0..switches >> 4 {
+            match cell.next_event(&inputs) {
+                CellEvent::Step(step) => {
+                    assert!(!is_stopped, "a step behind an emergency stop");
+                    assert!(step.delta.iter().all(|delta| delta.abs() <= 1));
+                }
+                CellEvent::Idle => break,
+                _ => {}
+            }
+        }
+        assert!(!(is_stopped && cell.is_moving()));
+    }
+}

@@ -1,0 +1,415 @@
+//! Contours cut as two halves from the same start point, each the other's mirror image in its order.
+//!
+//! A symmetric contour that is cut all round goes up on one side and down on the other, so its sides are cut on different flanks of the
+//! screw across the mirror. Cut in halves, both from the top down, both sides have the same flank there, and what is left of the lash
+//! shows on both alike.
+
+use crate::diagnostics::{Findings, Format};
+use crate::program::walk;
+use crate::source::Source;
+use husillo_gcode::{
+    Arc, Command, Dialect, Direction, Feed, Nm, PathMode, Plane, SpindleDirection,
+};
+use std::fmt::Write;
+
+/// Points nearer than this are one, nm: a step of the machines here.
+const SAME_NM: i64 = 1_000;
+
+/// A program in mirrored order.
+#[derive(Clone, Debug)]
+pub struct Mirrored {
+    /// Its text: RS-274, millimetres of the machine frame.
+    pub text: String,
+    /// Contours cut in halves.
+    pub contours: usize,
+    /// Closed contours that are cut as they were: nothing divides them, or nothing says how high the tool goes between the halves.
+    pub whole: usize,
+}
+
+/// A cut in the plane of X and Y.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    from: [Nm; 3],
+    command: Command<3>,
+}
+
+impl Cut {
+    fn to(&self) -> [Nm; 3] {
+        self.command.end().unwrap_or(self.from)
+    }
+
+    /// The same way back.
+    fn reversed(&self) -> Cut {
+        let (from, to) = (self.to(), self.from);
+        let command = match self.command {
+            Command::Arc { arc, feed } => Command::Arc {
+                arc: Arc {
+                    to,
+                    direction: match arc.direction {
+                        Direction::Clockwise => Direction::CounterClockwise,
+                        Direction::CounterClockwise => Direction::Clockwise,
+                    },
+                    ..arc
+                },
+                feed,
+            },
+            Command::Linear { feed, .. } => Command::Linear { to, feed },
+            other => other,
+        };
+        Cut { from, command }
+    }
+
+    /// In two where it crosses `x`, with the crossing farthest from `y`.
+    fn split(&self, x: i64, y: i64) -> Option<[Cut; 2]> {
+        let to = self.to();
+        let cross_y = match self.command {
+            Command::Arc { arc, .. } => {
+                let [cx, cy] = [arc.centre[0].0, arc.centre[1].0];
+                let radius = f64::hypot((self.from[0].0 - cx) as f64, (self.from[1].0 - cy) as f64);
+                let reach = radius.powi(2) - ((x - cx) as f64).powi(2);
+                let rise = (reach > 0.0).then(|| reach.sqrt().round() as i64)?;
+                let on_arc = [cy + rise, cy - rise]
+                    .into_iter()
+                    .filter(|cross| is_between(&self.from, &to, &arc, [x, *cross]));
+                on_arc.max_by_key(|cross| (cross - y).abs())?
+            }
+            _ => {
+                let [x0, x1] = [self.from[0].0, to[0].0];
+                if (x0 - x).signum() * (x1 - x).signum() >= 0 {
+                    return None;
+                }
+                let part = (x - x0) as f64 / (x1 - x0) as f64;
+                self.from[1].0 + ((to[1].0 - self.from[1].0) as f64 * part).round() as i64
+            }
+        };
+        let mut middle = to;
+        middle[0] = Nm(x);
+        middle[1] = Nm(cross_y);
+        let first = match self.command {
+            Command::Arc { arc, feed } => Command::Arc {
+                arc: Arc { to: middle, ..arc },
+                feed,
+            },
+            Command::Linear { feed, .. } => Command::Linear { to: middle, feed },
+            _ => return None,
+        };
+        Some([
+            Cut {
+                from: self.from,
+                command: first,
+            },
+            Cut {
+                from: middle,
+                command: self.command,
+            },
+        ])
+    }
+}
+
+/// Whether a point of an arc's circle lies on the arc, its ends not counted.
+fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bool {
+    let angle = |x: i64, y: i64| {
+        let (x, y) = (x - arc.centre[0].0, y - arc.centre[1].0);
+        f64::atan2(y as f64, x as f64)
+    };
+    let (start, end) = (angle(from[0].0, from[1].0), angle(to[0].0, to[1].0));
+    let way = |from: f64, to: f64| {
+        let way = match arc.direction {
+            Direction::CounterClockwise => to - from,
+            Direction::Clockwise => from - to,
+        };
+        way.rem_euclid(std::f64::consts::TAU)
+    };
+    let whole = match way(start, end) {
+        way if way < 1e-9 => std::f64::consts::TAU,
+        way => way,
+    };
+    let here = way(start, angle(point[0], point[1]));
+    here > 1e-9 && here < whole - 1e-9
+}
+
+/// Puts the closed contours of a checked program into mirrored order.
+///
+/// # Errors
+///
+/// A sentence: the program has something that is not written down again here.
+pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mirrored, String> {
+    let mut commands = Vec::new();
+    let mut findings = Findings::new(Vec::new(), Format::Short, false, 1);
+    walk(
+        source,
+        name,
+        dialect,
+        &mut findings,
+        |_, command, from, _| {
+            commands.push((from, *command));
+            Ok(())
+        },
+    )
+    .map_err(|error| format!("{name}: {error}"))?;
+    let mut writer = Writer::new();
+    let mut made = Mirrored {
+        text: String::new(),
+        contours: 0,
+        whole: 0,
+    };
+    let mut rest = commands.as_slice();
+    // How high the tool was before it went down to where it is, and how it did.
+    let mut plunge = None;
+    while let Some(((from, command), after)) = rest.split_first() {
+        let closed = contour(rest);
+        if let Some((cuts, left)) = closed {
+            match (halves(&cuts), plunge) {
+                (Some(halves), Some(plunge)) => {
+                    writer.halves(&halves, plunge, left.first())?;
+                    made.contours += 1;
+                }
+                _ => {
+                    made.whole += 1;
+                    for cut in cuts {
+                        writer.write(&cut.command)?;
+                    }
+                }
+            }
+            rest = left;
+            continue;
+        }
+        let to = command.end().unwrap_or(*from);
+        if to[2] < from[2] && to[..2] == from[..2] {
+            plunge = Some((from[2], *command));
+        } else if to[2] > from[2] {
+            plunge = None;
+        }
+        writer.write(command)?;
+        rest = after;
+    }
+    made.text = writer.text;
+    Ok(made)
+}
+
+/// The cuts in the plane that come next, as far as the first return to where they begin; what follows them.
+fn contour(commands: &[([Nm; 3], Command<3>)]) -> Option<(Vec<Cut>, &[([Nm; 3], Command<3>)])> {
+    let start = commands.first()?.0;
+    let mut cuts = Vec::new();
+    for (index, (from, command)) in commands.iter().enumerate() {
+        let is_flat = match command {
+            Command::Linear { to, .. } => to[2] == from[2],
+            Command::Arc { arc, .. } => {
+                arc.plane == Plane::Xy && arc.turns == 0 && arc.to[2] == from[2]
+            }
+            _ => false,
+        };
+        if !is_flat {
+            return None;
+        }
+        let cut = Cut {
+            from: *from,
+            command: *command,
+        };
+        cuts.push(cut);
+        let near = |axis: usize| (cut.to()[axis].0 - start[axis].0).abs() <= SAME_NM;
+        if near(0) && near(1) {
+            return commands.get(index + 1..).map(|left| (cuts, left));
+        }
+    }
+    None
+}
+
+/// A contour cut where it crosses the vertical through its start again, farthest from it.
+fn halves(cuts: &[Cut]) -> Option<[Vec<Cut>; 2]> {
+    let [x, y, _] = cuts.first()?.from.map(|nm| nm.0);
+    // Where it is cut: behind so many whole cuts, and within the next one or not.
+    let mut best: Option<(i64, usize, Option<[Cut; 2]>)> = None;
+    for (index, cut) in cuts.iter().enumerate() {
+        let to = cut.to();
+        let is_last = index + 1 == cuts.len();
+        let at_end = ((to[0].0 - x).abs() <= SAME_NM && !is_last)
+            .then(|| ((to[1].0 - y).abs(), index + 1, None));
+        let inside = cut
+            .split(x, y)
+            .map(|two| ((two[0].to()[1].0 - y).abs(), index, Some(two)));
+        for found in [at_end, inside].into_iter().flatten() {
+            if found.0 > SAME_NM && best.as_ref().is_none_or(|best| found.0 > best.0) {
+                best = Some(found);
+            }
+        }
+    }
+    let (_, whole, two) = best?;
+    let (mut first, mut second) = (cuts[..whole].to_vec(), cuts[whole..].to_vec());
+    if let Some([one, other]) = two {
+        first.push(one);
+        second[0] = other;
+    }
+    let back = second.iter().rev().map(Cut::reversed).collect();
+    Some([first, back])
+}
+
+/// Commands as text again.
+struct Writer {
+    text: String,
+    at: [Nm; 3],
+}
+
+impl Writer {
+    fn new() -> Self {
+        Self {
+            text: "G21 G90 G94 G17\n".to_owned(),
+            // Where a homed machine stands.
+            at: [Nm(0); 3],
+        }
+    }
+
+    /// Both halves, with the tool up between them.
+    fn halves(
+        &mut self,
+        [first, second]: &[Vec<Cut>; 2],
+        (up, plunge): (Nm, Command<3>),
+        next: Option<&([Nm; 3], Command<3>)>,
+    ) -> Result<(), String> {
+        let Some(start) = first.first().map(|cut| cut.from) else {
+            return Ok(());
+        };
+        for cut in first {
+            self.write(&cut.command)?;
+        }
+        self.back_to(start, up)?;
+        self.write(&plunge)?;
+        for cut in second {
+            self.write(&cut.command)?;
+        }
+        let lifts = next.is_some_and(|(from, next)| match next {
+            Command::Rapid { to } => to[..2] == from[..2] && to[2] > from[2],
+            _ => false,
+        });
+        if !lifts {
+            self.back_to(start, up)?;
+            return self.write(&plunge);
+        }
+        // What lifts the tool goes straight up from here.
+        let [x, y, _] = self.at;
+        match next {
+            Some((_, Command::Rapid { to })) => self.write(&Command::Rapid { to: [x, y, to[2]] }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Up, and across to a place.
+    fn back_to(&mut self, place: [Nm; 3], up: Nm) -> Result<(), String> {
+        let [x, y, _] = self.at;
+        self.write(&Command::Rapid { to: [x, y, up] })?;
+        self.write(&Command::Rapid {
+            to: [place[0], place[1], up],
+        })
+    }
+
+    fn write(&mut self, command: &Command<3>) -> Result<(), String> {
+        let text = &mut self.text;
+        // Writing to a String cannot fail.
+        match command {
+            Command::Rapid { to } => {
+                text.push_str("G0");
+                self.go(to, false);
+            }
+            Command::Linear { to, feed } => {
+                text.push_str("G1");
+                self.go(to, false);
+                self.feed(feed)?;
+            }
+            Command::Arc { arc, feed } => {
+                let [first, second] = arc.plane.axes();
+                let (plane, letters) = match arc.plane {
+                    Plane::Xy => ("G17", "IJ"),
+                    Plane::Zx => ("G18", "KI"),
+                    Plane::Yz => ("G19", "JK"),
+                };
+                let code = match arc.direction {
+                    Direction::Clockwise => "G2",
+                    Direction::CounterClockwise => "G3",
+                };
+                let _ = write!(text, "{plane} {code}");
+                let from = self.at;
+                self.go(&arc.to, true);
+                for (letter, axis) in letters.chars().zip([first, second]) {
+                    let way = Nm(arc.centre[axis].0 - from[axis].0);
+                    let _ = write!(self.text, " {letter}{}", millimetres(way));
+                }
+                if arc.turns > 0 {
+                    let _ = write!(self.text, " P{}", arc.turns + 1);
+                }
+                self.feed(feed)?;
+            }
+            Command::Dwell { micros } => {
+                let _ = write!(text, "G4 P{}.{:06}", micros / 1_000_000, micros % 1_000_000);
+            }
+            Command::Spindle {
+                direction,
+                milli_rpm,
+            } => {
+                let code = match direction {
+                    SpindleDirection::Clockwise => "M3",
+                    SpindleDirection::CounterClockwise => "M4",
+                    SpindleDirection::Off => "M5",
+                };
+                text.push_str(code);
+                if *direction != SpindleDirection::Off {
+                    let _ = write!(text, " S{}.{:03}", milli_rpm / 1000, milli_rpm % 1000);
+                }
+            }
+            Command::Coolant { mist, flood } => {
+                let words = match (mist, flood) {
+                    (false, false) => "M9",
+                    (true, false) => "M9\nM7",
+                    (false, true) => "M9\nM8",
+                    (true, true) => "M7\nM8",
+                };
+                text.push_str(words);
+            }
+            Command::Tool { number } => {
+                let _ = write!(text, "T{number} M6");
+            }
+            Command::Path { mode } => match mode {
+                PathMode::ExactPath => text.push_str("G61"),
+                PathMode::ExactStop => text.push_str("G61.1"),
+                PathMode::Blend { tolerance: None } => text.push_str("G64"),
+                PathMode::Blend {
+                    tolerance: Some(tolerance),
+                } => {
+                    let _ = write!(text, "G64 P{}", millimetres(*tolerance));
+                }
+            },
+            Command::Stop { optional } => text.push_str(if *optional { "M1" } else { "M0" }),
+            Command::End { rewind } => text.push_str(if *rewind { "M30" } else { "M2" }),
+            other => {
+                return Err(format!(
+                    "mirrored order is for lines and arcs in X and Y: {other:?} is not written down again"
+                ));
+            }
+        }
+        self.text.push('\n');
+        Ok(())
+    }
+
+    /// The coordinates that change, or all.
+    fn go(&mut self, to: &[Nm; 3], all: bool) {
+        for ((letter, to), at) in "XYZ".chars().zip(to).zip(&mut self.at) {
+            if all || at != to {
+                let _ = write!(self.text, " {letter}{}", millimetres(*to));
+                *at = *to;
+            }
+        }
+    }
+
+    fn feed(&mut self, feed: &Feed) -> Result<(), String> {
+        let Feed::PerMinute(feed) = feed else {
+            return Err("mirrored order is for feeds a minute (G94)".into());
+        };
+        let _ = write!(self.text, " F{}", millimetres(*feed));
+        Ok(())
+    }
+}
+
+/// Exact: six decimals.
+fn millimetres(nm: Nm) -> String {
+    let (sign, nm) = (if nm.0 < 0 { "-" } else { "" }, nm.0.unsigned_abs());
+    format!("{sign}{}.{:06}", nm / 1_000_000, nm % 1_000_000)
+}

@@ -1,0 +1,100 @@
+//! How far the left side of a cut figure is from the mirror image of its right side.
+
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// Points whose mirror images are nearer than this are compared, nm.
+const NEAR_NM: f64 = 500.0;
+/// Side of the squares that points are sorted into; at least `NEAR_NM`.
+const SQUARE_NM: f64 = 1000.0;
+
+/// Points of the work in pairs across a vertical axis.
+#[derive(Clone, Debug)]
+pub struct Symmetry {
+    axis_nm: f64,
+    /// Where the tool was sent, and how far it was from there.
+    points: Vec<[[f64; 2]; 2]>,
+}
+
+/// What there is between the sides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// Points that have one across the axis.
+    pub pairs: usize,
+    /// Largest distance of a point from its pair's mirror image, nm.
+    pub max_nm: f64,
+    /// The same, RMS.
+    pub rms_nm: f64,
+}
+
+impl Symmetry {
+    /// About a machine position of X.
+    pub const fn new(axis_nm: f64) -> Self {
+        Self {
+            axis_nm,
+            points: Vec::new(),
+        }
+    }
+
+    /// A point of the cut.
+    pub fn add(&mut self, sent_nm: [f64; 2], tool_nm: [f64; 2]) {
+        let off = [tool_nm[0] - sent_nm[0], tool_nm[1] - sent_nm[1]];
+        if self.points.last().is_none_or(|last| last[0] != sent_nm) {
+            self.points.push([sent_nm, off]);
+        }
+    }
+
+    /// Compares each point on the right with the nearest mirror image of one on the left. `None` where there are no pairs.
+    pub fn difference(&self) -> Option<Difference> {
+        let square = |at: [f64; 2]| at.map(|nm| (nm / SQUARE_NM).floor() as i64);
+        let mut left: HashMap<[i64; 2], Vec<[[f64; 2]; 2]>> = HashMap::new();
+        for [at, off] in &self.points {
+            if at[0] < self.axis_nm {
+                let mirrored = [2.0 * self.axis_nm - at[0], at[1]];
+                let image = [mirrored, [-off[0], off[1]]];
+                left.entry(square(mirrored)).or_default().push(image);
+            }
+        }
+        let (mut pairs, mut largest, mut sum) = (0, 0.0_f64, 0.0);
+        for [at, off] in self.points.iter().filter(|[at, _]| at[0] > self.axis_nm) {
+            let [column, row] = square(*at);
+            let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| [column + x, row + y]));
+            let images = around.filter_map(|place| left.get(&place)).flatten();
+            let apart = |image: &[f64; 2]| f64::hypot(image[0] - at[0], image[1] - at[1]);
+            let nearest = images.min_by(|a, b| apart(&a[0]).total_cmp(&apart(&b[0])));
+            if let Some([_, image]) = nearest.filter(|[image, _]| apart(image) <= NEAR_NM) {
+                let distance = f64::hypot(off[0] - image[0], off[1] - image[1]);
+                pairs += 1;
+                largest = largest.max(distance);
+                sum += distance * distance;
+            }
+        }
+        (pairs > 0).then(|| Difference {
+            pairs,
+            max_nm: largest.round(),
+            rms_nm: (sum / pairs as f64).sqrt().round(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Symmetry;
+
+    #[test]
+    fn sides_are_compared_as_mirror_images() {
+        let mut figure = Symmetry::new(1e6);
+        // The right side 30 nm too far out and 40 nm up, the left one right where it should be.
+        figure.add([1_500_000.0, 7.0], [1_500_030.0, 47.0]);
+        figure.add([499_900.0, 7.0], [499_900.0, 7.0]);
+        figure.add([1_700_000.0, 9.0], [1_700_000.0, 9.0]);
+        let difference = figure.difference().unwrap();
+        assert_eq!((difference.pairs, difference.max_nm), (1, 50.0));
+        // Both too far out: the figure is larger, but its sides are alike.
+        let mut figure = Symmetry::new(0.0);
+        figure.add([100.0, 0.0], [130.0, 0.0]);
+        figure.add([-100.0, 0.0], [-130.0, 0.0]);
+        assert_eq!(figure.difference().unwrap().max_nm, 0.0);
+        assert_eq!(Symmetry::new(0.0).difference(), None);
+    }
+}
