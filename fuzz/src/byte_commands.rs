@@ -27,7 +27,8 @@ fn check_link(bytes: &mut Bytes<'_>) {
         }
         let is_moving = flags & 1 != 0;
         let received = link.receive(byte, is_moving);
-        let is_taken = received.reply == Some(byte) && (byte != REJECTED || received.command.is_some());
+        let is_taken =
+            received.reply == Some(byte) && (byte != REJECTED || received.command.is_some());
         assert!(received.reply == Some(byte) || received.reply == Some(REJECTED));
         let Some(command) = received.command else {
             assert!(!(is_stopped && is_taken), "taken behind an emergency stop");
@@ -62,8 +63,8 @@ fn check_cell(bytes: &mut Bytes<'_>) {
         spindle_turns_in_figures: flags & 4 != 0,
         ..CellConfig::ORIGINAL
     };
-    let figure: Vec<[i32; 2]> = (0..bytes.byte() & 3)
-        .map(|_| [bytes.byte(), bytes.byte()].map(|way| i32::from(way.cast_signed())))
+    let figure: Vec<[i16; 2]> = (0..bytes.byte() & 3)
+        .map(|_| [bytes.byte(), bytes.byte()].map(|way| i16::from(way.cast_signed())))
         .collect();
     let mut link = ByteCommands::new(ByteTable::DEFAULT);
     let mut cell = Cell::new(config, figure);

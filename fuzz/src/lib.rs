@@ -2,6 +2,7 @@
 //! same. Each takes any bytes and panics when an invariant of its crate does not hold.
 
 mod backlash;
+mod byte_commands;
 mod bytes;
 mod contour;
 mod drill;
@@ -22,6 +23,7 @@ mod servo;
 mod stepper;
 
 pub use backlash::backlash;
+pub use byte_commands::byte_commands;
 pub use contour::contour;
 pub use drill::drill;
 pub use excellon::excellon;
@@ -44,7 +46,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 18] = [
+pub const TARGETS: [(&str, Target); 19] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -61,6 +63,7 @@ pub const TARGETS: [(&str, Target); 18] = [
     ("nmc_module", nmc_module),
     ("servo", servo),
     ("drill", drill),
+    ("byte_commands", byte_commands),
     ("micromill", micromill),
     ("link", link),
 ];

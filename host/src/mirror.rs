@@ -26,6 +26,9 @@ pub struct Mirrored {
     pub whole: usize,
 }
 
+/// A command and where it begins.
+type Given = ([Nm; 3], Command<3>);
+
 /// A cut in the plane of X and Y.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
@@ -188,7 +191,7 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
 }
 
 /// The cuts in the plane that come next, as far as the first return to where they begin; what follows them.
-fn contour(commands: &[([Nm; 3], Command<3>)]) -> Option<(Vec<Cut>, &[([Nm; 3], Command<3>)])> {
+fn contour(commands: &[Given]) -> Option<(Vec<Cut>, &[Given])> {
     let start = commands.first()?.0;
     let mut cuts = Vec::new();
     for (index, (from, command)) in commands.iter().enumerate() {
@@ -264,7 +267,7 @@ impl Writer {
         &mut self,
         [first, second]: &[Vec<Cut>; 2],
         (up, plunge): (Nm, Command<3>),
-        next: Option<&([Nm; 3], Command<3>)>,
+        next: Option<&Given>,
     ) -> Result<(), String> {
         let Some(start) = first.first().map(|cut| cut.from) else {
             return Ok(());
