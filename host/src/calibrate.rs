@@ -41,7 +41,7 @@ pub struct BacklashArgs {
     /// Machine that cut the lines: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
-    /// Cut the lines on the simulated machine, with the play of [simulated_lash], and measure them
+    /// Cut the lines on the simulated machine, with the play of the table simulated_lash, and measure them
     #[arg(long)]
     pub simulate: bool,
     /// With --simulate: from one place to the next, at most
@@ -61,7 +61,7 @@ pub struct BacklashArgs {
 /// `husillo calibrate circles`.
 #[derive(Debug, Args)]
 pub struct CirclesArgs {
-    /// Machine with a [simulated_lash]: a name, or a TOML file
+    /// Machine with a table simulated_lash: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
 }

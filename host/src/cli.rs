@@ -230,7 +230,7 @@ pub struct Run {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// Simulate the screws with the play of [simulated_lash], which is another at every place
+    /// Simulate the screws with the play of the table simulated_lash, which is another at every place
     #[arg(long)]
     pub worn: bool,
     /// In which order closed contours are cut
