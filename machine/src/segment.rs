@@ -198,15 +198,16 @@ impl<const N: usize> Config<N> {
         for ((delta, start), end) in delta.iter_mut().zip(start).zip(end) {
             *delta = end.wrapping_sub(start);
         }
-        let path = match &segment.command {
-            Command::Arc { arc, .. } => match self.course(&segment.from, arc, start, end) {
-                Ok(Course::Round(round, _)) => P::arc(&round, arc.plane.axes(), delta).ok(),
-                _ => None,
-            },
-            _ => None,
-        };
+        if let Command::Arc { arc, .. } = &segment.command {
+            if let Ok(Course::Round(round, _)) = self.course(&segment.from, arc, start, end) {
+                // Returned from here: each copy of a path is 264 bytes of a small chip's stack.
+                if let Ok(path) = P::arc(&round, arc.plane.axes(), delta) {
+                    return path;
+                }
+            }
+        }
         // What is too small to go round is a line: the interpolator says so. It has no other reason left after
         // `check`: the radius, the events and the plane were looked at.
-        path.unwrap_or_else(|| P::line(delta))
+        P::line(delta)
     }
 }

@@ -14,7 +14,7 @@ use husillo_interp::{Interpolator, Moves, Path};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Line, Order};
 
-use crate::{MAX_WAIT_TICKS, Segment, StepEvent, cell::play::Play, segment::lattice};
+use crate::{Config, MAX_WAIT_TICKS, Segment, StepEvent, cell::play::Play, segment::lattice};
 use entry::{Entry, Kind, Place, nm};
 use ring::Ring;
 use task::{Course, Task};
@@ -71,8 +71,9 @@ pub struct Mill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: 
     at: Place,
     zero: Place,
     task: Task,
-    /// The move under way.
-    course: Option<Course>,
+    /// The move under way, and what goes with it.
+    path: Option<Path<3>>,
+    course: Course,
     /// Ticks of moves too short for a step: they belong to the next one.
     carried_ticks: u64,
     /// Motors and loads after the events given, and after those made.
@@ -108,7 +109,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             at: [0; 3],
             zero: [0; 3],
             task: Task::Idle,
-            course: None,
+            path: None,
+            course: Course::new(Timer::new(0, 1, 1), [0; 3]),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
             made: [Play::new(0); 3],
@@ -243,7 +245,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         self.ahead.clear();
         self.owes_taken = false;
         self.task = Task::Idle;
-        self.course = None;
+        self.path = None;
         self.carried_ticks = 0;
     }
 
@@ -409,7 +411,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     }
 
     fn look(&mut self, inputs: &MillInputs) -> Next {
-        if self.course.is_some() {
+        if self.path.is_some() {
             return self.follow(inputs);
         }
         if self.task == Task::Idle {
@@ -486,22 +488,33 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
 
     #[inline(never)]
     fn begin_move(&mut self, entry: &Entry) {
-        let machine = &self.config.machine;
-        let start = self.plays.map(|play| play.load());
-        let end = lattice(&machine.axes, &nm(entry.to)).unwrap_or(start);
-        let Some(command) = entry.command(self.at) else {
-            return; // it was one when it was taken
-        };
-        let segment = Segment {
-            from: nm(self.at),
-            command,
-        };
-        let path: Path<3> = machine.path(&segment, start, end);
-        let ticks = machine.tempo(&segment, &path).ticks(100);
+        let ticks = self.set_out(entry);
         self.at = entry.to;
-        if path.remaining() == 0 {
+        if self.path.is_none() {
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);
-            return self.end_line();
+            self.end_line();
+        } else {
+            self.task = Task::Line;
+        }
+    }
+
+    /// Makes the path of a move; its ticks. Without a step of an axis there is none.
+    ///
+    /// Apart from its caller and from what it calls: on a small chip the stack holds one path at a time.
+    #[inline(never)]
+    fn set_out(&mut self, entry: &Entry) -> u64 {
+        let start = self.plays.map(|play| play.load());
+        let end = lattice(&self.config.machine.axes, &nm(entry.to)).unwrap_or(start);
+        // A line that is none was refused when it came.
+        let Some(segment) = segment(entry, self.at) else {
+            return 0;
+        };
+        lay(&mut self.path, &self.config.machine, &segment, start, end);
+        let Some(path) = &self.path else { return 0 };
+        let ticks = ticks(&self.config.machine, &segment, path);
+        if path.remaining() == 0 {
+            self.path = None;
+            return ticks;
         }
         let mut heading = [0; 3];
         if path.radius().is_none() {
@@ -509,19 +522,19 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 *heading = i8::from(end > *start).wrapping_sub(i8::from(end < *start));
             }
         }
-        let timer = Timer::new(ticks, path.total_sweep(), path.largest_sweep().into());
-        self.course = Some(Course::new(path, timer, heading));
-        self.task = Task::Line;
+        let (sweep, largest) = (path.total_sweep(), path.largest_sweep());
+        self.course = Course::new(Timer::new(ticks, sweep, largest.into()), heading);
+        ticks
     }
 
     /// The next step of the move under way.
     fn follow(&mut self, inputs: &MillInputs) -> Next {
-        let Some(course) = &mut self.course else {
+        let (Some(path), course) = (&mut self.path, &mut self.course) else {
             return Next::Again;
         };
         if course.next.is_none() {
-            let Some(step) = course.path.next() else {
-                self.course = None;
+            let Some(step) = path.next() else {
+                self.path = None;
                 self.task = Task::Idle;
                 self.end_line();
                 return Next::Again;
@@ -557,7 +570,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             return self.give(MAX_WAIT_TICKS, [0; 3]);
         }
         course.next = None;
-        let is_last = course.path.remaining() == 0;
+        let is_last = path.remaining() == 0;
         let into_switch = delta.iter().zip(inputs.home);
         if into_switch
             .into_iter()
@@ -570,7 +583,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         }
         let next = self.give(wait as u32, delta);
         if is_last {
-            self.course = None;
+            self.path = None;
             self.task = Task::Idle;
             self.end_line();
         }
@@ -582,7 +595,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         self.queue.clear();
         self.owes_taken = false;
         self.task = Task::Idle;
-        self.course = None;
+        self.path = None;
         self.carried_ticks = 0;
         self.stand();
         self.link.answer(Answer::Stopped);
@@ -606,6 +619,31 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             None => self.link.answer(Answer::Done),
         }
     }
+}
+
+#[inline(never)]
+fn segment(entry: &Entry, from: Place) -> Option<Segment<3>> {
+    let command = entry.command(from)?;
+    Some(Segment {
+        from: nm(from),
+        command,
+    })
+}
+
+#[inline(never)]
+fn lay(
+    place: &mut Option<Path<3>>,
+    machine: &Config<3>,
+    segment: &Segment<3>,
+    start: [i32; 3],
+    end: [i32; 3],
+) {
+    *place = Some(machine.path(segment, start, end));
+}
+
+#[inline(never)]
+fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Path<3>) -> u64 {
+    machine.tempo(segment, path).ticks(100)
 }
 
 /// One axis, one way.

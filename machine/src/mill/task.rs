@@ -1,7 +1,6 @@
 //! What is under way: a line, or one of the modes that decide step by step.
 
 use husillo_gcode::Nm;
-use husillo_interp::Path;
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis};
 
@@ -54,10 +53,9 @@ impl Task {
     }
 }
 
-/// A move of a line.
+/// What goes with the path of a line.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
-    pub(super) path: Path<3>,
     pub(super) timer: Timer,
     /// Directions in which a straight move takes up lash before it begins.
     pub(super) heading: [i8; 3],
@@ -68,9 +66,8 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub(super) const fn new(path: Path<3>, timer: Timer, heading: [i8; 3]) -> Self {
+    pub(super) const fn new(timer: Timer, heading: [i8; 3]) -> Self {
         Course {
-            path,
             timer,
             heading,
             next: None,
