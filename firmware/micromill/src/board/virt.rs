@@ -1,0 +1,155 @@
+//! QEMU's `virt` with one RV32IMAC hart: its UART is a 16550, its timer 10 MHz. It has no pins: the levels go to a word in memory.
+//: MEMORY
+//: {
+//:   FLASH : ORIGIN = 0x80000000, LENGTH = 64K
+//:   RAM   : ORIGIN = 0x80100000, LENGTH = 3840
+//: }
+//: REGION_ALIAS("REGION_TEXT", FLASH);
+//: REGION_ALIAS("REGION_RODATA", FLASH);
+//: REGION_ALIAS("REGION_DATA", RAM);
+//: REGION_ALIAS("REGION_BSS", RAM);
+//: REGION_ALIAS("REGION_HEAP", RAM);
+//: REGION_ALIAS("REGION_STACK", RAM);
+
+use core::ptr::{read_volatile, write_volatile};
+
+use husillo_gcode::SpindleDirection;
+use riscv::interrupt::Interrupt;
+
+use crate::shared::Shared;
+
+const UART: usize = 0x1000_0000;
+const INTERRUPTS: usize = 1;
+const LINE_STATUS: usize = 5;
+const UART_SOURCE: usize = 10;
+const PLIC: usize = 0x0c00_0000;
+const PLIC_ENABLE: usize = PLIC + 0x2000;
+const PLIC_THRESHOLD: usize = PLIC + 0x20_0000;
+const PLIC_CLAIM: usize = PLIC + 0x20_0004;
+const TIME: usize = 0x0200_bff8;
+const COMPARE: usize = 0x0200_4000;
+const CLOCKS_PER_US: u64 = 10;
+
+fn read(address: usize) -> u32 {
+    // Safety: the addresses here are those of the board's registers.
+    unsafe { read_volatile(address as *const u32) }
+}
+
+fn set(address: usize, value: u32) {
+    // Safety: as above.
+    unsafe { write_volatile(address as *mut u32, value) }
+}
+
+fn read_byte(address: usize) -> u8 {
+    // Safety: as above.
+    unsafe { read_volatile(address as *const u8) }
+}
+
+fn set_byte(address: usize, value: u8) {
+    // Safety: as above.
+    unsafe { write_volatile(address as *mut u8, value) }
+}
+
+/// When the last wait ended.
+static LAST: Shared<u64> = Shared::new(0);
+/// What would be pins.
+static LEVELS: Shared<[u8; 2]> = Shared::new([0; 2]);
+
+/// UART, interrupts.
+pub fn start() {
+    stop();
+    set_byte(UART + INTERRUPTS, 1); // a byte received
+    set(PLIC + 4 * UART_SOURCE, 1);
+    set(PLIC_ENABLE, 1 << UART_SOURCE);
+    set(PLIC_THRESHOLD, 0);
+    // Safety: the handlers are below.
+    unsafe {
+        riscv::register::mie::set_mtimer();
+        riscv::register::mie::set_mext();
+        riscv::interrupt::enable();
+    }
+}
+
+/// Sends a byte, if the transmitter is free.
+pub fn send(byte: u8) -> bool {
+    let is_free = read_byte(UART + LINE_STATUS) & 0x20 != 0;
+    if is_free {
+        set_byte(UART, byte);
+    }
+    is_free
+}
+
+/// The phases of the motors.
+pub fn write(levels: u8) {
+    LEVELS.with(|[motors, _]| {
+        // Safety: an exclusive reference. Volatile: somebody may look at it.
+        unsafe { write_volatile(motors, levels) }
+    });
+}
+
+/// The spindle's direction.
+pub fn spindle(direction: SpindleDirection, _rpm: u16) {
+    LEVELS.with(|[_, spindle]| {
+        // Safety: as above.
+        unsafe { write_volatile(spindle, direction as u8) }
+    });
+}
+
+/// Home switches: a simulated board has none, so they close where the loads are 400 steps below zero. On a real one: three pins.
+pub fn home(position_steps: [i32; 3]) -> [bool; 3] {
+    position_steps.map(|steps| steps <= -400)
+}
+
+fn now() -> u64 {
+    loop {
+        let high = read(TIME + 4);
+        let low = read(TIME);
+        if read(TIME + 4) == high {
+            return u64::from(high) << 32 | u64::from(low);
+        }
+    }
+}
+
+/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+pub fn wait(us: u32) {
+    LAST.with(|last| {
+        let end = last.wrapping_add(u64::from(us).wrapping_mul(CLOCKS_PER_US));
+        *last = end.max(now());
+        compare(*last);
+    });
+}
+
+/// Ends the wait.
+pub fn stop() {
+    compare(u64::MAX);
+}
+
+fn compare(at: u64) {
+    set(COMPARE + 4, u32::MAX);
+    set(COMPARE, at as u32);
+    set(COMPARE + 4, (at >> 32) as u32);
+}
+
+/// Sleeps until an interrupt, while nothing has happened.
+pub fn sleep(nothing: impl Fn() -> bool) {
+    critical_section::with(|_| {
+        if nothing() {
+            riscv::asm::wfi();
+        }
+    });
+}
+
+#[riscv_rt::core_interrupt(Interrupt::MachineTimer)]
+fn timer() {
+    stop();
+    crate::on_time();
+}
+
+#[riscv_rt::core_interrupt(Interrupt::MachineExternal)]
+fn external() {
+    let source = read(PLIC_CLAIM);
+    while read_byte(UART + LINE_STATUS) & 1 != 0 {
+        crate::on_byte(read_byte(UART));
+    }
+    set(PLIC_CLAIM, source);
+}
