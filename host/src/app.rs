@@ -1,6 +1,7 @@
 //! What each command does, from its arguments to its exit status.
 
 mod drilling;
+mod milling;
 mod rewrite;
 mod simulate;
 
@@ -74,7 +75,11 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Commands(args) => print_commands(args),
         Command::Steps(args) => write_steps(args),
         Command::Holes(args) => list_holes(args),
+        Command::Compile(args) if milling::is_for(&args.target, &args.file) => {
+            milling::compile(args)
+        }
         Command::Compile(args) => drilling::compile(args),
+        Command::Send(args) if milling::is_for(&args.target, &args.file) => milling::send(args),
         Command::Send(args) => drilling::send(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),

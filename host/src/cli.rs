@@ -57,21 +57,25 @@ pub enum Command {
         husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc\n  \
         husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
-    /// Translate a program or a drill file for a controller that has no interpreter: records of the circuit-board drill
+    /// Translate a program or a drill file for a controller that has no interpreter: records of the circuit-board drill, strings of the micro mill
     #[command(after_help = "Examples:\n  \
         husillo compile board.drl -m drill -o board.cod\n  \
         husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
         husillo compile holes.nc -m drill -o holes.cod\n  \
+        husillo compile part.nc -m micromill -o part.mm\n  \
         husillo commands board.cod --format gcode")]
     Compile(Compile),
-    /// Send a program to the drill and see it drilled
+    /// Send a program to the drill or the micro mill and see it made
     #[command(after_help = "Examples:\n  \
         husillo send board.drl -m drill --shift corner --port /dev/ttyUSB0\n  \
         husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
         husillo send board.cod -m drill --port /dev/ttyUSB0 --detach\n  \
         husillo send board.drl -m drill --from 37\n\n\
         It pauses between tools, spindle off, and asks for the diameter of the next one; Ctrl-C stops behind the hole that is being\n\
-        drilled. After a fault it says which hole is next: --from goes on there.")]
+        drilled. After a fault it says which hole is next: --from goes on there.\n\n  \
+        husillo send part.nc -m micromill --port /dev/ttyUSB0\n  \
+        husillo send examples/circles.nc -m micromill --port tcp:127.0.0.1:7000\n\n\
+        The micro mill homes first; the steps that its controller tells are compared with the simulator's: exit status 1 where they differ.")]
     Send(Send),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
@@ -468,9 +472,9 @@ pub struct Send {
     /// Port: sim, a serial device, or tcp:HOST:PORT
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: String,
-    /// Bits a second of the link
-    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
-    pub baud: u32,
+    /// Bits a second of the link [default: 2400, of the micro mill 9600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: Option<u32>,
     /// First hole to be drilled, counted through all tools
     #[arg(long, value_name = "HOLE", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub from: u32,
@@ -480,6 +484,15 @@ pub struct Send {
     /// Do not ask for tools
     #[arg(short, long)]
     pub yes: bool,
+    /// Micro mill: lines go ahead of the motion, without a stop between them
+    #[arg(long)]
+    pub stream: bool,
+    /// Micro mill: one step in so many is told; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=999))]
+    pub every: u16,
+    /// Micro mill: it is homed, and stands at machine zero
+    #[arg(long)]
+    pub no_home: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drilling: Drilling,

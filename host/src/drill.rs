@@ -38,6 +38,9 @@ use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+/// Bits a second of the original.
+const BAUD: u32 = 2400;
+
 /// Opens a port at so many bits a second, or a simulated device.
 fn open(
     port: &str,
@@ -114,7 +117,8 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
 ///
 /// A sentence about what cannot be asked for, before anything moves.
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
-    let client = open(&args.port, args.baud, false, stop_flag()?)?;
+    let baud = args.baud.unwrap_or(BAUD);
+    let client = open(&args.port, baud, false, stop_flag()?)?;
     let mut operator = operator::Console::new(out);
     let mut sender = Sender {
         client,
@@ -122,7 +126,7 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
         parts,
         from: args.from as usize - 1,
         // There and back, and what a computer takes between.
-        byte_s: 20.0 / f64::from(args.baud) + 0.001,
+        byte_s: 20.0 / f64::from(baud) + 0.001,
         is_sure: args.yes,
     };
     let end = sender.send(args.detach)?;

@@ -46,6 +46,7 @@ mod machine_file;
 mod machines;
 mod measure;
 mod method;
+mod mill;
 mod mirror;
 mod order;
 mod panel;

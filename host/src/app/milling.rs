@@ -1,0 +1,167 @@
+//! `compile` and `send` for the micro mill.
+
+use super::{ERRORS, Failure, Job, OK, create, to_stderr, verdict};
+use crate::cli::{Compile, Send, Target};
+use crate::cmm::Port;
+use crate::diagnostics::Format;
+use crate::mill::{self, Sending, Translated};
+use crate::source::Source;
+use crate::{feeder, program, setup};
+use husillo_gcode::Dialect;
+use husillo_machine::{Config, Event};
+use std::io::{self, BufRead, Write};
+
+/// The original's link.
+const BAUD: u32 = 9600;
+
+/// Whether it is the micro mill that is meant.
+pub(super) fn is_for(target: &Target, file: &str) -> bool {
+    match target.machine.as_deref() {
+        Some(name) => name == "micromill",
+        None => file.to_ascii_lowercase().ends_with(".mm"),
+    }
+}
+
+pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
+    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    let Some(made) = translated(&mut job)? else {
+        return Ok(ERRORS);
+    };
+    let text = mill::text(&made.lines);
+    match args.output.as_deref() {
+        None | Some("-") => io::stdout().write_all(text.as_bytes())?,
+        Some(path) => {
+            create(path)?.write_all(text.as_bytes())?;
+            eprintln!("{path}: {} strings", made.lines.len());
+        }
+    }
+    Ok(OK)
+}
+
+pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    let Some(made) = translated(&mut job)? else {
+        return Ok(ERRORS);
+    };
+    if args.port == "sim" {
+        let message = "the micro mill needs a --port; without one `husillo run` simulates it";
+        return Err(Failure::Usage(message.into()));
+    }
+    let baud = args.baud.unwrap_or(BAUD);
+    let port = Port::open_at(&args.port, baud)
+        .map_err(|error| Failure::Usage(format!("{}: {error}", args.port)))?;
+    let sending = Sending {
+        bits_per_s: baud,
+        streams: args.stream,
+        every: args.every,
+        homes: !args.no_home,
+    };
+    let count = made.lines.len();
+    let progress = |done: usize| {
+        if done == count || done.is_multiple_of(100) {
+            eprintln!("{done} of {count} lines");
+        }
+    };
+    let sent = match mill::send(port, &sending, &made.lines, progress, |tool| {
+        args.yes || asks(tool)
+    }) {
+        Ok(sent) => sent,
+        Err(message) => {
+            eprintln!("{}: {message}", job.name());
+            return Ok(ERRORS);
+        }
+    };
+    let expected = steps(&job, mill::text(&made.lines))?;
+    let mut out = io::stdout().lock();
+    writeln!(out, "Lines      {} made", sent.lines)?;
+    let told = sent.steps.len() as u64 * u64::from(args.every.max(1));
+    if args.every != 1 {
+        writeln!(out, "Steps      about {told} told of {}", expected.len())?;
+        return Ok(OK);
+    }
+    let differs = (sent.steps.iter().zip(&expected)).position(|(ours, theirs)| ours != theirs);
+    if let Some(place) = differs {
+        writeln!(out, "Steps      step {} is not the simulator's", place + 1)?;
+        return Ok(ERRORS);
+    }
+    if sent.steps.len() != expected.len() {
+        writeln!(
+            out,
+            "Steps      {} told, {} in the simulator",
+            sent.steps.len(),
+            expected.len()
+        )?;
+        return Ok(ERRORS);
+    }
+    writeln!(
+        out,
+        "Steps      {}, each as in the simulator",
+        expected.len()
+    )?;
+    Ok(OK)
+}
+
+/// The program as lines of the mill, everything that was dropped or changed told; `None` with errors.
+fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
+    job.keep_input()?;
+    let mut findings = to_stderr(Format::Text);
+    job.check(&mut findings)?;
+    if findings.errors > 0 {
+        let verdict = verdict(findings.errors, findings.warnings);
+        eprintln!("{}: {verdict}; nothing is made", job.name());
+        return Ok(None);
+    }
+    let mut commands = Vec::new();
+    let mut source = job.open()?;
+    program::walk(
+        &mut source,
+        job.name(),
+        job.dialect,
+        &mut to_stderr(Format::Short),
+        |meaning, command, _, _| {
+            commands.push((meaning.at.line, *command));
+            Ok(())
+        },
+    )?;
+    let made = mill::translate(commands, &job.config);
+    for (line, note) in &made.notes {
+        eprintln!("{}:{line}: {note}", job.name());
+    }
+    for (line, error) in &made.errors {
+        eprintln!("{}:{line}: error: {error}", job.name());
+    }
+    Ok(made.errors.is_empty().then_some(made))
+}
+
+/// The steps of the mill's strings on a simulated machine: axis, and whether forward, in the order in which a controller tells them.
+fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
+    let config = Config {
+        dialect: Dialect::MICROMILL,
+        ..job.config
+    };
+    // The controller has one lash an axis.
+    let mut machine = setup::with_maps(config, setup::maps(&job.machine)?);
+    let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
+    let mut steps = Vec::new();
+    feeder::feed(&mut source, &mut machine, |_, event| {
+        if let Event::Step(step) = event {
+            for (axis, delta) in (0..3).zip(step.delta) {
+                if delta != 0 {
+                    steps.push((axis, delta > 0));
+                }
+            }
+        }
+        Ok(())
+    })?;
+    Ok(steps)
+}
+
+/// Whether the operator goes on.
+fn asks(tool: u8) -> bool {
+    eprintln!("Tool {tool}: put it in, then Enter (or q to end)");
+    let mut answer = String::new();
+    match io::stdin().lock().read_line(&mut answer) {
+        Ok(1..) => !answer.trim().eq_ignore_ascii_case("q"),
+        _ => false,
+    }
+}
