@@ -219,8 +219,8 @@ pub struct Target {
 pub struct Run {
     /// Program; - is standard input
     pub file: String,
+    /// Machine and language.
     #[command(flatten)]
-    #[allow(missing_docs)]
     pub target: Target,
     /// Report to write [default: out/NAME.html; none with --format json]
     #[arg(short, long, value_name = "REPORT.html")]
@@ -263,8 +263,8 @@ pub struct Check {
     /// Programs; - is standard input
     #[arg(required = true)]
     pub files: Vec<String>,
+    /// Machine and language.
     #[command(flatten)]
-    #[allow(missing_docs)]
     pub target: Target,
     /// How to print findings
     #[arg(long, value_enum, default_value = "text")]
@@ -322,8 +322,8 @@ pub enum MachinesAction {
 pub struct Commands {
     /// Program; - is standard input
     pub file: String,
+    /// Machine and language.
     #[command(flatten)]
-    #[allow(missing_docs)]
     pub target: Target,
     /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
@@ -335,8 +335,8 @@ pub struct Commands {
 pub struct Steps {
     /// Program; - is standard input
     pub file: String,
+    /// Machine and language.
     #[command(flatten)]
-    #[allow(missing_docs)]
     pub target: Target,
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
@@ -667,8 +667,8 @@ pub struct Compare {
     /// circle, arc, line, or a program
     #[arg(value_name = "circle|arc|line|FILE")]
     pub job: String,
+    /// Machine and language.
     #[command(flatten)]
-    #[allow(missing_docs)]
     pub target: Target,
     /// Radius of a circle in steps [default: 30]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=1 << 28))]

@@ -21,6 +21,8 @@ pub enum Quantity {
     Time(Fraction),
     /// A way for a way, in parts in 10^9.
     Ratio(Fraction),
+    /// An angle in degrees.
+    Angle(Fraction),
 }
 
 /// A reduced fraction; `den` is at least 1.
@@ -100,6 +102,7 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "in/min" => Quantity::Speed(scaled(25_400_000, 1)?),
         "s" => Quantity::Time(scaled(1_000_000, 1)?),
         "um/m" | "\u{b5}m/m" | "\u{3bc}m/m" => Quantity::Ratio(scaled(1_000, 1)?),
+        "deg" => Quantity::Angle(scaled(1, 1)?),
         "ms" => Quantity::Time(scaled(1_000, 1)?),
         "" => return Err(format!("`{text}` has no unit")),
         other => return Err(format!("unknown unit `{other}`")),

@@ -1,31 +1,11 @@
 //! `husillo calibrate`, as a user calls it, and `husillo measure` with what it prints.
 
-use assert_cmd::Command;
+mod common;
+
+use common::{husillo, printed, written};
 use predicates::str::contains;
 use serde_json::Value;
 use std::fmt::Write;
-use std::path::PathBuf;
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
-fn scratch(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn printed(args: &[&str]) -> String {
-    let output = husillo().args(args).output().unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// From readings to a machine file to a machine that goes to true positions.
 #[test]
@@ -36,7 +16,7 @@ fn readings_make_a_machine_file() {
         let nominal = f64::from(step) * 15.0;
         writeln!(readings, "{nominal},{:.6}", nominal / 1.0001).unwrap();
     }
-    let readings = scratch("x.csv", &readings);
+    let readings = written("x.csv", &readings);
     let lines = printed(&["calibrate", "axis", readings.to_str().unwrap()]);
     assert!(
         lines.contains("[axis.x.calibration]\nscale = \"100."),
@@ -44,7 +24,7 @@ fn readings_make_a_machine_file() {
     );
     assert!(!lines.contains("table ="), "{lines}");
     let cmm3 = std::fs::read_to_string("../machines/cmm3.toml").unwrap();
-    let scaled = scratch("scaled.toml", &(cmm3.clone() + &lines));
+    let scaled = written("scaled.toml", &(cmm3.clone() + &lines));
     let (a, lean) = (70.0, 2e-4);
     let bar = format!(
         "x1;y1;z1;x2;y2;z2\n0;0;0;{:.6};{a};0\n0;{a};0;{:.6};0;0\n",
@@ -52,7 +32,7 @@ fn readings_make_a_machine_file() {
         a + lean * a
     );
     // As the axes read it: a way along Y carries X with it.
-    let bar = scratch("bar.csv", &bar);
+    let bar = written("bar.csv", &bar);
     let args = [
         "calibrate",
         "squareness",
@@ -63,7 +43,7 @@ fn readings_make_a_machine_file() {
     let angles = printed(&args);
     assert!(angles.contains("xy = \"200"), "{angles}");
     assert!(angles.contains("# yz is not known"), "{angles}");
-    let mine = scratch("mine.toml", &(cmm3 + &lines + &angles));
+    let mine = written("mine.toml", &(cmm3 + &lines + &angles));
     // 20 mm along both: a count is 2 um.
     let args = [
         "measure",
@@ -83,7 +63,7 @@ fn readings_make_a_machine_file() {
     let again: String = (-10..=10)
         .map(|step| format!("{},{}\n", f64::from(step) * 15.0, f64::from(step) * 15.0))
         .collect();
-    let again = scratch("again.csv", &format!("nominal,reading\n{again}"));
+    let again = written("again.csv", &format!("nominal,reading\n{again}"));
     let lines = printed(&[
         "calibrate",
         "axis",
@@ -98,7 +78,7 @@ fn readings_make_a_machine_file() {
 #[test]
 fn what_is_wrong_is_said() {
     let calibrate = |what: &str, text: &str, more: &[&str]| {
-        let file = scratch(&format!("wrong{}.csv", text.len()), text);
+        let file = written(&format!("wrong{}.csv", text.len()), text);
         let mut command = husillo();
         command
             .args(["calibrate", what, file.to_str().unwrap()])
@@ -112,7 +92,7 @@ fn what_is_wrong_is_said() {
     calibrate("squareness", "x1,y1,x2,y2\n0,0,100,100\n", &[]).stderr(contains("both diagonals"));
     let cmm3 = std::fs::read_to_string("../machines/cmm3.toml").unwrap();
     let steep = "[axis.x.calibration]\ntable = [[\"0 mm\", \"0 um\", \"0 um\"], [\"1 um\", \"1 um\", \"0 um\"]]\n";
-    let steep = scratch("steep.toml", &(cmm3 + steep));
+    let steep = written("steep.toml", &(cmm3 + steep));
     let args = ["measure", "-m", steep.to_str().unwrap(), "status"];
     husillo()
         .args(args)

@@ -1,31 +1,12 @@
 //! A whole session with an emulated chain behind a pseudo-terminal: addresses, gains, home on the index, trapezoids, a jog, touches
 //! both ways, a routine in three axes.
 
+mod common;
 mod emulated;
 
-use assert_cmd::Command;
+use common::{measured, near, number, written};
 use emulated::Emulated;
 use serde_json::Value;
-
-/// The rows that `husillo measure -m cmm3` prints; it must end well.
-fn measured(args: &[&str]) -> Vec<Value> {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    let output = command
-        .args(["measure", "-m", "cmm3", "--format", "json"])
-        .args(args)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{args:?}: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    match serde_json::from_slice(&output.stdout).unwrap() {
-        Value::Array(rows) => rows,
-        one => vec![one],
-    }
-}
 
 /// The top, the bore and the width of the block of `examples/piece.toml`; the web is touched both ways.
 const ROUTINE: &str = "safe z -10
@@ -38,39 +19,81 @@ bore B at x 30 +-0.02 y 30 +-0.02 z -24 diameter 16 +-0.02 points 4
 web sides at x 30 y 20 z -25 along x width 40 +-0.02
 ";
 
+/// The corner of the block as a plane, a line and a point, then bore and width from there.
+const ALIGNED: &str = "safe z -10
+clearance 3
+search 4
+plane top towards -z at x14 y14 z-20 at x46 y14 z-20 at x46 y34 z-20
+line front towards +y at x15 y10 z-25 at x45 y10 z-25
+point left towards +x at x10 y30 z-25
+frame plane top line front point left
+clearance 2
+search 1
+bore B at x 20 +-0.02 y 20 +-0.02 z -4 diameter 16 +-0.02 points 4
+web sides at x 20 +-0.02 y 10 z -5 along x width 40 +-0.02
+";
+
+const PIECE: &str = "../examples/piece.toml";
+
+/// `husillo emulate cmm3` with this piece, 20 times as fast as it would be.
+fn chain(name: &str, piece: &str) -> Option<Emulated> {
+    let modules = ["--modules", "servo:4,servo:4,servo:4", "--speed", "20"];
+    Emulated::new("cmm3", name, &[&modules[..], &["--piece", piece]].concat())
+}
+
+fn on(port: &[&str], args: &[&str]) -> Vec<Value> {
+    measured(&[&["-m", "cmm3"], port, args].concat())
+}
+
+/// What a routine found; it ended well, so all of it is within tolerance.
+fn run(port: &[&str], name: &str, routine: &str) -> Vec<Value> {
+    let file = written(name, routine);
+    let probe = ["--ball", "1", "--pretravel", "8 um", "run"];
+    let found = on(port, &[&probe[..], &[file.to_str().unwrap()]].concat());
+    found[0]["features"].as_array().unwrap().clone()
+}
+
 #[test]
 fn a_session_from_the_addresses_to_a_routine() {
-    let piece = [
-        "--modules",
-        "servo:4,servo:4,servo:4",
-        "--piece",
-        "../examples/piece.toml",
-        "--speed",
-        "20",
-    ];
-    let Some(chain) = Emulated::new("cmm3", "whole-chain", &piece) else {
+    let Some(chain) = chain("whole-chain", PIECE) else {
         return;
     };
-    let on_chain = |args: &[&str]| measured(&[&["--port", chain.port()], args].concat());
+    let port = ["--port", chain.port()];
     // From power-up on: where the probe is, the drawing of the piece begins.
-    let file = std::env::temp_dir().join(format!("husillo-whole-{}.routine", std::process::id()));
-    std::fs::write(&file, ROUTINE).unwrap();
-    let pre_travel = ["--ball", "1", "--pretravel", "8 um", "run"];
-    let found = on_chain(&[&pre_travel[..], &[file.to_str().unwrap()]].concat());
-    std::fs::remove_file(file).unwrap();
-    // It ended well, so all of it is within tolerance.
-    assert_eq!(found[0]["features"].as_array().unwrap().len(), 3);
+    assert_eq!(run(&port, "whole.routine", ROUTINE).len(), 3);
     // Now from where the routine left it: up, and about.
-    let rows = on_chain(&[
+    let about = [
         "goto", "Z3", "home", "x", "goto", "X1", "Y-2", "jog", "+y", "1s", "slow",
-    ]);
+    ];
+    let rows = on(&port, &about);
     let actions: Vec<_> = rows
         .iter()
         .map(|row| row["action"].as_str().unwrap())
         .collect();
     assert_eq!(actions, ["goto", "home", "goto", "jog"]);
-    let at = |row: &Value, axis: usize| row["position"][axis].as_f64().unwrap();
-    assert!((at(&rows[2], 0) - 1.0).abs() <= 0.0021, "{rows:#?}");
-    assert!((at(&rows[2], 1) + 2.0).abs() <= 0.0021, "{rows:#?}");
-    assert!(rows[3]["position"].as_f64().unwrap() > -1.9, "{rows:#?}");
+    near(&rows[2]["position"][0], 1.0, 0.0021);
+    near(&rows[2]["position"][1], -2.0, 0.0021);
+    assert!(number(&rows[3]["position"]) > -1.9, "{rows:#?}");
+}
+
+#[test]
+fn a_turned_part_measures_like_the_first() {
+    let drawn = run(&["--piece", PIECE], "drawn.routine", ALIGNED);
+    let place = "[place]\nat = [\"1.5 mm\", \"-1 mm\", \"-0.5 mm\"]\nturn = \"3 deg\"\ntilt = \"0.5 deg\"\n";
+    let text = std::fs::read_to_string(PIECE).unwrap();
+    let turned = written("turned-part.toml", &format!("{text}\n{place}"));
+    let Some(chain) = chain("turned-chain", turned.to_str().unwrap()) else {
+        return;
+    };
+    let turned = run(&["--port", chain.port()], "turned.routine", ALIGNED);
+    for (drawn, turned) in drawn[3..].iter().zip(&turned[3..]) {
+        let dimensions = drawn["dimensions"].as_array().unwrap();
+        for (index, dimension) in dimensions.iter().enumerate() {
+            if dimension["in_tolerance"] == true {
+                // Three counts of 2 um, as of the example (`tests/routine.rs`).
+                let actual = number(&dimension["actual"]);
+                near(&turned["dimensions"][index]["actual"], actual, 0.006);
+            }
+        }
+    }
 }

@@ -1,32 +1,11 @@
 //! Every command on small programs, as a user calls it.
 
-use assert_cmd::Command;
+mod common;
+
+use common::{husillo, json, scratch};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
-use std::path::PathBuf;
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
-
-fn json(args: &[&str]) -> Value {
-    let output = husillo().args(args).output().unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn json_lines(args: &[&str]) -> Vec<Value> {
     let output = husillo().args(args).output().unwrap();

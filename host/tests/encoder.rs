@@ -1,8 +1,9 @@
 //! `husillo run` on machines with encoders, with losses that are simulated.
 
-use assert_cmd::Command;
+mod common;
+
+use common::{husillo, written};
 use serde_json::Value;
-use std::path::PathBuf;
 
 /// Exit status and results of the circles on a micro mill whose X has an encoder that does `on_loss`, with one loss.
 fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
@@ -10,12 +11,9 @@ fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
     let encoder = on_loss.map(|on_loss| {
         format!("[axis.x.encoder]\ncounts_per_mm = 50000\ntolerance = \"4 steps\"\non_loss = \"{on_loss}\"\n")
     });
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, mill + &encoder.unwrap_or_default()).unwrap();
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let file = mill + &encoder.unwrap_or_default();
+    let path = written(&format!("{name}.toml"), &file);
+    let mut command = husillo();
     command.args([
         "run",
         "../examples/circles.nc",

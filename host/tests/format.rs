@@ -1,17 +1,13 @@
 //! `husillo format` as a user calls it, and the fixes that `husillo check` offers.
 
-use assert_cmd::Command;
+mod common;
+
+use common::husillo;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
 
 /// A file of its own for each test.
 fn scratch(name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {

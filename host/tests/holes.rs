@@ -1,6 +1,8 @@
 //! `husillo holes` and `husillo check` on drill files, as a user calls them.
 
-use assert_cmd::Command;
+mod common;
+
+use common::{husillo, json, printed, scratch};
 use husillo_gcode::Nm;
 use husillo_gcode::drill_record::{Record, Table, records};
 use predicates::prelude::*;
@@ -8,41 +10,12 @@ use predicates::str::contains;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
 fn list(args: &[&str]) -> Value {
-    let output = husillo()
-        .arg("holes")
-        .args(args)
-        .args(["--format", "json"])
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
+    json(&[&["holes", "--format", "json"], args].concat())
 }
 
 fn program(args: &[&str]) -> String {
-    let output = husillo().arg("holes").args(args).output().unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
+    printed(&[&["holes"], args].concat())
 }
 
 #[test]

@@ -1,17 +1,12 @@
 //! `husillo jog` and `husillo emulate microfactory`, as a user calls them.
 
+mod common;
 mod emulated;
 
-use assert_cmd::Command;
+use common::husillo;
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
 
 /// A device 50 times as fast as a real one; `None` where there are no pseudo-terminals.
 fn device(name: &str, args: &[&str]) -> Option<Emulated> {

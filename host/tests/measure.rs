@@ -1,49 +1,14 @@
 //! `husillo measure` and `husillo emulate`, as a user calls them.
 
+mod common;
 mod emulated;
 
-use assert_cmd::Command;
+use common::{husillo, measured, near, number, scratch, written};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 use std::net::TcpListener;
-use std::path::PathBuf;
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
-/// The results of the actions in `args`.
-fn measured(args: &[&str]) -> Vec<Value> {
-    let output = husillo()
-        .args(["measure", "--format", "json"])
-        .args(args)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn near(value: &Value, wanted: f64, tolerance: f64) {
-    let value = value.as_f64().unwrap();
-    assert!(
-        (value - wanted).abs() <= tolerance * 1.000_001,
-        "{value} for {wanted}"
-    );
-}
-
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
 
 #[test]
 fn moves_end_within_a_count() {
@@ -220,8 +185,10 @@ fn home_is_where_the_index_is_met_from_below() {
     near(&rows[1]["position"], 0.0, 0.002);
     // None between 50 and 300.
     let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
-    let short = scratch("short.toml");
-    std::fs::write(&short, text.replace("\"8000 counts\"]", "\"300 counts\"]")).unwrap();
+    let short = written(
+        "short.toml",
+        &text.replace("\"8000 counts\"]", "\"300 counts\"]"),
+    );
     husillo()
         .args([
             "measure",
@@ -290,8 +257,7 @@ fn a_ring_calibrates_the_probe_and_what_it_prints_is_read() {
     let (_, after) = after.split_once('\n').unwrap();
     let after = after.replacen("ball_radius", "# ball_radius", 1);
     let (printed, _) = printed.split_once("]\nX").unwrap_or((printed, ""));
-    let calibrated = scratch("calibrated.toml");
-    std::fs::write(&calibrated, format!("{before}{printed}\n{after}")).unwrap();
+    let calibrated = written("calibrated.toml", &format!("{before}{printed}\n{after}"));
     let across = [
         "goto", "X30", "Y30", "goto", "Z-25", "touch", "+x", "goto", "X30", "touch", "-x",
     ];
@@ -299,6 +265,25 @@ fn a_ring_calibrates_the_probe_and_what_it_prints_is_read() {
     let rows = measured(&[&machine[..], &piece[2..], &across[..]].concat());
     let [right, left] = [2, 4].map(|row: usize| rows[row]["corrected"].as_f64().unwrap());
     assert!((right - left - 16.0).abs() < 0.004, "{left} {right}");
+}
+
+/// The top of the block lies at -20 mm; a sphere tells its place along Z only with what the stylus bends along it.
+#[test]
+fn a_face_tells_what_a_sphere_cannot() {
+    let piece = ["-m", "cmm3", "--piece", "../examples/piece.toml"];
+    let sphere = ["calibrate", "sphere", "X-25", "Y25", "Z-20", "R10"];
+    let above = ["goto", "Z5", "goto", "X20", "Y20", "goto", "Z-15"];
+    let face = ["touch", "-z", "calibrate", "-z", "--reference", "-20"];
+    let again = ["goto", "X15", "touch", "-z"];
+    let rows = measured(&[&piece[..], &["goto", "Z-8"], &sphere, &above, &face, &again].concat());
+    let [sphere, before, face, after] = [1, 5, 6, 8].map(|row: usize| &rows[row]);
+    let off = number(&before["corrected"]) + 20.0;
+    assert!(off.abs() > 0.0035, "{before}");
+    assert_eq!(face["table"].as_array().unwrap().len(), 49);
+    near(&after["corrected"], -20.0, 0.0025);
+    // Along the equator the table is what it was.
+    let table = |row: &Value| row["table"].as_array().unwrap()[48]["length"].clone();
+    near(&table(face), number(&table(&sphere["calibration"])), 0.0);
 }
 
 #[test]
@@ -346,8 +331,10 @@ fn failures_are_named() {
     );
     // A servo too weak to follow.
     let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
-    let weak = scratch("weak.toml");
-    std::fs::write(&weak, text.replace("p = 2000, i = 50", "p = 1, i = 0")).unwrap();
+    let weak = written(
+        "weak.toml",
+        &text.replace("p = 2000, i = 50", "p = 1, i = 0"),
+    );
     fails(
         &["-m", weak.to_str().unwrap(), "goto", "5000"],
         "error: position error at ",

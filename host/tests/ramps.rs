@@ -1,17 +1,11 @@
 //! Machines with ramps, and one whose axes follow its spindle.
 
-use assert_cmd::Command;
-use std::path::PathBuf;
+mod common;
 
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
+use common::{husillo, json, scratch, written};
 
 fn trace(program: &str, machine: &str) -> Vec<(f64, [f64; 3], String)> {
-    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{machine}.csv"));
-    std::fs::create_dir_all(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let file = scratch(&format!("{machine}.csv"));
     husillo()
         .args(["run", program, "-m", machine, "--format", "json", "--trace"])
         .arg(&file)
@@ -78,16 +72,8 @@ fn threads_are_where_they_were() {
 
 #[test]
 fn what_follows_the_end_of_a_program_is_no_part_of_it() {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("behind.nc");
-    std::fs::write(&file, "G0 X1\nM30\nG0 X5\nthis is text\n").unwrap();
-    let output = husillo()
-        .args(["run", "-m", "free", "--format", "json"])
-        .arg(&file)
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let run: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let file = written("behind.nc", "G0 X1\nM30\nG0 X5\nthis is text\n");
+    let machine = ["run", "-m", "free", "--format", "json"];
+    let run = json(&[&machine[..], &[file.to_str().unwrap()]].concat());
     assert_eq!(run["events"], 1000);
 }

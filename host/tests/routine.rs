@@ -1,23 +1,14 @@
 //! `husillo measure run` and `record`, as a user calls them: on the simulated chain, whose work piece is three faces.
 
+mod common;
+
 use assert_cmd::Command;
+use common::{husillo, number, scratch, written};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
-
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let path = scratch(name);
-    fs::write(&path, text).unwrap();
-    path
-}
+use std::path::{Path, PathBuf};
 
 /// `husillo measure -m cmm3` with faces at x 5 mm, y 3 mm and z -4 mm.
 fn measure() -> Command {
@@ -25,13 +16,39 @@ fn measure() -> Command {
 }
 
 fn measure_on(machine: &str) -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
+    let mut command = husillo();
     // Faces close by the place of the centre: no ball.
     command.args(["measure", "-m", machine, "--ball", "0"]);
     for face in ["1:2500", "2:1500", "3:..-2000"] {
         command.args(["--contact", face]);
     }
     command
+}
+
+/// `husillo measure -m cmm3` before a piece that a ball of 1 mm touches.
+fn measure_piece(piece: impl AsRef<Path>, pre_travel: &str) -> Command {
+    let mut command = husillo();
+    command.args(["measure", "-m", "cmm3", "--ball", "1"]);
+    command
+        .args(["--pretravel", pre_travel, "--piece"])
+        .arg(piece.as_ref());
+    command
+}
+
+const PIECE: &str = "../examples/piece.toml";
+
+/// What a routine gave, all within tolerance.
+fn result(mut command: Command, routine: impl AsRef<Path>) -> Value {
+    command
+        .args(["run", "--format", "json"])
+        .arg(routine.as_ref());
+    let run = command.assert().success();
+    serde_json::from_slice(&run.get_output().stdout).unwrap()
+}
+
+/// A dimension of a feature, by their places in the routine.
+fn actual(result: &Value, feature: usize, dimension: usize) -> f64 {
+    number(&result["features"][feature]["dimensions"][dimension]["actual"])
 }
 
 /// A corner of three faces, and where its drawing has it.
@@ -168,18 +185,10 @@ fn recorded_and_run_again() {
         text.contains("touch P1 -z within 10") && text.contains("touch corner +x"),
         "{text}"
     );
-    let run = measure()
-        .args(["run", "--format", "json"])
-        .arg(&routine)
-        .assert()
-        .success();
-    let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
-    for (index, figure, wanted) in [(0, 2, -4.0), (1, 0, 5.0), (2, 1, 3.0)] {
-        let dimension = &result["features"][index]["dimensions"][figure];
-        assert!(
-            (dimension["actual"].as_f64().unwrap() - wanted).abs() < 0.005,
-            "{dimension}"
-        );
+    let again = result(measure(), &routine);
+    for (feature, dimension, wanted) in [(0, 2, -4.0), (1, 0, 5.0), (2, 1, 3.0)] {
+        let found = actual(&again, feature, dimension);
+        assert!((found - wanted).abs() < 0.005, "{found} for {wanted}");
     }
     // A line that fails is not written, and told.
     let run = measure()
@@ -203,15 +212,7 @@ fn what_is_known_of_the_axes_is_taken_off() {
     text += "\n[axis.x.calibration]\nscale = \"2000 um/m\"\n";
     let machine = written("short.toml", &text);
     let on_it = || measure_on(machine.to_str().unwrap());
-    let x_of = |routine: &PathBuf| {
-        let mut command = on_it();
-        let run = command.args(["run", "--format", "json"]).arg(routine);
-        let run = run.assert().success();
-        let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
-        result["features"][0]["dimensions"][0]["actual"]
-            .as_f64()
-            .unwrap()
-    };
+    let x_of = |routine: &PathBuf| actual(&result(on_it(), routine), 0, 0);
     // The face is at 2500 counts of 2 um.
     let is_there = |x: f64| (x - 5.01).abs() < 0.0045;
     let x = x_of(&written(
@@ -299,119 +300,47 @@ fn probing_there_and_away() {
 /// The ball of the example on its piece: the face is where it is drawn, whichever way the contact is crossed.
 #[test]
 fn both_ways_on_the_piece() {
-    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
     // Axially the stylus takes 1 um, 0.5 um of noise; counts of 2 um.
     let program = written(
         "both.nc",
         "G21 G90 F24\nG0 Z-10\nG0 X16 Y16\nG38.2 Z-24\n#<made> = #5063\nG38.4 Z-18 F4.8\n#<broken> = #5063\n\
          o1 if [[ABS[#<made> + 19] gt 0.0045] or [ABS[#<broken> + 19] gt 0.0045]]\nG0 X900\no1 endif\nM2\n",
     );
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.args([
-        "measure",
-        "-m",
-        "cmm3",
-        "--ball",
-        "1",
-        "--pretravel",
-        "1 um",
-        "--piece",
-    ]);
-    command
-        .arg(examples.join("piece.toml"))
-        .arg("run")
-        .arg(&program);
-    command.assert().success();
+    let mut command = measure_piece(PIECE, "1 um");
+    command.arg("run").arg(&program).assert().success();
 }
 
-/// The example's piece with every place shifted, mm.
-fn shifted(by: [f64; 3]) -> String {
-    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
-    let text = fs::read_to_string(examples.join("piece.toml")).unwrap();
-    let mut lines = Vec::new();
-    for line in text.lines() {
-        let place = line.split_once("= [").and_then(|(key, rest)| {
-            let (places, _) = rest.split_once(']')?;
-            let mm = places
-                .split(',')
-                .map(|place| place.trim().trim_matches('"'));
-            let mm: Option<Vec<f64>> = mm.map(|mm| mm.strip_suffix(" mm")?.parse().ok()).collect();
-            Some((key, mm.filter(|mm| mm.len() == 3)?))
-        });
-        lines.push(match place {
-            Some((key, mm)) => {
-                let mm: Vec<_> = mm
-                    .iter()
-                    .zip(by)
-                    .map(|(mm, by)| format!("\"{} mm\"", mm + by))
-                    .collect();
-                format!("{key}= [{}]", mm.join(", "))
-            }
-            None => line.to_owned(),
-        });
-    }
-    lines.join("\n")
+/// Behind the three features that find the part, what is judged of the others, mm.
+fn judged(result: &Value) -> Vec<f64> {
+    let features = result["features"].as_array().unwrap()[3..].iter();
+    let figures = features.flat_map(|feature| feature["dimensions"].as_array().unwrap());
+    let judged = figures.filter(|figure| figure["in_tolerance"] == true && figure["unit"] == "mm");
+    judged.map(|figure| number(&figure["actual"])).collect()
 }
 
+/// Shifted along all axes, turned by 2 degrees and tilted by half of one: the frame of the routine follows.
 #[test]
 fn the_example_and_the_same_part_elsewhere() {
-    let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples");
-    let moved = written("moved.toml", &shifted([1.25, -2.0, -1.5]));
-    let mut all = Vec::new();
-    for piece in [examples.join("piece.toml"), moved] {
-        let mut command = Command::cargo_bin("husillo").unwrap();
-        command.args([
-            "measure",
-            "-m",
-            "cmm3",
-            "--ball",
-            "1",
-            "--pretravel",
-            "8 um",
-            "--format",
-            "json",
-            "--piece",
-        ]);
-        command
-            .arg(&piece)
-            .arg("run")
-            .arg(examples.join("piece.routine"));
-        let run = command.assert().success();
-        let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
-        // Behind the three that find the part.
-        let features = result["features"].as_array().unwrap()[3..].to_vec();
-        let figures = features
-            .iter()
-            .flat_map(|feature| feature["dimensions"].as_array().unwrap().clone());
-        let judged =
-            figures.filter(|figure| figure["in_tolerance"] == true && figure["unit"] == "mm");
-        all.push(
-            judged
-                .map(|figure| figure["actual"].as_f64().unwrap())
-                .collect::<Vec<_>>(),
-        );
+    let place = "[place]\nat = [\"1.25 mm\", \"-2 mm\", \"-1.5 mm\"]\n";
+    let turned = "turn = \"2 deg\"\ntilt = \"0.5 deg\"\n";
+    let text = fs::read_to_string(PIECE).unwrap();
+    let moved = written("moved.toml", &format!("{text}\n{place}"));
+    let turned = written("turned.toml", &format!("{text}\n{place}{turned}"));
+    let routine = "../examples/piece.routine";
+    let measured = |piece: &Path| judged(&result(measure_piece(piece, "8 um"), routine));
+    let here = measured(Path::new(PIECE));
+    assert!(here.len() > 12);
+    for elsewhere in [moved, turned] {
+        let there = measured(&elsewhere);
+        assert_eq!(here.len(), there.len());
+        for (here, there) in here.iter().zip(&there) {
+            // Three counts of 2 um: both were rounded to them, and the noise is another.
+            assert!((here - there).abs() <= 0.006, "{here} {there}");
+        }
     }
-    assert!(all[0].len() > 12 && all[0].len() == all[1].len());
-    for (here, there) in all[0].iter().zip(&all[1]) {
-        // Three counts of 2 um: both were rounded to them, and the noise is another.
-        assert!((here - there).abs() <= 0.006, "{here} {there}");
-    }
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.args([
-        "measure",
-        "-m",
-        "cmm3",
-        "--ball",
-        "1",
-        "--pretravel",
-        "8 um",
-        "--piece",
-    ]);
+    let mut command = measure_piece(PIECE, "8 um");
     command
-        .arg(examples.join("piece.toml"))
-        .arg("run")
-        .arg(examples.join("piece.nc"));
-    command
+        .args(["run", "../examples/piece.nc"])
         .assert()
         .success()
         .stdout(contains("boss boss-2"))

@@ -1,43 +1,18 @@
 //! `husillo tune`, as a user calls it.
 
+mod common;
 mod emulated;
 
-use assert_cmd::Command;
+use common::{husillo, json, number, scratch, written};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 use std::path::PathBuf;
 
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
 /// What an experiment that goes well found.
 fn tuned(args: &[&str]) -> Value {
-    let output = husillo()
-        .args(["tune", "--format", "json"])
-        .args(args)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap()
-}
-
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
+    json(&[&["tune", "--format", "json"], args].concat())
 }
 
 /// A machine file with other gains.
@@ -47,9 +22,7 @@ fn with_gains(name: &str, gains: &str) -> PathBuf {
     let lines = text
         .lines()
         .map(|line| if is_gains(line) { gains } else { line });
-    let path = scratch(name);
-    std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
-    path
+    written(name, &lines.collect::<Vec<_>>().join("\n"))
 }
 
 #[test]

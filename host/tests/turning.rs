@@ -1,14 +1,10 @@
 //! A shaft roughed and finished along a contour.
 
-use assert_cmd::Command;
+mod common;
+
+use common::husillo;
 use predicates::str::contains;
 use std::path::PathBuf;
-
-fn husillo() -> Command {
-    let mut command = Command::cargo_bin("husillo").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
 
 /// The radius of the shaft of `examples/turning.nc` at a Z, mm.
 fn radius(z: f64) -> f64 {

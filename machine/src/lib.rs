@@ -44,5 +44,5 @@ pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;
 pub use segment::Segment;
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
-pub use servo_module::{ServoModule, ServoModuleOutput};
+pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};
 pub use step_encoder::{AxisEncoder, OnLoss};

@@ -45,7 +45,7 @@ impl ServoModule {
     pub fn new(version: u8) -> Self {
         Self {
             link: Module::new(version),
-            axis: ServoAxis::new(law(&Gains::default(), version)),
+            axis: ServoAxis::new(servo_law(&Gains::default(), version)),
             goal: 0,
             velocity: 0,
             acceleration: 0,
@@ -113,7 +113,7 @@ impl ServoModule {
             }
             Command::LoadTrajectory(trajectory) => self.load(&trajectory),
             Command::StartMotion => self.start(),
-            Command::SetGain(gains) => self.axis.set_law(law(&gains, self.link.version())),
+            Command::SetGain(gains) => self.axis.set_law(servo_law(&gains, self.link.version())),
             Command::StopMotor(stop) => self.stop(stop),
             Command::SetHoming(homing) => self.search(homing),
             Command::ClearBits => self.axis.clear(),
@@ -244,7 +244,8 @@ fn bits(of: &[(u8, bool)]) -> u8 {
         .fold(0, |all, (bit, _)| all | bit)
 }
 
-fn law(gains: &Gains, version: u8) -> ServoLaw {
+/// The servo law of a module of this version with these gains: the divisor of version 10 and later makes only the derivative slower.
+pub fn servo_law(gains: &Gains, version: u8) -> ServoLaw {
     let gains = ServoGains {
         proportional: gains.proportional,
         derivative: gains.derivative,

@@ -39,7 +39,7 @@ impl TouchProbeModel {
 /// use husillo_sim::{Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 ///
 /// let shape = Shape::Plane { point_mm: [10.0, 0.0, 0.0], outward: [-1.0, 0.0, 0.0] };
-/// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![] }] };
+/// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![] }], ..WorkPiece::default() };
 /// let model = TouchProbeModel { ball_radius_mm: 1.0, bend_mm: 0.008, lobes_mm: 0.002, axial_mm: 0.001, noise_mm: 0.0 };
 /// let mut probe = TouchProbe::new(model, 1);
 /// assert!(!probe.is_closed(&piece, [9.009, 0.0, 0.0])); // touching for 9 um
@@ -141,6 +141,7 @@ mod tests {
                 shape,
                 bores: Vec::new(),
             }],
+            ..WorkPiece::default()
         };
         let model = TouchProbeModel {
             noise_mm: 0.0005,

@@ -1,5 +1,7 @@
 //! Simple solids to be touched.
 
+use crate::place::Place;
+
 /// A point or a vector, mm.
 pub type PointMm = [f64; 3];
 
@@ -65,20 +67,23 @@ pub struct Solid {
 ///
 /// let shape = Shape::Box { from_mm: [0.0; 3], to_mm: [20.0, 20.0, 10.0] };
 /// let bore = Bore { from_mm: [10.0, 10.0, 10.0], to_mm: [10.0, 10.0, 4.0], radius_mm: 5.0 };
-/// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![bore] }] };
+/// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![bore] }], ..WorkPiece::default() };
 /// assert_eq!(piece.distance_mm([10.0, 10.0, 5.0]), 1.0); // the bottom of the bore
 /// assert_eq!(piece.normal([13.0, 10.0, 8.0]), [-1.0, 0.0, 0.0]); // its wall
 /// ```
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct WorkPiece {
-    /// The solids.
+    /// The solids, as they are drawn.
     pub solids: Vec<Solid>,
+    /// Where the drawing lies on the machine.
+    pub place: Place,
 }
 
 impl WorkPiece {
-    /// How far a point is from the surface, mm, negative inside. Outside it is exact for shapes, inside of bores, and at the rims of bores that
+    /// How far a point of the machine is from the surface, mm, negative inside. Outside it is exact for shapes, inside of bores, and at the rims of bores that
     /// begin in a face across them.
     pub fn distance_mm(&self, point: PointMm) -> f64 {
+        let point = self.place.to_piece(point);
         let distances = self.solids.iter().map(|solid| solid.distance_mm(point));
         distances.fold(f64::INFINITY, f64::min)
     }
@@ -192,6 +197,30 @@ mod tests {
     fn piece(shape: Shape, bores: Vec<Bore>) -> WorkPiece {
         WorkPiece {
             solids: vec![Solid { shape, bores }],
+            ..WorkPiece::default()
+        }
+    }
+
+    #[test]
+    fn a_piece_lies_where_it_is_put() {
+        let shape = Shape::Box {
+            from_mm: [0.0; 3],
+            to_mm: [40.0, 20.0, 10.0],
+        };
+        let mut piece = piece(shape, Vec::new());
+        // X of the piece is Y of the machine, its Y is Z, its Z is X.
+        piece.place = Place::new([100.0, 0.0, -30.0], 90.0, 90.0);
+        for (point, distance, normal) in [
+            ([105.0, -2.0, -20.0], 2.0, [0.0, -1.0, 0.0]),
+            ([105.0, 20.0, -7.0], 3.0, [0.0, 0.0, 1.0]),
+            ([111.0, 20.0, -20.0], 1.0, [1.0, 0.0, 0.0]),
+        ] {
+            assert!((piece.distance_mm(point) - distance).abs() < 1e-9);
+            let off = piece.normal(point).into_iter().zip(normal);
+            assert!(
+                off.into_iter()
+                    .all(|(is, wanted)| (is - wanted).abs() < 1e-6)
+            );
         }
     }
 

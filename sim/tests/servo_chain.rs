@@ -1,17 +1,10 @@
 //! Servo modules with motors on a simulated line, commanded byte by byte.
 
-use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
-use husillo_transports::nmc::{
-    Command, Gains, Group, Homing, Items, Mode, Status, Stop, StopWay, Trajectory,
-};
+mod common;
 
-/// Sends a packet and gives what comes back within 50 ms.
-fn ask(chain: &mut ServoChain, address: u8, command: Command) -> Vec<u8> {
-    for &byte in command.frame(address).bytes() {
-        chain.send(byte);
-    }
-    (0..100).flat_map(|_| chain.tick()).collect()
-}
+use common::{ask, switch_on};
+use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
+use husillo_transports::nmc::{Command, Gains, Group, Homing, Items, Mode, Status, Trajectory};
 
 fn run(chain: &mut ServoChain, periods: u32) {
     for _ in 0..periods {
@@ -42,13 +35,7 @@ fn started_with(versions: &[u8]) -> ServoChain {
             rate_divisor: 1,
             ..Gains::default()
         };
-        ask(&mut chain, address, Command::SetGain(gains));
-        let on = Stop {
-            amplifier: true,
-            way: Some(StopWay::Abrupt),
-        };
-        ask(&mut chain, address, Command::StopMotor(on));
-        let reply = ask(&mut chain, address, Command::ClearBits);
+        let reply = switch_on(&mut chain, address, gains);
         assert_eq!(reply, [0x09, 0x09], "module {address} holds its place");
     }
     chain

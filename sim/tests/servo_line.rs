@@ -1,22 +1,12 @@
 //! Straight moves of three servo modules on one line: loaded one after the other, started by their group.
 
+mod common;
+
+use common::{ask, send, switch_on};
 use husillo_planner::{Direction, ServoLine};
 use husillo_sim::{DcMotorModel, SERVO_PERIOD_S, ServoChain};
-use husillo_transports::nmc::{
-    Command, EVERY_GROUP, Gains, Group, Mode, Stop, StopWay, Trajectory,
-};
+use husillo_transports::nmc::{Command, EVERY_GROUP, Gains, Group, Mode, Trajectory};
 use proptest::prelude::*;
-
-fn send(chain: &mut ServoChain, address: u8, command: Command) {
-    for &byte in command.frame(address).bytes() {
-        chain.send(byte);
-    }
-}
-
-fn ask(chain: &mut ServoChain, address: u8, command: Command) {
-    send(chain, address, command);
-    (0..100).for_each(|_| drop(chain.tick()));
-}
 
 /// The servos on, with the gains of the measuring machine, in one group.
 fn started() -> ServoChain {
@@ -37,13 +27,7 @@ fn started() -> ServoChain {
             rate_divisor: 1,
             ..Gains::default()
         };
-        ask(&mut chain, address, Command::SetGain(gains));
-        let on = Stop {
-            amplifier: true,
-            way: Some(StopWay::Abrupt),
-        };
-        ask(&mut chain, address, Command::StopMotor(on));
-        ask(&mut chain, address, Command::ClearBits);
+        switch_on(&mut chain, address, gains);
     }
     chain
 }

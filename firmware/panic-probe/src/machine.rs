@@ -7,6 +7,7 @@ use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Drill as AnyDrill,
     Machine as AnyMachine, Means, Mill as AnyMill, Motors, Scale, ServoAxis, ServoModule,
+    servo_law,
 };
 use husillo_stepper::Sequencer;
 
@@ -102,6 +103,7 @@ pub fn keep() {
         ServoAxis::home as *const (),
         ServoAxis::inputs as *const (),
         ServoAxis::status as *const (),
+        servo_law as *const (),
         ServoModule::new as *const (),
         ServoModule::link as *const (),
         ServoModule::axis as *const (),

@@ -86,7 +86,7 @@ impl Action {
                 "status" => Self::Status(axis),
                 other => {
                     return Err(format!(
-                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status"
+                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and alone run FILE, record FILE"
                     ));
                 }
             });

@@ -5,9 +5,10 @@ use crate::diagnostics::Finding;
 use crate::machine_file::{LoadError, read_text};
 use crate::quantity::{self, Quantity};
 use crate::table::{Table, document};
-use husillo_sim::{Bore, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
+use husillo_sim::{Bore, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 
 const LENGTH: &str = "a length as in \"8 mm\" or \"2 um\"";
+const ANGLE: &str = "an angle as in \"3 deg\"";
 const POINT: &str = "expected three lengths, as in [\"10 mm\", \"0 mm\", \"-5 mm\"]";
 
 /// Loads a piece from the path of its file.
@@ -32,11 +33,12 @@ fn parse(path: &str, text: &str) -> Result<Piece, Vec<Finding>> {
         root.missing("solid");
     }
     let solids = solids.into_iter().flatten().collect();
+    let place = root.optional_table("place", read_place).unwrap_or_default();
     let probe = root.table("probe", read_probe);
     root.finish();
     match probe {
         Some(probe) if findings.is_empty() => Ok(Piece {
-            work: WorkPiece { solids },
+            work: WorkPiece { solids, place },
             probe,
         }),
         _ => Err(findings),
@@ -91,6 +93,18 @@ fn read_solid(table: &mut Table<'_, '_>) -> Solid {
         shape,
         bores: bores.unwrap_or_default(),
     }
+}
+
+/// Where the drawing lies, and how it is turned about Z and tilted about X.
+fn read_place(table: &mut Table<'_, '_>) -> Place {
+    let at_mm = point(table, "at");
+    let degrees = |quantity| match quantity {
+        Quantity::Angle(deg) => Some(deg.num as f64 / deg.den as f64),
+        _ => None,
+    };
+    let angles = ["turn", "tilt"].map(|key| table.quantity(key, ANGLE, degrees));
+    let [turn_deg, tilt_deg] = angles.map(Option::unwrap_or_default);
+    Place::new(at_mm, turn_deg, tilt_deg)
 }
 
 fn read_probe(table: &mut Table<'_, '_>) -> TouchProbe {
@@ -172,6 +186,14 @@ mod tests {
     }
 
     #[test]
+    fn a_piece_elsewhere() {
+        let place = "[place]\nat = [\"100 mm\", \"0 mm\", \"0 mm\"]\nturn = \"90 deg\"\n\n[probe]";
+        let piece = parse("piece.toml", &EXAMPLE.replacen("[probe]", place, 1)).unwrap();
+        // What was drawn at X 30, Y 12 is at X 100 - 12, Y 30.
+        assert!((piece.work.distance_mm([88.0, 30.0, -19.0]) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn mistakes_are_named() {
         let fails = |from: &str, to: &str, message: &str| {
             let findings = parse("piece.toml", &EXAMPLE.replacen(from, to, 1)).unwrap_err();
@@ -187,6 +209,11 @@ mod tests {
             "noise = \"0.5 um\"",
             "noise = 3",
             "`noise` is not understood: a quantity is text with a unit",
+        );
+        fails(
+            "[probe]",
+            "[place]\nat = [\"1 mm\", \"1 mm\", \"1 mm\"]\nturn = \"1 mm\"\n[probe]",
+            "`turn` does not fit",
         );
         fails(
             "from = [\"10 mm\", ",

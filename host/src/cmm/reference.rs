@@ -258,6 +258,7 @@ mod tests {
                 shape,
                 bores: Vec::new(),
             }],
+            ..WorkPiece::default()
         };
         let piece = Piece {
             work,

@@ -75,6 +75,9 @@ pub struct TouchFigures {
     pub spread: f64,
     /// The longest way beyond the contact.
     pub over_travel: f64,
+    /// Of a calibration that changed a table of pre-travel by direction: what it is now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<Vec<Entry>>,
 }
 
 /// What a calibration on a body found.
@@ -105,24 +108,35 @@ pub struct Entry {
     pub length: f64,
 }
 
+/// Pre-travel by direction as lines of a machine file.
+fn pre_travel(table: &[Entry], unit: &str) -> String {
+    let entry = |Entry { direction, length }: &Entry| {
+        format!("\n        {{ direction = {direction:?}, length = \"{length} {unit}\" }},")
+    };
+    let entries: String = table.iter().map(entry).collect();
+    format!("pre_travel = [{entries}\n    ]")
+}
+
 impl CalibrationFigures {
     /// For people, and for the machine file.
     fn text(&self, head: &str, unit: &str, places: usize) -> String {
-        let mut text = format!(
-            "{head} {}\n    centre     {:.places$} {unit}, effective radius {:.places$} {unit}\n    {} touches, {:.places$} {unit} apart before correction by direction\n    for [probe] of the machine file:\n    ball_radius = \"{} {unit}\"\n    pre_travel = [",
+        // The half that is touched tells Z of the centre from what the stylus bends along Z by nothing.
+        let doubt = match self.body {
+            "sphere" => {
+                "\n    its Z and pre-travel along Z cannot be told apart: `calibrate -z` on a face at a known height does"
+            }
+            _ => "",
+        };
+        format!(
+            "{head} {}\n    centre     {:.places$} {unit}, effective radius {:.places$} {unit}\n    {} touches, {:.places$} {unit} apart before correction by direction{doubt}\n    for [probe] of the machine file:\n    ball_radius = \"{} {unit}\"\n    {}",
             self.body,
             self.centre,
             self.effective_radius,
             self.touches,
             self.form,
-            self.ball_radius
-        );
-        for Entry { direction, length } in &self.table {
-            let entry =
-                format!("\n        {{ direction = {direction:?}, length = \"{length} {unit}\" }},");
-            text.push_str(&entry);
-        }
-        text + "\n    ]"
+            self.ball_radius,
+            pre_travel(&self.table, unit)
+        )
     }
 }
 
@@ -163,7 +177,13 @@ impl ResultRow {
         let all = |values: &Numbers| format!("{values:.places$} {}", self.unit);
         let head = format!("{} {}", self.axis, self.action);
         if let Some(t) = &self.touch {
-            let found = if self.action == "calibrate" {
+            let found = if let Some(table) = &t.table {
+                format!(
+                    "\n    pre-travel {}, and by direction for [probe] of the machine file:\n    {}",
+                    of(t.pre_travel),
+                    pre_travel(table, self.unit)
+                )
+            } else if self.action == "calibrate" {
                 let key = if t.direction == "+" {
                     "positive"
                 } else {

@@ -116,7 +116,10 @@ impl Session {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
                     self.calibrate(&measurement, &towards);
-                    row.touch = Some(self.figures(&measurement, &towards, &axes));
+                    row.touch = Some(TouchFigures {
+                        table: self.table(),
+                        ..self.figures(&measurement, &towards, &axes)
+                    });
                 }
                 Action::CalibrateOn(body) => {
                     row.action = "calibrate";
@@ -141,33 +144,56 @@ impl Session {
         Ok(())
     }
 
-    /// The pre-travel that makes of this touch the reference.
+    /// The pre-travel that makes of this touch the reference. In a table by direction that has this one, as a sphere or a ring gives it, all entries
+    /// change, each by its part along it: as if that body stood elsewhere by as much, which its own touches cannot tell.
     fn calibrate(&mut self, measurement: &Measurement, towards: &Towards) {
         let (Some(axis), Some(reference)) = (towards.axis, self.reference) else {
             return;
         };
-        let ideal = Stylus {
-            pre_travel: both_ways([0; 2]),
-            ..self.stylus
-        };
-        let face = surface(&ideal, measurement)[axis];
+        let face = surface(&self.stylus, measurement)[axis];
         let direction = measurement.touch.direction;
-        // The part along the axis is 1 or -1.
-        let beyond = (face - reference) * i64::from(direction.components()[axis].to_num::<i32>());
-        let of = |&(entry, nm): &(UnitVector, i32)| {
-            (
-                entry,
-                if entry == direction {
-                    beyond as i32
-                } else {
-                    nm
-                },
-            )
+        let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
+        let cosine = |entry: &UnitVector| -> f64 {
+            let pairs = parts(entry).into_iter().zip(parts(&direction));
+            pairs.map(|(a, b)| a * b).sum()
         };
-        let entries: Vec<_> = self.stylus.pre_travel.entries().iter().map(of).collect();
+        // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
+        let beyond = (face - reference) as f64 * parts(&direction)[axis];
+        let shifted = |nm: i32, part: f64| nm.saturating_add((beyond * part).round() as i32);
+        let mut entries = self.stylus.pre_travel.entries().to_vec();
+        let is_by_axis = self.is_by_axis();
+        if entries.iter().any(|(entry, _)| *entry == direction) {
+            for (entry, nm) in &mut entries {
+                let part = match is_by_axis {
+                    true => f64::from(u8::from(*entry == direction)),
+                    false => cosine(entry),
+                };
+                *nm = shifted(*nm, part);
+            }
+        } else {
+            let nm = self.stylus.pre_travel.along(&direction);
+            entries.push((direction, shifted(nm, 1.0)));
+        }
         if let Some(pre_travel) = PreTravel::of(&entries) {
             self.stylus.pre_travel = pre_travel;
         }
+    }
+
+    /// Whether there is one pre-travel for each way of each axis, and no more.
+    fn is_by_axis(&self) -> bool {
+        self.stylus.pre_travel.entries().len() <= 6
+    }
+
+    /// The pre-travel by direction, where it is by more than the ways of the axes.
+    fn table(&self) -> Option<Vec<Entry>> {
+        let entry = |(direction, nm): &(UnitVector, i32)| Entry {
+            direction: direction
+                .components()
+                .map(|part| (part.to_num::<f64>() * 1e6).round() as i64),
+            length: self.scale.number(i64::from(*nm)),
+        };
+        let entries = self.stylus.pre_travel.entries();
+        (!self.is_by_axis()).then(|| entries.iter().map(entry).collect())
     }
 
     fn figures(
@@ -185,6 +211,7 @@ impl Session {
             touches: measurement.touches,
             spread: self.scale.number(measurement.spread),
             over_travel: self.scale.number(measurement.over_travel),
+            table: None,
         }
     }
 

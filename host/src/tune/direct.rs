@@ -2,11 +2,14 @@
 
 use super::rig::{Rig, Sample, profile};
 use crate::cmm::trouble::Trouble;
-use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
-use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
+use husillo_machine::{ServoAxis, ServoInputs, ServoStop, servo_law};
+use husillo_pid::Drive;
 use husillo_planner::ServoMotion;
 use husillo_sim::{DcMotor, DcMotorModel, FULL_CURRENT_A, SERVO_PERIOD_S};
 use husillo_transports::nmc::{CYCLE_US, Gains, Status};
+
+/// The module whose law it is: the original's.
+const VERSION: u8 = 4;
 
 /// Servo law and motor, without a module's link between.
 pub struct Direct {
@@ -21,7 +24,7 @@ impl Direct {
     /// A motor at rest, servo off.
     pub fn new(model: DcMotorModel) -> Self {
         let mut direct = Self {
-            axis: ServoAxis::new(law(&Gains::default())),
+            axis: ServoAxis::new(servo_law(&Gains::default(), VERSION)),
             motor: DcMotor::new(model),
             drive: Drive::default(),
             rate_divisor: 1,
@@ -58,7 +61,7 @@ impl Direct {
 impl Rig for Direct {
     fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
         self.rate_divisor = gains.rate_divisor.max(1);
-        self.axis.set_law(law(gains));
+        self.axis.set_law(servo_law(gains, VERSION));
         Ok(())
     }
 
@@ -122,20 +125,4 @@ impl Rig for Direct {
     fn now_us(&self) -> u64 {
         self.ticks * u64::from(CYCLE_US)
     }
-}
-
-/// The law of a module of version 4.
-fn law(gains: &Gains) -> ServoLaw {
-    let gains = ServoGains {
-        proportional: gains.proportional,
-        derivative: gains.derivative,
-        integral: gains.integral,
-        integral_limit: gains.integration_limit,
-        output_limit: gains.output_limit,
-        current_limit: gains.current_limit,
-        error_limit: gains.error_limit,
-        rate_divisor: gains.rate_divisor,
-        dead_band: gains.dead_band,
-    };
-    ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling)
 }

@@ -1,5 +1,6 @@
 //! Gains of a rule as the integers of a module.
 
+use super::trial;
 use husillo_pid::Gains as Rates;
 use husillo_transports::nmc::{CYCLE_US, Gains};
 
@@ -7,8 +8,6 @@ use husillo_transports::nmc::{CYCLE_US, Gains};
 const STEP_PWM: f64 = 4.0;
 /// What the integral part may drive at most, as a part of 255: more than stiction, less than a blow.
 const SHARE_PWM: f64 = 32.0;
-/// Largest gain of a module.
-const LARGEST: f64 = 32_767.0;
 
 /// The gains of a rule, per second and in PWM a count, in a module whose limits are those of `limits`; and in sentences what had to be changed. `None`
 /// where they are no numbers, or too large in any proportion.
@@ -17,7 +16,7 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let wanted = rule.per_sample(period_s);
     let mut notes = Vec::new();
     let largest = wanted.proportional.max(wanted.derivative) * 256.0;
-    let factor = (LARGEST / largest).min(1.0);
+    let factor = (f64::from(trial::LARGEST) / largest).min(1.0);
     if factor < 1.0 {
         notes.push(format!(
             "all gains of the rule are multiplied by {factor:.3}, as its {} gain would be {largest:.0} and a module has 32767 at most",
@@ -44,7 +43,7 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
         proportional: servo.proportional,
         integral: servo.integral,
         derivative: servo.derivative,
-        integration_limit: limit.min(LARGEST) as u16,
+        integration_limit: limit.min(trial::LARGEST.into()) as u16,
         ..*limits
     };
     Some((gains, notes))

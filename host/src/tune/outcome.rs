@@ -85,17 +85,17 @@ pub struct RuleRow {
     pub rule: &'static str,
     /// Where it was published.
     pub source: &'static str,
-    /// Kp, PWM a count; Ki, a second; Kd, seconds.
+    /// Proportional gain, PWM a count.
     pub kp: f64,
-    #[allow(missing_docs)]
+    /// Integral gain, PWM a count and second.
     pub ki: f64,
-    #[allow(missing_docs)]
+    /// Derivative gain, PWM seconds a count.
     pub kd: f64,
-    /// In the integers of the module.
+    /// Proportional gain of the module: 256 Kp.
     pub p: u16,
-    #[allow(missing_docs)]
+    /// Integral gain of the module: 65536 Ki T.
     pub i: u16,
-    #[allow(missing_docs)]
+    /// Derivative gain of the module: 256 Kd / T.
     pub d: u16,
     /// Bound of the sum of errors.
     pub integral_limit: u16,

@@ -77,6 +77,21 @@ impl Stand {
         self.rig.engage()
     }
 
+    /// Where the axis is, and a place `size` counts away, towards the middle: steps to and fro stay about it.
+    ///
+    /// # Errors
+    ///
+    /// A limit is passed, or the link fails.
+    pub fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Trouble> {
+        let from = self.sample(true)?.position;
+        let there = if from > self.centre {
+            from - size
+        } else {
+            from + size
+        };
+        Ok([from, there])
+    }
+
     /// Commands a position at once and watches for some time.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use super::moves;
 use super::stand::{Stand, Trace};
 use super::step::{StepFigures, figures};
 use super::swing::Swing;
-use super::trial::Trial;
+use super::trial::{LARGEST, Trial};
 use crate::cmm::trouble::Trouble;
 use husillo_transports::nmc::Gains;
 
@@ -14,8 +14,6 @@ const FIRST_D: u16 = 1000;
 const FIRST_I: u16 = 50;
 /// The limit while the integral gain is looked for.
 const WIDE_LIMIT: u16 = 16_000;
-/// Largest gain of a module.
-const LARGEST: u16 = 0x7fff;
 /// How long a step of a trial is watched, us.
 const TRIAL_US: u64 = 900_000;
 /// More overshoot than this is too much, per cent.
@@ -148,12 +146,7 @@ fn attempt(
         is_vibrating: false,
         figures: Vec::new(),
     };
-    let from = stand.sample(true)?.position;
-    let there = if from > stand.centre {
-        from - size
-    } else {
-        from + size
-    };
+    let [from, there] = stand.there_and_back(size)?;
     let mut last = None;
     for (from, to) in [(from, there), (there, from)] {
         let trace = stand.step_to(to, TRIAL_US)?;

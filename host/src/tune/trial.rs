@@ -3,16 +3,19 @@
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
 
+/// Largest gain of a module.
+pub const LARGEST: u16 = 0x7fff;
+
 /// Gains that were tried, and what came of it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
     /// What was looked for.
     pub stage: &'static str,
-    /// The gains.
+    /// Proportional gain of the module.
     pub p: u16,
-    #[allow(missing_docs)]
+    /// Integral gain of the module.
     pub i: u16,
-    #[allow(missing_docs)]
+    /// Derivative gain of the module.
     pub d: u16,
     /// Bound of the sum of errors.
     pub integral_limit: u16,

@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
-use super::trial::Trial;
+use super::trial::{LARGEST, Trial};
 use crate::cmm::trouble::Trouble;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
@@ -16,9 +16,6 @@ const FIRST: u16 = 256;
 const FACTOR: f64 = 1.5;
 /// The gain is found to this part.
 const EXACT: f64 = 1.02;
-/// Largest gain of a module.
-const LARGEST: u16 = 0x7fff;
-
 /// The slowest servo that is tried, as its rate divisor.
 const SLOWEST: u8 = 32;
 
@@ -102,13 +99,7 @@ fn attempt(
     };
     let number = Trial::begin(trials, "ultimate", &gains);
     stand.engage(&gains)?;
-    let from = stand.sample(true)?.position;
-    // To and fro, so that the axis stays where it is.
-    let target = if from > stand.centre {
-        from - KICK
-    } else {
-        from + KICK
-    };
+    let [_, target] = stand.there_and_back(KICK)?;
     let trace = stand.step_to(target, TRIAL_US)?;
     let swing = Swing::of_trace(&trace);
     Trial::end(

@@ -68,11 +68,12 @@ pub fn draw(page: &mut String, features: &[Feature], part: &Frame, plan: Plan, f
     for feature in features {
         outline(page, &view, feature, part, plan);
     }
+    for mark in features.iter().flat_map(|feature| &feature.marks) {
+        point(page, &view, mark, part, plan, factor);
+    }
+    let mut labels = Labels::default();
     for feature in features {
-        for mark in &feature.marks {
-            point(page, &view, mark, part, plan, factor);
-        }
-        label(page, &view, feature, part, plan);
+        label(page, &view, &mut labels, feature, part, plan);
     }
     view.scale_bar(page);
     page.push_str("</svg>\n");
@@ -255,7 +256,41 @@ fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, 
     }
 }
 
-fn label(page: &mut String, view: &View, feature: &Feature, part: &Frame, plan: Plan) {
+/// The names drawn so far, each as its left end, right end and base line.
+#[derive(Default)]
+struct Labels(Vec<[f64; 3]>);
+
+impl Labels {
+    /// Width of a character and height of a line of the page's 12 pixels, so that most texts are narrower.
+    const CHARACTER: f64 = 7.0;
+    const LINE: f64 = 13.0;
+
+    /// Where a name at this place may begin without lying on another: above it, below it, then line by line farther up.
+    fn place(&mut self, text: &str, [x, y]: [f64; 2]) -> [f64; 2] {
+        let left = x + 6.0;
+        let right = left + text.chars().count() as f64 * Self::CHARACTER;
+        let is_free = |base: f64| {
+            self.0.iter().all(|[from, to, other]| {
+                right <= *from || *to <= left || (base - other).abs() >= Self::LINE
+            })
+        };
+        let above = y - 6.0;
+        let lines = (1..=self.0.len()).map(|line| above - line as f64 * Self::LINE);
+        let mut bases = [above, y + 15.0].into_iter().chain(lines);
+        let base = bases.find(|base| is_free(*base)).unwrap_or(above);
+        self.0.push([left, right, base]);
+        [left, base]
+    }
+}
+
+fn label(
+    page: &mut String,
+    view: &View,
+    labels: &mut Labels,
+    feature: &Feature,
+    part: &Frame,
+    plan: Plan,
+) {
     let middle = match &feature.shape {
         Shape::Distance {
             ends_nm: [from, to],
@@ -270,11 +305,10 @@ fn label(page: &mut String, view: &View, feature: &Feature, part: &Frame, plan: 
     } else {
         " class=\"bad\""
     };
+    let [left, base] = labels.place(&feature.name, [x, y]);
     let _ = writeln!(
         page,
-        "<text{class} x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-        x + 6.0,
-        y - 6.0,
+        "<text{class} x=\"{left:.1}\" y=\"{base:.1}\">{}</text>",
         escape(&feature.name)
     );
     if matches!(
@@ -330,4 +364,29 @@ pub fn residuals(page: &mut String, feature: &Feature) {
         );
     }
     page.push_str("</svg></figure>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_do_not_lie_on_one_another() {
+        let mut labels = Labels::default();
+        let mut places = Vec::new();
+        for name in ["far", "right", "B", "sides", "far"] {
+            places.push(labels.place(name, [100.0, 50.0]));
+        }
+        // Somewhere else there is room.
+        assert_eq!(labels.place("left", [20.0, 50.0]), [26.0, 44.0]);
+        assert_eq!(places[..2], [[106.0, 44.0], [106.0, 65.0]]);
+        for (number, [_, y]) in places.iter().enumerate() {
+            let others = places.iter().skip(number + 1);
+            assert!(
+                others
+                    .into_iter()
+                    .all(|[_, other]| (y - other).abs() >= 13.0)
+            );
+        }
+    }
 }

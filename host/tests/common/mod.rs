@@ -1,0 +1,61 @@
+//! The program as a user calls it, its files, and what it prints.
+
+#![allow(dead_code)] // every test file uses what it needs of it
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// The program, in the folder of its package.
+pub fn husillo() -> Command {
+    let mut command = Command::cargo_bin("husillo").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// What it prints; it must end well.
+pub fn printed(args: &[&str]) -> String {
+    let output = husillo().args(args).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{args:?}: {errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The same as JSON.
+pub fn json(args: &[&str]) -> Value {
+    serde_json::from_str(&printed(args)).unwrap()
+}
+
+/// What actions of `husillo measure` gave, a row each.
+pub fn measured(args: &[&str]) -> Vec<Value> {
+    match json(&[&["measure", "--format", "json"], args].concat()) {
+        Value::Array(rows) => rows,
+        one => vec![one],
+    }
+}
+
+/// A number of a row.
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Whether a number is what it should be, and it must.
+pub fn near(value: &Value, wanted: f64, tolerance: f64) {
+    let value = number(value);
+    let off = (value - wanted).abs();
+    assert!(off <= tolerance * 1.000_001, "{value} for {wanted}");
+}
+
+/// A path for a file of a test.
+pub fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+/// A file of a test.
+pub fn written(name: &str, text: &str) -> PathBuf {
+    let path = scratch(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}

@@ -1,0 +1,88 @@
+//! The sessions of `host/README.md` are what the program prints.
+
+mod common;
+
+use common::husillo;
+
+/// A command line of the README, and the lines it shows below it.
+struct Shown<'a> {
+    command: &'a str,
+    lines: Vec<&'a str>,
+}
+
+fn shown(readme: &str) -> Vec<Shown<'_>> {
+    let mut all: Vec<Shown<'_>> = Vec::new();
+    let mut is_session = false;
+    for line in readme.lines() {
+        if line.starts_with("```") {
+            is_session = false;
+        } else if let Some(command) = line.strip_prefix("$ husillo ") {
+            is_session = true;
+            let lines = Vec::new();
+            all.push(Shown { command, lines });
+        } else if let (true, Some(last)) = (is_session, all.last_mut()) {
+            last.lines.push(line);
+        }
+    }
+    all
+}
+
+/// Words, quotation marks keeping some together.
+fn words(command: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    for (index, part) in command.split('"').enumerate() {
+        if index % 2 == 1 {
+            words.push(part.to_owned());
+        } else {
+            words.extend(part.split_whitespace().map(str::to_owned));
+        }
+    }
+    words
+}
+
+/// Whether a line is as it is shown: numbers to two counts of 2 um, or one of a machine in counts.
+fn is_same(shown: &str, printed: &str) -> bool {
+    let (shown, printed) = (shown.split_whitespace(), printed.split_whitespace());
+    let is_number = |(shown, printed): (&str, &str)| {
+        let most = if shown.contains('.') { 0.0045 } else { 1.0 };
+        let numbers = shown.parse::<f64>().ok().zip(printed.parse::<f64>().ok());
+        shown == printed || numbers.is_some_and(|(a, b)| (a - b).abs() <= most)
+    };
+    shown.clone().count() == printed.clone().count() && shown.zip(printed).all(is_number)
+}
+
+#[test]
+fn every_session_is_what_is_printed() {
+    let package = env!("CARGO_MANIFEST_DIR");
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let all = shown(&readme);
+    assert!(all.len() >= 4);
+    for Shown { command, lines } in all {
+        let words = words(command).into_iter();
+        let words = words.map(|word| match word.strip_prefix("examples/") {
+            Some(example) => format!("{package}/../examples/{example}"),
+            None => word,
+        });
+        let mut program = husillo();
+        program.args(words).current_dir(env!("CARGO_TARGET_TMPDIR"));
+        let output = program.output().unwrap();
+        let text = [output.stdout, output.stderr].concat();
+        let text = String::from_utf8(text).unwrap();
+        // `...` stands for any lines.
+        let mut printed = text.lines();
+        let mut is_gap = false;
+        for line in lines {
+            if line == "..." {
+                is_gap = true;
+                continue;
+            }
+            let found = match is_gap {
+                true => printed.any(|printed| is_same(line, printed)),
+                false => printed.next().is_some_and(|printed| is_same(line, printed)),
+            };
+            assert!(found, "{command}: `{line}` in\n{text}");
+            is_gap = false;
+        }
+        assert!(is_gap || printed.next().is_none(), "{command}:\n{text}");
+    }
+}

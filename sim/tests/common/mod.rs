@@ -1,0 +1,30 @@
+//! Commands to simulated modules.
+
+#![allow(dead_code)] // every test file uses what it needs of it
+
+use husillo_sim::ServoChain;
+use husillo_transports::nmc::{Command, Gains, Stop, StopWay};
+
+/// Sends a packet.
+pub fn send(chain: &mut ServoChain, address: u8, command: Command) {
+    for &byte in command.frame(address).bytes() {
+        chain.send(byte);
+    }
+}
+
+/// Sends a packet and gives what comes back within 50 ms.
+pub fn ask(chain: &mut ServoChain, address: u8, command: Command) -> Vec<u8> {
+    send(chain, address, command);
+    (0..100).flat_map(|_| chain.tick()).collect()
+}
+
+/// Gains, and the servo on: the last reply.
+pub fn switch_on(chain: &mut ServoChain, address: u8, gains: Gains) -> Vec<u8> {
+    ask(chain, address, Command::SetGain(gains));
+    let on = Stop {
+        amplifier: true,
+        way: Some(StopWay::Abrupt),
+    };
+    ask(chain, address, Command::StopMotor(on));
+    ask(chain, address, Command::ClearBits)
+}
