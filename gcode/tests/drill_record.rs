@@ -128,7 +128,11 @@ fn faults_have_their_place() {
     // Inside of a record `f` is a number.
     assert_eq!(
         read(b"XffYffZfff"),
-        Ok(vec![Record::X(0x6666), Record::Y(0x6666), Record::Drill(0)])
+        Ok(vec![
+            Record::X(0x6666),
+            Record::Y(0x6666),
+            Record::Drill(0x6666)
+        ])
     );
     let messages: Vec<_> = [&b"Z\0\0\x07\0\0f"[..], b"Z\0", b"Z\0\0", b"f", b"Z\0\0f\0"]
         .iter()
