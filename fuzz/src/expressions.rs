@@ -14,7 +14,11 @@ use crate::bytes::Bytes;
 pub fn expressions(data: &[u8]) {
     match data.split_first() {
         Some((first, rest)) if first % 2 == 0 => check_whole(rest),
-        Some((_, text)) => check_text(text.split(|byte| *byte == b'\n').next().unwrap_or(&[])),
+        Some((_, text)) => check_text(
+            text.split(|byte| matches!(byte, b'\n' | b'\r'))
+                .next()
+                .unwrap_or(&[]),
+        ),
         None => {}
     }
 }

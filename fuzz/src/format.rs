@@ -13,7 +13,7 @@ pub fn format(data: &[u8]) {
     for dialect in Dialect::ALL {
         // Ends behind all lines: one of blanks at the end is a line too.
         let (mut plain, mut formed) = (Vec::new(), Vec::new());
-        for line in data.split(|byte| *byte == b'\n') {
+        for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
             plain.extend([line, b"\n"].concat());
             formed.extend([&form(line, &dialect)[..], b"\n"].concat());
         }
@@ -85,7 +85,7 @@ fn run(text: &[u8], dialect: Dialect) -> Vec<Result<Vec<Command<3>>, (usize, u16
         });
     };
     let is_program = text
-        .split(|byte| *byte == b'\n')
+        .split(|byte| matches!(byte, b'\n' | b'\r'))
         .any(|line| needs_program(line, &dialect));
     if is_program {
         let mut program: Box<Program<'_, 64, 64, 8>> = Box::new(Program::new(text, dialect));
@@ -96,7 +96,7 @@ fn run(text: &[u8], dialect: Dialect) -> Vec<Result<Vec<Command<3>>, (usize, u16
             add(&mut made, &mut modal, line.number, line.block);
         }
     } else {
-        for (number, line) in (1..=LINES).zip(text.split(|byte| *byte == b'\n')) {
+        for (number, line) in (1..=LINES).zip(text.split(|byte| matches!(byte, b'\n' | b'\r'))) {
             for (_, text) in dialect.blocks(line) {
                 add(&mut made, &mut modal, number, Block::parse(text, &dialect));
             }

@@ -14,12 +14,12 @@ use husillo_gcode::{
 /// - Cutter compensation: without it commands come through as they are; with it every point is a radius or more from the
 ///   corner it belongs to; a block sets free no more than a move, a corner and what waited.
 pub fn gcode(data: &[u8]) {
-    for line in data.split(|byte| *byte == b'\n') {
+    for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
         check_words(line);
     }
     for dialect in Dialect::ALL {
         let mut states = States::new(dialect);
-        for line in data.split(|byte| *byte == b'\n') {
+        for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
             for (at, text) in dialect.blocks(line) {
                 assert_eq!(
                     line.get(at..at + text.len()),

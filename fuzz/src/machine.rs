@@ -52,7 +52,7 @@ pub fn machine(data: &[u8]) {
 fn run(config: Config<3>, data: &[u8]) {
     let mut machine = Machine::<3>::new(config);
     let mut events = 0;
-    for line in data.split(|byte| *byte == b'\n') {
+    for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
         for (_, text) in config.dialect.blocks(line) {
             while !machine.has_room() {
                 let is_event = pull(&mut machine, &mut events);

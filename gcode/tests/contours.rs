@@ -605,3 +605,24 @@ fn a_thread_is_told_in_two_lines() {
         assert_eq!(errors, [(line, kind)], "{first} {second}");
     }
 }
+
+#[test]
+fn every_kind_of_line_end_ends_one_line() {
+    let lines = [
+        "G18 G21 F100",
+        "G0 X40 Z2",
+        "(its contour)",
+        "G71 P5 Q6 D2",
+        "N5 G0 X20",
+        "G1 Z-10",
+        "N6 X40",
+        "G70 P5 Q6",
+    ];
+    let expected = run(&lines.join("\n"), Dialect::LATHE);
+    assert!(
+        expected.0.len() > 20 && expected.1.is_empty(),
+        "{expected:?}"
+    );
+    assert_eq!(run(&lines.join("\r\n"), Dialect::LATHE), expected);
+    assert_eq!(run(&lines.join("\r"), Dialect::LATHE), expected);
+}

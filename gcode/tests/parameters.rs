@@ -496,3 +496,30 @@ o<probe> call";
     assert_eq!(calls("o<other> call"), (Vec::new(), Some(633)));
     assert_eq!(calls("o7 call"), (Vec::new(), Some(633)));
 }
+
+#[test]
+fn every_kind_of_line_end_ends_one_line() {
+    let lines = [
+        "#1=2",
+        "o1 repeat [2]",
+        "",
+        "G0 X#1",
+        "#1=[#1+1]",
+        "o1 endrepeat",
+        "Y1",
+    ];
+    let run = |end: &str| {
+        let text = lines.join(end);
+        let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
+        let mut seen = Vec::new();
+        while let Some(line) = program.next_line(&NoMachine) {
+            line.block.expect("a good line");
+            seen.push((line.number, String::from_utf8_lossy(line.text).into_owned()));
+        }
+        seen
+    };
+    let expected = run("\n");
+    assert_eq!(expected.len(), 13);
+    assert_eq!(run("\r\n"), expected);
+    assert_eq!(run("\r"), expected);
+}

@@ -2,7 +2,7 @@
 
 use crate::diagnostics::{Finding, Findings};
 use crate::explain::{self, At};
-use crate::source::LONGEST_LINE;
+use crate::source::{BYTE_ORDER_MARK, LONGEST_LINE, read_line};
 use husillo_gcode::{Dialect, formatted};
 use std::io::{self, BufRead, Write};
 
@@ -18,7 +18,7 @@ pub struct Form {
 /// Writes the program of `reader` to `out` in its form; lines with errors go to `findings` and stay as they are. Returns whether
 /// anything changed.
 ///
-/// Memory does not grow with the program; a line longer than [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the
+/// A byte order mark stays. Memory does not grow with the program; a line longer than [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the
 /// last one too. Behind the end of a program (M2, M30) there may be any text: it is no error there.
 ///
 /// # Errors
@@ -31,27 +31,28 @@ pub fn write<W: Write>(
     findings: &mut Findings<W>,
     out: &mut dyn Write,
 ) -> io::Result<bool> {
-    let (mut line, mut made) = (Vec::new(), Vec::new());
+    let (mut text, mut made) = (Vec::new(), Vec::new());
     let (mut changed, mut is_over) = (false, false);
     for number in 1.. {
-        line.clear();
-        // Room for an end of two bytes.
-        let mut part = io::Read::take(&mut *reader, LONGEST_LINE as u64 + 2);
-        if part.read_until(b'\n', &mut line)? == 0 {
+        text.clear();
+        let end = read_line(reader, &mut text)?;
+        if number == 1 && text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len());
+            out.write_all(BYTE_ORDER_MARK)?;
+        }
+        if text.is_empty() && end == Some(b"") {
             break;
         }
-        let text = without_end(&line);
-        if text.len() > LONGEST_LINE || (text.len() == line.len() && line.len() > LONGEST_LINE) {
+        let text = &text[..];
+        let Some(end) = end else {
             let at = at(file, number, text);
             let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
             let message = format!("line longer than {LONGEST_LINE} characters");
             findings.add(&Finding::error("E0104", message, place).label("it stays as it is"))?;
-            out.write_all(&line)?;
-            if !line.ends_with(b"\n") {
-                changed |= copy_rest(reader, out)?;
-            }
+            out.write_all(text)?;
+            changed |= copy_rest(reader, out)?;
             continue;
-        }
+        };
         made.clear();
         match formatted(text, &form.dialect) {
             Ok(pieces) => {
@@ -70,38 +71,32 @@ pub fn write<W: Write>(
             made.clear();
             made.extend_from_slice(text);
         }
+        changed |= made != text || end != form.line_end;
         made.extend_from_slice(form.line_end);
-        changed |= made != line;
         out.write_all(&made)?;
     }
     Ok(changed)
 }
 
-/// Copies up to the end of the line; whether an end had to be added.
+/// Copies up to the end of the line, with it; whether an end had to be added.
 fn copy_rest(reader: &mut dyn BufRead, out: &mut dyn Write) -> io::Result<bool> {
+    let mut part = Vec::new();
     loop {
-        let buffer = reader.fill_buf()?;
-        if buffer.is_empty() {
-            out.write_all(b"\n")?;
-            return Ok(true);
-        }
-        let end = buffer.iter().position(|&byte| byte == b'\n');
-        let length = end.map_or(buffer.len(), |end| end + 1);
-        out.write_all(&buffer[..length])?;
-        reader.consume(length);
-        if end.is_some() {
-            return Ok(false);
+        part.clear();
+        let end = read_line(reader, &mut part)?;
+        out.write_all(&part)?;
+        match end {
+            None => {}
+            Some(b"") => {
+                out.write_all(b"\n")?;
+                return Ok(true);
+            }
+            Some(end) => {
+                out.write_all(end)?;
+                return Ok(false);
+            }
         }
     }
-}
-
-/// A line without LF and the CRs before it.
-fn without_end(line: &[u8]) -> &[u8] {
-    let mut text = line.strip_suffix(b"\n").unwrap_or(line);
-    while let Some(rest) = text.strip_suffix(b"\r") {
-        text = rest;
-    }
-    text
 }
 
 /// Whether a line in its form has M2 or M30 among its words.

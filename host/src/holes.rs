@@ -7,6 +7,7 @@ use crate::order::{self, Metric};
 use crate::panel::{Panel, Refused};
 use crate::placement::{Fit, Placement};
 use crate::quantity::{self, Quantity};
+use crate::source::BYTE_ORDER_MARK;
 use husillo_gcode::Nm;
 use husillo_gcode::excellon::{
     Digits, Doubt, Error, ErrorKind, Feature, Hole, Inference, Overrides, Path, Profile, Reader,
@@ -129,6 +130,7 @@ pub fn read<W: Write>(
     options: &Options,
     findings: &mut Findings<W>,
 ) -> io::Result<Board> {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let mut inference = Inference::new();
     for (_, line) in lines(text) {
         inference.observe(line);

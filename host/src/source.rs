@@ -1,13 +1,64 @@
 //! Lines of a program, one at a time: memory does not grow with the program.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader};
 
 /// What some editors write before a text in UTF-8: no part of the program.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Longest line that is taken, in bytes; what follows on a longer line is skipped.
 pub const LONGEST_LINE: usize = 64 * 1024;
+
+/// Reads on to the end of a line, CR, LF or CR LF, and returns that end: empty where the input ends. `None` where `line` is full, at
+/// [`LONGEST_LINE`] bytes, before the line is over.
+///
+/// # Errors
+///
+/// Reading fails.
+pub fn read_line(
+    reader: &mut dyn BufRead,
+    line: &mut Vec<u8>,
+) -> io::Result<Option<&'static [u8]>> {
+    loop {
+        let buffer = fill(reader)?;
+        let room = LONGEST_LINE - line.len().min(LONGEST_LINE);
+        let seen = &buffer[..buffer.len().min(room + 1)];
+        if seen.is_empty() {
+            return Ok(Some(b""));
+        }
+        let end = seen.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let length = end.unwrap_or(seen.len()).min(room);
+        line.extend_from_slice(&seen[..length]);
+        let Some(end) = end else {
+            let is_full = seen.len() > room;
+            reader.consume(length);
+            if is_full {
+                return Ok(None);
+            }
+            continue;
+        };
+        let is_feed = seen[end] == b'\n';
+        reader.consume(end + 1);
+        if is_feed {
+            return Ok(Some(b"\n"));
+        }
+        if fill(reader)?.first() != Some(&b'\n') {
+            return Ok(Some(b"\r"));
+        }
+        reader.consume(1);
+        return Ok(Some(b"\r\n"));
+    }
+}
+
+/// What the reader has; nothing at the end.
+fn fill(reader: &mut dyn BufRead) -> io::Result<&[u8]> {
+    while let Err(error) = reader.fill_buf() {
+        if error.kind() != io::ErrorKind::Interrupted {
+            return Err(error);
+        }
+    }
+    reader.fill_buf()
+}
 
 /// A program being read.
 pub struct Source {
@@ -74,39 +125,26 @@ impl Source {
         }
     }
 
-    /// Returns the next line, or `None` at the end of the file. LF and CR LF end a line, also none at the very end.
+    /// Returns the next line, or `None` at the end of the file. CR, LF and CR LF end a line, also none at the very end.
     ///
     /// # Errors
     ///
     /// The file cannot be read.
     pub fn next_line(&mut self) -> io::Result<Option<Line<'_>>> {
         self.buffer.clear();
-        let limit = LONGEST_LINE as u64 + 2;
-        let read = self
-            .reader
-            .by_ref()
-            .take(limit)
-            .read_until(b'\n', &mut self.buffer)?;
-        if read == 0 {
+        let mut end = read_line(&mut *self.reader, &mut self.buffer)?;
+        if self.buffer.is_empty() && end == Some(b"") {
             return Ok(None);
         }
         self.number += 1;
         if self.number == 1 && self.buffer.starts_with(BYTE_ORDER_MARK) {
             self.buffer.drain(..BYTE_ORDER_MARK.len());
         }
-        let ended = self.buffer.last() == Some(&b'\n');
-        if ended {
-            self.buffer.pop();
-            if self.buffer.last() == Some(&b'\r') {
-                self.buffer.pop();
-            }
-        }
-        let overlong = self.buffer.len() > LONGEST_LINE;
-        if overlong {
-            self.buffer.truncate(LONGEST_LINE);
-        }
-        if !ended && read as u64 == limit {
-            self.reader.skip_until(b'\n')?;
+        let overlong = end.is_none();
+        let mut skipped = Vec::new();
+        while end.is_none() {
+            skipped.clear();
+            end = read_line(&mut *self.reader, &mut skipped)?;
         }
         Ok(Some(Line {
             number: self.number,
@@ -150,6 +188,31 @@ mod tests {
             [(1, 2, false), (2, 1, false), (3, 0, false), (4, 2, false)]
         );
         assert_eq!(lines(b""), []);
+        assert_eq!(
+            lines(b"G0 X1\rY2\r\n\n\rZ3\r"),
+            [
+                (1, 5, false),
+                (2, 2, false),
+                (3, 0, false),
+                (4, 0, false),
+                (5, 2, false)
+            ]
+        );
+    }
+
+    #[test]
+    fn where_reads_end_does_not_matter() {
+        let text: &'static [u8] = b"G1\r\n\rG2\n\r\n\nG3";
+        for size in 1..8 {
+            let reader = BufReader::with_capacity(size, text);
+            let mut source = Source::from_reader(Box::new(reader));
+            let mut found = Vec::new();
+            while let Some(line) = source.next_line().unwrap() {
+                found.push(line.bytes.to_vec());
+            }
+            let expected: [&[u8]; 6] = [b"G1", b"", b"G2", b"", b"", b"G3"];
+            assert_eq!(found, expected);
+        }
     }
 
     #[test]
@@ -165,5 +228,8 @@ mod tests {
         let text: &'static [u8] =
             Box::leak(([vec![b'x'; 200_000], b"\nG1\n".to_vec()].concat()).into_boxed_slice());
         assert_eq!(lines(text), [(1, LONGEST_LINE, true), (2, 2, false)]);
+        let text: &'static [u8] =
+            Box::leak(([vec![b'x'; LONGEST_LINE], b"\rG1\n".to_vec()].concat()).into_boxed_slice());
+        assert_eq!(lines(text), [(1, LONGEST_LINE, false), (2, 2, false)]);
     }
 }

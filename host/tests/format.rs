@@ -271,3 +271,65 @@ fn columns_of_a_fix_count_characters_of_any_line() {
         .code(1)
         .stdout(contains("G0 X1 Y3"));
 }
+
+/// The commands of a program, with their lines.
+fn commands(text: &str) -> String {
+    let output = husillo()
+        .args(["commands", "--format", "json", "-"])
+        .write_stdin(text)
+        .output()
+        .unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_line_ends_with_cr_too() {
+    for program in ["G0 X1\nY2\nZ3\n", "G0 X1\n#1=2\nY#1\nZ3\n"] {
+        let expected = commands(program);
+        assert_eq!(expected.lines().count(), 3, "{expected}");
+        for end in ["\r", "\r\n"] {
+            assert_eq!(commands(&program.replace('\n', end)), expected);
+        }
+    }
+    husillo()
+        .args(["format", "-"])
+        .write_stdin("g0 x1\ry2\r\nz3\r")
+        .assert()
+        .success()
+        .stdout("G0 X1\nY2\nZ3\n");
+    let old = scratch("cr.nc", "G0 X1\rY2\r");
+    husillo()
+        .args(["format", "--check"])
+        .arg(&old)
+        .assert()
+        .code(1)
+        .stdout(contains("would change"));
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_first_line() {
+    husillo()
+        .args(["format", "-"])
+        .write_stdin(&b"\xef\xbb\xbfg0 x1\n\xef\xbb\xbfg0\n"[..])
+        .assert()
+        .code(1)
+        .stdout(&b"\xef\xbb\xbfG0 X1\n\xef\xbb\xbfg0\n"[..])
+        .stderr(contains("<input>:2:1"));
+    husillo()
+        .args(["format", "--check", "-"])
+        .write_stdin(&b"\xef\xbb\xbfG0 X1\n"[..])
+        .assert()
+        .success();
+    let board = scratch(
+        "mark.drl",
+        &b"\xef\xbb\xbfM48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX1.0Y2.0\nM30\n"[..],
+    );
+    husillo()
+        .args(["holes", "--format", "json"])
+        .arg(&board)
+        .assert()
+        .success()
+        .stdout(
+            contains("[1.0, 2.0, 0.8]").or(contains("[1,2,0.8]").or(contains("[1.0,2.0,0.8]"))),
+        );
+}

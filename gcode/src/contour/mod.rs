@@ -35,7 +35,7 @@ use crate::word::words;
 use passes::{MOST_PASSES, Passes, Return};
 use reading::{Read, Refused, point, read};
 use shape::{Shape, Ways};
-use text::{Place, find, line_at, number_of};
+use text::{Place, count, find, line_at, number_of};
 use thread::{Habits, Thread};
 
 /// The retract where no `R` says another: LinuxCNC's.
@@ -384,16 +384,9 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             (first, self.text.len())
         } else {
             let before = self.text.get(..place.at).unwrap_or_default();
-            let lines = before
-                .iter()
-                .filter(|&&byte| byte == b'\n')
-                .fold(0, |lines, _| {
-                    // At most as many as there are bytes.
-                    usize::wrapping_add(lines, 1)
-                });
             let start = Place {
                 at: 0,
-                number: place.number.wrapping_sub(lines),
+                number: place.number.wrapping_sub(count(before)),
             };
             match find(self.text, start, place.at, p, true, dialect) {
                 Some(first) => (first, place.at),

@@ -1,6 +1,7 @@
 //! Lines of a text, and those with a number.
 
 use crate::dialect::Dialect;
+use crate::line::first_line;
 use crate::word::words;
 
 /// A place between two lines.
@@ -13,16 +14,21 @@ pub(super) struct Place {
 
 /// The line behind a place, without its end, and the place behind it.
 pub(super) fn line_at(text: &[u8], place: Place) -> Option<(&[u8], Place)> {
-    let rest = text.get(place.at..).filter(|rest| !rest.is_empty())?;
-    let ends = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b'\n');
-    let length = ends.map_or(rest.len(), |(length, _)| length);
-    let line = rest.get(..length).unwrap_or_default();
-    let at = place.at.wrapping_add(length).wrapping_add(1);
+    let (line, behind) = first_line(text.get(place.at..)?)?;
     let after = Place {
-        at: at.min(text.len()),
+        // What stands behind is the end of the text.
+        at: text.len().wrapping_sub(behind.len()),
         number: place.number.wrapping_add(1),
     };
-    Some((line.strip_suffix(b"\r").unwrap_or(line), after))
+    Some((line, after))
+}
+
+/// How many lines a text has.
+pub(super) fn count(text: &[u8]) -> usize {
+    let start = Place { at: 0, number: 0 };
+    let next = |&place: &Place| line_at(text, place).map(|(_, after)| after);
+    let last = core::iter::successors(Some(start), next).last();
+    last.map_or(0, |place| place.number)
 }
 
 /// The number behind the `N` that a line begins with.

@@ -1,5 +1,7 @@
 //! The lines of a text.
 
+use crate::line::first_line;
+
 /// The lines of `text` with their numbers from 1, without their ends: LF, CR LF or CR alone. An end at the very end
 /// begins no further line. Costs one look at each byte.
 pub const fn lines(text: &[u8]) -> Lines<'_> {
@@ -20,25 +22,11 @@ impl<'a> Iterator for Lines<'a> {
     type Item = (usize, &'a [u8]);
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
-        let end = self.rest.iter().position(is_end);
-        let (line, behind) = match end {
-            // end < len, so the sum does not wrap.
-            Some(end) => (self.rest.get(..end), self.rest.get(end.wrapping_add(1)..)),
-            None => (Some(self.rest), None),
-        };
-        let cr = end.and_then(|end| self.rest.get(end)) == Some(&b'\r');
-        self.rest = match (behind, cr) {
-            (Some([b'\n', behind @ ..]), true) => behind,
-            (Some(behind), _) => behind,
-            (None, _) => &[],
-        };
+        let (line, behind) = first_line(self.rest)?;
+        self.rest = behind;
         // There are not more lines than bytes.
         self.number = self.number.wrapping_add(1);
-        Some((self.number, line.unwrap_or_default()))
+        Some((self.number, line))
     }
 }
 

@@ -10,7 +10,7 @@ use super::value::Value;
 use crate::block::Block;
 use crate::dialect::Dialect;
 use crate::error::{Error, ErrorKind};
-use crate::line::Line;
+use crate::line::{Line, first_line};
 
 /// The most arguments of a call.
 const ARGUMENTS: usize = 30;
@@ -261,16 +261,13 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
 
     /// The line behind a place.
     fn line_at(&self, place: Place) -> Option<Raw<'t>> {
-        let rest = self.text.get(place.at..).filter(|rest| !rest.is_empty())?;
-        let ends = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b'\n');
-        let length = ends.map_or(rest.len(), |(length, _)| length);
-        let text = rest.get(..length).unwrap_or_default();
-        let at = place.at.wrapping_add(length).wrapping_add(1);
+        let (text, behind) = first_line(self.text.get(place.at..)?)?;
         Some(Raw {
             place,
-            text: text.strip_suffix(b"\r").unwrap_or(text),
+            text,
             after: Place {
-                at: at.min(self.text.len()),
+                // What stands behind is the end of the text.
+                at: self.text.len().wrapping_sub(behind.len()),
                 number: place.number.wrapping_add(1),
             },
         })

@@ -10,6 +10,7 @@ use super::runner::Runner;
 use crate::cmm::trouble::Trouble;
 use crate::diagnostics::Finding;
 use crate::explain::{self, At};
+use husillo_gcode::excellon::lines;
 use husillo_gcode::parameters::{Program, System, Value, needs_program};
 use husillo_gcode::{Block, Command, Dialect, Feed, Modal, Nm, SpindleDirection, Units, words};
 use husillo_probe::{Edge, UnitVector};
@@ -98,8 +99,7 @@ impl State {
 /// All that is wrong.
 pub fn check(file: &str, text: &[u8]) -> Result<(), Vec<Finding>> {
     let mut findings = Vec::new();
-    for (number, line) in (1..).zip(text.split(|byte| *byte == b'\n')) {
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
+    for (number, line) in lines(text) {
         let at = at_line(file, number, line);
         let codes = || words(line).flatten();
         if let Some(word) =
