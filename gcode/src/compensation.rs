@@ -175,7 +175,7 @@ impl<const N: usize> Compensation<N> {
     /// commands here and one when they are pulled.
     ///
     /// # Errors
-    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0505 when more than four commands that do not move in the
+    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0324 when more than four commands that do not move in the
     /// plane stand between two moves that do.
     pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
         let mut next = self.clone();
@@ -190,6 +190,15 @@ impl<const N: usize> Compensation<N> {
             freed,
         };
         Ok((next, compensated))
+    }
+
+    /// How many commands wait: a move for its end, and what stands behind it. When a later block sets anything free, they come
+    /// first, all of them, and then what is that block's own.
+    pub fn held(&self) -> usize {
+        let moves = self.pending.iter().map(|_| ());
+        moves
+            .chain(self.waiting.iter().flatten().map(|_| ()))
+            .fold(0, |held: usize, ()| held.saturating_add(1))
     }
 
     /// What still waits, for a program that ends without G40, M2 or M30.
@@ -266,7 +275,7 @@ impl<const N: usize> Compensation<N> {
             return Ok(());
         }
         let place = self.waiting.iter_mut().find(|place| place.is_none());
-        *place.ok_or(ErrorKind::TooManyPasses)? = Some(command);
+        *place.ok_or(ErrorKind::TooManyWaiting)? = Some(command);
         Ok(())
     }
 

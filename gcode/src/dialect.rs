@@ -61,10 +61,11 @@ impl Dialect {
         block_delete: true,
     };
 
-    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at the end of a program.
+    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at the end of a program. It has
+    /// no block delete: lines that start with `/` are executed.
     pub const GRBL: Dialect = Dialect {
         flavour: Flavour::Grbl,
-        block_delete: true,
+        block_delete: false,
     };
 
     /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a diameter and G18 the

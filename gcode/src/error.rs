@@ -130,6 +130,8 @@ pub enum ErrorKind {
     ContourTooLong,
     /// A roughing cycle whose contour does not lie beside and before its start.
     ContourStart,
+    /// A thread whose crest and depth do not lie between its start and its end.
+    ThreadStart,
     /// A rotary axis in a canned cycle.
     RotaryInCycle(u8),
     /// A spline outside of G17, or with words of other axes.
@@ -146,6 +148,8 @@ pub enum ErrorKind {
     Gouge,
     /// An inside arc of the contour smaller than the tool.
     ArcSmallerThanTool(Measure),
+    /// More commands between two moves of a compensated contour than can wait for the corner: four.
+    TooManyWaiting,
     /// A fault of parameters, expressions or the flow of a program.
     #[cfg(feature = "parameters")]
     Program(Fault),
@@ -216,9 +220,11 @@ impl ErrorKind {
             ErrorKind::EntryTooShort(_) => 321,
             ErrorKind::Gouge => 322,
             ErrorKind::ArcSmallerThanTool(_) => 323,
+            ErrorKind::TooManyWaiting => 324,
             ErrorKind::Pocket(_) => 330,
             ErrorKind::ContourTooLong => 331,
             ErrorKind::ContourStart => 332,
+            ErrorKind::ThreadStart => 333,
             #[cfg(feature = "parameters")]
             ErrorKind::Program(fault) => fault.code(),
         }
@@ -361,6 +367,10 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NotOfContour => "not in a contour of a turning cycle",
             ErrorKind::ContourTooLong => "contour with too many moves",
             ErrorKind::ContourStart => "contour is not beside the start of the cycle",
+            ErrorKind::ThreadStart => "thread does not begin outside of its crest",
+            ErrorKind::TooManyWaiting => {
+                "too many commands between two moves of a compensated contour"
+            }
             ErrorKind::SplinePlane => "spline outside of the XY plane",
             ErrorKind::NoProbeMove => "probe move without length",
             ErrorKind::UnderCompensation => "not while cutter compensation is on",

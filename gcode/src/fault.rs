@@ -51,6 +51,8 @@ pub(crate) enum Reason {
     #[cfg(feature = "extended")]
     ContourStart,
     #[cfg(feature = "extended")]
+    ThreadStart,
+    #[cfg(feature = "extended")]
     NotOfContour,
     #[cfg(feature = "extended")]
     RotaryInCycle,
@@ -179,6 +181,8 @@ impl Fault {
             n if n == Reason::NoContour as u8 => ErrorKind::NoContour(letter),
             #[cfg(feature = "extended")]
             n if n == Reason::ContourStart as u8 => ErrorKind::ContourStart,
+            #[cfg(feature = "extended")]
+            n if n == Reason::ThreadStart as u8 => ErrorKind::ThreadStart,
             #[cfg(feature = "extended")]
             n if n == Reason::NotOfContour as u8 => ErrorKind::NotOfContour,
             #[cfg(feature = "extended")]

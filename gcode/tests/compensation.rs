@@ -113,7 +113,7 @@ fn refuses_what_the_tool_cannot_do() {
     );
     assert_eq!(
         fault(&[start, "G1 X1", "Z1", "Z2", "Z3", "Z4", "Z5"]),
-        ErrorKind::TooManyPasses
+        ErrorKind::TooManyWaiting
     );
 }
 

@@ -592,13 +592,8 @@ fn a_thread_is_told_in_two_lines() {
             4,
             ErrorKind::MissingWord(b'P'),
         ),
-        ("P010060", "X17 Z5 P900 Q100 F1", 4, ErrorKind::ContourStart),
-        (
-            "P010060",
-            "X19 Z-9 P900 Q100 F1",
-            4,
-            ErrorKind::ContourStart,
-        ),
+        ("P010060", "X17 Z5 P900 Q100 F1", 4, ErrorKind::ThreadStart),
+        ("P010060", "X19 Z-9 P900 Q100 F1", 4, ErrorKind::ThreadStart),
         ("P010060", "X17 Z-9 P900 Q1 F1", 4, ErrorKind::TooManyPasses),
     ] {
         let (_, errors) = run(&program(first, second), Dialect::LATHE_A);

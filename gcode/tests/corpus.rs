@@ -218,7 +218,7 @@ fn moves_agree_with_linuxcnc() {
     );
     faults.iter().for_each(|line| println!("  {line}"));
     assert!(faults.is_empty(), "{} programs differ", faults.len());
-    assert!(programs >= 200, "too few programs compared");
+    assert!(programs >= 306, "too few programs compared: {programs}");
 }
 
 /// Whether an error says that the program goes beyond the codes of this crate.
@@ -346,7 +346,7 @@ fn end_points_agree_with_the_references() {
         .chain(&faults)
         .for_each(|line| println!("  {line}"));
     assert!(faults.is_empty(), "{} programs end elsewhere", faults.len());
-    assert!(programs >= 60, "too few programs compared");
+    assert!(programs >= 109, "too few programs compared: {programs}");
 }
 
 #[test]
@@ -396,5 +396,104 @@ fn every_refusal_has_a_reason() {
         alone.is_empty(),
         "{} refusals that no reference shares",
         alone.len()
+    );
+    assert!(taken >= 387, "{taken} taken");
+    assert!(outside <= 82, "{outside} outside of the list");
+}
+
+/// What differs between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and ours as the code of an error.
+const GRBL_DIFFERS: [(u32, u16); 8] = [
+    // `$` lines are for the controller itself, and its `/` may stand anywhere.
+    (0, 101),
+    // I, J, K of another plane beside those of the arc's are passed over.
+    (0, 208),
+    // `%`: a mark of the file, which senders leave out.
+    (1, 0),
+    // R0 of G10 L2.
+    (20, 0),
+    // G1 alone before any feed rate: it moves nothing.
+    (22, 0),
+    // A full circle without axis words.
+    (26, 0),
+    // A radius short by rounding.
+    (34, 0),
+    // P, turns of an arc.
+    (36, 0),
+];
+
+/// Every program line by line as Grbl has it in check mode: the same lines refused, the same place behind each until the first line
+/// that is judged otherwise, a probe, or the end of the program.
+#[test]
+fn lines_agree_with_grbl() {
+    let Some(folder) = corpus() else { return };
+    let dialect = Dialect::GRBL;
+    let manifest = fs::read_to_string(folder.join("MANIFEST.tsv")).expect("MANIFEST.tsv");
+    let (mut programs, mut lines) = (0, 0);
+    let mut differing: BTreeMap<(u32, u16), (usize, String)> = BTreeMap::new();
+    let mut faults = Vec::new();
+    for entry in manifest.lines().skip(1) {
+        let name = entry.split('\t').next().expect("a name");
+        let reference = rows(&folder, name, "grbl");
+        let text = fs::read(folder.join("programs").join(name)).expect("a program of the manifest");
+        let split: Vec<&[u8]> = text.split(|&byte| byte == b'\n').collect();
+        // Two rows a line for CR LF.
+        if reference.is_empty() || reference.keys().last() > Some(&(split.len() + 1)) {
+            continue;
+        }
+        programs += 1;
+        let mut modal = Modal::<3>::new(dialect);
+        for (number, line) in (1..).zip(split) {
+            let Some(row) = reference.get(&number) else {
+                continue;
+            };
+            let planned = Block::parse(line, &dialect).and_then(|block| modal.plan(&block));
+            let code = match planned {
+                Ok((next, mut commands)) => {
+                    let over =
+                        |command| matches!(command, Command::End { .. } | Command::Probe { .. });
+                    if commands.any(over) {
+                        break;
+                    }
+                    modal = next;
+                    0
+                }
+                Err(error) => error.kind.code(),
+            };
+            if (row.error == 0) != (code == 0) {
+                let seen = differing.entry((row.error, code)).or_default();
+                seen.0 += 1;
+                if seen.1.is_empty() {
+                    seen.1 = format!("{name}:{number}: {}", String::from_utf8_lossy(line));
+                }
+                break;
+            }
+            lines += 1;
+            let at = modal.position().map(|axis| axis.0 as f64 / 1e6);
+            let off = at
+                .iter()
+                .zip(row.at)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
+            // Floats of 32 bits at large coordinates.
+            if off > 0.002 {
+                faults.push(format!("{name}:{number}: ours {at:?}, Grbl {:?}", row.at));
+                break;
+            }
+        }
+    }
+    println!("{programs} programs, {lines} lines as Grbl has them");
+    for ((theirs, ours), (count, first)) in &differing {
+        println!("  Grbl error:{theirs}, ours E{ours:04}: {count} programs, as {first}");
+    }
+    faults.iter().for_each(|line| println!("  {line}"));
+    assert!(faults.is_empty(), "{} programs end elsewhere", faults.len());
+    let unknown: Vec<_> = differing
+        .keys()
+        .filter(|pair| !GRBL_DIFFERS.contains(pair))
+        .collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
+    assert!(
+        programs >= 497 && lines >= 174_745,
+        "{programs} programs, {lines} lines"
     );
 }

@@ -519,7 +519,7 @@ fn every_kind_of_line_end_ends_one_line() {
         seen
     };
     let expected = run("\n");
-    assert_eq!(expected.len(), 13);
+    assert_eq!(expected.len(), 11);
     assert_eq!(run("\r\n"), expected);
     assert_eq!(run("\r"), expected);
 }

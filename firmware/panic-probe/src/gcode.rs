@@ -122,6 +122,7 @@ pub fn keep() {
         Compensation::<3>::is_active as *const (),
         Compensation::<3>::plan as *const (),
         Compensation::<3>::finish as *const (),
+        Compensation::<3>::held as *const (),
         <Compensated<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::size_hint as *const (),

@@ -123,7 +123,7 @@ impl Thread {
         );
         let inside = |room: i64| room.saturating_abs() < height || (room < 0) != (far < 0);
         if way == 0 || inside(room) || inside(far) {
-            return Err(Fault::at_motion(Reason::ContourStart));
+            return Err(Fault::at_motion(Reason::ThreadStart));
         }
         // Depths grow with the root of the number: (height / first)^2 passes, or height / least.
         let passes = height.wrapping_div(first.max(1));

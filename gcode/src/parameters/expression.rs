@@ -346,6 +346,12 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
                 let at = opened.map_or(self.at(), |entry| entry.at);
                 return Err(self.error(Fault::OpenBracket, at.min(self.end())));
             }
+            Some(b',') => {
+                return Err(Error {
+                    kind: ErrorKind::DecimalComma,
+                    ..self.error_here(Fault::NoOperator)
+                });
+            }
             _ => return Err(self.error_here(Fault::NoOperator)),
         };
         self.advance();

@@ -110,7 +110,10 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
                 _ => {
                     let original = self.text.get(at).copied().unwrap_or(byte);
                     return Err(Error {
-                        kind: ErrorKind::NotALetter(original),
+                        kind: match original {
+                            b',' if !self.start => ErrorKind::DecimalComma,
+                            _ => ErrorKind::NotALetter(original),
+                        },
                         at,
                         end: at.wrapping_add(1),
                     });
