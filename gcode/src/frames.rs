@@ -271,6 +271,14 @@ impl<const N: usize> Modal<N> {
                 }
             }
         }
+        #[cfg(feature = "extended")]
+        if self.compensation().is_some() {
+            // The contour stays where it is in its plane.
+            let differs = |axis: usize| self.modes.length.get(axis) != to.get(axis);
+            if self.plane().axes().into_iter().any(differs) {
+                return Err(Fault::at_code(Reason::UnderCompensation, Group::ToolLength));
+            }
+        }
         self.modes.length = *to;
         commands.length(number, &self.modes.length);
         Ok(())

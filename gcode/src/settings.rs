@@ -243,17 +243,7 @@ impl<const N: usize> Modal<N> {
         }
         #[cfg(feature = "extended")]
         self.set_compensation(block, commands)?;
-        #[cfg(feature = "extended")]
-        let length = self.modes.length;
         self.set_tool_length(block, commands)?;
-        #[cfg(feature = "extended")]
-        if self.compensation().is_some() {
-            let across = |axis: usize| (length.get(axis), self.modes.length.get(axis));
-            let moved = |axis| matches!(across(axis), (before, now) if before != now);
-            if self.plane().axes().into_iter().any(moved) {
-                return Err(Fault::at_code(Reason::UnderCompensation, Group::ToolLength));
-            }
-        }
         #[cfg(feature = "extended")]
         if system != self.active(Group::System) && self.compensation().is_some() {
             return Err(Fault::at_code(Reason::UnderCompensation, Group::System));

@@ -3,7 +3,7 @@
 use crate::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
-use husillo_gcode::{Block, Dialect, Error, FramingError, Modal, Receiver, words};
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -51,7 +51,7 @@ impl Percent {
 }
 
 /// The text of a line without its checksum, or what is wrong with the line; then the number behind it is expected.
-fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
+pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
     receiver.check(line).map_err(|error| {
         if let FramingError::Number { given, .. } = error {
             receiver.expect(given.wrapping_add(1));
@@ -72,8 +72,37 @@ fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Err
     })
 }
 
+/// The longest line of Grbl (its LINE_BUFFER_SIZE is 80, with the end of the text), blanks and comments not counted.
+const GRBL_LINE: u8 = 79;
+
+/// Whether Grbl has room for a line.
+fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
+    if *dialect != Dialect::GRBL || text.len() <= usize::from(GRBL_LINE) {
+        return Ok(());
+    }
+    let (mut is_comment, mut length) = (false, 0);
+    for (at, byte) in text.iter().enumerate() {
+        match byte {
+            b')' => is_comment = false,
+            _ if is_comment => {}
+            b'(' => is_comment = true,
+            b';' => break,
+            b'/' | 0..=b' ' => {}
+            _ => length += 1,
+        }
+        if length > GRBL_LINE {
+            return Err(Error {
+                kind: ErrorKind::BlockTooLong(GRBL_LINE),
+                at,
+                end: text.trim_ascii_end().len(),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Whether a line sets the number of the next one: M110.
-fn is_numbering(text: &[u8]) -> bool {
+pub fn is_numbering(text: &[u8]) -> bool {
     let mut words = words(text).filter_map(Result::ok);
     words.any(|word| word.letter == b'M' && word.value.whole() == Some(110))
 }
@@ -137,7 +166,8 @@ pub fn each_block<C>(
                 overlong: line.overlong && blocks.peek().is_none(),
                 repeats: false,
             };
-            if each(context, &given, Block::parse(text, &dialect))?.is_break() {
+            let block = fits(text, &dialect).and_then(|()| Block::parse(text, &dialect));
+            if each(context, &given, block)?.is_break() {
                 return Ok(());
             }
         }

@@ -18,6 +18,8 @@ pub struct At<'a> {
     pub block: usize,
     /// Length of the block.
     pub length: usize,
+    /// The language of the program.
+    pub dialect: Dialect,
 }
 
 impl At<'_> {
@@ -92,6 +94,14 @@ impl At<'_> {
         !matches!(next, Some(b',' | b'.' | b'+' | b'-'))
     }
 
+    /// Whether a comma stands behind the digits of a number, not of a parameter's, and not behind a bracket.
+    fn is_behind_digits(&self, comma: usize) -> bool {
+        let before = self.text().get(..comma).unwrap_or_default();
+        let mut others = before.iter().rev();
+        let found = others.find(|byte| !matches!(byte, b'0'..=b'9' | b' ' | b'\t'));
+        !matches!(found, Some(b'#' | b'.' | b']' | b'>'))
+    }
+
     fn text(&self) -> &[u8] {
         let end = (self.block + self.length).min(self.bytes.len());
         self.bytes.get(self.block..end).unwrap_or_default()
@@ -105,8 +115,17 @@ impl At<'_> {
     }
 }
 
-/// Turns an error of a block into a finding.
+/// Turns an error of a block into a finding. No fix is offered on a line with a checksum: it would be wrong then.
 pub fn finding(error: &Error, at: &At<'_>) -> Finding {
+    let finding = described(error, at);
+    let is_summed = at.dialect.framing().is_some() && at.bytes.contains(&b'*');
+    Finding {
+        fix: finding.fix.filter(|_| !is_summed),
+        ..finding
+    }
+}
+
+fn described(error: &Error, at: &At<'_>) -> Finding {
     let code = format!("E{:04}", error.kind.code());
     // An error at the very end of the block points at its last character.
     let span = if error.at < error.end {
@@ -118,6 +137,10 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     let message = message(error, at);
     let finding = Finding::error(&code, message, place);
     match error.kind {
+        // What moves cannot be left out.
+        ErrorKind::UnknownWord(letter @ (b'A' | b'B' | b'C' | b'E' | b'U' | b'V' | b'W')) => {
+            finding.label(format!("this machine has no {} axis", char::from(letter)))
+        }
         ErrorKind::UnknownWord(letter) => finding
             .label(format!("no axis or parameter named `{}` here", char::from(letter)))
             .note("a grbl controller answers `error:20` here")
@@ -133,7 +156,7 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NumberTooLarge => finding.label("too large").note("grbl keeps the first 8 digits and drops the rest without an error"),
         ErrorKind::TooManyDigits => finding.label("more digits than can be kept exactly"),
         ErrorKind::BlockTooLong(limit) => finding.label(format!("the buffer of the controller ends after {limit} characters")),
-        ErrorKind::UnknownCode(..) => finding.label("not in the list of codes").note("grbl: `error:20`; LinuxCNC: \"Unknown g code used\""),
+        ErrorKind::UnknownCode(letter, _) => finding.label("not in the list of codes").note(unknown_code(letter)),
         ErrorKind::RepeatedWord(_) => finding.label("given a second time").note("grbl: `error:25`"),
         ErrorKind::TwoCodesOfOneGroup => finding.label("only one of them can be in effect").note("grbl: `error:21`").help("write them on two lines"),
         ErrorKind::TwoUsersOfWords => finding.label("the words can serve one code only").note("grbl: `error:24`").help("write them on two lines"),
@@ -145,6 +168,9 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .help("remove the word")
             .fix(at.removal(span), ""),
         ErrorKind::ZNotAlone => finding.label("this machine interpolates X and Y only").help("move Z in a string of its own, before or after"),
+        ErrorKind::NoCentre if at.find(|letter| matches!(letter, b'I' | b'J' | b'K')).is_some() => {
+            finding.label("the centre given is the place where the arc starts")
+        }
         ErrorKind::NoCentre => finding
             .label("needs `I` and `J`, or `R`")
             .note("grbl: `error:35`; LinuxCNC: \"R i j k words all missing for arc\"")
@@ -164,6 +190,9 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .note("grbl: `error:33`")
             .help("write a full circle with `I` and `J`"),
         ErrorKind::NoEnd => finding.label("needs an end point in its plane").note("grbl: `error:32`"),
+        ErrorKind::NoFeed if at.find(|letter| letter == b'F').is_some() => finding
+            .label("the feed rate is zero")
+            .note("grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\""),
         ErrorKind::NoFeed => finding
             .label("no `F` on this line or before it")
             .note("grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\"")
@@ -173,16 +202,28 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .note("under G93 an F is the inverse of the minutes of one move and is not kept for the next")
             .help("add F, or G94 for feed rates that stay"),
         ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
-        ErrorKind::NotOfDialect(letter, tenths) => finding
-            .label("this dialect has no such code")
-            .note("grbl: `error:20`; LinuxCNC: \"Unknown g code used\"")
-            .help(match dialect_with(letter, tenths) {
+        ErrorKind::NotOfDialect(letter, tenths) => {
+            let finding = finding.label("this dialect has no such code");
+            // The languages of machines that can do nothing else.
+            if [Dialect::MICROMILL, Dialect::DRILL].contains(&at.dialect) {
+                return finding.help("leave the code out: this machine has no such thing");
+            }
+            let finding = match at.dialect {
+                Dialect::GRBL => finding.note("grbl: `error:20`"),
+                _ => finding,
+            };
+            finding.help(match dialect_with(letter, tenths) {
                 Some(name) => format!("`--dialect {name}` has it; or leave the code out"),
                 None => "leave the code out: no dialect here has it".to_owned(),
-            }),
-        ErrorKind::MissingWord(letter) => finding
-            .label(format!("needs `{}`", char::from(letter)))
-            .note("grbl: `error:28`"),
+            })
+        }
+        ErrorKind::MissingWord(letter) => {
+            let finding = finding.label(format!("needs `{}`", char::from(letter)));
+            match at.dialect {
+                Dialect::GRBL => finding.note("grbl: `error:28`"),
+                _ => finding,
+            }
+        }
         ErrorKind::NumberNotAlone => finding
             .label("stands alone at the start of a program")
             .help("put the other words on a line of their own"),
@@ -197,7 +238,7 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             let finding = finding
                 .label("decimals stand behind a point")
                 .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"");
-            if at.is_only_mark(span.start) {
+            if at.is_only_mark(span.start) && at.is_behind_digits(span.start) {
                 let mark = at.drawn(span.start..span.start + 1);
                 finding.help("write a point").fix(mark, ".")
             } else {
@@ -237,6 +278,11 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
             .label("goes back here")
             .note("roughing cycles cut contours that rise all the way in both axes (type I)")
             .help("turn the pocket in a cycle of its own"),
+        ErrorKind::ThreadStart => finding
+            .label("start and end of the cycle lie on the same side of the crest, outside of it, and apart along it"),
+        ErrorKind::TooManyWaiting => finding
+            .label("four at most wait for the corner")
+            .help("move these commands before the compensation, or put a move in the plane between them"),
         ErrorKind::ContourTooLong => finding.label("1024 moves at most"),
         ErrorKind::ContourStart => finding
             .label("the first move of the contour goes down from the start of the cycle, its end lies along the cut")
@@ -257,6 +303,12 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NoDwellTime => finding.label("how long is not said").note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
         _ => finding,
     }
+}
+
+/// What others say of a code that is in no list.
+fn unknown_code(letter: u8) -> String {
+    let small = char::from(letter.to_ascii_lowercase());
+    format!("grbl: `error:20`; LinuxCNC: \"Unknown {small} code used\"")
 }
 
 /// The first dialect with a code, given by its letter and its number in tenths.
@@ -323,6 +375,7 @@ mod tests {
                 bytes: bytes.as_bytes(),
                 block: 0,
                 length: bytes.len(),
+                dialect: Dialect::RS274,
             };
             let span = at.find(|word| word == letter).unwrap();
             let mut text = bytes.to_owned();

@@ -1,9 +1,10 @@
 //! `husillo format`: a program written back in one form, a line at a time.
 
+use crate::blocks;
 use crate::diagnostics::{Finding, Findings};
 use crate::explain::{self, At};
 use crate::source::{BYTE_ORDER_MARK, LONGEST_LINE, read_line};
-use husillo_gcode::{Dialect, formatted};
+use husillo_gcode::{Dialect, Error, Receiver, formatted};
 use std::io::{self, BufRead, Write};
 
 /// How lines are written.
@@ -33,6 +34,7 @@ pub fn write<W: Write>(
 ) -> io::Result<bool> {
     let (mut text, mut made) = (Vec::new(), Vec::new());
     let (mut changed, mut is_over) = (false, false);
+    let mut receiver = form.dialect.framing().map(Receiver::new);
     for number in 1.. {
         text.clear();
         let end = read_line(reader, &mut text)?;
@@ -45,7 +47,7 @@ pub fn write<W: Write>(
         }
         let text = &text[..];
         let Some(end) = end else {
-            let at = at(file, number, text);
+            let at = at(file, number, text, form.dialect);
             let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
             let message = format!("line longer than {LONGEST_LINE} characters");
             findings.add(&Finding::error("E0104", message, place).label("it stays as it is"))?;
@@ -54,15 +56,31 @@ pub fn write<W: Write>(
             continue;
         };
         made.clear();
-        match formatted(text, &form.dialect) {
-            Ok(pieces) => {
-                pieces.for_each(|piece| made.extend_from_slice(piece));
-                is_over |= ends_program(&made);
-            }
+        let formed = match &mut receiver {
+            None => formed(text, &form.dialect, &mut made),
+            Some(receiver) => blocks::unframed(receiver, text).and_then(|inside| {
+                if blocks::is_numbering(inside) {
+                    // For the receiver, not for the machine.
+                    made.extend_from_slice(text);
+                    return Ok(());
+                }
+                formed(inside, &form.dialect, &mut made)?;
+                if inside.len() < text.len() {
+                    let sum = made.iter().fold(0, |sum, byte| sum ^ byte);
+                    made.extend_from_slice(format!("*{sum}").as_bytes());
+                    made.extend_from_slice(comment_of(text));
+                }
+                Ok(())
+            }),
+        };
+        match formed {
+            Ok(()) => is_over |= ends_program(&made),
             Err(error) => {
                 if !is_over {
-                    findings.add(&explain::finding(&error, &at(file, number, text)))?;
+                    let at = at(file, number, text, form.dialect);
+                    findings.add(&explain::finding(&error, &at))?;
                 }
+                made.clear();
                 made.extend_from_slice(text);
             }
         }
@@ -76,6 +94,21 @@ pub fn write<W: Write>(
         out.write_all(&made)?;
     }
     Ok(changed)
+}
+
+/// A block in its form.
+fn formed(text: &[u8], dialect: &Dialect, made: &mut Vec<u8>) -> Result<(), Error> {
+    formatted(text, dialect)?.for_each(|piece| made.extend_from_slice(piece));
+    Ok(())
+}
+
+/// The comment behind the checksum of a line, with the blanks before it.
+fn comment_of(line: &[u8]) -> &[u8] {
+    let star = line.iter().rposition(|&byte| byte == b'*').unwrap_or(0);
+    let behind = line.get(star + 1..).unwrap_or_default();
+    let digits = |byte: &u8| byte.is_ascii_digit() || byte.is_ascii_whitespace();
+    let start = behind.iter().position(|byte| !digits(byte));
+    start.map_or(b"", |start| behind.get(start..).unwrap_or_default())
 }
 
 /// Copies up to the end of the line, with it; whether an end had to be added.
@@ -107,12 +140,13 @@ fn ends_program(line: &[u8]) -> bool {
             .any(|word| word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30)))
 }
 
-fn at<'a>(file: &'a str, line: usize, bytes: &'a [u8]) -> At<'a> {
+fn at<'a>(file: &'a str, line: usize, bytes: &'a [u8], dialect: Dialect) -> At<'a> {
     At {
         file,
         line,
         bytes,
         block: 0,
         length: bytes.len(),
+        dialect,
     }
 }

@@ -5,6 +5,7 @@ use crate::diagnostics::{Finding, Findings};
 use crate::explain::{self, At};
 use crate::source::{LONGEST_LINE, Source};
 use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm};
+use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
@@ -23,8 +24,42 @@ struct Walker {
     modal: Modal<3>,
     /// The tool's path, where a program asks for compensation; else the commands as they are.
     stage: Compensation<3>,
+    /// Where the commands stood that wait in it, in their order.
+    waiting: VecDeque<Held>,
     last_line: usize,
     ended: bool,
+}
+
+/// The place of a command that waits for the corner behind it.
+struct Held {
+    line: usize,
+    bytes: Vec<u8>,
+    block: usize,
+    length: usize,
+}
+
+impl Held {
+    fn new(at: &At<'_>) -> Self {
+        Self {
+            line: at.line,
+            bytes: at.bytes.to_owned(),
+            block: at.block,
+            length: at.length,
+        }
+    }
+
+    fn meaning<'a>(&'a self, file: &'a str, dialect: Dialect) -> Meaning<'a> {
+        Meaning {
+            at: At {
+                file,
+                line: self.line,
+                bytes: &self.bytes,
+                block: self.block,
+                length: self.length,
+                dialect,
+            },
+        }
+    }
 }
 
 impl Walker {
@@ -75,6 +110,7 @@ fn walk_within<W: Write>(
     let mut walker = Walker {
         modal: Modal::new(dialect),
         stage: Compensation::new([Nm(0); 3]),
+        waiting: VecDeque::new(),
         last_line: 1,
         ended: false,
     };
@@ -91,10 +127,12 @@ fn walk_within<W: Write>(
                 bytes: given.bytes,
                 block: given.at,
                 length: given.text.len(),
+                dialect,
             };
             if given.repeats {
                 findings.tell_once();
             }
+            let before = walker.stage.held();
             let commands = match walker.plan(given, block) {
                 Ok(commands) => commands,
                 Err(error) => {
@@ -103,6 +141,15 @@ fn walk_within<W: Write>(
                 }
             };
             let meaning = Meaning { at };
+            // What waited is of the lines it stood on.
+            let mut commands = commands.peekable();
+            let mut freed = VecDeque::new();
+            if before > 0 && commands.peek().is_some() {
+                std::mem::swap(&mut freed, &mut walker.waiting);
+            }
+            while walker.waiting.len() < walker.stage.held() {
+                walker.waiting.push_back(Held::new(&at));
+            }
             for command in commands {
                 if given.repeats {
                     if left == 0 {
@@ -114,7 +161,10 @@ fn walk_within<W: Write>(
                     }
                     left -= 1;
                 }
-                each(&meaning, &command, from, findings)?;
+                match freed.pop_front() {
+                    Some(held) => each(&held.meaning(file, dialect), &command, from, findings)?,
+                    None => each(&meaning, &command, from, findings)?,
+                }
                 from = target(&command).unwrap_or(from);
                 walker.ended |= matches!(command, Command::End { .. });
             }
@@ -133,6 +183,7 @@ fn walk_within<W: Write>(
     let Walker {
         modal,
         stage,
+        mut waiting,
         last_line,
         ended,
     } = walker;
@@ -148,10 +199,14 @@ fn walk_within<W: Write>(
                 bytes: b"",
                 block: 0,
                 length: 0,
+                dialect,
             },
         };
         for command in stage.finish() {
-            each(&meaning, &command, from, findings)?;
+            match waiting.pop_front() {
+                Some(held) => each(&held.meaning(file, dialect), &command, from, findings)?,
+                None => each(&meaning, &command, from, findings)?,
+            }
             from = target(&command).unwrap_or(from);
         }
     }

@@ -257,7 +257,7 @@ fn every_fix_removes_its_error() {
 #[test]
 fn columns_of_a_fix_count_characters_of_any_line() {
     // Latin-1 in a comment: each such byte is drawn as one character.
-    let program = scratch("latin1.nc", b"(\xe9\xe9) G0 X1 U2 Y3\n");
+    let program = scratch("latin1.nc", b"(\xe9\xe9) G0 X1 D2 Y3\n");
     let found = findings(&program);
     let fix = &found[0]["fixes"][0];
     assert_eq!(
@@ -330,4 +330,126 @@ fn a_byte_order_mark_is_no_part_of_the_first_line() {
         .assert()
         .success()
         .stdout(contains("[[1, 2, 0.8]]"));
+}
+
+#[test]
+fn framed_lines_keep_a_right_checksum() {
+    // The sums of `N1 G0 X1`, `n2 g1  x2f60` and `N2 G1 X2 F60`.
+    let sum = |text: &str| text.bytes().fold(0, |sum, byte| sum ^ byte);
+    let (first, second, formed) = ("N1 G0 X1", "n2 g1  x2f60", "N2 G1 X2 F60");
+    husillo()
+        .args(["format", "--dialect", "printer", "-"])
+        .write_stdin(format!(
+            "{first}*{}\n{second}*{}\n",
+            sum(first),
+            sum(second)
+        ))
+        .assert()
+        .success()
+        .stdout(format!(
+            "{first}*{}\n{formed}*{}\n",
+            sum(first),
+            sum(formed)
+        ));
+}
+
+/// The findings of a program on standard input in a dialect, as JSON and text.
+fn told(dialect: &str, program: &str, format: &str) -> String {
+    let output = husillo()
+        .args(["check", "--format", format, "--dialect", dialect, "-"])
+        .write_stdin(program)
+        .output()
+        .unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn no_fix_breaks_a_checksum_or_deletes_motion() {
+    let line = "N1 G0 X1 P2";
+    let sum = line.bytes().fold(0, |sum, byte| sum ^ byte);
+    let summed = told("printer", &format!("{line}*{sum}\n"), "json");
+    assert!(
+        summed.contains("E0208") && summed.contains("\"fixes\":[]"),
+        "{summed}"
+    );
+    let rotary = told("rs274", "G91 G1 A5 F100\n", "text");
+    assert!(rotary.contains("this machine has no A axis"), "{rotary}");
+    assert!(!rotary.contains("remove the word"), "{rotary}");
+}
+
+#[test]
+fn others_are_quoted_as_they_are() {
+    for (dialect, program, has, lacks) in [
+        ("rs274", "M104\n", "Unknown m code used", "Unknown g code"),
+        ("grbl", "G43 H1\n", "grbl: `error:20`", "LinuxCNC"),
+        (
+            "rs274",
+            "F1 G2 X1 I0 J0\n",
+            "where the arc starts",
+            "needs `I`",
+        ),
+        (
+            "rs274",
+            "G1 X1 F0\n",
+            "the feed rate is zero",
+            "on this line",
+        ),
+        ("micromill", "G91;\n", "this machine has no", "--dialect"),
+        ("drill", "M30\n", "this machine has no", "--dialect"),
+        ("rs274", "G0 X#1,5\n", "E0108", "write a point"),
+        ("rs274", "G0 X[1,5]\n", "write a point", "bracket"),
+    ] {
+        let text = told(dialect, program, "text");
+        assert!(text.contains(has), "{program}: {text}");
+        assert!(!text.contains(lacks), "{program}: {text}");
+    }
+}
+
+#[test]
+fn a_compensated_move_is_told_at_its_own_line() {
+    let program = "G21 F100\nG41.1 D2\nG1 X5 Y0\nX900\nY5\nX5\nG40 X0\n";
+    let output = husillo()
+        .args(["check", "-m", "router", "--format", "short", "-"])
+        .write_stdin(program)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<_> = text
+        .lines()
+        .filter(|line| line.contains(": error"))
+        .collect();
+    assert!(lines.iter().any(|line| line.contains(":4:")), "{text}");
+    assert_eq!(
+        lines.iter().filter(|line| line.contains(":4:")).count(),
+        1,
+        "{text}"
+    );
+    let output = husillo()
+        .args(["commands", "--format", "json", "-"])
+        .write_stdin("G21 F100\nG41.1 D2\nG1 X5 Y0\nZ1\nX9\nG40 Y9\n")
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let numbers: Vec<_> = text
+        .lines()
+        .map(|line| {
+            serde_json::from_str::<Value>(line).unwrap()["line"]
+                .as_u64()
+                .unwrap()
+        })
+        .collect();
+    assert_eq!(numbers, [3, 4, 5, 6], "{text}");
+}
+
+#[test]
+fn lines_that_grbl_has_no_room_for_are_refused() {
+    assert!(told("grbl", &format!("G0 X{}1\n", "0".repeat(76)), "short").contains("E0104"));
+    assert!(
+        !told(
+            "grbl",
+            &format!("G0 X{}1 ({})\n", "0".repeat(74), "x".repeat(90)),
+            "short"
+        )
+        .contains("E0104")
+    );
 }

@@ -351,6 +351,7 @@ fn at_line<'a>(file: &'a str, line: usize, bytes: &'a [u8]) -> At<'a> {
         bytes,
         block: 0,
         length: bytes.len(),
+        dialect: DIALECT,
     }
 }
 
