@@ -118,11 +118,13 @@ pub enum Command {
         touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
         calibrate DIRECTION   touch a face that is at --reference: its pre-travel\n  \
         calibrate sphere|ring X.. Y.. Z.. R..  touch a body of this radius with about this centre: pre-travel by direction\n  \
-        run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit status 1 out of tolerance, 3 in trouble\n  \
+        run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit status 1 out of tolerance
+                        (routines: programs have none), 3 in trouble\n  \
         record FILE           statements from the standard input are carried out and written as a routine\n  \
         status                position, version and status of the module\n\n\
         A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
-        The modules are reset first, so positions count from where the axes are.\n\n\
+        The modules are reset first, so positions count from where the axes are.\n\
+        Ctrl-C stops all axes smoothly: exit status 130.\n\n\
         Examples:\n  \
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
         husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 --contact 1:2000 --contact 3:..-2000\n  \

@@ -18,6 +18,7 @@ pub mod emulated;
 pub mod file;
 mod head;
 mod homing;
+pub mod interrupt;
 mod jog;
 pub mod line;
 #[cfg(test)]
@@ -46,6 +47,7 @@ use crate::machine_file::LoadError;
 use calibrated::Calibrated;
 use file::{CmmFile, Stylus};
 use head::Head;
+use interrupt::{INTERRUPTED, Interrupt};
 use piece::Mounted;
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -85,22 +87,42 @@ const TROUBLE: u8 = 3;
 /// [`Stopped`]; the results before it are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let interrupt = Interrupt::listen()?;
+    let done = measure_by(args, &machine, &interrupt, out, table);
+    match done {
+        Err(Stopped::Machine(message)) if interrupt.has_stopped() => {
+            eprintln!("{message}");
+            Err(Stopped::Told(INTERRUPTED))
+        }
+        Err(Stopped::Told(TROUBLE)) if interrupt.has_stopped() => Err(Stopped::Told(INTERRUPTED)),
+        done => done,
+    }
+}
+
+fn measure_by(
+    args: &Measure,
+    machine: &CmmFile,
+    interrupt: &Interrupt,
+    out: &mut dyn Write,
+    table: &mut Vec<u8>,
+) -> Result<(), Stopped> {
     let words: Vec<&str> = args.actions.iter().map(String::as_str).collect();
     match *words.as_slice() {
-        ["run", path] => return run_routine(args, &machine, path, out, table),
-        ["record", path] => return record_routine(args, &machine, path, out),
+        ["run", path] => return run_routine(args, machine, interrupt, path, out, table),
+        ["record", path] => return record_routine(args, machine, interrupt, path, out),
         ["run" | "record", ..] => {
             let message = format!("`{0}` what? As in `{0} part.routine`, alone", words[0]);
             return Err(Stopped::Usage(message));
         }
         _ => {}
     }
-    let mut session = Session::new(args, &machine)?;
-    let line = session::open(args, &machine, mounted(args.piece.as_deref(), &machine)?)?;
+    let mut session = Session::new(args, machine)?;
+    let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
+    let line = line.with_interrupt(interrupt.clone());
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let result = Head::start(line, &machine, args.repeat).and_then(|head| {
+    let result = Head::start(line, machine, args.repeat).and_then(|head| {
         let mut head = Calibrated::new(head, machine.errors.clone());
         session.run(&mut head, |row| {
             if args.format == Results::Text && written.is_ok() {
@@ -138,6 +160,7 @@ fn mounted(path: Option<&str>, machine: &CmmFile) -> Result<Option<Mounted>, Sto
 fn run_routine(
     args: &Measure,
     machine: &CmmFile,
+    interrupt: &Interrupt,
     path: &str,
     out: &mut dyn Write,
     file: &mut Vec<u8>,
@@ -145,7 +168,7 @@ fn run_routine(
     let Some(routine) = Routine::load(path)? else {
         return Err(Stopped::Told(WRONG));
     };
-    let (mut head, stylus) = started(args, machine)?;
+    let (mut head, stylus) = started(args, machine, interrupt)?;
     let ending = routine::run(&routine, args, machine, &mut head, stylus, out, file);
     ended(ending.map_err(|error| error.to_string())?)
 }
@@ -154,16 +177,21 @@ fn run_routine(
 fn record_routine(
     args: &Measure,
     machine: &CmmFile,
+    interrupt: &Interrupt,
     path: &str,
     out: &mut dyn Write,
 ) -> Result<(), Stopped> {
-    let (mut head, stylus) = started(args, machine)?;
+    let (mut head, stylus) = started(args, machine, interrupt)?;
     let ending = routine::recorded(path, &mut head, stylus, out);
     ended(ending.map_err(|error| format!("{path}: {error}"))?)
 }
 
 /// The machine with its servos on, and its probe.
-fn started(args: &Measure, machine: &CmmFile) -> Result<(Calibrated<Head>, Stylus), Stopped> {
+fn started(
+    args: &Measure,
+    machine: &CmmFile,
+    interrupt: &Interrupt,
+) -> Result<(Calibrated<Head>, Stylus), Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
             "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the machine file, or -m cmm3",
@@ -173,6 +201,7 @@ fn started(args: &Measure, machine: &CmmFile) -> Result<(Calibrated<Head>, Stylu
     }
     let stylus = session::stylus(args, machine)?;
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
+    let line = line.with_interrupt(interrupt.clone());
     let head = Head::start(line, machine, args.repeat);
     let head = head.map_err(|trouble| {
         eprintln!("{}", told(&trouble));

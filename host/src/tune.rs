@@ -26,6 +26,7 @@ mod ultimate;
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::cmm::emulated::Emulated;
 use crate::cmm::file::{AxisFile, CmmFile};
+use crate::cmm::interrupt::{INTERRUPTED, Interrupt};
 use crate::cmm::line::Line;
 use crate::cmm::port::Port;
 use crate::cmm::trouble::Trouble;
@@ -49,7 +50,8 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     let mut file = machine.axis(args.axis)?;
     file.gains = given(args, &file.gains)?;
     let size = step_size(args, &file)?;
-    let rig = open(args, &machine, &file)?;
+    let interrupt = Interrupt::listen()?;
+    let rig = open(args, &machine, &file, &interrupt)?;
     let mut outcome = Outcome {
         method: args.method.name(),
         machine: machine.title.clone(),
@@ -68,7 +70,10 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     };
     let mut stand = Stand::new(rig, file).map_err(|trouble| Stopped::Machine(told(&trouble)))?;
     let result = experiment(args, size, &mut stand, &mut outcome);
+    // The line is free again for what switches the motor off.
+    interrupt.see_to();
     stand.release();
+    interrupt.set_moving(false);
     outcome.sample_ms = stand.sample_us() * 1e-3;
     let message = match &result {
         Ok(()) => verdict(&outcome),
@@ -86,6 +91,10 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     .map_err(|error| Stopped::Usage(error.to_string()))?;
     *page = page::html(&outcome, &stand.traces);
     match message {
+        Some(message) if interrupt.has_stopped() => {
+            eprintln!("error: {message}");
+            Err(Stopped::Told(INTERRUPTED))
+        }
         Some(message) => Err(Stopped::Machine(format!("error: {message}"))),
         None => Ok(()),
     }
@@ -133,7 +142,12 @@ fn step_size(args: &Tune, file: &AxisFile) -> Result<i32, String> {
 }
 
 /// The axis at the port of the arguments.
-fn open(args: &Tune, machine: &CmmFile, file: &AxisFile) -> Result<Box<dyn Rig>, Stopped> {
+fn open(
+    args: &Tune,
+    machine: &CmmFile,
+    file: &AxisFile,
+    interrupt: &Interrupt,
+) -> Result<Box<dyn Rig>, Stopped> {
     let port = match args.port.as_str() {
         "sim" => return Ok(Box::new(direct::Direct::new(DcMotorModel::PROTOTYPE))),
         "line" => {
@@ -142,7 +156,10 @@ fn open(args: &Tune, machine: &CmmFile, file: &AxisFile) -> Result<Box<dyn Rig>,
         }
         name => Port::open(name).map_err(|error| format!("{name}: {error}"))?,
     };
-    let linked = linked::Linked::start(Line::new(port, args.raw), machine, file);
+    let line = Line::new(port, args.raw).with_interrupt(interrupt.clone());
+    let linked = linked::Linked::start(line, machine, file);
+    // The motor runs in all of the experiment, with or without its servo.
+    interrupt.set_moving(linked.is_ok());
     Ok(Box::new(
         linked.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
     ))

@@ -356,6 +356,155 @@ fn failures_are_named() {
         .stderr(contains("see `husillo measure`"));
 }
 
+/// A contact that closes as the axes come to rest is none that the modules have latched: what they have is of the touch before.
+#[test]
+fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
+    let path = scratch("late.routine");
+    let text = "goto x 0 y 0 z 0\ntouch a +x within 10\ngoto x 0\ngoto x 0 y 20 z -5\ntouch b +x within 5\n";
+    std::fs::write(&path, text).unwrap();
+    // b ends at 2500 counts.
+    for face in ["2498", "2499", "2500", "2501", "2502"] {
+        let contact = format!("1:{face}");
+        let output = husillo()
+            .args([
+                "measure",
+                "-m",
+                "cmm3",
+                "--contact",
+                &contact,
+                "--format",
+                "json",
+            ])
+            .args(["--ball", "0", "run", path.to_str().unwrap()])
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        if output.status.success() {
+            let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let y = found["features"][1].to_string();
+            let a = found["features"][0].to_string();
+            assert!(y.contains("20.0") || y.contains("19.99"), "{face}: {a} {y}");
+        } else {
+            assert!(
+                told.contains("contact, not latched") || told.contains("no contact"),
+                "{face}: {told}"
+            );
+        }
+    }
+    // Two faces, the touch of one after the touch of the other.
+    for far in ["7998", "7999", "8000", "8001"] {
+        let contact = format!("1:{far}");
+        let output = husillo()
+            .args([
+                "measure",
+                "-m",
+                "cmm",
+                "--format",
+                "json",
+                "--contact",
+                &contact,
+            ])
+            .args([
+                "--contact",
+                "1:..-500",
+                "touch",
+                "-",
+                "goto",
+                "7000",
+                "touch",
+                "+",
+            ])
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
+        match rows[2]["trigger"].as_f64() {
+            Some(trigger) => assert!((trigger - far.parse::<f64>().unwrap()).abs() <= 1.0),
+            None => assert!(
+                told.contains("contact, not latched") || told.contains("no contact"),
+                "{far}: {told}"
+            ),
+        }
+    }
+}
+
+/// Neither the way back nor the slow touch leaves the travel.
+#[test]
+fn a_touch_stays_within_the_travel() {
+    let raw = |args: &[&str]| {
+        let output = husillo()
+            .args(["measure", "-m", "cmm", "--raw"])
+            .args(args)
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        // LOAD_TRAJECTORY with a position: the goals that the module was given.
+        let loads = stderr.lines().filter_map(|line| {
+            let bytes: Vec<u8> = line
+                .strip_prefix("> ")?
+                .split(' ')
+                .map(|byte| u8::from_str_radix(byte, 16).unwrap())
+                .collect();
+            match bytes.as_slice() {
+                [0xaa, 1, command, control, a, b, c, d, ..]
+                    if command & 0x0f == 4 && control & 1 != 0 =>
+                {
+                    Some(i32::from_le_bytes([*a, *b, *c, *d]))
+                }
+                _ => None,
+            }
+        });
+        (output.status.success(), loads.collect::<Vec<_>>(), stderr)
+    };
+    for args in [
+        ["--contact", "1:-7990", "goto", "-8000", "touch", "+"],
+        ["--contact", "1:7980", "goto", "7900", "touch", "+"],
+    ] {
+        let (is_done, loads, stderr) = raw(&args);
+        assert!(is_done, "{stderr}");
+        assert!(loads.len() >= 4, "{loads:?}");
+        assert!(
+            loads.iter().all(|goal| (-8000..=8000).contains(goal)),
+            "{loads:?}"
+        );
+    }
+}
+
+#[test]
+fn an_axis_that_brakes_for_long_is_waited_for() {
+    // 1200 counts/s and 300 counts/s^2: 4 s to brake.
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let slow = scratch("slow.toml");
+    let text = text.replace("6000 counts/s^2", "300 counts/s^2");
+    std::fs::write(&slow, text).unwrap();
+    let rows = measured(&["-m", slow.to_str().unwrap(), "jog", "+", "5s", "goto", "0"]);
+    // 2400 counts to 1200 counts/s in 4 s, 1200 in one more, 2400 to brake.
+    let at = rows[0]["position"].as_f64().unwrap();
+    assert!((5900.0..6200.0).contains(&at), "{rows:?}");
+    near(&rows[1]["position"], 0.0, 1.0);
+}
+
+#[test]
+fn a_pre_travel_that_no_probe_has_is_refused() {
+    for (reference, found) in [("600", "-82 counts"), ("400", "118 counts")] {
+        husillo()
+            .args([
+                "measure",
+                "calibrate",
+                "+",
+                "--contact",
+                "1:518",
+                "--reference",
+            ])
+            .arg(reference)
+            .assert()
+            .code(1)
+            .stderr(contains(format!(
+                "a pre-travel of {found}, where 0 to 100 counts"
+            )));
+    }
+}
+
 #[test]
 fn results_as_text_and_table_and_the_bytes_beside_them() {
     let path = scratch("touches.csv");

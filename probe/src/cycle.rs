@@ -131,13 +131,14 @@ impl Cycle {
                 self.brake(input)
             }
             State::Search if input.still => self.retreat(Failure::NoContact, input.position),
-            State::Touch if touching => {
+            State::Touch if touching && self.is_on_the_way(input) => {
                 let difference = minus(input.latched, self.contact);
                 self.sum = plus(self.sum, difference);
                 self.along
                     .push(self.plan.direction.length_along(difference));
                 self.brake(input)
             }
+            State::Touch if touching => self.brake(input),
             State::Touch if input.still => self.retreat(Failure::LostContact, input.position),
             State::Brake { latched, trouble } => self.watch(input, latched, trouble),
             State::BackOff if input.still => {
@@ -170,12 +171,30 @@ impl Cycle {
         &self.plan
     }
 
+    /// Brakes; with a latch that cannot be of this contact it fails then, and backs off from where the axes are.
     fn brake(&mut self, input: &Input) -> Request {
+        let is_on_the_way = self.is_on_the_way(input);
         self.state = State::Brake {
-            latched: input.latched,
-            trouble: None,
+            latched: if is_on_the_way {
+                input.latched
+            } else {
+                input.position
+            },
+            trouble: (!is_on_the_way).then_some(Failure::NotLatched),
         };
         Request::Stop
+    }
+
+    /// Whether the contact can have been latched on this search: along the direction not before the approach point, not behind the end
+    /// of the search and not beyond the axes. Axes that follow their targets with an error are granted the over-travel.
+    fn is_on_the_way(&self, input: &Input) -> bool {
+        let along = |from, to| self.plan.direction.length_along(minus(to, from));
+        // Additions of two 32-bit lengths.
+        let slack = i64::from(self.plan.over_travel);
+        let way = along(self.plan.approach, input.latched);
+        way >= slack.wrapping_neg()
+            && way <= i64::from(self.plan.search).wrapping_add(slack)
+            && along(input.position, input.latched) <= slack
     }
 
     /// Braking: how far beyond the contact, and is it still there?

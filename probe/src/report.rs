@@ -11,6 +11,7 @@ pub struct Input {
     pub contact: bool,
     /// Where the axes were at the last change of `contact` ([`Latched::position`](crate::Latched::position), or what the axis
     /// controller captured). Read only in the tick in which the cycle sees the change; without a latch, give `position`.
+    /// What is more than the over-travel off the way of the search is refused as [`Failure::NotLatched`].
     pub latched: [i64; 3],
     /// The last request is carried out: the axes stand at the target, or they have stopped. It must be `false` from the
     /// answer with a [`Request::Move`] or [`Request::Stop`] until that is so.
@@ -70,6 +71,8 @@ pub enum Failure {
     ContactInApproach,
     /// No contact within the search.
     NoContact,
+    /// The contact was made, but what was latched is not on the way of the search: it is of another contact.
+    NotLatched,
     /// The contact broke before the axes stood, or a slow touch did not find it again.
     LostContact,
     /// The axes went farther beyond the contact than the plan allows.
@@ -84,6 +87,7 @@ impl core::fmt::Display for Failure {
             Failure::ContactAtStart => "contact at start",
             Failure::ContactInApproach => "contact on the way to the approach point",
             Failure::NoContact => "no contact",
+            Failure::NotLatched => "contact, not latched",
             Failure::LostContact => "contact lost",
             Failure::OverTravel => "over-travel limit passed",
             Failure::StuckContact => "contact still made after backing off",

@@ -252,6 +252,54 @@ fn failures_are_named_and_the_probe_backs_off() {
     assert_eq!(rig.run(&PLAN), Err(Failure::StuckContact));
 }
 
+/// A latch of an earlier contact, before the search, behind its end or beyond the axes, is none of this one.
+#[test]
+fn a_latch_off_the_way_is_refused() {
+    let input = |x, contact, latched| Input {
+        position: [x, 0, 0],
+        contact,
+        latched: [latched, 0, 0],
+        still: true,
+    };
+    for (latched, wanted) in [
+        (-3_001, Some(Failure::NotLatched)),
+        (-3_000, None),
+        (20_000, None),
+        (24_000, None),
+        (24_001, Some(Failure::NotLatched)),
+    ] {
+        let mut cycle = Cycle::new(&Plan { touches: 0, ..PLAN }).unwrap();
+        cycle.tick(&input(0, false, 0));
+        cycle.tick(&input(1_000, false, 0));
+        assert_eq!(cycle.tick(&input(20_000, true, latched)), Request::Stop);
+        let Request::Move { target, .. } = cycle.tick(&input(20_000, true, latched)) else {
+            panic!("{latched}: it does not back off");
+        };
+        let end = cycle.tick(&input(target[0], false, latched));
+        match wanted {
+            // From where it is: what was latched is nowhere to back off from.
+            Some(failure) => {
+                assert_eq!(target[0], 17_000);
+                assert_eq!(end, Request::Failed(failure));
+            }
+            None => assert_ne!(end, Request::Failed(Failure::NotLatched), "{latched}"),
+        }
+    }
+    // In a slow touch, too.
+    let mut cycle = Cycle::new(&PLAN).unwrap();
+    cycle.tick(&input(0, false, 0));
+    cycle.tick(&input(1_000, false, 0));
+    for (x, contact) in [(20_000, true), (20_000, true), (17_000, false)] {
+        cycle.tick(&input(x, contact, 20_000));
+    }
+    cycle.tick(&input(20_000, true, -90_000));
+    cycle.tick(&input(20_000, true, -90_000));
+    assert_eq!(
+        cycle.tick(&input(17_000, false, -90_000)),
+        Request::Failed(Failure::NotLatched)
+    );
+}
+
 #[test]
 fn plans_are_checked() {
     let error = |plan: Plan| Cycle::new(&plan).err();

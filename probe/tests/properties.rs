@@ -180,7 +180,7 @@ proptest! {
             Err(Failure::OverTravel) => prop_assert!(over_travel <= 20),
             Err(Failure::StuckContact) => prop_assert!(back_off < 20),
             // A search that saw the wall late looks for it within the over-travel of what it saw.
-            Err(Failure::LostContact) => prop_assert!(false, "lost"),
+            Err(failure @ (Failure::LostContact | Failure::NotLatched)) => prop_assert!(false, "{}", failure),
         }
     }
 

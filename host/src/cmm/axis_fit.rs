@@ -52,7 +52,8 @@ impl AxisFit {
             .iter()
             .map(|(nominal, place)| (*nominal as f64, means(place)))
             .collect();
-        let (scale, offset) = line(&means);
+        let (scale, offset) = line(&means)
+            .ok_or("all lengths are read alike: does the axis move, and are the columns in the right order?")?;
         let scale_ppb = (scale * 1e9).round();
         if scale_ppb.abs() > 1e7 {
             return Err(format!(
@@ -77,9 +78,9 @@ impl AxisFit {
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
         let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
-        // Two are on every line.
+        // The means of two are on every line; what is left of them is play.
         let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
-        let kept = if no_table || is_noise || means.len() == 2 {
+        let kept = if no_table || is_noise {
             Vec::new()
         } else {
             knots
@@ -122,8 +123,8 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
     [mean(*positive, *negative), mean(*negative, *positive)]
 }
 
-/// Least squares of `nominal = reading (1 + scale) + offset`.
-fn line(means: &[(f64, [f64; 2])]) -> (f64, f64) {
+/// Least squares of `nominal = reading (1 + scale) + offset`; `None` where all readings are one.
+fn line(means: &[(f64, [f64; 2])]) -> Option<(f64, f64)> {
     let count = means.len() as f64;
     let points = || {
         means
@@ -140,9 +141,8 @@ fn line(means: &[(f64, [f64; 2])]) -> (f64, f64) {
         along += (reading - middle).powi(2);
         across += (reading - middle) * (nominal - reading - error);
     }
-    // Two lengths read as one have no scale.
-    let scale = if along > 0.0 { across / along } else { 0.0 };
-    (scale, error - scale * middle)
+    let scale = (along > 0.0).then(|| across / along)?;
+    Some((scale, error - scale * middle))
 }
 
 /// Standard deviation of the mean at a place and in a direction, from repeated readings; at least that of rounding to counts.
@@ -251,6 +251,33 @@ mod tests {
     }
 
     #[test]
+    fn two_lengths_tell_the_play() {
+        let reading = |nominal, reading, flank| Reading {
+            nominal,
+            reading,
+            flank,
+        };
+        let readings = [
+            reading(0, 0, Flank::Positive),
+            reading(20_000_000, 20_000_000, Flank::Positive),
+            reading(0, 20_000, Flank::Negative),
+            reading(20_000_000, 20_020_000, Flank::Negative),
+        ];
+        let fit = AxisFit::new(&readings, 2000.0, false).unwrap();
+        let ends: Vec<[i32; 2]> = fit
+            .table
+            .knots()
+            .iter()
+            .map(|knot| [knot.positive_nm, knot.negative_nm])
+            .collect();
+        assert_eq!(ends, [[10_000, -10_000]; 2]);
+        assert!(fit.spans[2] < 10.0, "{fit:?}");
+        // Without play there is nothing to keep.
+        let fit = AxisFit::new(&readings[..2], 2000.0, false).unwrap();
+        assert!(fit.table.knots().is_empty());
+    }
+
+    #[test]
     fn nonsense_is_said() {
         let reading = |nominal, reading| Reading {
             nominal,
@@ -260,6 +287,7 @@ mod tests {
         let why = |readings: &[Reading]| AxisFit::new(readings, 1.0, false).unwrap_err();
         assert!(why(&[reading(5, 5), reading(5, 6)]).contains("two different lengths"));
         assert!(why(&[reading(0, 0), reading(1_000_000, 2_000_000)]).contains("50.0 %"));
+        assert!(why(&[reading(0, 0), reading(10_000_000, 0)]).contains("does the axis move"));
         let jump = [
             reading(0, 0),
             reading(1_000_000, 1_000_000),

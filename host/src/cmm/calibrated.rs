@@ -69,6 +69,14 @@ impl<P: Prober> Calibrated<P> {
         (self.errors.reading_nm(goal, flanks), flanks)
     }
 
+    /// After this nobody knows how the axes were moved last.
+    fn lost(&mut self, trouble: Trouble) -> Trouble {
+        if trouble.has_moved() {
+            self.flanks = [Flank::Unknown; 3];
+        }
+        trouble
+    }
+
     /// A move by the prober: what `go` does with the readings of the goal.
     fn go_with(
         &mut self,
@@ -79,7 +87,7 @@ impl<P: Prober> Calibrated<P> {
         let (reading, flanks) = self.reading_of(from, goal);
         // A move that fails halfway leaves the axes anywhere.
         self.sent = None;
-        let ended = go(&mut self.prober, reading)?;
+        let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
         self.flanks = flanks;
         if ended.changed_nm.is_none() {
             self.sent = Some(reading);
@@ -110,7 +118,8 @@ impl<P: Prober> Calibrated<P> {
         let squares = along.iter().map(|part| (*part as f64).powi(2));
         let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * way as f64;
         self.sent = None;
-        let touched = touch(&mut self.prober, &leaned, length.round() as u64)?;
+        let touched = touch(&mut self.prober, &leaned, length.round() as u64)
+            .map_err(|trouble| self.lost(trouble))?;
         // It has backed off: what went there has turned round.
         let ways = along.into_iter().zip(flanks);
         for (flank, (along, at_contact)) in self.flanks.iter_mut().zip(ways) {
@@ -202,7 +211,9 @@ impl Calibrated<Head> {
     /// Those of [`Head::home`].
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         self.sent = None;
-        self.prober.home(coordinate)?;
+        self.prober
+            .home(coordinate)
+            .map_err(|trouble| self.lost(trouble))?;
         self.zero[coordinate] = 0;
         // It ran beyond the index and came back.
         self.flanks[coordinate] = Flank::Negative;
@@ -222,7 +233,9 @@ impl Calibrated<Head> {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         self.sent = None;
-        self.prober.jog(coordinate, is_positive, seconds, is_slow)?;
+        self.prober
+            .jog(coordinate, is_positive, seconds, is_slow)
+            .map_err(|trouble| self.lost(trouble))?;
         self.flanks[coordinate] = if is_positive {
             Flank::Positive
         } else {

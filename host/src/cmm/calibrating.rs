@@ -48,7 +48,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
     let told = if knots > 0 {
         format!("{after:.2} um with its table of {knots} as well")
     } else {
-        "no table: what is left is a straight line, or noise, or was not asked for".to_owned()
+        "no table: what is left is noise, or it was not asked for".to_owned()
     };
     write!(
         out,

@@ -21,6 +21,8 @@ pub struct Emulated {
     held: Option<bool>,
     #[cfg(test)]
     interruption: Option<(usize, u64)>,
+    #[cfg(test)]
+    question: Option<(u64, super::interrupt::Interrupt)>,
 }
 
 /// What may be typed at the panel.
@@ -55,6 +57,8 @@ impl Emulated {
             held: None,
             #[cfg(test)]
             interruption: None,
+            #[cfg(test)]
+            question: None,
         })
     }
 
@@ -87,6 +91,12 @@ impl Emulated {
     #[cfg(test)]
     pub fn interrupt(&mut self, module: usize, periods: u64) {
         self.interruption = Some((module, periods));
+    }
+
+    /// Ctrl-C after so many periods.
+    #[cfg(test)]
+    pub fn ask_after(&mut self, periods: u64, interrupt: super::interrupt::Interrupt) {
+        self.question = Some((periods, interrupt));
     }
 
     /// Puts a byte on the command line.
@@ -122,6 +132,13 @@ impl Emulated {
     #[cfg(test)]
     fn fail(&mut self) {
         const OUTAGE: u64 = 1000;
+        self.question = match self.question.take() {
+            Some((0, interrupt)) => {
+                interrupt.ask();
+                None
+            }
+            other => other.map(|(left, interrupt)| (left - 1, interrupt)),
+        };
         self.interruption = match self.interruption.take() {
             Some((module, 0)) => {
                 self.chain.set_dead(module, false);

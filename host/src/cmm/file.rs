@@ -117,16 +117,29 @@ impl CmmFile {
         let mut errors = Errors::default();
         let [x_errors, y_errors, z_errors] = &mut errors.axes;
         let axes = root.table("axis", |axes| {
-            let read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
+            let mut taken = Vec::new();
+            let mut read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
                 *errors = calibration_file::read_axis(axis, scale);
-                read_axis(axis, letter, scale)
+                let read = read_axis(axis, letter, scale);
+                // 0 is reported as missing.
+                let is_taken = read.module > 0 && taken.contains(&read.module);
+                if let (true, Some((_, span))) = (is_taken, axis.value("module")) {
+                    let message = format!("module {} is that of another axis", read.module);
+                    axis.wrong(span, &message, "an address is one axis's alone");
+                }
+                taken.push(read.module);
+                read
             };
             let x = axes.table("x", |axis| read(axis, 'X', x_errors));
             let y = axes.optional_table("y", |axis| read(axis, 'Y', y_errors));
             let z = axes.optional_table("z", |axis| read(axis, 'Z', z_errors));
             [x, y, z].into_iter().flatten().collect::<Vec<_>>()
         });
-        let probe = root.table("probe", |probe| read_probe(probe, scale));
+        let probe = root.table("probe", |probe| {
+            let read = read_probe(probe, scale);
+            check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);
+            read
+        });
         let baud = root.table("link", read_link);
         let letters: &[AxisFile] = axes.as_deref().unwrap_or_default();
         let letters: String = letters.iter().map(|axis| axis.letter).collect();
@@ -208,6 +221,26 @@ fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeFile {
             radius_nm: short(table, "ball_radius", scale),
             pre_travel: read_pre_travel(table, scale),
         },
+    }
+}
+
+/// Whether a search can brake within the over-travel on every axis: `v^2 / 2a`.
+fn check_braking(table: &mut Table<'_, '_>, probe: &ProbeFile, axes: &[AxisFile], scale: Scale) {
+    // 0 stands for what is reported as missing.
+    let known = axes.iter().filter(|axis| axis.acceleration > 0);
+    let ways = known.map(|axis| {
+        // 64 bits; what is not whole counts more.
+        let rate = u64::from(probe.rate.min(axis.rate));
+        (rate * rate).div_ceil(2 * u64::from(axis.acceleration))
+    });
+    let most = ways.max().unwrap_or_default();
+    if probe.over_travel == 0 || most <= u64::from(probe.over_travel) {
+        return;
+    }
+    if let Some((_, span)) = table.value("over_travel") {
+        let way = scale.text(scale.of_counts(i64::try_from(most).unwrap_or(i64::MAX)));
+        let label = format!("a search at `rate` takes {way} to brake: v^2 / 2a");
+        table.wrong(span, "`over_travel` is too short", &label);
     }
 }
 
@@ -372,6 +405,23 @@ mod tests {
             (1200, 6000)
         );
         assert_eq!((three.probe.back_off, three.baud), (60, Baud::B115200));
+    }
+
+    #[test]
+    fn modules_are_one_each_and_a_search_can_brake() {
+        let text = CMM3.replacen("module = 2", "module = 1", 1);
+        let findings = CmmFile::parse("mine.toml", &text).unwrap_err();
+        assert_eq!(findings.len(), 1);
+        assert_eq!(findings[0].message, "module 1 is that of another axis");
+        // 200 counts/s and 6000 counts/s^2: 3.3 counts.
+        for (over_travel, is_enough) in [("4 counts", true), ("3 counts", false)] {
+            let text = CMM.replacen("\"100 counts\"", &format!("\"{over_travel}\""), 1);
+            let read = CmmFile::parse("mine.toml", &text);
+            assert_eq!(read.is_ok(), is_enough);
+            for finding in read.err().unwrap_or_default() {
+                assert_eq!(finding.message, "`over_travel` is too short");
+            }
+        }
     }
 
     #[test]

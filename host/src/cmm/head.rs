@@ -25,6 +25,8 @@ pub struct Head {
     pub(super) period_s: f64,
     /// Slow touches to average.
     pub(super) touches: u8,
+    /// Stopped by a trouble: where the axes are held is not known.
+    is_astray: bool,
 }
 
 impl Head {
@@ -47,6 +49,7 @@ impl Head {
             scale: machine.scale,
             period_s: 0.0,
             touches,
+            is_astray: false,
         };
         // A divisor makes the profiles of old modules slower, but only the derivative of version 10.
         let periods = head.axes.iter().map(|axis| {
@@ -241,7 +244,7 @@ impl Head {
     ///
     /// # Errors
     ///
-    /// No answer, or an axis in trouble: then all are stopped.
+    /// No answer, or an axis in trouble.
     pub(super) fn read(&mut self) -> Result<Vec<Reply>, Trouble> {
         let mut replies = Vec::with_capacity(self.axes.len());
         for axis in &self.axes {
@@ -249,12 +252,61 @@ impl Head {
             replies.push(self.line.command(module, Command::ReadStatus(READ))?);
         }
         let mut pairs = self.axes.iter().zip(&replies);
-        if let Err(trouble) = pairs.try_for_each(|(axis, reply)| axis.check(self.scale, reply)) {
-            // The trouble comes first; that one of them cannot be stopped is no news then.
-            let _ = self.stop();
-            return Err(trouble);
-        }
+        pairs.try_for_each(|(axis, reply)| axis.check(self.scale, reply))?;
         Ok(replies)
+    }
+
+    /// Does something that moves axes. Whatever goes wrong with it, the link or the user among it, all axes are told to stop, and the
+    /// next motion begins where they then are.
+    ///
+    /// # Errors
+    ///
+    /// Those of what is done.
+    pub(super) fn guarded<T>(
+        &mut self,
+        what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
+    ) -> Result<T, Trouble> {
+        self.line.interrupt().set_moving(true);
+        let result = self
+            .find_again()
+            .and_then(|()| what(self))
+            .and_then(|done| {
+                // Too late to break it off; all the same nothing comes after it.
+                let is_asked = self.line.interrupt().is_asked();
+                if is_asked {
+                    Err(Trouble::Interrupted)
+                } else {
+                    Ok(done)
+                }
+            });
+        if let Err(trouble) = &result {
+            self.is_astray = true;
+            self.line.interrupt().see_to();
+            let way = match trouble {
+                Trouble::Interrupted => StopWay::Smooth,
+                _ => StopWay::Abrupt,
+            };
+            if self.stop(way).is_err() {
+                eprintln!("warning: not every axis has answered the stop: be ready to switch off");
+            }
+        }
+        self.line.interrupt().set_moving(false);
+        result
+    }
+
+    /// After a trouble: waits until the axes stand, forgets their faults and holds them where they are.
+    pub(super) fn find_again(&mut self) -> Result<(), Trouble> {
+        if !self.is_astray {
+            return Ok(());
+        }
+        for index in 0..self.axes.len() {
+            let module = self.axes[index].file.module;
+            self.line.command(module, stop(StopWay::Abrupt))?;
+            self.line.command(module, Command::ClearBits)?;
+        }
+        self.settle()?;
+        self.is_astray = false;
+        Ok(())
     }
 
     /// Reads all axes, which stand, until two readings of each agree: what is told or kept comes from these.
@@ -282,11 +334,11 @@ impl Head {
         Ok(())
     }
 
-    /// Stops all axes at once, where they are; each gets its command, whatever the others answer.
-    pub(super) fn stop(&mut self) -> Result<(), Trouble> {
+    /// Stops all axes; each gets its command, whatever the others answer.
+    pub(super) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
         let mut result = Ok(());
         for axis in &self.axes {
-            let answer = self.line.command(axis.file.module, stop(StopWay::Abrupt));
+            let answer = self.line.command(axis.file.module, stop(way));
             result = result.and(answer.map(drop));
         }
         result
@@ -378,6 +430,81 @@ mod tests {
             (time - most).abs() < 0.1 && most < 2.0,
             "{time} s, {most} s"
         );
+    }
+
+    /// Where the motors are, now and a second later.
+    fn motors(head: &mut Head) -> [[i64; 3]; 2] {
+        let Port::Simulated(emulated, _) = head.line.port() else {
+            unreachable!("simulated")
+        };
+        let mut at = || [0, 1, 2].map(|module| emulated.chain().motor(module).unwrap().counts());
+        let before = at();
+        for _ in 0..2000 {
+            emulated.tick();
+        }
+        let mut at = || [0, 1, 2].map(|module| emulated.chain().motor(module).unwrap().counts());
+        [before, at()]
+    }
+
+    #[test]
+    fn a_module_that_is_gone_stops_the_others() {
+        let mut head = head();
+        let Port::Simulated(emulated, _) = head.line.port() else {
+            unreachable!("simulated")
+        };
+        // Without supply from 1 to 1.5 s on; the way takes 3.
+        emulated.interrupt(1, 3000);
+        let gone = head.go_to([6 * MM, 6 * MM, 0]);
+        assert!(gone.is_err(), "{gone:?}");
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        for axis in [0, 2] {
+            assert!(at[axis].abs_diff(later[axis]) <= 1, "{at:?} {later:?}");
+        }
+        assert!((100..2900).contains(&at[0]), "{at:?}");
+    }
+
+    #[test]
+    fn an_interrupted_move_ends_before_its_goal_and_another_may_follow() {
+        let mut head = head();
+        let interrupt = head.line.interrupt().clone();
+        let Port::Simulated(emulated, _) = head.line.port() else {
+            unreachable!("simulated")
+        };
+        emulated.ask_after(2000, interrupt.clone());
+        let ended = head.go_to([6 * MM, 6 * MM, 0]);
+        assert!(matches!(ended, Err(Trouble::Interrupted)), "{ended:?}");
+        assert!(interrupt.has_stopped() && !interrupt.is_asked());
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        assert!((100..2900).contains(&at[0]), "{at:?}");
+        assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
+        // What it holds now is where it stands, so that this is a straight way.
+        let there = head.go_to([5 * MM, 2 * MM, MM]).unwrap();
+        let wanted = [5 * MM, 2 * MM, MM];
+        assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
+        // A jog, in the same way.
+        let Port::Simulated(emulated, _) = head.line.port() else {
+            unreachable!("simulated")
+        };
+        emulated.ask_after(1000, interrupt);
+        assert!(head.jog(0, true, 60.0, false).is_err());
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        assert!(at[0].abs_diff(later[0]) <= 1, "{at:?} {later:?}");
+    }
+
+    /// Whoever starts a jog and goes away finds the axis at the end of its travel, not beyond it.
+    #[test]
+    fn a_jog_that_nobody_stops_ends_at_the_end_of_the_travel() {
+        let mut head = head();
+        head.axes[0].file.travel = [-1000, 1000];
+        head.jog(0, true, 60.0, false).unwrap();
+        assert!((998..=1000).contains(&head.axes[0].held));
+        // Already there.
+        head.jog(0, true, 60.0, false).unwrap();
+        let [at, _] = motors(&mut head);
+        assert!((998..=1000).contains(&at[0]), "{at:?}");
     }
 
     #[test]

@@ -1,17 +1,17 @@
-//! An axis at a velocity.
+//! An axis that runs for some time.
 
-use super::head::{Head, stop};
+use super::head::{Head, is_done, stop};
 use super::trouble::Trouble;
 use super::way::per_period;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
 impl Head {
-    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it smoothly; before the end of the travel
-    /// in any case. It runs as long as nobody stops it, so this is the one motion for which the host has to stay alive.
+    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it smoothly. It is a move to the end of the
+    /// travel that is broken off: there the module ends it, host or not.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; an axis in trouble stops the others.
+    /// [`Trouble`]; all axes are stopped then.
     pub fn jog(
         &mut self,
         coordinate: usize,
@@ -20,7 +20,29 @@ impl Head {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
+        self.guarded(|head| head.run(index, is_positive, seconds, is_slow))
+    }
+
+    fn run(
+        &mut self,
+        index: usize,
+        is_positive: bool,
+        seconds: f64,
+        is_slow: bool,
+    ) -> Result<(), Trouble> {
         let axis = self.axes[index];
+        let [low, high] = axis.file.travel;
+        // It may stand as far beyond its goal.
+        let slack = axis.file.in_position as i32;
+        let goal = if is_positive {
+            high.saturating_sub(slack)
+        } else {
+            low.saturating_add(slack)
+        };
+        if (goal > axis.held) != is_positive || goal == axis.held {
+            // At the end of the travel already.
+            return Ok(());
+        }
         let rate = if is_slow {
             self.probe.rate.min(axis.file.rate)
         } else {
@@ -31,22 +53,18 @@ impl Head {
         self.line.command(
             axis.file.module,
             Command::LoadTrajectory(Trajectory {
+                position: Some(goal),
                 velocity: Some(velocity),
                 acceleration: Some(acceleration),
-                mode: Mode::Velocity,
-                reverse: !is_positive,
+                mode: Mode::Trapezoid,
                 start_now: true,
                 ..Trajectory::default()
             }),
         )?;
-        // The way to rest, v^2 / 2 a, and a tenth of a second of it for the line.
-        let rate = f64::from(rate);
-        let rest = rate * rate / 2.0 / f64::from(axis.file.acceleration) + rate / 10.0;
-        let [low, high] = axis.file.travel.map(f64::from);
         let end_us = self.line.elapsed_us() + (seconds * 1e6) as u64;
         while self.line.elapsed_us() < end_us {
-            let at = f64::from(self.read()?[index].readings.position);
-            if is_positive && at + rest >= high || !is_positive && at - rest <= low {
+            let reply = &self.read()?[index];
+            if is_done(reply) && axis.is_near(reply.readings.position, goal) {
                 break;
             }
         }

@@ -1,5 +1,6 @@
 //! A line of modules behind a port: one step of the protocol after another.
 
+use super::interrupt::Interrupt;
 use super::port::Port;
 use super::trouble::Trouble;
 use husillo_transports::nmc::{
@@ -12,13 +13,29 @@ pub struct Line {
     port: Port,
     host: Host,
     is_raw: bool,
+    interrupt: Interrupt,
 }
 
 impl Line {
     /// At a port; `is_raw` prints all bytes on standard error.
     pub fn new(port: Port, is_raw: bool) -> Self {
         let host = Host::new(port.timing(Baud::default()));
-        Self { port, host, is_raw }
+        Self {
+            port,
+            host,
+            is_raw,
+            interrupt: Interrupt::default(),
+        }
+    }
+
+    /// No step begins while this is asked for and not seen to.
+    pub fn with_interrupt(self, interrupt: Interrupt) -> Self {
+        Self { interrupt, ..self }
+    }
+
+    /// What breaks it off.
+    pub const fn interrupt(&self) -> &Interrupt {
+        &self.interrupt
     }
 
     #[cfg(test)]
@@ -97,6 +114,9 @@ impl Line {
     }
 
     fn step(&mut self, step: Step) -> Result<Outcome, Trouble> {
+        if self.interrupt.is_asked() {
+            return Err(Trouble::Interrupted);
+        }
         if let Step::Switch(baud) = step {
             self.port.set_baud(baud)?;
             self.host.set_timing(self.port.timing(baud));

@@ -115,7 +115,7 @@ impl Session {
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    self.calibrate(&measurement, &towards);
+                    self.calibrate(&measurement, &towards, head.inner().probe.over_travel)?;
                     row.touch = Some(TouchFigures {
                         table: self.table(),
                         ..self.figures(&measurement, &towards, &axes)
@@ -146,9 +146,18 @@ impl Session {
 
     /// The pre-travel that makes of this touch the reference. In a table by direction that has this one, as a sphere or a ring gives it, all entries
     /// change, each by its part along it: as if that body stood elsewhere by as much, which its own touches cannot tell.
-    fn calibrate(&mut self, measurement: &Measurement, towards: &Towards) {
+    ///
+    /// # Errors
+    ///
+    /// A pre-travel beyond `over_travel` counts, or less than none by more than the two counts that face and touch are rounded by.
+    fn calibrate(
+        &mut self,
+        measurement: &Measurement,
+        towards: &Towards,
+        over_travel: u32,
+    ) -> Result<(), Trouble> {
         let (Some(axis), Some(reference)) = (towards.axis, self.reference) else {
-            return;
+            return Ok(());
         };
         let face = surface(&self.stylus, measurement)[axis];
         let direction = measurement.touch.direction;
@@ -159,6 +168,14 @@ impl Session {
         };
         // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
         let beyond = (face - reference) as f64 * parts(&direction)[axis];
+        let found = i64::from(self.stylus.pre_travel.along(&direction)) + beyond as i64;
+        let possible = self.scale.of_counts(-2)..=self.scale.of_counts(over_travel.into());
+        if !possible.contains(&found) {
+            return Err(Trouble::PreTravel {
+                found: self.scale.text(found),
+                most: self.scale.text(*possible.end()),
+            });
+        }
         let shifted = |nm: i32, part: f64| nm.saturating_add((beyond * part).round() as i32);
         let mut entries = self.stylus.pre_travel.entries().to_vec();
         let is_by_axis = self.is_by_axis();
@@ -177,6 +194,7 @@ impl Session {
         if let Some(pre_travel) = PreTravel::of(&entries) {
             self.stylus.pre_travel = pre_travel;
         }
+        Ok(())
     }
 
     /// Whether there is one pre-travel for each way of each axis, and no more.

@@ -5,7 +5,7 @@ use super::prober::Probed;
 use super::trouble::Trouble;
 use super::way::{Search, Way};
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
-use husillo_transports::nmc::{Homing, Status};
+use husillo_transports::nmc::{Homing, Reply, Status};
 
 impl Head {
     /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until the contact is made or broken, and stays
@@ -15,11 +15,10 @@ impl Head {
     ///
     /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside of the travel, nothing moves.
     pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
+        self.find_again()?;
         let replies = self.read_twice()?;
-        let mut replies = replies.iter();
-        let is_closed = replies.any(|reply| reply.status.contains(Status::LIMIT_1));
         // The modules look for a change, whichever.
-        if is_closed == until.level() {
+        if replies.iter().any(is_closed) == until.level() {
             return Err(match until {
                 Edge::Made => Trouble::Probe(Failure::ContactAtStart),
                 Edge::Broken => Trouble::NotTouching,
@@ -34,6 +33,11 @@ impl Head {
         let way = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
         let at_nm = self.place_of(&way.replies);
         if !way.is_found {
+            if way.replies.iter().any(is_closed) == until.level() {
+                return Err(Trouble::NotLatched {
+                    at: self.text(at_nm),
+                });
+            }
             return Ok(Probed {
                 changed_nm: None,
                 at_nm,
@@ -59,6 +63,7 @@ impl Head {
     ///
     /// [`Trouble`], the probing cycle's own among them.
     pub fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+        self.find_again()?;
         let from = self.held();
         let search = way.min(self.room(direction)).min(u32::MAX.into());
         let amount = |counts: u32| {
@@ -84,17 +89,27 @@ impl Head {
             replies: self.read()?,
             is_found: false,
         };
+        // The way was a search, and not found; the contact closed without a latch.
+        let (mut is_in_vain, mut unlatched) = (false, None);
+        // Where a move of the cycle would have ended, had there been room.
+        let mut beyond = None;
         loop {
-            let is_closed = |bit| way.replies.iter().any(|reply| reply.status.contains(bit));
+            let position = self.place_of(&way.replies);
+            let is_closed = way.replies.iter().any(is_closed);
+            if is_in_vain && is_closed {
+                // What the modules have latched is of an earlier contact.
+                unlatched = Some(position);
+            }
             let input = Input {
-                position: self.place_of(&way.replies),
-                // A contact is told once; whether it lasts is the level.
-                contact: way.is_found || is_closed(Status::LIMIT_1),
+                position,
+                // A contact is told once, by its latch; whether it lasts is the level.
+                contact: way.is_found || (is_closed && !is_in_vain),
                 latched: self.latched(&way.replies),
                 // Each request is carried out before the next is asked for.
                 still: true,
             };
             way.is_found = false;
+            is_in_vain = false;
             match cycle.tick(&input) {
                 Request::Move { target, speed } => {
                     let along = [0, 1, 2].map(|axis| target[axis] - input.position[axis]);
@@ -103,13 +118,31 @@ impl Head {
                         events: Homing::LIMIT_1,
                         only: None,
                     });
-                    // Within the travel and the over-travel.
-                    let goal = self.counts(target)?;
+                    let wanted = self.counts(target)?;
+                    let goal = self.within_travel(&wanted);
+                    if goal != wanted {
+                        beyond = Some(wanted);
+                    }
                     way = self.travel(&goal, Some(speed), search)?;
+                    is_in_vain = is_search && !way.is_found;
                 }
                 // The modules stop by themselves.
                 Request::Stop | Request::Wait => {}
                 Request::Done(measurement) => return Ok(measurement),
+                Request::Failed(Failure::NoContact | Failure::LostContact)
+                    if unlatched.is_some() =>
+                {
+                    return Err(Trouble::NotLatched {
+                        at: self.text(unlatched.unwrap_or(from)),
+                    });
+                }
+                Request::Failed(failure)
+                    if failure == Failure::StuckContact && beyond.is_some() =>
+                {
+                    // There was no room to leave it.
+                    self.check_travel(&beyond.unwrap_or_default())?;
+                    return Err(Trouble::Probe(failure));
+                }
                 Request::Failed(Failure::NoContact) => {
                     // At most 2^32 - 1.
                     let way = direction.scaled(search as i64);
@@ -122,4 +155,36 @@ impl Head {
             }
         }
     }
+}
+
+impl Head {
+    /// As far of the way there as the travel has it, in the same direction.
+    fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
+        let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
+            let [low, high] = axis.file.travel;
+            let (held, goal) = (f64::from(axis.held), f64::from(*goal));
+            let end = goal.clamp(f64::from(low), f64::from(high));
+            if end == goal {
+                1.0
+            } else {
+                // It is outside, and goes no farther where it has been already.
+                ((end - held) / (goal - held)).clamp(0.0, 1.0)
+            }
+        });
+        let part = parts.fold(1.0, f64::min);
+        let pairs = self.axes.iter().zip(goal);
+        pairs
+            .map(|(axis, goal)| {
+                let way = (f64::from(*goal) - f64::from(axis.held)) * part;
+                let [low, high] = axis.file.travel;
+                // Rounding is half a count beyond at most.
+                (f64::from(axis.held) + way.round()).clamp(low.into(), high.into()) as i32
+            })
+            .collect()
+    }
+}
+
+/// Whether the probe touches.
+fn is_closed(reply: &Reply) -> bool {
+    reply.status.contains(Status::LIMIT_1)
 }

@@ -33,6 +33,12 @@ pub enum Trouble {
     PositionError { at: String },
     /// The motor's current was beyond its limit.
     OverCurrent { at: String },
+    /// An axis has not come to rest in the time that it may take.
+    StillMoving { at: String },
+    /// Ctrl-C.
+    Interrupted,
+    /// A calibration found a pre-travel that no probe has.
+    PreTravel { found: String, most: String },
     /// The move did not end at its goal.
     NotThere { goal: String, at: String },
     /// The goal is not within the travel.
@@ -43,6 +49,8 @@ pub enum Trouble {
     NoContact { from: String, to: String },
     /// Nothing touched where the end of a contact was to be found.
     NotTouching,
+    /// The contact changed only after the search had ended.
+    NotLatched { at: String },
     /// The contact lasted all the way.
     Kept { from: String, to: String },
     /// Another end of the probing cycle.
@@ -54,6 +62,18 @@ pub enum Trouble {
 }
 
 impl Trouble {
+    /// Whether axes may have moved before it.
+    pub const fn has_moved(&self) -> bool {
+        !matches!(
+            self,
+            Self::OutsideTravel { .. }
+                | Self::NoAxis { .. }
+                | Self::NotTouching
+                | Self::Plan(_)
+                | Self::Probe(husillo_probe::Failure::ContactAtStart)
+        )
+    }
+
     /// What to look at.
     pub const fn help(&self) -> Option<&'static str> {
         Some(match self {
@@ -73,9 +93,15 @@ impl Trouble {
                 "the contact of the probe is to be wired to limit 1 of every module; all axes have been stopped"
             }
             Self::PositionError { .. } => {
-                "something blocks the axis, or `gains` and `rate` do not suit the motor; the servo is off now"
+                "something blocks the axis, or `gains` and `rate` do not suit the motor"
             }
             Self::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
+            Self::StillMoving { .. } => {
+                "`gains` do not suit the motor, or `acceleration` is more than it makes; all axes have been stopped"
+            }
+            Self::PreTravel { .. } => {
+                "is --reference the place of this face, and in the unit of the machine?"
+            }
             Self::NotThere { .. } => {
                 "`gains` do not suit the motor: friction holds it, or it oscillates"
             }
@@ -83,6 +109,9 @@ impl Trouble {
                 "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
             }
             Self::NotTouching => "first touch it: G38.2 stops at the contact and stays there",
+            Self::NotLatched { .. } => {
+                "it changed as the axes came to rest at the end of the search: search farther"
+            }
             Self::Kept { .. } => "is this the way off the surface? A probe may stick, too",
             Self::Probe(husillo_probe::Failure::ContactAtStart) => {
                 "move away from the contact first: goto, or G38.4 in a program"
@@ -116,6 +145,12 @@ impl fmt::Display for Trouble {
             Self::NotSeen { axis } => write!(out, "the module of {axis} has not seen the contact"),
             Self::PositionError { at } => write!(out, "position error at {at}"),
             Self::OverCurrent { at } => write!(out, "current beyond its limit at {at}"),
+            Self::StillMoving { at } => write!(out, "still moving, at {at}"),
+            Self::Interrupted => out.write_str("interrupted: all axes have been told to stop"),
+            Self::PreTravel { found, most } => write!(
+                out,
+                "a pre-travel of {found}, where 0 to {most} (`over_travel`) is possible"
+            ),
             Self::NotThere { goal, at } => write!(out, "stands at {at} instead of {goal}"),
             Self::OutsideTravel { goal, travel } => {
                 let [low, high] = travel;
@@ -124,6 +159,7 @@ impl fmt::Display for Trouble {
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
+            Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => write!(out, "contact all the way from {from} to {to}"),
             Self::Probe(failure) => failure.fmt(out),
             Self::Plan(error) => error.fmt(out),

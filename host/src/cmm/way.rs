@@ -70,8 +70,17 @@ impl Head {
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; an axis in trouble stops the others.
+    /// [`Trouble`]; all axes are stopped then.
     pub fn travel(
+        &mut self,
+        goal: &[i32],
+        rate: Option<u32>,
+        search: Option<Search>,
+    ) -> Result<Way, Trouble> {
+        self.guarded(|head| head.go_along(goal, rate, search))
+    }
+
+    fn go_along(
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
@@ -99,7 +108,6 @@ impl Head {
                 replies = self.read()?;
                 let found = found_by(&replies).unwrap_or_default();
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
-                    let _ = self.stop();
                     let axis = self.axes[*index].file.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
@@ -126,7 +134,7 @@ impl Head {
                 });
             }
             if self.line.elapsed_us() > end_us {
-                return Err(self.not_there(goal, &replies));
+                return Err(self.late(Some(goal), goal, &replies));
             }
         }
     }
@@ -241,13 +249,12 @@ impl Head {
                 break;
             }
         }
-        let _ = self.stop();
         Err(Trouble::NotTogether)
     }
 
     /// Waits until all axes stand: at the goal, or where they stop.
     fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
-        let end_us = self.line.elapsed_us() + SETTLING_US;
+        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
         loop {
             let replies = self.read()?;
@@ -264,7 +271,8 @@ impl Head {
                 return Ok(replies);
             }
             if self.line.elapsed_us() > end_us {
-                return Err(self.not_there(goal.unwrap_or(&at), &replies));
+                let before = before.as_deref().unwrap_or(&at);
+                return Err(self.late(goal, before, &replies));
             }
             before = Some(at);
         }
@@ -280,14 +288,31 @@ impl Head {
         Ok(replies)
     }
 
-    /// The axis that is farthest from where it is to be.
-    fn not_there(&self, goal: &[i32], replies: &[Reply]) -> Trouble {
-        let far = |index: &usize| replies[*index].readings.position.abs_diff(goal[*index]);
-        let index = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
+    /// The longest that an axis may take to brake, us. An oblique way has one time law for all axes, made of the limits of one of them,
+    /// so that it takes no longer.
+    fn braking_us(&self) -> u64 {
+        let axes = self.axes.iter().map(|axis| {
+            // Not 0 in any machine file; 2^32 s at most.
+            u64::from(axis.file.rate) * 1_000_000 / u64::from(axis.file.acceleration.max(1))
+        });
+        axes.max().unwrap_or_default()
+    }
+
+    /// Why the time is over: an axis that has not ended its motion, or the one that is farthest from where it was to be, or had been.
+    fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
+        let meant = goal.unwrap_or(before);
+        let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
+        let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
+        let moving = replies.iter().position(|reply| !is_done(reply));
+        let index = moving.unwrap_or(farthest);
         let axis = &self.axes[index];
-        Trouble::NotThere {
-            goal: axis.text(self.scale, goal[index]),
-            at: axis.text(self.scale, replies[index].readings.position),
+        let at = axis.text(self.scale, replies[index].readings.position);
+        match (moving, goal) {
+            (None, Some(goal)) => Trouble::NotThere {
+                goal: axis.text(self.scale, goal[index]),
+                at,
+            },
+            _ => Trouble::StillMoving { at },
         }
     }
 }

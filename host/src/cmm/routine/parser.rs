@@ -526,7 +526,17 @@ impl Parser {
                 .any(|stop| word.text.eq_ignore_ascii_case(stop));
             !is_stop && axis_of(word.text).is_none()
         }) {
-            names.push(self.used(reader, as_what)?);
+            let word = reader.peek().map(|word| (word.text, word.span.clone()));
+            let (text, span) = word.unwrap_or_default();
+            let name = self.used(reader, as_what)?;
+            if names
+                .iter()
+                .any(|known: &String| known.eq_ignore_ascii_case(&name))
+            {
+                let message = format!("`{text}` is there twice");
+                return Err(Wrong::new(code::NAME, message, span).label("named before"));
+            }
+            names.push(name);
         }
         Ok(names)
     }

@@ -1,0 +1,64 @@
+//! Ctrl-C while motors run.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit status of a program that Ctrl-C has ended: 128 and the number of the signal.
+pub const INTERRUPTED: u8 = 130;
+
+/// Whether the user, or the system, wants an end.
+#[derive(Clone, Debug, Default)]
+pub struct Interrupt {
+    is_asked: Arc<AtomicBool>,
+    /// Motors run, or may: the end has to wait until they are stopped.
+    is_moving: Arc<AtomicBool>,
+    has_stopped: Arc<AtomicBool>,
+}
+
+impl Interrupt {
+    /// Listens from now on. While nothing moves Ctrl-C ends the program at once; else [`is_asked`](Self::is_asked) says so.
+    ///
+    /// # Errors
+    ///
+    /// The system does not hand it over.
+    pub fn listen() -> Result<Self, String> {
+        let interrupt = Self::default();
+        let heard = interrupt.clone();
+        ctrlc::set_handler(move || {
+            if !heard.is_moving.load(Ordering::SeqCst) {
+                eprintln!("interrupted: nothing was moving");
+                std::process::exit(INTERRUPTED.into());
+            }
+            heard.ask();
+        })
+        .map_err(|error| error.to_string())?;
+        Ok(interrupt)
+    }
+
+    /// Asks for the end.
+    pub fn ask(&self) {
+        self.is_asked.store(true, Ordering::SeqCst);
+    }
+
+    /// Whether it is wanted and nobody has seen to it.
+    pub fn is_asked(&self) -> bool {
+        self.is_asked.load(Ordering::SeqCst)
+    }
+
+    /// Whether motors may run from now on.
+    pub fn set_moving(&self, is_moving: bool) {
+        self.is_moving.store(is_moving, Ordering::SeqCst);
+    }
+
+    /// Somebody stops the motors now: the line is free for it.
+    pub fn see_to(&self) {
+        if self.is_asked.swap(false, Ordering::SeqCst) {
+            self.has_stopped.store(true, Ordering::SeqCst);
+        }
+    }
+
+    /// Whether it was wanted and has been seen to.
+    pub fn has_stopped(&self) -> bool {
+        self.has_stopped.load(Ordering::SeqCst)
+    }
+}
