@@ -178,7 +178,7 @@ fn programs_are_compiled_and_listed() {
         std::fs::read(&second).unwrap()
     );
     husillo()
-        .args(["compile", &file, "-m", "micromill"])
+        .args(["compile", &file, "-m", "router"])
         .assert()
         .code(2)
         .stderr(contains("-m drill is what takes records"));
