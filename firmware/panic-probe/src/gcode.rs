@@ -11,7 +11,7 @@ use husillo_gcode::excellon::{
 };
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
-    Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
+    Arc, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
     ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane, Receiver,
     SpindleDirection, Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
 };
@@ -44,7 +44,7 @@ pub fn keep() {
         Dialect::framing as *const (),
         Block::new as *const (),
         Block::read as *const (),
-        husillo_gcode::Arc::<3>::around as *const (),
+        Arc::<3>::around as *const (),
         Modal::<3>::apply as *const (),
         Commands::<3>::new as *const (),
         Measure::of as *const (),
