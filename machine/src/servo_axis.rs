@@ -199,8 +199,8 @@ impl ServoAxis {
     /// The next period: reads, searches, moves the profile on and gives the drive.
     pub fn tick(&mut self, inputs: &ServoInputs) -> Drive {
         if self.is_new {
-            // Position 0 is where it was switched on.
-            self.zero = inputs.counts;
+            // Position 0 is where it was switched on, or what it was called since.
+            self.zero = inputs.counts.wrapping_sub(self.position);
         }
         let position = inputs.counts.wrapping_sub(self.zero);
         if !self.is_new {

@@ -136,6 +136,23 @@ fn a_position_is_not_renamed_during_a_move() {
     assert_eq!((axis.position(), axis.commanded()), (1_000_000, 1_000_000));
 }
 
+/// What it is called before the first period is what it is called in it, wherever the counter stands.
+#[test]
+fn a_name_given_before_the_first_period_counts() {
+    let mut axis = ServoAxis::new(law());
+    assert!(axis.set_position(100));
+    axis.tick(&ServoInputs {
+        counts: 12_345,
+        ..POWERED
+    });
+    assert_eq!((axis.position(), axis.commanded()), (100, 100));
+    axis.tick(&ServoInputs {
+        counts: 12_350,
+        ..POWERED
+    });
+    assert_eq!(axis.position(), 105);
+}
+
 #[test]
 fn going_round_the_counter_is_told() {
     let mut axis = holding(i32::MAX);

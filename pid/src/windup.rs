@@ -6,7 +6,8 @@ use crate::number::{Number, Word};
 /// [`BackCalculation`].
 ///
 /// All of them keep the integral within its limits, so that the output leaves its limit in the very sample in which the rest of the law
-/// pulls it away, that is when the error changes sign.
+/// pulls it away by half a last digit or more, that is when the error changes sign; without a part that acts at once, as `Forward` without a
+/// proportional gain, in the sample behind it.
 pub trait AntiWindup<W: Word> {
     /// The next integral. `wanted` is the output before its limits, `given` the one after; `bits` are behind the point of all wide numbers.
     #[doc(hidden)]
