@@ -20,6 +20,8 @@ pub fn micromill(data: &[u8]) {
     };
     let mut host = Host::new(timing);
     let mut now_us = bytes.i32() as u32;
+    // A motion may outlast the string that began it, when its host gave up.
+    let mut moves_left = 0;
     for _ in 0..32 {
         if bytes.is_empty() {
             break;
@@ -27,12 +29,26 @@ pub fn micromill(data: &[u8]) {
         let mut string = [0; 12];
         string.fill_with(|| bytes.byte());
         let order = order(&string);
-        run(&mut host, &mut device, order, &mut now_us, Some(&mut bytes));
+        run(
+            &mut host,
+            &mut device,
+            order,
+            &mut now_us,
+            &mut moves_left,
+            Some(&mut bytes),
+        );
     }
     // A part of a string that was lost may lie in the device: the next one spoils it.
     let mut understood = 0;
     for _ in 0..4 {
-        let outcome = run(&mut host, &mut device, Order::Lease(500), &mut now_us, None);
+        let outcome = run(
+            &mut host,
+            &mut device,
+            Order::Lease(500),
+            &mut now_us,
+            &mut moves_left,
+            None,
+        );
         understood += usize::from(outcome == Outcome::Done);
     }
     assert!(understood >= 3, "{understood}");
@@ -67,6 +83,7 @@ fn run(
     device: &mut Device<64>,
     order: Order,
     now_us: &mut u32,
+    moves_left: &mut u32,
     mut faults: Option<&mut Bytes<'_>>,
 ) -> Outcome {
     let mut damage = |byte: u8| match faults.as_mut().map(|bytes| bytes.byte()) {
@@ -78,7 +95,6 @@ fn run(
         _ => vec![byte],
     };
     assert!(host.start(order, *now_us), "the last string has ended");
-    let mut moves_left = 0_u32;
     for _ in 0..20_000 {
         if let Progress::Over(outcome) = host.poll(*now_us) {
             return outcome;
@@ -93,27 +109,27 @@ fn run(
                 let (_, string) = text.bytes().split_last().expect("a string has its end");
                 assert_eq!(Order::read(string), Some(heard));
                 match heard {
-                    Order::Stop if moves_left > 0 => {
-                        moves_left = 0;
+                    Order::Stop if *moves_left > 0 => {
+                        *moves_left = 0;
                         device.answer(Answer::Stopped);
                     }
                     Order::Stop | Order::Lease(_) => device.answer(Answer::Taken),
                     Order::Faster | Order::Slower | Order::Renew => {}
-                    _ if moves_left > 0 => device.answer(Answer::Refused),
+                    _ if *moves_left > 0 => device.answer(Answer::Refused),
                     _ => {
                         if device.is_streaming() && matches!(heard, Order::Line(_)) {
                             device.answer(Answer::Taken);
                         }
-                        moves_left = 5;
+                        *moves_left = 5;
                     }
                 }
-                device.set_motion(moves_left > 0, matches!(heard, Order::Jog(_)));
+                device.set_motion(*moves_left > 0, matches!(heard, Order::Jog(_)));
             }
         }
-        if moves_left > 0 && device.room() > 0 {
+        if *moves_left > 0 && device.room() > 0 {
             device.step(husillo_transports::micromill::Axis::Z, false);
-            moves_left -= 1;
-            if moves_left == 0 {
+            *moves_left -= 1;
+            if *moves_left == 0 {
                 device.answer(Answer::Done);
                 device.set_motion(false, false);
             }
