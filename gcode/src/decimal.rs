@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "arithmetic without memory, far too much of it to interpret")]
+    #[cfg_attr(miri, ignore = "too much of it to interpret")]
     fn both_ways_scale_alike() {
         let numbers = (0..63).flat_map(|bit| {
             let power = 1u64 << bit;
