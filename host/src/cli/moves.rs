@@ -1,0 +1,156 @@
+//! Moves on the bare grid, and the methods that make them.
+
+use super::{Output, Page, Target};
+use clap::{Args, Subcommand, ValueEnum};
+
+/// `husillo interpolate`.
+#[derive(Debug, Args)]
+pub struct Interpolate {
+    /// The move.
+    #[command(subcommand)]
+    pub shape: Shape,
+}
+
+/// The moves.
+#[derive(Debug, Subcommand)]
+pub enum Shape {
+    /// A straight move from zero
+    Line(LineShape),
+    /// A circular move
+    Arc(ArcShape),
+}
+
+/// `husillo interpolate line`.
+#[derive(Debug, Args)]
+pub struct LineShape {
+    /// Target in steps, two to six axes
+    #[arg(long, value_name = "X,Y[,Z..]", allow_hyphen_values = true)]
+    pub to: String,
+    /// Method: bresenham, dda or dda-printed
+    #[arg(long, default_value = "bresenham")]
+    pub method: String,
+    /// How to print the move
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+}
+
+/// `husillo interpolate arc`.
+#[derive(Debug, Args)]
+pub struct ArcShape {
+    /// Start in steps
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub from: String,
+    /// End in steps
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub to: String,
+    /// Centre in steps, as decimals
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub centre: String,
+    /// Turning direction
+    #[arg(long, value_enum)]
+    pub direction: Turning,
+    /// Fraction bits of the centre, 0 to 16
+    #[arg(long, value_name = "F", default_value_t = 16)]
+    pub centre_bits: u8,
+    /// Square of the radius, in units of 2^(-2F) steps^2: a circle of this radius instead of a spiral
+    #[arg(long, value_name = "R2")]
+    pub radius_squared: Option<u128>,
+    /// Complete extra turns
+    #[arg(long, default_value_t = 0)]
+    pub turns: u32,
+    /// Method: direct-search, dda or staircase; the same with -printed
+    #[arg(long, default_value = "direct-search")]
+    pub method: String,
+    /// How to print the move
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+}
+
+/// `husillo compare`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// circle, arc, line, or a program
+    #[arg(value_name = "circle|arc|line|FILE")]
+    pub job: String,
+    /// Machine and language.
+    #[command(flatten)]
+    pub target: Target,
+    /// Radius of a circle in steps [default: 30]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=1 << 28))]
+    pub radius: Option<i32>,
+    /// Start of an arc in steps
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub from: Option<String>,
+    /// End of an arc or of a line from zero, in steps; a line has two to six axes
+    #[arg(long, value_name = "X,Y[,Z..]", allow_hyphen_values = true)]
+    pub to: Option<String>,
+    /// Centre of an arc in steps, as decimals
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub centre: Option<String>,
+    /// Turning direction of a circle or an arc
+    #[arg(long, value_enum, default_value = "ccw")]
+    pub direction: Turning,
+    /// Methods to compare [default: all]
+    #[arg(long, value_name = "METHODS")]
+    pub only: Option<String>,
+    /// Weights of error, iterations, evenness and work in the decision matrix
+    #[arg(long, value_name = "E,I,S,W", default_value = crate::decision::DEFAULT_WEIGHTS, allow_hyphen_values = true)]
+    pub weights: String,
+    /// How to print the results [default: by the name of the output, or text]
+    #[arg(long, value_enum)]
+    pub format: Option<Page>,
+    /// File to write instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<String>,
+}
+
+/// What the figures of `husillo compare` mean.
+pub(super) const COMPARE_HELP: &str = "\
+Methods:
+  lines  bresenham, dda, dda-printed
+  arcs   direct-search, dda, staircase and, as their literature prints them,
+         direct-search-printed, dda-printed, staircase-printed
+
+Figures (1 BLU = one motor step; JSON: a list with one object a method):
+  iterations      passes of the method's loop
+  moving          those that step an axis; the others are idle
+  max_error_blu   largest distance of the tool from the exact curve after a pass: square to a line, radially
+                  to an arc, outside of the band between the radii of a spiral
+  rms_error_blu   root mean square of that distance over all passes
+  mean_speed      length of the curve by the time of the move, 1 = the programmed feed, when passes come at one
+                  rate of one BLU of programmed feed each (equal time; the idle passes of dda-printed take none)
+  ripple_percent  the larger deviation of the speed from the mean, in per cent, over any 32 timed passes in a
+                  row, speed being the progress along the exact curve by time; a move of fewer passes has 0
+  ripple_percent_windows
+                  slowest (low) and fastest (high) against the mean over 1, 8, 32 and 128 passes
+  vector_feed     the same three when every event takes the time of its own path, timed to 1/1000 of the time of
+                  a BLU; null for methods whose passes are a BLU each
+  additions, tests
+                  of one pass at most, two axes, by the method itself: what the borders of quadrants and the end
+                  of the move need comes on top
+  instructions    of one event, two axes, on Cortex-M0, Cortex-M4F and RISC-V under QEMU, from
+                  firmware/count/golden.txt; direct-search as the kernel for whole-step centres where they are
+  points          decision matrix, 0 to 100: error, iterations and work are the best method's value by the
+                  method's own, in per cent (work: Cortex-M4F instructions, or additions and tests where not all
+                  methods have a count); evenness is 100 less the ripple over 32 events, slowest to fastest, with
+                  vector feed where there is one, as printed with equal time; total is the mean by --weights
+
+Of a program every G1, G2 and G3 is made on the machine's grid, rapids and what a helix does across its plane are
+not; iterations are sums, errors and ripples the worst of any move, moves counts them. Methods other than
+direct-search know whole-step centres only: theirs are rounded, and arcs that one of them cannot make at all are
+left out and counted.
+
+Examples:
+  husillo compare circle --radius 30
+  husillo compare circle --radius 1000 --only dda,direct-search -o circle.html
+  husillo compare line --to 1000,500 --format json
+  husillo compare examples/gear.nc -m micromill --weights 5,1,3,1";
+
+/// Turning direction of an arc.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Turning {
+    /// Clockwise.
+    Cw,
+    /// Counter-clockwise.
+    Ccw,
+}

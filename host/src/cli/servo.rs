@@ -1,0 +1,237 @@
+//! The measuring machine and its servos; simulated machines behind a pseudo-terminal.
+
+use super::{Output, Results};
+use clap::{Args, ValueEnum};
+use std::ffi::OsString;
+
+/// `husillo measure`.
+#[derive(Debug, Args)]
+pub struct Measure {
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn. Or run FILE, record FILE
+    #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
+    pub actions: Vec<String>,
+    /// Machine: cmm, cmm3, or a TOML file [default: cmm]
+    #[arg(short, long, value_name = "NAME|FILE")]
+    pub machine: Option<String>,
+    /// Serial device, tcp:HOST:PORT, or sim: simulated modules in simulated time
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
+    pub port: String,
+    /// Axis that is meant where an action names none
+    #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
+    pub axis: char,
+    /// Pre-travel to subtract, instead of the machine's
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub pretravel: Option<String>,
+    /// Radius of the probe's ball, instead of the machine's
+    #[arg(long, value_name = "LENGTH")]
+    pub ball: Option<String>,
+    /// Where the face is that `calibrate` touches
+    #[arg(long, value_name = "POSITION", allow_negative_numbers = true)]
+    pub reference: Option<String>,
+    /// Slow touches to average
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
+    pub repeat: u8,
+    /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub contact: Vec<crate::cmm::Contact>,
+    /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub piece: Option<String>,
+    /// Share of wrong bits on the simulated line, such as 1e-5
+    #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
+    pub noise: f64,
+    /// How to print the results
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Results,
+    /// File to write the results to: CSV, and of a routine by its name .html or .json
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<String>,
+    /// Show the bytes sent (>) and received (<) on standard error
+    #[arg(long)]
+    pub raw: bool,
+}
+
+/// The arguments, with directions of `measure` such as `-z` and `-1,0,0` written so that they are no options: `z-` and `(-1,0,0)`.
+pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut args: Vec<_> = args.collect();
+    if args.get(1).is_some_and(|command| command == "measure") {
+        for word in &mut args[2..] {
+            let Some(rest) = word.to_str().and_then(|word| word.strip_prefix('-')) else {
+                continue;
+            };
+            if matches!(rest, "x" | "y" | "z" | "X" | "Y" | "Z") {
+                *word = format!("{rest}-").into();
+            } else if rest.contains(',')
+                && rest.starts_with(|c: char| c.is_ascii_digit() || c == '.')
+            {
+                *word = format!("(-{rest})").into();
+            }
+        }
+    }
+    args
+}
+
+/// `husillo emulate`.
+#[derive(Debug, Args)]
+pub struct Emulate {
+    /// Machine: microfactory, drill, cmm, cmm3, or a TOML file of a measuring machine
+    pub machine: String,
+    /// Figure of a microfactory: a G-code program of straight moves in X and Z
+    #[arg(long, value_name = "FILE")]
+    pub figure: Option<String>,
+    /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
+    #[arg(long)]
+    pub faithful: bool,
+    /// Bits a second of the link of a drill
+    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: u32,
+    /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
+    #[arg(long, value_name = "servo:V,..")]
+    pub modules: Option<String>,
+    /// Name for clients to open: a symbolic link, removed at the end
+    #[arg(long, value_name = "PATH")]
+    pub link: String,
+    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub contact: Vec<crate::cmm::Contact>,
+    /// Work piece: solids and a probe, as in examples/piece.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub piece: Option<String>,
+    /// Share of wrong bits on the simulated line, such as 1e-5
+    #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
+    pub noise: f64,
+    /// End after this time instead of at Ctrl-C
+    #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
+    pub seconds: Option<f64>,
+    /// Multiple of real time, that of the wire too
+    #[arg(long, value_name = "N", default_value = "1", value_parser = positive)]
+    pub speed: f64,
+}
+
+/// `husillo tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    /// Machine: cmm, cmm3, or a TOML file [default: cmm]
+    #[arg(short, long, value_name = "NAME|FILE")]
+    pub machine: Option<String>,
+    /// Axis to tune
+    #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
+    pub axis: char,
+    /// Serial device, tcp:HOST:PORT, line: simulated modules on a simulated line, or sim: the simulated axis itself, read in every servo period
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
+    pub port: String,
+    /// What to do
+    #[arg(long, value_enum)]
+    pub method: TuneMethod,
+    /// Proportional gain of a step, instead of the machine's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
+    pub p: Option<u16>,
+    /// Integral gain of a step
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
+    pub i: Option<u16>,
+    /// Derivative gain of a step
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
+    pub d: Option<u16>,
+    /// Bound of the sum of errors of a step
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
+    pub integral_limit: Option<u16>,
+    /// Dead-band compensation, PWM, instead of the machine's
+    #[arg(long, value_name = "PWM")]
+    pub dead_band: Option<u8>,
+    /// Position error that ends it, counts, instead of the machine's
+    #[arg(long, value_name = "COUNTS", value_parser = clap::value_parser!(u16).range(1..=0x3fff))]
+    pub error_limit: Option<u16>,
+    /// Current that ends it, as the module reads it, odd; instead of the machine's
+    #[arg(long, value_name = "N")]
+    pub current: Option<u8>,
+    /// Steps of step and stepwise
+    #[arg(long, value_name = "COUNTS", default_value_t = 100, value_parser = clap::value_parser!(i32).range(1..=0x3fff))]
+    pub size: i32,
+    /// Output of the relay
+    #[arg(long, value_name = "PWM", default_value_t = 200, value_parser = clap::value_parser!(u8).range(1..))]
+    pub amplitude: u8,
+    /// Error that the relay needs to turn over, counts on both sides
+    #[arg(long, value_name = "COUNTS", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1000))]
+    pub hysteresis: u16,
+    /// Rule that makes gains of Ku and Tu
+    #[arg(long, value_enum, default_value = "tyreus-luyben")]
+    pub rule: TuneRule,
+    /// Moves that check the gains, 1 to 1000 counts long [default: 20, none for step]
+    #[arg(long, value_name = "N")]
+    pub moves: Option<u32>,
+    /// How to print the results
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+    /// Page to write, with pictures
+    #[arg(short, long, value_name = "REPORT.html")]
+    pub output: Option<String>,
+    /// Show the bytes sent (>) and received (<) on standard error
+    #[arg(long)]
+    pub raw: bool,
+}
+
+/// Ways to find gains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TuneMethod {
+    /// A step response.
+    Step,
+    /// The ultimate gain.
+    Ultimate,
+    /// A relay.
+    Relay,
+    /// One gain after the other.
+    Stepwise,
+}
+
+impl TuneMethod {
+    /// As the command line has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::Ultimate => "ultimate",
+            Self::Relay => "relay",
+            Self::Stepwise => "stepwise",
+        }
+    }
+}
+
+/// Rules for gains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TuneRule {
+    /// Fast, with much overshoot.
+    ZieglerNichols,
+    /// Gentler.
+    TyreusLuyben,
+}
+
+/// What the methods of `husillo tune` do.
+pub(super) const TUNE_HELP: &str = "\
+Methods:
+  step      a step of --size counts with the gains of the machine file, or those given
+  ultimate  the proportional gain is raised until the axis swings for ever: Ku, Tu, and gains by --rule
+  relay     a relay in the place of the controller finds the same point in one experiment
+  stepwise  as by hand: derivative up to vibration, proportional, integral with its limit at 16000, the limit down
+
+The axis moves by itself, within its travel: by --size counts, and in the moves that check the gains by up to 1000 to each side.
+A position error or a current beyond its limit ends it with the motor off.
+
+Examples:
+  husillo tune -m cmm --method step --p 100 --i 0 --d 10000 -o step.html
+  husillo tune -m cmm --method ultimate --rule ziegler-nichols
+  husillo tune -m cmm --method stepwise --port /dev/ttyUSB0 --current 101";
+
+/// A number from 0 to below 1.
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number| (0.0..1.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0 to below 1".into())
+}
+
+/// A number above 0 and below a billion.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number| *number > 0.0 && *number < 1e9);
+    number.ok_or_else(|| "expected a number above 0".into())
+}
