@@ -22,7 +22,7 @@ const MAX_REACH: u32 = 1 << 22;
 /// | | |
 /// | --- | --- |
 /// | curves | ellipse (also rotated), parabola, one branch of a hyperbola; not a pair of lines |
-/// | error | an upright ellipse 1/2 BLU + 1/(10 b) for the lesser semi-axis b; others 1/2 + 1/(4 rho) for the least radius of curvature rho of 2 BLU or more (sharper ones are walked or refused as [`ConicError::Astray`]); first point and run-off to the last one are rounding (0.7071) |
+/// | error | an upright ellipse 1/2 BLU + 1/(10 b) for the lesser semi-axis b; others 1/2 + 1/(4 rho) for the least radius of curvature rho of 2 BLU or more, or the half axis a of a hyperbola where that is less (sharper ones are walked or refused as [`ConicError::Astray`]); first point and run-off to the last one are rounding (0.7071) |
 /// | events | one a row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
 /// | speed ripple | a circle as [`Arc`](crate::Arc), 1/R; others 1/rho + 0.05 % where the radius of curvature is rho |
 /// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, as F has two first and three second differences of 64 bits each |

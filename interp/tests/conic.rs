@@ -143,7 +143,7 @@ fn largest_error(ellipse: &EllipseMove, points: &[[i32; 2]]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000000, max_global_rejects: 10000000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     /// Any ellipse of semi-axes from a BLU is walked, keeps to its curve and ends exactly.
     #[test]
@@ -242,7 +242,7 @@ fn distance_from_conic(coefficients: [i64; 6], at: [i32; 2]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000000, max_global_rejects: 10000000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     /// Rotated ellipses whose sharpest radius b^2 / a is 2 BLU or more are walked and kept to.
     #[test]
@@ -328,6 +328,7 @@ proptest! {
         let points = points(from, &steps);
         let inner = points.get(2..points.len().saturating_sub(2)).unwrap_or(&[]);
         let error = inner.iter().map(|&at| distance_from_conic(coefficients, at)).fold(0.0, f64::max);
+        // Beside the curvature, F itself bends: at the vertex by 1/a of its slope.
         prop_assert!(error <= 0.5 + 0.25 / sharpness.min(a), "{error}");
         prop_assert!(Conic::new(&arc(backwards)).is_err());
     }
