@@ -81,6 +81,26 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         is_due.then_some(owed)
     }
 
+    /// The direction of an axis' last event, and the motor steps it would owe if it turned round now, with the load at `load`. `None` before
+    /// its first event.
+    ///
+    /// For who moves a motor beside the path and back, across the lash that the path has. The model is asked for a turn and for the turn
+    /// back at one place, which leaves it as it was.
+    pub fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
+        let bit = 1_u8.checked_shl(u32::try_from(axis).ok()?)?;
+        let direction = if self.positive & bit != 0 {
+            1
+        } else if self.negative & bit != 0 {
+            -1
+        } else {
+            return None;
+        };
+        let lash = self.lash.get_mut(axis)?;
+        let owed = lash.take_up(axis, -direction, load);
+        lash.take_up(axis, direction, load);
+        Some((direction, owed))
+    }
+
     /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go backwards, turns none round;
     /// then nothing is owed.
     #[inline]

@@ -273,7 +273,6 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
             let behind = watch.behind(*counts);
             Some((axis, watch, behind))
         });
-        let lash = self.machine.config().axes.map(|axis| axis.lash_steps);
         if let Some((axis, watch, behind)) = lost.next() {
             if watch.is_there(behind) {
                 watch.is_lost = false;
@@ -291,8 +290,15 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
                 return Some(Followed::Stalled { axis, steps });
             }
             watch.attempts = watch.attempts.saturating_add(1);
-            let lash = lash.get(axis).copied().unwrap_or(0);
-            self.legs = watch.legs(behind, lash);
+            self.legs = match self.machine.play(axis) {
+                Some((heading, lash)) => watch.legs(behind, heading, lash),
+                // Not taken up: the lash is there all the same.
+                None => {
+                    let facts = self.machine.config().axes.get(axis);
+                    let lash = facts.map_or(0, |facts| facts.lash_steps);
+                    watch.legs(behind, watch.heading, lash)
+                }
+            };
             let timer_hz = self.machine.config().timer_hz;
             let rate_hz = watch.encoder.correction_rate_hz.max(1);
             self.timer = Timer::new(timer_hz.into(), rate_hz.into(), 1);

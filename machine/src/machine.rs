@@ -628,6 +628,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.segment.as_ref()
     }
 
+    /// Direction and lash of an axis for steps that are given again: [`TakeUp::play`].
+    pub(crate) fn play(&mut self, axis: usize) -> Option<(i8, u32)> {
+        self.take_up.play(axis, &self.load)
+    }
+
     /// Where the load stands after the event given last, in steps from machine zero.
     pub fn position_steps(&self) -> [i32; N] {
         self.load

@@ -43,7 +43,7 @@ pub(crate) struct Watch {
     /// Counts at the first look less what `given` was then, and what was reported since and is let be, in parts.
     origin: Option<i64>,
     /// Direction of the last step.
-    heading: i8,
+    pub(crate) heading: i8,
     /// Told as lost, and not yet as right.
     pub(crate) is_lost: bool,
     /// Times it was given steps again since it was right last.
@@ -116,10 +116,11 @@ impl Watch {
         i32::try_from(steps).unwrap_or(if steps < 0 { i32::MIN } else { i32::MAX })
     }
 
-    /// The ways that make up for being behind, with this lash in steps: against the heading also across it, and back.
-    pub(crate) fn legs(&self, behind: i64, lash_steps: u32) -> [i32; 2] {
+    /// The ways that make up for being behind, of an axis that went in the direction of `heading` last and has this lash in steps: against
+    /// the heading also across it, and back.
+    pub(crate) fn legs(&self, behind: i64, heading: i8, lash_steps: u32) -> [i32; 2] {
         let steps = self.steps(behind);
-        if steps.signum() == i32::from(self.heading) || self.heading == 0 {
+        if steps.signum() == i32::from(heading) || heading == 0 {
             return [steps, 0];
         }
         let lash = i32::try_from(lash_steps).unwrap_or(i32::MAX);

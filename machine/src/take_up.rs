@@ -66,6 +66,22 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         self.is_on && (turns || self.unfinished.is_some())
     }
 
+    /// Direction and lash of an axis, for steps beside the path that end where they began: 0 and 0 before it has moved, and while its nut lies
+    /// between the flanks. `None` where nothing is taken up.
+    #[cold]
+    pub(crate) fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
+        if !self.is_on {
+            return None;
+        }
+        let unfinished = self.unfinished.unwrap_or([0; N]);
+        let rests = [&self.owed, &unfinished];
+        let is_between = rests
+            .iter()
+            .any(|rest| rest.get(axis).is_some_and(|rest| *rest != 0));
+        let play = self.compensator.play(axis, load);
+        Some(play.filter(|_| !is_between).unwrap_or((0, 0)))
+    }
+
     /// Before the axes of `delta` move that way, with the load at `load`: they owe their take-up from now on.
     #[cold]
     pub(crate) fn turn(&mut self, delta: &[i8; N], load: [i32; N], config: &Config<N>) {

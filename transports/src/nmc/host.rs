@@ -5,7 +5,7 @@ use crate::buffer::Buffer;
 use super::command::is_group;
 use super::damage::{FLUSH_LENGTH, flush_byte, is_fragile};
 use super::frame::LONGEST_FRAME;
-use super::repeat::start;
+use super::repeat::{agreement, start};
 use super::reply::LONGEST_REPLY;
 use super::{
     Baud, Command, Failure, Finding, Frame, Group, Items, Outcome, Progress, Refused, Repeat,
@@ -81,8 +81,9 @@ enum Bad {
 /// | after each of these and after the time it names | [`poll`](Host::poll) |
 ///
 /// A command that must not be executed twice is preceded by a reading; when its reply is lost the line is flushed, the reading
-/// taken again, and the command repeated only where the two show that nothing happened (see [`Command::repeat`]). So such a
-/// command takes two exchanges and a poll takes one.
+/// taken again, and the command repeated only where the two show that nothing happened (see [`Command::repeat`]). Each of these is
+/// taken until two in a row agree, as a byte lost and an equal one doubled in the same reply leave its length and its sum right. So such
+/// a command takes three exchanges and a poll takes one.
 ///
 /// `now_us` wraps; calls may be up to 2^31 us apart. 1.6 KB.
 #[derive(Debug, Clone)]
@@ -94,6 +95,7 @@ pub struct Host {
     command: Command,
     /// `Some` for a reading that has to be taken twice: how far the positions may be apart.
     twice_counts: Option<u32>,
+    /// The reading before, of one that is taken twice.
     first: Option<Reply>,
     phase: Phase,
     /// Left for the command, and for the reading.
@@ -342,7 +344,7 @@ impl Host {
         self.first = None;
         self.has_heard = false;
         self.tries = self.timing.tries.max(1);
-        self.readings = self.tries;
+        self.readings = self.readings_at_most();
         self.before = Reply::default();
         match repeat {
             Repeat::AfterReading(_) if !is_group(address) => self.read_before(),
@@ -354,8 +356,11 @@ impl Host {
     /// Sends the command, with one try less.
     fn send_again(&mut self) {
         self.tries = self.tries.saturating_sub(1);
-        self.readings = self.timing.tries.max(1);
+        self.readings = self.readings_at_most();
         self.has_heard_after = false;
+        if self.twice_counts.is_none() {
+            self.first = None;
+        }
         let answers = self.answerer().is_some()
             && !matches!(self.command, Command::HardReset(_) | Command::SetBaud(_));
         self.phase = if answers {
@@ -370,6 +375,12 @@ impl Host {
         }
         let frame = self.command.frame(self.address);
         self.send_frame(frame);
+    }
+
+    /// Tries, and the second reading, which is no retry.
+    fn readings_at_most(&self) -> u8 {
+        let second = matches!(self.command.repeat(self.address), Repeat::AfterReading(_));
+        self.timing.tries.max(1).saturating_add(second.into())
     }
 
     fn read_before(&mut self) {
@@ -466,10 +477,14 @@ impl Host {
 
     fn heard_before(&mut self, result: Result<Reply, Bad>) {
         match result {
-            Ok(reply) => {
-                self.before = reply;
-                self.send_again();
-            }
+            Ok(reply) => match self.agreed(&reply) {
+                Some(before) => {
+                    self.before = before;
+                    self.send_again();
+                }
+                None if self.readings > 0 => self.read_before(),
+                None => self.end(Outcome::Failed(Failure::Unsteady)),
+            },
             Err(Bad::Rejected) if self.readings > 0 => self.read_before(),
             Err(_) if self.readings > 0 => self.flush_then(Next::Before),
             Err(bad) => self.give_up(bad),
@@ -503,7 +518,11 @@ impl Host {
         let is_new_address = matches!(self.command.repeat(self.address), Repeat::AfterSilenceAt(_));
         let finding = match result {
             Ok(_) if is_new_address => Finding::Executed,
-            Ok(reply) => self.finding(&reply),
+            Ok(reply) => match self.agreed(&reply) {
+                Some(after) => self.finding(&after),
+                None if self.readings > 0 => return self.read_after(),
+                None => Finding::Unknown,
+            },
             Err(Bad::Rejected) if self.readings > 0 => return self.read_after(),
             Err(_) if self.readings > 0 => return self.flush_then(Next::After),
             Err(_) if is_new_address && !self.has_heard_after => Finding::NotExecuted,
@@ -533,6 +552,12 @@ impl Host {
             }
             command => command.finding(&self.before, after),
         }
+    }
+
+    /// What this reading and the one before say of the module, where they agree.
+    fn agreed(&mut self, reply: &Reply) -> Option<Reply> {
+        let first = self.first.replace(*reply)?;
+        agreement(&first, reply)
     }
 
     /// Two readings in a row have to agree.

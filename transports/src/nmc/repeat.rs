@@ -121,6 +121,28 @@ fn stands(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE) && reply.velocity().unwrap_or_default() == 0
 }
 
+/// What two readings in a row say together; `None` where one of them must be wrong, or something happened in between. What findings
+/// do not look at (switches, the index) may change.
+pub(super) fn agreement(first: &Reply, second: &Reply) -> Option<Reply> {
+    const STATUS: u8 = Status::MOVE_DONE.0
+        | Status::HOME_IN_PROGRESS.0
+        | Status::POSITION_ERROR.0
+        | Status::OVERCURRENT.0
+        | Status::POWER_ON.0;
+    const AUXILIARY: u8 =
+        Auxiliary::POSITION_WRAP.0 | Auxiliary::SERVO_OVERRUN.0 | Auxiliary::PATH_MODE.0;
+    let (a, b) = (&first.readings, &second.readings);
+    let is_moving = !stands(first) || !stands(second);
+    let leaves = a.auxiliary.contains(Auxiliary::PATH_MODE); // points, one after another
+    let agrees = (first.status.0 ^ second.status.0) & STATUS == 0
+        && (a.auxiliary.0 ^ b.auxiliary.0) & AUXILIARY == 0
+        && a.home == b.home
+        && (is_moving || is_near(a.position, b.position))
+        && (leaves || a.path_points == b.path_points);
+    // Of an axis that has a speed in one of them, that one: less follows from it.
+    agrees.then_some(if stands(second) { *first } else { *second })
+}
+
 fn is_near(a: i32, b: i32) -> bool {
     // The difference as positions wrap.
     a.wrapping_sub(b).unsigned_abs() <= STILL_COUNTS

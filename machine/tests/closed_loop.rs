@@ -1,0 +1,115 @@
+//! Steps that are given again cross the lash that the motion has: that of a map where there is one.
+
+mod common;
+
+use common::config;
+use husillo_backlash::{Flank, LashMap, MappedBacklash};
+use husillo_interp::Path;
+use husillo_machine::{
+    AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, StepEvent,
+};
+use proptest::prelude::*;
+
+type Mapped = MappedBacklash<Vec<i32>, Vec<u32>>;
+
+/// X on a screw whose play is the map's where the load is, and pushes of its motor.
+struct Screw {
+    map: LashMap<Vec<i32>, Vec<u32>>,
+    motor: i32,
+    tool: i32,
+}
+
+impl Screw {
+    fn go(&mut self, steps: i32, load: [i32; 3]) {
+        self.motor += steps;
+        let play = self.map.steps([load[0], load[1]]) as i32;
+        self.tool = self.tool.clamp(self.motor, self.motor + play);
+    }
+}
+
+/// Play of X that grows from 40 to 80 steps over 400 steps of Y, while the machine file says 5; each push is one of the motor of X so many
+/// events from the start. Where motor and tool are in the end, and how often a loss was told and put right.
+fn run(lines: &[&str], pushes: &[(u32, i32)]) -> (i32, i32, [u32; 2]) {
+    let map = LashMap::new([0, 1], [vec![0], vec![0, 400]], vec![40, 80]).unwrap();
+    let none = LashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
+    let plain: Config<3> = config();
+    let axes = plain.axes.map(|axis| husillo_machine::Axis {
+        lash_steps: 5,
+        ..axis
+    });
+    let lash = [map.clone(), none.clone(), none].map(|map| Mapped::new(map, Flank::Positive));
+    let machine: Machine<3, Path<3>, Mapped, 8> =
+        Machine::with_lash(Config { axes, ..plain }, lash);
+    let encoder = AxisEncoder {
+        counts: 1,
+        steps: 1,
+        tolerance_steps: 2,
+        on_loss: OnLoss::Correct,
+        correction_rate_hz: 100,
+        settle_ticks: 1000,
+        attempts: 3,
+    };
+    let mut axes = ClosedLoop::new(machine, [Some(encoder), None, None]);
+    let mut screw = Screw {
+        map,
+        motor: 0,
+        tool: 0,
+    };
+    let mut pushes = pushes.iter().peekable();
+    let (mut events, mut told) = (0, [0; 2]);
+    for line in lines {
+        axes.machine_mut().line(line.as_bytes()).unwrap();
+        while let Some(entry) = axes.next_event(&[screw.motor.into(), 0, 0]) {
+            match entry {
+                Followed::Event(Event::Step(StepEvent { delta, .. })) => {
+                    events += 1;
+                    screw.go(delta[0].into(), axes.machine().position_steps());
+                }
+                Followed::Lost { .. } => told[0] += 1,
+                Followed::Corrected { .. } => told[1] += 1,
+                Followed::Event(_) => {}
+                Followed::Stalled { .. } => panic!("nothing blocks it"),
+            }
+            assert!(events < 100_000, "hangs");
+            if let Some((_, push)) = pushes.next_if(|(at, _)| *at <= events) {
+                screw.go(*push, axes.machine().position_steps());
+            }
+        }
+    }
+    (screw.motor, screw.tool, told)
+}
+
+#[test]
+fn across_the_lash_of_the_map_and_back() {
+    // To 100, and back to 50 at Y 200, where the play is 60.
+    let lines = ["G1 X0.014 Y0.028 F1.2", "G1 X0.007"];
+    let (motor, tool, told) = run(&lines, &[]);
+    assert_eq!((motor, tool, told), (50 - 60, 50, [0, 0]));
+    // At its end it is pushed on by 8: the tool went with it, and comes back only from beyond the whole play.
+    assert_eq!(run(&lines, &[(310, -8)]), (motor, tool, [1, 1]));
+}
+
+/// On the negative flank, along Y, X gives up a step now and then for less play: that is no turn of X.
+#[test]
+fn what_the_map_owes_is_no_turn() {
+    let lines = ["G1 X0.014 Y0.056 F1.2", "G1 X0.007", "G1 Y0.014"];
+    let (motor, tool, _) = run(&lines, &[]);
+    assert_eq!((motor, tool), (50 - 50, 50));
+    for push in [-8, 8] {
+        assert_eq!(run(&lines, &[(700, push)]), (motor, tool, [1, 1]));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Pushed anywhere and either way, the motor ends where it would have been, and a tool that was carried along as well.
+    #[test]
+    fn pushed_anywhere(at in 1u32..900, push in prop_oneof![-30i32..-3, 4i32..30]) {
+        let lines = ["G1 X0.014 Y0.056 F1.2", "G1 X0.007", "G1 Y0.014", "G1 X0.021 Y0.028"];
+        let (motor, tool, _) = run(&lines, &[]);
+        let (pushed, carried, told) = run(&lines, &[(at, push)]);
+        prop_assert_eq!((pushed, carried), (motor, tool));
+        prop_assert_eq!(told[0], told[1]);
+    }
+}
