@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, process};
 
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "gcode",
     "interp",
     "planner",
@@ -18,6 +18,7 @@ const CRATES: [&str; 10] = [
     "pid",
     "probe",
     "transports",
+    "store",
     "machine",
 ];
 

@@ -15,6 +15,7 @@ mod pid;
 mod planner;
 mod probe;
 mod stepper;
+mod store;
 mod transports;
 
 /// Where the linker starts to look for what is used. Never run.
@@ -29,6 +30,7 @@ extern "C" fn _start() -> ! {
     pid::keep();
     probe::keep();
     transports::keep();
+    store::keep();
     machine::keep();
     loop {
         core::hint::spin_loop();
