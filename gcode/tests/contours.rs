@@ -621,3 +621,277 @@ fn every_kind_of_line_end_ends_one_line() {
     assert_eq!(run(&lines.join("\r\n"), Dialect::LATHE), expected);
     assert_eq!(run(&lines.join("\r"), Dialect::LATHE), expected);
 }
+
+/// The commands of a program, as text with their lines.
+fn told(text: &str, dialect: Dialect) -> Vec<String> {
+    let (commands, errors) = run(text, dialect);
+    assert_eq!(errors, [], "{text}");
+    commands
+        .iter()
+        .map(|(line, command)| format!("{line}: {command}"))
+        .collect()
+}
+
+/// The moves of a cycle in their order: shifted by the allowance, in at the feed where the contour begins with G1, the last
+/// cut at the bottom, no lift longer than the cut, then once along the contour and home.
+#[test]
+fn a_roughing_cycle_move_by_move() {
+    let text = "G0 X20 Z1\nF100\nG71 P1 Q9 D3 R0.5 U1 W0.25 F80 S5\nN1 G1 X8\nS7 M8 G64\nZ-4\n\
+                N9 G3 X18 Z-9 I0 K-5\nG70 P1 Q9 F60\n";
+    assert_eq!(
+        told(text, Dialect::LATHE),
+        [
+            "1: rapid X10 Y0 Z1",
+            "3: rapid X10 Y0 Z1.25",
+            "3: linear X7 Y0 Z1.25 F80",
+            "3: linear X7 Y0 Z-4.419872 F80",
+            "3: rapid X7.5 Y0 Z-3.919872",
+            "3: rapid X7.5 Y0 Z1.25",
+            "3: linear X4.5 Y0 Z1.25 F80",
+            "3: linear X4.5 Y0 Z-3.75 F80",
+            "3: rapid X5 Y0 Z-3.25",
+            "3: rapid X5 Y0 Z1.25",
+            "3: linear X4.5 Y0 Z1.25 F80",
+            "3: linear X4.5 Y0 Z-3.75 F80",
+            "3: arc ccw zx X9.5 Y0 Z-8.75 centre X4.5 Y0 Z-8.75 F80",
+            "3: rapid X10 Y0 Z-8.75",
+            "3: rapid X10 Y0 Z1",
+            "4: linear X4 Y0 Z1 F60",
+            "5: coolant flood",
+            "5: path blend",
+            "6: linear X4 Y0 Z-4 F60",
+            "7: arc ccw zx X9 Y0 Z-9 centre X4 Y0 Z-9 F60",
+            "8: rapid X10 Y0 Z-9",
+            "8: rapid X10 Y0 Z1"
+        ]
+    );
+    // In rapid, and never back behind where a cut began.
+    let text = "G0 X12 Z0.125\nF100\nG72 P1 Q9 D1 R5\nN1 G0 Z-2\nG1 X9\nN9 X8 Z0.125\n";
+    assert_eq!(
+        told(text, Dialect::LATHE),
+        [
+            "1: rapid X6 Y0 Z0.125",
+            "3: rapid X6 Y0 Z-0.875",
+            "3: linear X4.235295 Y0 Z-0.875 F100",
+            "3: rapid X6 Y0 Z0.889705",
+            "3: rapid X6 Y0 Z-1.875",
+            "3: linear X4.470589 Y0 Z-1.875 F100",
+            "3: rapid X6 Y0 Z-0.345589",
+            "3: rapid X6 Y0 Z-2",
+            "3: linear X4.5 Y0 Z-2 F100",
+            "3: rapid X6 Y0 Z-0.5",
+            "3: rapid X6 Y0 Z-2",
+            "3: linear X4.5 Y0 Z-2 F100",
+            "3: linear X4 Y0 Z0.125 F100",
+            "3: rapid X6 Y0 Z0.125"
+        ]
+    );
+}
+
+/// Along one axis in, along the same out: from a bore inwards first; where the way in is a slant, straight home.
+#[test]
+fn finishing_goes_home_out_of_the_material_first() {
+    let home = |way_in: &str| {
+        let text = format!("G0 X20 Z2\nF100\nG70 P1 Q2\nM2\nN1 {way_in}\nG1 Z-5\nN2 X30\n");
+        told(&text, Dialect::LATHE).split_off(4)
+    };
+    assert_eq!(home("G0 X10"), ["3: rapid X15 Y0 Z2", "3: rapid X10 Y0 Z2"]);
+    assert_eq!(home("G0 X10 Z1"), ["3: rapid X10 Y0 Z2"]);
+    assert_eq!(home("G0 Z-1"), ["3: rapid X15 Y0 Z2", "3: rapid X10 Y0 Z2"]);
+    assert_eq!(
+        home("G0 X26"),
+        ["3: rapid X10 Y0 Z-5", "3: rapid X10 Y0 Z2"]
+    );
+}
+
+/// The states a contour cannot be roughed in, and lines that are none of it.
+#[test]
+fn what_a_contour_is_not_made_of() {
+    let cycle = "G71 P1 Q9 D1";
+    let after = |before: &str| format!("{before}\nG71 P1 Q9 D1\nN1 G0 X10\nN9 G1 Z-5\n");
+    for (text, line, kind) in [
+        (after("G0 X40 Z2"), 2, ErrorKind::NoFeed),
+        (after("G0 X40 Z2 F1\nG93"), 3, ErrorKind::WrongFeedMode),
+        (after("G0 X40 Z2 F1\nG17"), 3, ErrorKind::NotOfContour),
+        (
+            after("G0 X40 Z2 F1\nG42.1 D1"),
+            3,
+            ErrorKind::UnderCompensation,
+        ),
+        // The allowance takes all of the cuts.
+        (
+            shaft("G71 P1 Q9 D1 U30", "N9 G1 X40 Z-5"),
+            3,
+            ErrorKind::OutOfRange(b'U'),
+        ),
+        (
+            shaft(cycle, "G17 G2 X14 Y0 I1\nN9 G1 Z-5"),
+            5,
+            ErrorKind::NotOfContour,
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nG2 X20 Z-10 R5 P2\nN9 G1 Z-15"),
+            6,
+            ErrorKind::NotOfContour,
+        ),
+        (
+            shaft(cycle, "G1 Z-5\nY1\nN9 G1 Z-15"),
+            6,
+            ErrorKind::NotOfContour,
+        ),
+    ] {
+        assert_eq!(only_error(&text), (line, kind), "{text}");
+    }
+}
+
+/// As many cuts as 2^16, one more is refused.
+#[test]
+fn the_most_cuts() {
+    let refused = |x: &str| {
+        let text = format!("G0 X{x} Z2\nF100\nG71 P1 Q9 D0.000001\nN1 G0 X10\nN9 G1 X60 Z-5\n");
+        let mut contours: Contours = Contours::new(text.as_bytes(), Dialect::LATHE);
+        let mut modal = Modal::<3>::new(Dialect::LATHE);
+        for _ in 0..3 {
+            let line = contours.next_line(&modal).expect("a line");
+            match line.block.and_then(|block| modal.plan(&block)) {
+                Ok((next, _)) => modal = next,
+                Err(error) => return Some(error.kind),
+            }
+        }
+        None
+    };
+    assert_eq!(refused("10.131072"), None);
+    assert_eq!(refused("10.131074"), Some(ErrorKind::TooManyPasses));
+}
+
+/// A number behind the switch for block deletion is none, nor is that of the line of G70 itself.
+#[test]
+fn numbers_that_are_none_of_the_contour() {
+    let text = "G0 X20 Z1\nF100\nN1 G0 X10\nN2 G1 Z-5\nN1 G70 P1 Q2\n";
+    let told_lines = told(text, Dialect::LATHE);
+    assert_eq!(
+        told_lines[3..5],
+        ["3: rapid X5 Y0 Z-5", "4: linear X5 Y0 Z-5 F100"]
+    );
+    let text = "G0 X20 Z1\nF100\n/N1 G0 X12\nN1 G0 X10\nN2 G1 Z-5\nG70 P1 Q2\n";
+    let dialect = Dialect::LATHE;
+    let told_lines = told(text, dialect.with_block_delete(true));
+    assert_eq!(
+        told_lines[3..5],
+        ["4: rapid X5 Y0 Z-5", "5: linear X5 Y0 Z-5 F100"]
+    );
+}
+
+/// Threads inside and outside, to both sides, with tapers, in inches; the ends of the ranges of their words.
+#[test]
+fn threads_of_all_four_kinds() {
+    let thread = |before: &str, first: &str, second: &str| {
+        let text = format!("M3 S500\n{before}\nG76 {first}\nG76 {second}\n");
+        run(&text, Dialect::LATHE_A)
+    };
+    let moves = |before: &str, first: &str, second: &str| {
+        let (commands, errors) = thread(before, first, second);
+        assert_eq!(errors, [], "{before} {first} {second}");
+        let last = commands.iter().filter(|(line, _)| *line == 4);
+        last.map(|(_, command)| command.to_string())
+            .collect::<Vec<_>>()
+    };
+    // A bore, away from the chuck, with a run-out of half a lead and a taper.
+    assert_eq!(
+        moves("G0 X10 Z-20", "P010560 Q0 R0", "X12 Z0 P800 Q800 F2 R0.1"),
+        [
+            "rapid X5 Y0 Z-19.53812",
+            "rapid X6.09769 Y0 Z-19.53812",
+            "thread X6.001 Y0 Z-0.2 lead 2.000024",
+            "thread X5.8 Y0 Z0 lead 2.000024",
+            "rapid X5 Y0 Z0",
+            "rapid X5 Y0 Z-20"
+        ]
+    );
+    assert_eq!(
+        moves("G0 X10 Z-20", "P010500", "X12 Z0 P800 Q800 F2 R-0.1"),
+        [
+            "rapid X5 Y0 Z-20",
+            "rapid X5.9 Y0 Z-20",
+            "thread X5.999 Y0 Z-0.2 lead 2.000024",
+            "thread X5.8 Y0 Z0 lead 2.000024",
+            "rapid X5 Y0 Z0",
+            "rapid X5 Y0 Z-20"
+        ]
+    );
+    // Counts of an inch's ten-thousandths.
+    assert_eq!(
+        moves("G20 G0 X1 Z1", "P010000", "X0.8 Z0 P100 Q100 F0.1"),
+        [
+            "rapid X12.7 Y0 Z25.4",
+            "rapid X10.16 Y0 Z25.4",
+            "thread X10.16 Y0 Z0 lead 2.54",
+            "rapid X12.7 Y0 Z0",
+            "rapid X12.7 Y0 Z25.4"
+        ]
+    );
+    // The start at the crest, and a run-out longer than the thread.
+    assert_eq!(
+        moves("G0 X12 Z2", "P019980", "X10 Z0 P1000 Q1000 F2"),
+        [
+            "rapid X6 Y0 Z1.1609",
+            "rapid X5 Y0 Z1.1609",
+            "thread X5 Y0 Z0 lead 2",
+            "rapid X6 Y0 Z0",
+            "rapid X6 Y0 Z2"
+        ]
+    );
+    // Many small passes are few where each goes deeper by the least.
+    assert_eq!(
+        moves("G0 X12 Z2", "P010000 Q300", "X10 Z0 P1000 Q1 F2").len(),
+        17
+    );
+    for (first, second, line, kind) in [
+        ("P010081", "", 3, ErrorKind::OutOfRange(b'P')),
+        ("P1000000", "", 3, ErrorKind::NotWhole(b'P')),
+        ("Q-1", "", 3, ErrorKind::OutOfRange(b'Q')),
+        ("R-1", "", 3, ErrorKind::OutOfRange(b'R')),
+        (
+            "P010000",
+            "X10 Z0 P1000 Q0 F2",
+            4,
+            ErrorKind::OutOfRange(b'Q'),
+        ),
+        (
+            "P010000",
+            "X10 Z0 P1000 Q1000 F0",
+            4,
+            ErrorKind::OutOfRange(b'F'),
+        ),
+        (
+            "P010000",
+            "X10 Z0 P1001 Q1000 F1",
+            4,
+            ErrorKind::ThreadStart,
+        ),
+        // Outside at one end, inside at the other; and too little room at one.
+        (
+            "P010000",
+            "X10 Z0 P900 Q900 F1 R3",
+            4,
+            ErrorKind::ThreadStart,
+        ),
+        (
+            "P010000",
+            "X10 Z0 P900 Q900 F1 R0.5",
+            4,
+            ErrorKind::ThreadStart,
+        ),
+    ] {
+        let (_, errors) = thread("G0 X12 Z2", first, second);
+        assert_eq!(errors[0], (line, kind), "{first} {second}");
+    }
+    let (_, errors) = thread("G0 X12 Z2\nG42.1 D1", "P010000", "X10 Z0 P900 Q900 F1");
+    assert_eq!(errors[0], (4, ErrorKind::UnderCompensation));
+    // With I, J and K it is the cycle of one line.
+    let (commands, errors) = run(
+        "M3 S500\nG0 X12 Z2\nG76 P2 Z-8 I-1 J0.5 K1\n",
+        Dialect::LATHE_A,
+    );
+    assert_eq!((commands.len(), errors), (10, vec![]));
+}
