@@ -5,7 +5,9 @@ use core::hint::black_box;
 use husillo_backlash::Backlash;
 use husillo_gcode::{Block, Dialect, Modal};
 use husillo_interp::Path;
-use husillo_machine::{Axis, Config, Machine, Scale};
+use husillo_machine::{
+    Axis, AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, Scale,
+};
 
 use crate::Count;
 
@@ -15,6 +17,7 @@ const EVENTS: u32 = 1000;
 pub fn all(count: Count<'_>) {
     text(count);
     machine(count);
+    closed_loop(count);
 }
 
 #[inline(never)]
@@ -31,11 +34,8 @@ fn text(count: Count<'_>) {
     });
 }
 
-#[inline(never)]
-fn machine(count: Count<'_>) {
-    let Some(scale) = Scale::new(140, 1) else {
-        return;
-    };
+fn config() -> Option<Config<3>> {
+    let scale = Scale::new(140, 1)?;
     let axis = Axis {
         scale,
         travel: None,
@@ -43,7 +43,7 @@ fn machine(count: Count<'_>) {
         lash_steps: 1457,
         ramp: None,
     };
-    let config = Config {
+    Some(Config {
         axes: [axis; 3],
         timer_hz: 1_000_000,
         dialect: Dialect::RS274,
@@ -52,7 +52,12 @@ fn machine(count: Count<'_>) {
         top_feed: None,
         corner_deviation: None,
         spindle_counts: None,
-    };
+    })
+}
+
+#[inline(never)]
+fn machine(count: Count<'_>) {
+    let Some(config) = config() else { return };
     for (name, text) in [
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
         ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
@@ -68,4 +73,44 @@ fn machine(count: Count<'_>) {
             }
         });
     }
+}
+
+/// A machine with an encoder on every motor. It is moved on its way here, so with a queue of two moves, and not where a line is read: the
+/// stack of a microbit has no room for more.
+#[inline(never)]
+fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 2> {
+    let encoder = AxisEncoder {
+        counts: 2,
+        steps: 1,
+        tolerance_steps: 4,
+        on_loss: OnLoss::Correct,
+        correction_rate_hz: 80,
+        settle_ticks: 20_000,
+        attempts: 3,
+    };
+    ClosedLoop::new(Machine::new(config), [Some(encoder); 3])
+}
+
+/// The line of `machine_line_event` with an encoder on every motor.
+#[inline(never)]
+fn closed_loop(count: Count<'_>) {
+    let Some(config) = config() else { return };
+    let mut machine = watched(config);
+    let taken = machine.machine_mut().line(b"G1 X12.345 Y6.789 F60");
+    assert!(taken.is_ok(), "the line means a move");
+    let mut counts = [0_i64; 3];
+    let mut event = || {
+        let event = machine.next_event(&counts);
+        if let Some(Followed::Event(Event::Step(step))) = black_box(event) {
+            for (counts, delta) in counts.iter_mut().zip(step.delta) {
+                *counts += 2 * i64::from(delta);
+            }
+        }
+    };
+    event();
+    count("machine_watched_event", EVENTS, &mut || {
+        for _ in 0..EVENTS {
+            event();
+        }
+    });
 }
