@@ -123,7 +123,7 @@ pub enum Command {
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \
-        zero                  call the present place 0\n  \
+        zero [x y z]          call the present place of these axes 0\n  \
         home [x|y|z]          search the index of the encoder and call it 0\n  \
         jog DIRECTION TIME    run for a time as 2s at the speed of moves, or with `slow` of a search\n  \
         touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
@@ -131,8 +131,10 @@ pub enum Command {
         calibrate sphere|ring X.. Y.. Z.. R..  touch a body of this radius with about this centre: pre-travel by direction\n  \
         run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit status 1 out of tolerance
                         (routines: programs have none), 3 in trouble\n  \
+        status [x y z]        of these axes or all: position, position error (held less actual), current, status and auxiliary bits, version\n  \
         record FILE           statements from the standard input are carried out and written as a routine\n  \
-        status                position, version and status of the module\n\n\
+        session               actions from the standard input, a line at a time, until `end`; a line that fails is told (exit status 3)\n\n\
+        `run`, `record` and `session` are the last action: `home x home y run part.routine`.\n\
         A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
         The modules are reset first, so positions count from where the axes are.\n\
         Ctrl-C stops all axes smoothly: exit status 130.\n\n\

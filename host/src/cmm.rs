@@ -36,6 +36,7 @@ mod session;
 mod square_fit;
 mod touching;
 pub mod trouble;
+mod view;
 mod way;
 
 pub use calibrating::{calibrate_axis, calibrate_squareness};
@@ -44,6 +45,7 @@ pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Results};
 use crate::machine_file::LoadError;
+use action::Action;
 use calibrated::Calibrated;
 use file::{CmmFile, Stylus};
 use head::Head;
@@ -106,30 +108,71 @@ fn measure_by(
     out: &mut dyn Write,
     table: &mut Vec<u8>,
 ) -> Result<(), Stopped> {
-    let words: Vec<&str> = args.actions.iter().map(String::as_str).collect();
-    match *words.as_slice() {
-        ["run", path] => return run_routine(args, machine, interrupt, path, out, table),
-        ["record", path] => return record_routine(args, machine, interrupt, path, out),
+    let last = ["run", "record", "session"];
+    let begin = args
+        .actions
+        .iter()
+        .position(|word| last.contains(&word.as_str()));
+    let (before, last) = args.actions.split_at(begin.unwrap_or(args.actions.len()));
+    let mut session = Session::new(args, machine)?;
+    let actions = session.actions(before)?;
+    let last: Vec<&str> = last.iter().map(String::as_str).collect();
+    let is_session = match *last.as_slice() {
+        ["run", path] => {
+            return run_routine(
+                args,
+                machine,
+                interrupt,
+                path,
+                (&mut session, &actions),
+                out,
+                table,
+            );
+        }
+        ["record", path] => {
+            return record_routine(
+                args,
+                machine,
+                interrupt,
+                path,
+                (&mut session, &actions),
+                out,
+            );
+        }
         ["run" | "record", ..] => {
-            let message = format!("`{0}` what? As in `{0} part.routine`, alone", words[0]);
+            let message = format!(
+                "`{0}` what? As in `{0} part.routine`, as the last action",
+                last[0]
+            );
             return Err(Stopped::Usage(message));
         }
-        _ => {}
-    }
-    let mut session = Session::new(args, machine)?;
+        ["session"] => true,
+        ["session", ..] => {
+            return Err(Stopped::Usage(
+                "`session` is the last action: others come from the standard input".into(),
+            ));
+        }
+        _ => false,
+    };
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_interrupt(interrupt.clone());
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
+    let mut is_refused = false;
     let result = Head::start(line, machine, args.repeat).and_then(|head| {
         let mut head = Calibrated::new(head, machine.errors.clone());
-        session.run(&mut head, |row| {
+        let mut tell = |row: &ResultRow| {
             if args.format == Results::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
             }
             rows.push(row.clone());
-        })
+        };
+        session.run(&actions, &mut head, &mut tell)?;
+        if is_session {
+            is_refused = typed(&mut session, &mut head, interrupt, tell)?;
+        }
+        Ok(())
     });
     if args.format == Results::Json {
         let json = serde_json::to_string_pretty(&rows).map_err(|error| error.to_string())?;
@@ -145,7 +188,71 @@ fn measure_by(
         }
     });
     result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
-    written.map_err(|error| Stopped::Usage(error.to_string()))
+    written.map_err(|error| Stopped::Usage(error.to_string()))?;
+    if is_refused {
+        return Err(Stopped::Told(TROUBLE));
+    }
+    Ok(())
+}
+
+/// Actions as they are typed, a line at a time, until `end` or the end of the input: a line that is not understood, or fails, is told, and
+/// the next one comes. Whether there was one.
+///
+/// # Errors
+///
+/// The standard input, or Ctrl-C.
+fn typed(
+    session: &mut Session,
+    head: &mut Calibrated<Head>,
+    interrupt: &Interrupt,
+    mut tell: impl FnMut(&ResultRow),
+) -> Result<bool, Trouble> {
+    let mut is_refused = false;
+    for line in std::io::stdin().lines() {
+        let line = line?;
+        let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
+        if matches!(line.trim(), "end" | "quit") {
+            break;
+        }
+        let told = match session.actions(&words) {
+            Err(message) => format!("error: {message}"),
+            Ok(actions) => match session.run(&actions, head, &mut tell) {
+                Ok(()) => continue,
+                Err(trouble) if interrupt.has_stopped() => return Err(trouble),
+                Err(trouble) => told(&trouble),
+            },
+        };
+        is_refused = true;
+        eprintln!("{told}");
+    }
+    Ok(is_refused)
+}
+
+/// The actions before a routine, on the machine with its servos on.
+///
+/// # Errors
+///
+/// [`Stopped`], the trouble told.
+fn prepared(
+    args: &Measure,
+    (session, actions): (&mut Session, &[Action]),
+    head: &mut Calibrated<Head>,
+    out: &mut dyn Write,
+) -> Result<Stylus, Stopped> {
+    let scale = session.scale;
+    let mut written = Ok(());
+    let result = session.run(actions, head, |row| {
+        // Anything but text would not be one table.
+        if args.format == Results::Text && written.is_ok() {
+            written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
+        }
+    });
+    result.map_err(|trouble| {
+        eprintln!("{}", told(&trouble));
+        Stopped::Told(TROUBLE)
+    })?;
+    written.map_err(|error| Stopped::Usage(error.to_string()))?;
+    Ok(session.stylus())
 }
 
 /// The piece of this file on a machine.
@@ -162,13 +269,15 @@ fn run_routine(
     machine: &CmmFile,
     interrupt: &Interrupt,
     path: &str,
+    before: (&mut Session, &[Action]),
     out: &mut dyn Write,
     file: &mut Vec<u8>,
 ) -> Result<(), Stopped> {
     let Some(routine) = Routine::load(path)? else {
         return Err(Stopped::Told(WRONG));
     };
-    let (mut head, stylus) = started(args, machine, interrupt)?;
+    let mut head = started(args, machine, interrupt)?;
+    let stylus = prepared(args, before, &mut head, out)?;
     let ending = routine::run(&routine, args, machine, &mut head, stylus, out, file);
     ended(ending.map_err(|error| error.to_string())?)
 }
@@ -179,19 +288,21 @@ fn record_routine(
     machine: &CmmFile,
     interrupt: &Interrupt,
     path: &str,
+    before: (&mut Session, &[Action]),
     out: &mut dyn Write,
 ) -> Result<(), Stopped> {
-    let (mut head, stylus) = started(args, machine, interrupt)?;
+    let mut head = started(args, machine, interrupt)?;
+    let stylus = prepared(args, before, &mut head, out)?;
     let ending = routine::recorded(path, &mut head, stylus, out);
     ended(ending.map_err(|error| format!("{path}: {error}"))?)
 }
 
-/// The machine with its servos on, and its probe.
+/// The machine with its servos on.
 fn started(
     args: &Measure,
     machine: &CmmFile,
     interrupt: &Interrupt,
-) -> Result<(Calibrated<Head>, Stylus), Stopped> {
+) -> Result<Calibrated<Head>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
             "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the machine file, or -m cmm3",
@@ -199,7 +310,6 @@ fn started(
         );
         return Err(Stopped::Usage(message));
     }
-    let stylus = session::stylus(args, machine)?;
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_interrupt(interrupt.clone());
     let head = Head::start(line, machine, args.repeat);
@@ -207,7 +317,7 @@ fn started(
         eprintln!("{}", told(&trouble));
         Stopped::Told(TROUBLE)
     })?;
-    Ok((Calibrated::new(head, machine.errors.clone()), stylus))
+    Ok(Calibrated::new(head, machine.errors.clone()))
 }
 
 const fn ended(ending: Ending) -> Result<(), Stopped> {

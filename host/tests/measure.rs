@@ -97,6 +97,152 @@ fn zero_moves_what_is_counted_and_not_the_travel() {
 }
 
 #[test]
+fn several_axes_are_called_0_and_asked() {
+    let rows = measured(&[
+        "-m", "cmm3", "goto", "X3", "Y2", "Z-1", "zero", "x", "Z", "status",
+    ]);
+    let axes: Vec<_> = rows.iter().map(|row| row["axis"].as_str()).collect();
+    assert_eq!(
+        axes,
+        ["XYZ", "XZ", "X", "Y", "Z"].map(Some),
+        "all axes, one after another"
+    );
+    for (row, wanted) in rows[2..].iter().zip([0.0, 2.0, 0.0]) {
+        near(&row["position"], wanted, 0.002);
+        let (held, error) = (number(&row["held"]), number(&row["position_error"]));
+        near(&row["position"], held - error, 1e-9);
+        assert!(row["current"].is_u64() && row["version"] == 4, "{row}");
+        assert_eq!(row["bits"], serde_json::json!(["move done", "power on"]));
+        let auxiliary = row["auxiliary"].to_string();
+        assert!(auxiliary.contains("servo on"), "{auxiliary}");
+    }
+    let text = common::printed(&["measure", "-m", "cmm3", "status", "y"]);
+    for line in [
+        "Y status: at ",
+        "    held at    0.0000 mm, position error ",
+        "    current    0 of 255",
+        "    status     move done, power on",
+        "servo on",
+        "    version    4",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    assert!(!text.contains("X status"), "{text}");
+}
+
+#[test]
+fn a_session_goes_on_after_a_line_that_fails() {
+    let typed = "goto X5\nzero x\ngoto X900\nspin\n\ngoto X1\nstatus x\nend\ngoto X7\n";
+    let run = husillo()
+        .args(["measure", "-m", "cmm3", "goto", "Y1", "session"])
+        .write_stdin(typed)
+        .assert()
+        .code(3)
+        .stderr(contains(
+            "error: X 900.0000 mm is outside the travel, -205.0",
+        ))
+        .stderr(contains("error: unknown action `spin`"));
+    let text = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    let heads: Vec<_> = text.lines().filter(|line| !line.starts_with(' ')).collect();
+    assert_eq!(heads.len(), 5, "{text}");
+    assert!(heads[0].starts_with("Y goto: at 1.00"), "{text}");
+    assert!(heads[2].starts_with("X zero: at "), "{text}");
+    assert!(
+        heads[4].starts_with("X status: at 1.00") || heads[4].starts_with("X status: at 0.99"),
+        "{text}"
+    );
+    husillo()
+        .args(["measure", "session", "goto", "5"])
+        .assert()
+        .code(2)
+        .stderr(contains("`session` is the last action"));
+}
+
+/// A machine file with more lines.
+fn cmm3_with(name: &str, lines: &str) -> String {
+    let machines = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines");
+    let text = std::fs::read_to_string(machines.join("cmm3.toml")).unwrap();
+    let path = written(name, &format!("{text}\n{lines}"));
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_table_of_errors_needs_a_home() {
+    let machine = cmm3_with(
+        "table.toml",
+        "[axis.x.calibration]\nscale = \"50 um/m\"\ntable = [[\"-200 mm\", \"0 um\", \"0 um\"], [\"0 mm\", \"100 um\", \"100 um\"], [\"200 mm\", \"0 um\", \"0 um\"]]\n",
+    );
+    let on = |args: &[&str]| {
+        let mut command = husillo();
+        command.args(["measure", "-m", &machine]).args(args);
+        command.assert()
+    };
+    let not_homed = "error: X is not homed: its table of errors belongs to places, and counts begin anywhere\n  help: `home` it first";
+    for args in [
+        &["goto", "Y1"][..],
+        &["touch", "+x"],
+        &["home", "y", "goto", "X1"],
+        &["calibrate", "sphere", "X0", "Y0", "Z-20", "R10"],
+    ] {
+        on(args).code(1).stderr(contains(not_homed));
+    }
+    // What needs no place is done.
+    on(&["jog", "+x", "200ms", "status", "zero", "x"]).success();
+    let routine = written(
+        "homed.routine",
+        "goto x 3 y 1\npoint P at x 5.1 y 1 z 0 towards +x\n",
+    );
+    let run = [
+        "run",
+        routine.to_str().unwrap(),
+        "--contact",
+        "1:2500",
+        "--ball",
+        "0",
+    ];
+    on(&run).code(3).stderr(contains("X is not homed"));
+    // The index of the simulated encoder is where it starts: at 0 the table has 100 um, at 5 mm 97.5.
+    let rows = measured(&["-m", &machine, "home", "x", "goto", "X5"]);
+    near(&rows[1]["position"], 5.0, 0.002);
+    let before = on(&[&["home", "x", "goto", "X1"], &run[..]].concat()).success();
+    let told = String::from_utf8_lossy(&before.get_output().stdout).into_owned();
+    assert!(
+        told.contains("X home: at ") && told.contains("point P"),
+        "{told}"
+    );
+}
+
+/// Scales that read 2 mm/m short: what goes wrong is told in positions as results are.
+#[test]
+fn troubles_name_true_positions() {
+    let machine = cmm3_with(
+        "short-scales.toml",
+        "[axis.x.calibration]\nscale = \"2000 um/m\"\n",
+    );
+    for (args, told) in [
+        (
+            &["goto", "X250"][..],
+            "error: X 250.0000 mm is outside the travel, -200.4000 mm to 200.4000 mm",
+        ),
+        (
+            &["goto", "X10", "zero", "goto", "X250"],
+            "error: X 250.0000 mm is outside the travel, -210.4",
+        ),
+        (
+            &["touch", "+x"],
+            "to X 200.4000 mm, Y 0.0000 mm, Z 0.0000 mm",
+        ),
+    ] {
+        husillo()
+            .args(["measure", "-m", &machine])
+            .args(args)
+            .assert()
+            .code(1)
+            .stderr(contains(told));
+    }
+}
+
+#[test]
 fn touches_find_the_work_piece_from_both_sides() {
     // The stylus bends by 18 counts: faces at 500 and -300.
     let rows = measured(&[

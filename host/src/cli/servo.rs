@@ -7,7 +7,7 @@ use std::ffi::OsString;
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn. Or run FILE, record FILE
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn. As the last one: run FILE, record FILE, session
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]

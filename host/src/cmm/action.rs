@@ -10,8 +10,8 @@ use crate::quantity::{self, Quantity};
 pub enum Action {
     /// Go to this position in a straight line; axes without one stay.
     GoTo([Option<i64>; 3]),
-    /// Call the present place of an axis 0.
-    Zero(usize),
+    /// Call the present place of these axes 0.
+    Zero([bool; 3]),
     /// Search the index of an axis and call it 0.
     Home(usize),
     /// Run an axis for some seconds.
@@ -26,8 +26,8 @@ pub enum Action {
     Calibrate(Towards),
     /// Calibrate the probe on a sphere or a ring.
     CalibrateOn(ReferenceBody),
-    /// Say where an axis is and how it does.
-    Status(usize),
+    /// Say where axes are and how they do; none for all.
+    Status([bool; 3]),
 }
 
 impl Action {
@@ -54,10 +54,16 @@ impl Action {
                     }
                     Self::GoTo(goal)
                 }
-                "zero" => Self::Zero(axis),
+                "zero" => {
+                    let named = axes(&mut words);
+                    let of_axis = [0, 1, 2].map(|number| number == axis);
+                    Self::Zero(if named == [false; 3] { of_axis } else { named })
+                }
                 "home" => {
-                    let letter = words.next_if(|word| matches!(*word, "x" | "y" | "z" | "X" | "Y" | "Z"));
-                    let named = letter.and_then(|letter| "XYZ".find(&letter.to_ascii_uppercase()));
+                    let named = words.peek().and_then(|word| letter(word));
+                    if named.is_some() {
+                        words.next();
+                    }
                     Self::Home(named.unwrap_or(axis))
                 }
                 "jog" => {
@@ -83,10 +89,10 @@ impl Action {
                     }
                     Self::Calibrate(towards)
                 }
-                "status" => Self::Status(axis),
+                "status" => Self::Status(axes(&mut words)),
                 other => {
                     return Err(format!(
-                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and alone run FILE, record FILE"
+                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and as the last run FILE, record FILE, session"
                     ));
                 }
             });
@@ -98,13 +104,30 @@ impl Action {
     pub fn axes(&self) -> Vec<usize> {
         match self {
             Self::GoTo(goal) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
-            Self::Zero(axis) | Self::Home(axis) | Self::Status(axis) => vec![*axis],
+            Self::Zero(axes) | Self::Status(axes) => (0..3).filter(|axis| axes[*axis]).collect(),
+            Self::Home(axis) => vec![*axis],
             Self::Touch(towards) | Self::Calibrate(towards) | Self::Jog { towards, .. } => {
                 towards.axis.into_iter().collect()
             }
             Self::CalibrateOn(_) => Vec::new(),
         }
     }
+}
+
+/// `x` as an axis.
+fn letter(word: &str) -> Option<usize> {
+    let word = word.to_ascii_uppercase();
+    "XYZ".find(&word).filter(|_| word.len() == 1)
+}
+
+/// The axes named by the next words.
+fn axes<'a>(words: &mut std::iter::Peekable<impl Iterator<Item = &'a str>>) -> [bool; 3] {
+    let mut named = [false; 3];
+    while let Some(axis) = words.peek().and_then(|word| letter(word)) {
+        named[axis] = true;
+        words.next();
+    }
+    named
 }
 
 /// `X-1.5` as axis and number.
@@ -198,11 +221,13 @@ mod tests {
         };
         let mm = |value: f64| Some((value * 1e6) as i64);
         assert_eq!(
-            parse("goto 12 goto x1.5 Z-2 zero").unwrap(),
+            parse("goto 12 goto x1.5 Z-2 zero zero x Z status").unwrap(),
             [
                 Action::GoTo([None, mm(12.0), None]),
                 Action::GoTo([mm(1.5), None, mm(-2.0)]),
-                Action::Zero(1)
+                Action::Zero([false, true, false]),
+                Action::Zero([true, false, true]),
+                Action::Status([false; 3]),
             ]
         );
         assert_eq!(parse("touch -").unwrap()[0].axes(), [1]);

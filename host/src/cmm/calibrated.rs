@@ -4,33 +4,37 @@ use super::calibration_file::Errors;
 use super::head::Head;
 use super::prober::{Probed, Prober, Touched};
 use super::trouble::Trouble;
-use husillo_backlash::Flank;
+use super::view::View;
+use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
+use std::rc::Rc;
 
 /// A prober with its errors taken off. What it is asked for and what it tells are true positions, on square axes; the prober behind it works
 /// with readings, and keeps its own zero.
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
-    /// The direction each axis was moved in last.
-    flanks: [Flank; 3],
+    /// What of them is in force: a table by place once the axis is homed.
+    view: View,
     /// The readings it was sent to last, while it is there: an axis that is sent there again does not turn round, though it stands a little
     /// beside.
     sent: Option<[i64; 3]>,
-    /// The place that is called 0.
-    zero: [i64; 3],
 }
 
 impl<P: Prober> Calibrated<P> {
-    /// A prober with these errors, not moved yet.
-    pub const fn new(prober: P, errors: Errors) -> Self {
+    /// A prober with these errors, not moved yet, and not homed.
+    pub fn new(prober: P, errors: Errors) -> Self {
+        let mut in_force = errors.clone();
+        for axis in &mut in_force.axes {
+            // The same scale, which was one before, and no entries.
+            *axis = ErrorTable::new(axis.scale_ppb(), Vec::new()).unwrap_or_default();
+        }
         Self {
             prober,
             errors,
-            flanks: [Flank::Unknown; 3],
+            view: View::new(in_force),
             sent: None,
-            zero: [0; 3],
         }
     }
 
@@ -47,18 +51,35 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// The position at these readings.
-    fn position_of(&self, readings: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
-        let place = self.errors.position_nm(readings, flanks);
-        [0, 1, 2].map(|axis: usize| place[axis].saturating_sub(self.zero[axis]))
+    /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its places.
+    fn set_homed(&mut self, coordinate: usize) {
+        let in_force = Rc::make_mut(&mut self.view.errors);
+        in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
+        self.view.zero[coordinate] = 0;
+    }
+
+    /// Before anything moves to a position: it is one.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble::NotHomed`].
+    fn begin(&mut self) -> Result<(), Trouble> {
+        let tables = self.errors.axes.iter().zip(&self.view.errors.axes);
+        for (axis, (whole, in_force)) in "XYZ".chars().zip(tables) {
+            if whole != in_force {
+                return Err(Trouble::NotHomed { axis });
+            }
+        }
+        self.prober.see_as(&self.view);
+        Ok(())
     }
 
     /// The readings to go to from these readings for a position, and the flanks then.
     fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
-        let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.zero[axis]));
+        let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
         // Axes that lean move one another, so what turns round shows in the readings only.
-        let there = self.errors.reading_nm(goal, self.flanks);
-        let mut flanks = self.flanks;
+        let there = self.view.errors.reading_nm(goal, self.view.flanks);
+        let mut flanks = self.view.flanks;
         for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
             *flank = match to.cmp(&from) {
                 Ordering::Greater => Flank::Positive,
@@ -66,13 +87,13 @@ impl<P: Prober> Calibrated<P> {
                 Ordering::Equal => *flank,
             };
         }
-        (self.errors.reading_nm(goal, flanks), flanks)
+        (self.view.errors.reading_nm(goal, flanks), flanks)
     }
 
     /// After this nobody knows how the axes were moved last.
     fn lost(&mut self, trouble: Trouble) -> Trouble {
         if trouble.has_moved() {
-            self.flanks = [Flank::Unknown; 3];
+            self.view.flanks = [Flank::Unknown; 3];
         }
         trouble
     }
@@ -83,16 +104,17 @@ impl<P: Prober> Calibrated<P> {
         goal: [i64; 3],
         go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Trouble>,
     ) -> Result<Probed, Trouble> {
+        self.begin()?;
         let from = self.from()?;
         let (reading, flanks) = self.reading_of(from, goal);
         // A move that fails halfway leaves the axes anywhere.
         self.sent = None;
         let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
-        self.flanks = flanks;
+        self.view.flanks = flanks;
         if ended.changed_nm.is_none() {
             self.sent = Some(reading);
         }
-        let position_of = |readings| self.position_of(readings, flanks);
+        let position_of = |readings| self.view.position_from(readings, flanks);
         Ok(Probed {
             changed_nm: ended.changed_nm.map(position_of),
             at_nm: position_of(ended.at_nm),
@@ -106,8 +128,9 @@ impl<P: Prober> Calibrated<P> {
         way: u64,
         touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
     ) -> Result<(T, [Flank; 3]), Trouble> {
+        self.begin()?;
         let start = self.from()?;
-        let from = self.position_of(start, self.flanks);
+        let from = self.view.position_from(start, self.view.flanks);
         // Straight in truth is straight by the readings, but for what a table bends; 17 m show it as well as any more.
         let part = way.min(1 << 34);
         let ahead = direction.scaled(part as i64);
@@ -122,7 +145,7 @@ impl<P: Prober> Calibrated<P> {
             .map_err(|trouble| self.lost(trouble))?;
         // It has backed off: what went there has turned round.
         let ways = along.into_iter().zip(flanks);
-        for (flank, (along, at_contact)) in self.flanks.iter_mut().zip(ways) {
+        for (flank, (along, at_contact)) in self.view.flanks.iter_mut().zip(ways) {
             *flank = match (along, at_contact) {
                 (0, _) => *flank,
                 (_, Flank::Positive) => Flank::Negative,
@@ -137,7 +160,7 @@ impl<P: Prober> Calibrated<P> {
 impl<P: Prober> Prober for Calibrated<P> {
     fn position(&mut self) -> Result<[i64; 3], Trouble> {
         let readings = self.prober.position()?;
-        Ok(self.position_of(readings, self.flanks))
+        Ok(self.view.position_from(readings, self.view.flanks))
     }
 
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
@@ -167,7 +190,7 @@ impl<P: Prober> Prober for Calibrated<P> {
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
         let (touched, flanks) = self.touch_with(direction, way_nm, P::touch)?;
         Ok(Touched {
-            centre_nm: self.position_of(touched.centre_nm, flanks),
+            centre_nm: self.view.position_from(touched.centre_nm, flanks),
             ..touched
         })
     }
@@ -185,7 +208,7 @@ impl Calibrated<Head> {
     /// Where the axes are to be.
     pub fn held(&self) -> [i64; 3] {
         let readings = self.sent.unwrap_or(self.prober.held());
-        self.position_of(readings, self.flanks)
+        self.view.position_from(readings, self.view.flanks)
     }
 
     /// Calls the place that an axis holds 0.
@@ -194,13 +217,9 @@ impl Calibrated<Head> {
     ///
     /// There is no such axis.
     pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
-        if self.errors == Errors::default() {
-            // Its messages are in positions of its own.
-            self.sent = None;
-            return self.prober.set_zero(coordinate);
-        }
+        self.prober.index(coordinate)?;
         let held = self.held();
-        self.zero[coordinate] += held[coordinate];
+        self.view.zero[coordinate] += held[coordinate];
         Ok(())
     }
 
@@ -211,12 +230,13 @@ impl Calibrated<Head> {
     /// Those of [`Head::home`].
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         self.sent = None;
+        self.prober.see_as(&self.view);
         self.prober
             .home(coordinate)
             .map_err(|trouble| self.lost(trouble))?;
-        self.zero[coordinate] = 0;
+        self.set_homed(coordinate);
         // It ran beyond the index and came back.
-        self.flanks[coordinate] = Flank::Negative;
+        self.view.flanks[coordinate] = Flank::Negative;
         Ok(())
     }
 
@@ -233,10 +253,11 @@ impl Calibrated<Head> {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         self.sent = None;
+        self.prober.see_as(&self.view);
         self.prober
             .jog(coordinate, is_positive, seconds, is_slow)
             .map_err(|trouble| self.lost(trouble))?;
-        self.flanks[coordinate] = if is_positive {
+        self.view.flanks[coordinate] = if is_positive {
             Flank::Positive
         } else {
             Flank::Negative
@@ -252,7 +273,7 @@ impl Calibrated<Head> {
     pub fn measure(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
         let (mut measurement, flanks) = self.touch_with(direction, way, Head::touch)?;
         let touch = &mut measurement.touch;
-        touch.position = self.position_of(touch.position, flanks);
+        touch.position = self.view.position_from(touch.position, flanks);
         // Along the axes it was another one, by their leans.
         touch.direction = *direction;
         Ok(measurement)
@@ -479,10 +500,17 @@ mod tests {
         CmmFile::parse("mine.toml", &text).unwrap()
     }
 
+    /// The machine with its errors known, and homed where it stands.
+    fn homed(machine: Wrong, errors: Errors) -> Calibrated<Wrong> {
+        let mut calibrated = Calibrated::new(machine, errors);
+        (0..3).for_each(|axis| calibrated.set_homed(axis));
+        calibrated
+    }
+
     /// Largest difference of truth and what the calibrated machine says, over the range, from the origin on, in nm: where it stands, and how
     /// far that is from where it was sent.
     fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
-        let mut calibrated = Calibrated::new(*machine, errors);
+        let mut calibrated = homed(*machine, errors);
         let mut worst = [0.0f64; 2];
         let mut origin = None;
         // Not the places it was calibrated at.
@@ -549,7 +577,7 @@ mod tests {
         };
         machine.go_to([0, 80_000_000, -60_000_000]).unwrap();
         let file = calibrated(&machine, "touch");
-        let mut calibrated = Calibrated::new(machine, file.errors);
+        let mut calibrated = homed(machine, file.errors);
         calibrated
             .go_to([5_000_000, 90_000_000, 70_000_000])
             .unwrap();

@@ -1,11 +1,13 @@
 //! The head of a measuring machine: one to three servo axes on a line, moved together in straight lines.
 
+use super::calibration_file::Errors;
 use super::file::{CmmFile, ProbeFile};
 use super::line::Line;
 use super::prober::{Probed, Prober, Touched};
 use super::scale::Scale;
 use super::servo::Servo;
 use super::trouble::Trouble;
+use super::view::View;
 use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
     CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
@@ -21,6 +23,8 @@ pub struct Head {
     pub(super) axes: Vec<Servo>,
     pub(super) probe: ProbeFile,
     pub(super) scale: Scale,
+    /// What readings are called in messages.
+    view: View,
     /// Time of a step of the modules' profiles, s.
     pub(super) period_s: f64,
     /// Slow touches to average.
@@ -47,6 +51,7 @@ impl Head {
             axes: machine.axes.iter().copied().map(Servo::new).collect(),
             probe: machine.probe,
             scale: machine.scale,
+            view: View::new(Errors::default()),
             period_s: 0.0,
             touches,
             is_astray: false,
@@ -92,7 +97,8 @@ impl Head {
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
         let reply = self.read_axis_twice(&axis, READ)?;
-        axis.check(self.scale, &reply)?;
+        let at = reply.readings.position;
+        axis.check(&reply, || self.axis_text(index, at))?;
         self.hold(index, reply.readings.position)
     }
 
@@ -121,8 +127,9 @@ impl Head {
 
     /// The same at `rate` counts/s at most.
     fn go_at(&mut self, goal: [i64; 3], rate: Option<u32>) -> Result<[i64; 3], Trouble> {
+        let meant = goal;
         let goal = self.counts(goal)?;
-        self.check_travel(&goal)?;
+        self.check_travel(&goal, meant)?;
         let way = self.travel(&goal, rate, None)?;
         Ok(self.place_of(&way.replies))
     }
@@ -133,17 +140,6 @@ impl Head {
         let rate = self.scale.to_counts(per_min) / 60;
         // Not negative.
         u32::try_from(rate.max(1)).unwrap_or(u32::MAX)
-    }
-
-    /// Calls the place that an axis holds 0.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis.
-    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
-        let index = self.index(coordinate)?;
-        self.axes[index].origin = self.axes[index].held;
-        Ok(())
     }
 
     /// The place in the machine file of an axis, 0 for X to 2 for Z.
@@ -170,8 +166,9 @@ impl Head {
         self.place(|index, _| replies[index].readings.home)
     }
 
-    /// A place for people.
-    pub fn text(&self, place: [i64; 3]) -> String {
+    /// Readings of all axes for people.
+    pub fn text(&self, readings: [i64; 3]) -> String {
+        let place = self.view.position(readings);
         let numbers = self.axes.iter().map(|axis| {
             let position = place[axis.file.coordinate()];
             match self.axes.len() {
@@ -180,6 +177,21 @@ impl Head {
             }
         });
         numbers.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Counts of an axis for people, as in `X 1200 counts`, with the others where they are held.
+    pub(super) fn axis_text(&self, index: usize, counts: i32) -> String {
+        let axis = &self.axes[index];
+        let text = self.scale.text(self.seen(index, self.held(), counts));
+        format!("{} {text}", axis.file.letter)
+    }
+
+    /// The position of an axis at these counts, with the others at these readings.
+    fn seen(&self, index: usize, mut readings: [i64; 3], counts: i32) -> i64 {
+        let axis = &self.axes[index];
+        let coordinate = axis.file.coordinate();
+        readings[coordinate] = axis.position(self.scale, counts);
+        self.view.position(readings)[coordinate]
     }
 
     fn place(&self, counts: impl Fn(usize, &Servo) -> i32) -> [i64; 3] {
@@ -205,18 +217,20 @@ impl Head {
         Ok(self.axes.iter().map(of).collect())
     }
 
-    /// Whether all axes may go there.
+    /// Whether all axes may go to these counts, meant by these readings.
     ///
     /// # Errors
     ///
     /// The first that may not.
-    pub(super) fn check_travel(&self, goal: &[i32]) -> Result<(), Trouble> {
-        for (axis, goal) in self.axes.iter().zip(goal) {
+    pub(super) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
+        for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
             let [low, high] = axis.file.travel;
             if !(low..=high).contains(goal) {
+                let there = self.view.position(meant)[axis.file.coordinate()];
+                let text = |counts| self.scale.text(self.seen(index, meant, counts));
                 return Err(Trouble::OutsideTravel {
-                    goal: axis.text(self.scale, *goal),
-                    travel: axis.travel(self.scale).map(|end| self.scale.text(end)),
+                    goal: format!("{} {}", axis.file.letter, self.scale.text(there)),
+                    travel: axis.file.travel.map(text),
                 });
             }
         }
@@ -251,8 +265,9 @@ impl Head {
             let module = axis.file.module;
             replies.push(self.line.command(module, Command::ReadStatus(READ))?);
         }
-        let mut pairs = self.axes.iter().zip(&replies);
-        pairs.try_for_each(|(axis, reply)| axis.check(self.scale, reply))?;
+        for (index, (axis, reply)) in self.axes.iter().zip(&replies).enumerate() {
+            axis.check(reply, || self.axis_text(index, reply.readings.position))?;
+        }
         Ok(replies)
     }
 
@@ -379,6 +394,10 @@ impl Prober for Head {
         until: Edge,
     ) -> Result<Probed, Trouble> {
         self.search_to(goal_nm, self.rate(nm_per_min), until)
+    }
+
+    fn see_as(&mut self, view: &View) {
+        self.view = view.clone();
     }
 
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {

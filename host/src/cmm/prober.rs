@@ -1,6 +1,7 @@
 //! What measuring routines ask of a machine.
 
 use super::trouble::Trouble;
+use super::view::View;
 use husillo_probe::{Edge, UnitVector};
 
 /// What carries a probe in straight lines. Positions are those of the tip's centre in nm, on the axes of the machine; an axis that is
@@ -39,6 +40,9 @@ pub trait Prober {
         nm_per_min: u64,
         until: Edge,
     ) -> Result<Probed, Trouble>;
+
+    /// From now on its messages name the positions that readings are called by.
+    fn see_as(&mut self, _: &View) {}
 
     /// Touches from where it stands, at most so far; backs off and returns the mean of what was latched.
     ///

@@ -50,12 +50,26 @@ pub struct ResultRow {
     /// Of a calibration on a body of known size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationFigures>,
-    /// Of a status: the names of the bits that are set.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bits: Option<Vec<&'static str>>,
-    /// Of a status: version of the module.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub version: Option<u8>,
+    /// Of a status.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub status: Option<StatusFigures>,
+}
+
+/// What the module of an axis says of itself.
+#[derive(Clone, Debug, Serialize)]
+pub struct StatusFigures {
+    /// Where the axis is told to be.
+    pub held: f64,
+    /// The same less where it is.
+    pub position_error: f64,
+    /// Motor current, units of the module's converter.
+    pub current: u8,
+    /// The names of the bits that are set.
+    pub bits: Vec<&'static str>,
+    /// Those of the auxiliary status.
+    pub auxiliary: Vec<&'static str>,
+    /// Version of the module.
+    pub version: u8,
 }
 
 /// The figures of a touch.
@@ -141,8 +155,7 @@ impl CalibrationFigures {
 }
 
 /// The columns of [`ResultRow::csv`].
-pub const CSV_HEAD: &str =
-    "action,axis,unit,position,direction,trigger,corrected,pre_travel,touches,spread,over_travel";
+pub const CSV_HEAD: &str = "action,axis,unit,position,direction,trigger,corrected,pre_travel,touches,spread,over_travel,held,position_error,current,bits,auxiliary";
 
 impl ResultRow {
     /// A line of a table, without its end.
@@ -167,7 +180,18 @@ impl ResultRow {
             ),
             None => ",,,,,,".to_owned(),
         };
-        format!("{action},{axis},{unit},{position},{touch}")
+        let status = match &self.status {
+            Some(s) => format!(
+                "{},{},{},{},{}",
+                s.held,
+                s.position_error,
+                s.current,
+                s.bits.join(" + "),
+                s.auxiliary.join(" + ")
+            ),
+            None => ",,,,".to_owned(),
+        };
+        format!("{action},{axis},{unit},{position},{touch},{status}")
     }
 
     /// Lines for people.
@@ -210,13 +234,23 @@ impl ResultRow {
         if let Some(found) = &self.calibration {
             return found.text(&head, self.unit, places);
         }
-        match &self.bits {
-            Some(bits) => format!(
-                "{head}: at {}, version {}, {}",
-                all(&self.position),
-                self.version.unwrap_or_default(),
-                bits.join(", ")
-            ),
+        match &self.status {
+            Some(status) => {
+                let words = |bits: &[&str]| match bits {
+                    [] => "none".to_owned(),
+                    bits => bits.join(", "),
+                };
+                format!(
+                    "{head}: at {}\n    held at    {}, position error {}\n    current    {} of 255\n    status     {}\n    auxiliary  {}\n    version    {}",
+                    all(&self.position),
+                    of(status.held),
+                    of(status.position_error),
+                    status.current,
+                    words(&status.bits),
+                    words(&status.auxiliary),
+                    status.version
+                )
+            }
             None => format!("{head}: at {}", all(&self.position)),
         }
     }

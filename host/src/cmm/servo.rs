@@ -42,24 +42,17 @@ impl Servo {
         self.file.travel.map(|end| self.position(scale, end))
     }
 
-    /// Counts for people, as in `X 1200 counts`.
-    pub fn text(&self, scale: Scale, counts: i32) -> String {
-        let text = scale.text(self.position(scale, counts));
-        format!("{} {text}", self.file.letter)
-    }
-
     /// Whether counts are as near as a move may end.
     pub const fn is_near(&self, counts: i32, other: i32) -> bool {
         counts.abs_diff(other) <= self.file.in_position
     }
 
-    /// Whether it goes on as it should.
+    /// Whether it goes on as it should; `at` is where it is, for people.
     ///
     /// # Errors
     ///
     /// What it says of itself.
-    pub fn check(&self, scale: Scale, reply: &Reply) -> Result<(), Trouble> {
-        let at = || self.text(scale, reply.readings.position);
+    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
         if !reply.status.contains(Status::POWER_ON) {
             let axis = self.file.letter;
             Err(Trouble::NoPower { axis })

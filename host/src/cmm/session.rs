@@ -12,18 +12,22 @@ use super::piece::Mounted;
 use super::port::Port;
 use super::prober::Prober;
 use super::reference::{Body, FoundProbe};
-use super::result_row::{CalibrationFigures, Entry, Numbers, ResultRow, TouchFigures};
+use super::result_row::{
+    CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
+};
 use super::scale::Scale;
 use super::trouble::Trouble;
 use crate::cli::Measure;
 use husillo_probe::{Measurement, PreTravel, UnitVector};
-use husillo_transports::nmc::{Reply, Status};
+use husillo_transports::nmc::{Auxiliary, Reply, Status};
 
 /// All that `husillo measure` was asked for.
 pub struct Session {
     /// The unit of the machine.
     pub scale: Scale,
-    actions: Vec<Action>,
+    /// The axis that is meant where an action names none.
+    axis: usize,
+    machine: CmmFile,
     /// X, Y and Z as far as the machine has them.
     axes: Vec<usize>,
     stylus: Stylus,
@@ -39,24 +43,39 @@ impl Session {
     pub fn new(args: &Measure, machine: &CmmFile) -> Result<Self, String> {
         let scale = machine.scale;
         let axis = machine.axis(args.axis)?.coordinate();
-        let actions = Action::parse(&args.actions, scale, axis)?;
-        for letter in letters(&actions.iter().flat_map(Action::axes).collect::<Vec<_>>()).chars() {
-            machine.axis(letter)?;
-        }
         let axes = machine.axes.iter().map(|axis| axis.coordinate()).collect();
         let reference = amount(scale, "--reference", args.reference.as_deref())?;
-        let calibrates = |action: &Action| matches!(action, Action::Calibrate { .. });
-        if reference.is_none() && actions.iter().any(calibrates) {
-            return Err("`calibrate` needs --reference, the place of the face".into());
-        }
         let stylus = stylus(args, machine)?;
         Ok(Self {
             scale,
-            actions,
+            axis,
+            machine: machine.clone(),
             axes,
             stylus,
             reference,
         })
+    }
+
+    /// The probe as it is known now.
+    pub const fn stylus(&self) -> Stylus {
+        self.stylus
+    }
+
+    /// Reads words such as `goto X12 Y3 touch -z`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the first that is not understood, or that the machine cannot do.
+    pub fn actions(&self, words: &[String]) -> Result<Vec<Action>, String> {
+        let actions = Action::parse(words, self.scale, self.axis)?;
+        for letter in letters(&actions.iter().flat_map(Action::axes).collect::<Vec<_>>()).chars() {
+            self.machine.axis(letter)?;
+        }
+        let calibrates = |action: &Action| matches!(action, Action::Calibrate { .. });
+        if self.reference.is_none() && actions.iter().any(calibrates) {
+            return Err("`calibrate` needs --reference, the place of the face".into());
+        }
+        Ok(actions)
     }
 
     /// Does everything in turn; each result goes to `tell`.
@@ -66,10 +85,11 @@ impl Session {
     /// The first action that fails ends it.
     pub fn run(
         &mut self,
+        actions: &[Action],
         head: &mut Calibrated<Head>,
         mut tell: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
-        for action in self.actions.clone() {
+        for action in actions.iter().copied() {
             let mut axes = action.axes();
             if axes.is_empty() {
                 axes.clone_from(&self.axes);
@@ -85,9 +105,9 @@ impl Session {
                     let held = head.held();
                     head.go_to([0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis])))?;
                 }
-                Action::Zero(axis) => {
+                Action::Zero(_) => {
                     row.action = "zero";
-                    head.set_zero(axis)?;
+                    axes.iter().try_for_each(|axis| head.set_zero(*axis))?;
                 }
                 Action::Home(axis) => {
                     row.action = "home";
@@ -131,11 +151,26 @@ impl Session {
                     self.stylus = found.stylus;
                     row.calibration = Some(self.found(&found, body.body));
                 }
-                Action::Status(axis) => {
-                    row.action = "status";
-                    let reply: Reply = head.inner().status(axis)?;
-                    row.bits = Some(names(reply.status));
-                    row.version = Some(reply.readings.version);
+                Action::Status(_) => {
+                    for axis in axes {
+                        let reply: Reply = head.inner().status(axis)?;
+                        let (held, place) = (head.held()[axis], head.position()?);
+                        tell(&ResultRow {
+                            action: "status",
+                            axis: letters(&[axis]),
+                            position: self.numbers(place, &[axis]),
+                            status: Some(StatusFigures {
+                                held: self.scale.number(held),
+                                position_error: self.scale.number(held - place[axis]),
+                                current: reply.readings.current,
+                                bits: names(reply.status),
+                                auxiliary: auxiliary(reply.readings.auxiliary),
+                                version: reply.readings.version,
+                            }),
+                            ..row.clone()
+                        });
+                    }
+                    continue;
                 }
             }
             row.position = self.numbers(head.position()?, &axes);
@@ -349,5 +384,22 @@ fn names(status: Status) -> Vec<&'static str> {
         (Status::HOME_IN_PROGRESS, "homing"),
     ];
     let set = names.into_iter().filter(|(bit, _)| status.contains(*bit));
+    set.map(|(_, name)| name).collect()
+}
+
+/// The bits of an auxiliary status that are set.
+fn auxiliary(auxiliary: Auxiliary) -> Vec<&'static str> {
+    let names = [
+        (Auxiliary::INDEX, "index"),
+        (Auxiliary::POSITION_WRAP, "position wrapped"),
+        (Auxiliary::SERVO_ON, "servo on"),
+        (Auxiliary::ACCELERATION_DONE, "acceleration done"),
+        (Auxiliary::SLEW_DONE, "slew done"),
+        (Auxiliary::SERVO_OVERRUN, "servo overrun"),
+        (Auxiliary::PATH_MODE, "path mode"),
+    ];
+    let set = names
+        .into_iter()
+        .filter(|(bit, _)| auxiliary.contains(*bit));
     set.map(|(_, name)| name).collect()
 }

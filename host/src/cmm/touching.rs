@@ -24,8 +24,9 @@ impl Head {
                 Edge::Broken => Trouble::NotTouching,
             });
         }
+        let meant = goal;
         let goal = self.counts(goal)?;
-        self.check_travel(&goal)?;
+        self.check_travel(&goal, meant)?;
         let search = Search {
             events: Homing::LIMIT_1,
             only: None,
@@ -92,7 +93,7 @@ impl Head {
         // The way was a search, and not found; the contact closed without a latch.
         let (mut is_in_vain, mut unlatched) = (false, None);
         // Where a move of the cycle would have ended, had there been room.
-        let mut beyond = None;
+        let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
         loop {
             let position = self.place_of(&way.replies);
             let is_closed = way.replies.iter().any(is_closed);
@@ -121,7 +122,7 @@ impl Head {
                     let wanted = self.counts(target)?;
                     let goal = self.within_travel(&wanted);
                     if goal != wanted {
-                        beyond = Some(wanted);
+                        beyond = Some((wanted, target));
                     }
                     way = self.travel(&goal, Some(speed), search)?;
                     is_in_vain = is_search && !way.is_found;
@@ -140,7 +141,8 @@ impl Head {
                     if failure == Failure::StuckContact && beyond.is_some() =>
                 {
                     // There was no room to leave it.
-                    self.check_travel(&beyond.unwrap_or_default())?;
+                    let (wanted, target) = beyond.unwrap_or_default();
+                    self.check_travel(&wanted, target)?;
                     return Err(Trouble::Probe(failure));
                 }
                 Request::Failed(Failure::NoContact) => {

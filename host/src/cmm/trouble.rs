@@ -41,6 +41,8 @@ pub enum Trouble {
     PreTravel { found: String, most: String },
     /// The move did not end at its goal.
     NotThere { goal: String, at: String },
+    /// What is known of an axis' errors belongs to places of it, and nobody knows where it is.
+    NotHomed { axis: char },
     /// The goal is not within the travel.
     OutsideTravel { goal: String, travel: [String; 2] },
     /// No index on the way.
@@ -68,6 +70,7 @@ impl Trouble {
             self,
             Self::OutsideTravel { .. }
                 | Self::NoAxis { .. }
+                | Self::NotHomed { .. }
                 | Self::NotTouching
                 | Self::Plan(_)
                 | Self::Probe(husillo_probe::Failure::ContactAtStart)
@@ -87,6 +90,9 @@ impl Trouble {
             Self::NoPower { .. } => "switch the supply of the motor on",
             Self::NoAxis { .. } => "the axes are those of the machine file",
             Self::Periods => "give all axes the same `rate_divisor`",
+            Self::NotHomed { .. } => {
+                "`home` it first, on the index that the table was made from; scale and squareness need no home: `calibrate axis --no-table`"
+            }
             Self::NoIndex { .. } => "is the index of the encoder connected? A scale may have none",
             Self::NotTogether => "the line is disturbed: all axes have been stopped",
             Self::NotSeen { .. } => {
@@ -156,6 +162,10 @@ impl fmt::Display for Trouble {
                 let [low, high] = travel;
                 write!(out, "{goal} is outside the travel, {low} to {high}")
             }
+            Self::NotHomed { axis } => write!(
+                out,
+                "{axis} is not homed: its table of errors belongs to places, and counts begin anywhere"
+            ),
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),

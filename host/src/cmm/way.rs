@@ -305,11 +305,10 @@ impl Head {
         let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
         let moving = replies.iter().position(|reply| !is_done(reply));
         let index = moving.unwrap_or(farthest);
-        let axis = &self.axes[index];
-        let at = axis.text(self.scale, replies[index].readings.position);
+        let at = self.axis_text(index, replies[index].readings.position);
         match (moving, goal) {
             (None, Some(goal)) => Trouble::NotThere {
-                goal: axis.text(self.scale, goal[index]),
+                goal: self.axis_text(index, goal[index]),
                 at,
             },
             _ => Trouble::StillMoving { at },
