@@ -28,6 +28,9 @@ mod step_encoder;
 mod servo_axis;
 mod servo_module;
 
+#[cfg(feature = "nb")]
+mod poll;
+
 mod cell;
 mod drill;
 mod mill;
@@ -40,6 +43,8 @@ pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use machine::{Machine, Origin};
 pub use mill::{Mill, MillConfig, MillEvent, MillInputs};
 pub use motors::{Idle, Motors};
+#[cfg(feature = "nb")]
+pub use poll::NotFound;
 pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;
 pub use segment::Segment;

@@ -24,6 +24,8 @@ mod latch;
 
 mod cycle;
 mod plan;
+#[cfg(feature = "nb")]
+mod poll;
 mod report;
 
 mod pre_travel;

@@ -34,6 +34,8 @@
 mod conversation;
 mod frame;
 mod master;
+#[cfg(feature = "nb")]
+mod nb;
 mod peer;
 mod station;
 mod timing;

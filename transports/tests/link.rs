@@ -683,3 +683,52 @@ fn the_sizes_are_as_said() {
     assert!(size_of::<Master<3>>() <= 504 + 3 * 176);
     assert!(size_of::<Peer<7>>() <= 512 + 6 * 128);
 }
+
+/// A window that is full blocks until something is acknowledged; what stays wrong is told at once.
+#[cfg(feature = "nb")]
+#[test]
+fn sending_waits_for_the_window() {
+    let timing = Timing::of(BITS_PER_S);
+    let mut ends = [Peer::<2>::caller(1, timing), Peer::<2>::station(1, timing)];
+    let mut now_us = 0;
+    let mut got = Vec::new();
+    assert_eq!(
+        ends[0].poll_send(b"x"),
+        Err(nb::Error::Other(Refused::NotUp))
+    );
+    ends[0].call();
+    let mut exchange = |ends: &mut [Peer<2>; 2]| {
+        now_us += 100;
+        for from in 0..2 {
+            if let Some(byte) = ends[from].transmit(now_us) {
+                if let Some(Received::Data(payload)) = ends[1 - from].push(byte, now_us) {
+                    got.push(payload[0]);
+                }
+            }
+        }
+    };
+    while !ends[0].is_up() {
+        exchange(&mut ends);
+    }
+    let mut waits = 0;
+    for number in 0..6 {
+        nb::block!({
+            let result = ends[0].poll_send(&[number]);
+            if result.is_err() {
+                waits += 1;
+                exchange(&mut ends);
+            }
+            result
+        })
+        .unwrap();
+    }
+    while ends[0].unacknowledged() > 0 {
+        exchange(&mut ends);
+    }
+    assert!(waits > 0);
+    assert_eq!(got, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(
+        ends[0].poll_send(&[0; PAYLOAD_BYTES + 1]),
+        Err(nb::Error::Other(Refused::TooLong))
+    );
+}

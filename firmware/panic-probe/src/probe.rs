@@ -6,7 +6,7 @@ use core::slice::Iter;
 
 use husillo_probe::{
     Calibration, Circle, Cycle, Debounce, Edge, Latch, Line, Middle, Plan, Plane, PreTravel,
-    Repeatability, Sphere, Tip, Touch, UnitVector, corner_nm,
+    Repeatability, Request, Sphere, Tip, Touch, UnitVector, corner_nm,
 };
 
 /// Points as they come from a buffer.
@@ -29,6 +29,7 @@ pub fn keep() {
         Plan::check as *const (),
         Cycle::new as *const (),
         Cycle::tick as *const (),
+        Cycle::poll::<fn(Request)> as *const (),
         Cycle::is_over as *const (),
         Cycle::plan as *const (),
     ]);

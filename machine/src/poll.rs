@@ -1,0 +1,58 @@
+//! For programs that wait with `nb::block!`: room in the queue, and an axis that searches.
+
+use core::fmt;
+
+use husillo_backlash::Lash;
+use husillo_interp::Moves;
+
+use crate::{Machine, Refused, ServoAxis};
+
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+    /// [`line`](Machine::line), for a loop that takes events meanwhile.
+    ///
+    /// # Errors
+    /// `WouldBlock` while the line before waits for room in the queue; otherwise what is wrong with this one.
+    pub fn poll_line(&mut self, text: &[u8]) -> nb::Result<(), Refused> {
+        self.line(text).map_err(|refused| match refused {
+            Refused::Busy => nb::Error::WouldBlock,
+            refused => nb::Error::Other(refused),
+        })
+    }
+}
+
+/// Why a search of [`ServoAxis::poll_search`] is over without its event.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum NotFound {
+    /// The motion has come to its goal before.
+    AtGoal,
+    /// The servo is off: no power, or the position error went beyond its limit.
+    Off,
+}
+
+impl fmt::Display for NotFound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NotFound::AtGoal => "not found on the way",
+            NotFound::Off => "the servo went off",
+        })
+    }
+}
+
+impl core::error::Error for NotFound {}
+
+impl ServoAxis {
+    /// Whether a search ([`search`](ServoAxis::search), then a motion) has found its event and has come to a stand: the position of the
+    /// event, counts. For homing and for touches, asked after each [`tick`](ServoAxis::tick).
+    ///
+    /// # Errors
+    /// `WouldBlock` while it searches or moves; [`NotFound`] where neither will end with the event.
+    pub fn poll_search(&self) -> nb::Result<i32, NotFound> {
+        let status = self.status();
+        match (status.is_searching, status.is_done) {
+            (false, true) => Ok(self.home()),
+            (true, _) if !status.is_on => Err(nb::Error::Other(NotFound::Off)),
+            (true, true) => Err(nb::Error::Other(NotFound::AtGoal)),
+            (_, false) => Err(nb::Error::WouldBlock),
+        }
+    }
+}
