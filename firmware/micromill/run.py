@@ -15,16 +15,18 @@ with socket.socket() as free:
 qemu = subprocess.Popen(["./qemu", "micromill", board, str(port)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "MONITOR": "1"})
 assert qemu.stdout.readline().startswith(b"husillo send")
 try:
-    for _ in range(50):
-        time.sleep(0.2)
+    for _ in range(5):
+        time.sleep(1)
         sent = subprocess.run([husillo, "send", program, "-m", "micromill", "--port", f"tcp:127.0.0.1:{port}"], capture_output=True, text=True)
-        if "refused" not in sent.stderr:
+        # Not listening yet, or just booting.
+        if not re.search("refused|was reset|stop:", sent.stderr):
             break
     if sent.returncode:
         sys.exit(sent.stdout + sent.stderr)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "ram")
-        qemu.stdin.write(f'pmemsave {start:#x} {RAM} "{path}"\nquit\n'.encode())
+        # As the processor sees it: the microbit's RAM is on no other bus.
+        qemu.stdin.write(f'memsave {start:#x} {RAM} "{path}"\nquit\n'.encode())
         qemu.stdin.flush()
         qemu.wait(20)
         ram = open(path, "rb").read()
@@ -34,13 +36,15 @@ finally:
 # Sections of the program, read from its headers: what is loaded, and what RAM holds from the start.
 data = open(os.path.join(os.environ.get("CARGO_TARGET_DIR", "target"), target, "release/micromill"), "rb").read()
 offset, = struct.unpack_from("<I", data, 0x20)
-size, count = struct.unpack_from("<HH", data, 0x2E)
+size, count, names = struct.unpack_from("<HHH", data, 0x2E)
+names, = struct.unpack_from("<I", data, offset + names * size + 16)
 flash = static = 0
 for index in range(count):
-    kind, flags, address, _, length = struct.unpack_from("<5I", data, offset + index * size + 4)
+    name, kind, flags, address, _, length = struct.unpack_from("<6I", data, offset + index * size)
+    name = data[names + name:data.index(b"\0", names + name)]
     if flags & 2 and kind != 8:
         flash += length
-    if flags & 2 and start <= address < start + RAM:
+    if flags & 2 and name in (b".data", b".bss", b".uninit"):
         static = max(static, address + length - start)
 # RAM is zero when QEMU starts: the stack came down to the lowest byte above the statics that is not.
 deepest = next((place for place in range(static, RAM) if ram[place]), RAM)

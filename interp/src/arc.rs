@@ -82,6 +82,8 @@ pub enum ArcError {
     OffRim,
     /// The two axes of the plane are the same, or one of them does not exist.
     Plane,
+    /// Its state needs 64 bits ([`NarrowArc`](crate::NarrowArc)).
+    Wide,
 }
 
 impl fmt::Display for ArcError {
@@ -94,6 +96,7 @@ impl fmt::Display for ArcError {
             ArcError::TooLong => "the arc has more than 2^31 events",
             ArcError::OffRim => "an end is more than two steps off the nominal circle",
             ArcError::Plane => "the plane needs two different axes of the machine",
+            ArcError::Wide => "the arc needs a state of 64 bits",
         })
     }
 }
@@ -338,7 +341,8 @@ const fn shifted(value: i64, bits: u8) -> i64 {
 /// What the walk needs; with it the radius in sweep units and whether 32 bits hold the state.
 ///
 /// All arithmetic here wraps by name only: coordinates and radii are below 2^47, see [`Spot::new`].
-fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool), ArcError> {
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool), ArcError> {
     let bits = arc.fraction_bits;
     if bits > 30 {
         return Err(ArcError::FractionBits);

@@ -11,6 +11,7 @@ mod dda_line_exact;
 mod line;
 
 mod arc;
+mod narrow_arc;
 mod walk;
 
 mod counted;
@@ -42,6 +43,7 @@ pub use direct_search_printed::DirectSearchPrinted;
 pub use helix::Helix;
 pub use interpolator::{Interpolator, Moves};
 pub use line::Line;
+pub use narrow_arc::NarrowArc;
 pub use path::Path;
 pub use staircase::Staircase;
 pub use step::Step;

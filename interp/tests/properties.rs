@@ -1,8 +1,8 @@
 //! What holds for every line, arc and helix.
 
 use husillo_interp::{
-    Arc, ArcError, ArcMove, Direction, Helix, Interpolator, Line, Moves, Path, Rim, Step,
-    fraction_bits_for,
+    Arc, ArcError, ArcMove, Direction, Helix, Interpolator, Line, Moves, NarrowArc, Path, Rim,
+    Step, fraction_bits_for,
 };
 use proptest::prelude::*;
 
@@ -128,6 +128,11 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
         Err(error) => return Err(TestCaseError::fail(error.to_string())),
     };
     let wide = Arc::wide(arc_move).unwrap();
+    // The one of 32 bits is the same arc, where it is one.
+    match NarrowArc::new(arc_move) {
+        Ok(narrow) => prop_assert!(arc.is_narrow() && narrow.eq(arc.clone())),
+        Err(error) => prop_assert!(!arc.is_narrow() && error == ArcError::Wide),
+    }
     let steps: Vec<Step> = arc.clone().collect();
     // 32-bit and 64-bit state give the same events.
     prop_assert!(steps.iter().copied().eq(wide));

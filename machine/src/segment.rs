@@ -1,7 +1,7 @@
 //! One command that moves, as steps and ticks.
 
 use husillo_gcode::{Command, Feed, Nm};
-use husillo_interp::Moves;
+use husillo_interp::{ArcMove, Moves};
 
 use crate::{
     Axis, Config, Means, MoveError,
@@ -75,6 +75,20 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
+        self.check_arcs(from, command, |_| true)
+    }
+
+    /// [`Config::check`] for methods that cannot make every arc.
+    ///
+    /// # Errors
+    /// [`MoveError::ArcTooLarge`] for an arc that does not fit, too.
+    #[inline]
+    pub(crate) fn check_arcs(
+        &self,
+        from: &[Nm; N],
+        command: &Command<N>,
+        fits: impl Fn(&ArcMove) -> bool,
+    ) -> Result<(), MoveError> {
         if let Some(means) = missing(command, self.spindle_counts.is_some()) {
             return Err(MoveError::Unsupported(means));
         }
@@ -105,6 +119,7 @@ impl<const N: usize> Config<N> {
                 let course = self.course(from, arc, start, end)?;
                 // A turn has less than 6 (r + 4) events, a helix as many more as its longest axis has steps.
                 let events = match course {
+                    Course::Round(round, _) if !fits(&round) => return Err(MoveError::ArcTooLarge),
                     Course::Round(_, radius) => u64::from(radius)
                         .saturating_add(4)
                         .saturating_mul(6)

@@ -92,7 +92,10 @@ pub fn on_byte(byte: u8) {
 fn main() -> ! {
     board::start();
     let Ok(motor) = Sequencer::new(Driver::Pbl3717a, Mode::Full) else {
-        loop {} // this driver has that mode
+        // This driver has that mode.
+        loop {
+            core::hint::spin_loop();
+        }
     };
     let mut motors = Motors::new([motor; 3], Idle::Hold);
     board::write(phases(motors.levels()));

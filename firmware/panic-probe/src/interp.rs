@@ -4,7 +4,8 @@ use core::hint::black_box;
 
 use husillo_interp::{
     Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Helix, Interpolator, Line,
-    LineDda, LineDdaExact, Moves, Path, Staircase, Step, TimedDirectSearch, fraction_bits_for,
+    LineDda, LineDdaExact, Moves, NarrowArc, Path, Staircase, Step, TimedDirectSearch,
+    fraction_bits_for,
 };
 
 /// Keeps every function in the program.
@@ -33,6 +34,14 @@ pub fn keep() {
         Arc::total_sweep as *const (),
         <Arc as Iterator>::next as *const (),
         <Arc as Iterator>::size_hint as *const (),
+        NarrowArc::new as *const (),
+        NarrowArc::check as *const (),
+        NarrowArc::largest_sweep as *const (),
+        NarrowArc::radius as *const (),
+        NarrowArc::remaining as *const (),
+        NarrowArc::total_sweep as *const (),
+        <NarrowArc as Iterator>::next as *const (),
+        <NarrowArc as Iterator>::size_hint as *const (),
         Helix::<3>::new as *const (),
         Helix::<3>::arc as *const (),
         Helix::<3>::events as *const (),

@@ -3,6 +3,7 @@
 mod config;
 mod entry;
 mod event;
+mod path;
 mod ring;
 mod task;
 
@@ -10,12 +11,13 @@ pub use config::MillConfig;
 pub use event::{MillEvent, MillInputs};
 
 use husillo_gcode::SpindleDirection;
-use husillo_interp::{Interpolator, Moves, Path};
+use husillo_interp::{Interpolator, Moves};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Line, Order};
 
 use crate::{Config, MAX_WAIT_TICKS, Segment, StepEvent, cell::play::Play, segment::lattice};
 use entry::{Entry, Kind, Place, nm};
+use path::Flat;
 use ring::Ring;
 use task::{Course, Task};
 
@@ -72,7 +74,7 @@ pub struct Mill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: 
     zero: Place,
     task: Task,
     /// The move under way, and what goes with it.
-    path: Option<Path<3>>,
+    path: Option<Flat>,
     course: Course,
     /// Ticks of moves too short for a step: they belong to the next one.
     carried_ticks: u64,
@@ -359,7 +361,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         if entry.moves() {
             let command = entry.command(self.programmed)?;
             let from = nm(self.programmed);
-            self.config.machine.check(&from, &command).ok()?;
+            let machine = &self.config.machine;
+            machine.check_arcs(&from, &command, Flat::fits).ok()?;
         }
         Some(entry)
     }
@@ -632,7 +635,7 @@ fn segment(entry: &Entry, from: Place) -> Option<Segment<3>> {
 
 #[inline(never)]
 fn lay(
-    place: &mut Option<Path<3>>,
+    place: &mut Option<Flat>,
     machine: &Config<3>,
     segment: &Segment<3>,
     start: [i32; 3],
@@ -642,7 +645,7 @@ fn lay(
 }
 
 #[inline(never)]
-fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Path<3>) -> u64 {
+fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Flat) -> u64 {
     machine.tempo(segment, path).ticks(100)
 }
 

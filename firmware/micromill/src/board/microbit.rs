@@ -45,7 +45,7 @@ const PH: [u32; 6] = [1 << 3, 1 << 2, 1 << 1, 1 << 18, 1 << 20, 1 << 16];
 /// Pads 14 and 15: the spindle forwards and backwards.
 const FORWARDS: u32 = 1 << 22;
 const BACKWARDS: u32 = 1 << 21;
-/// What the timer needs to see a comparison.
+/// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for.
 const LEAST_US: u32 = 2;
 
 fn read(address: usize) -> u32 {
@@ -125,16 +125,30 @@ pub fn home(position_steps: [i32; 3]) -> [bool; 3] {
     position_steps.map(|steps| steps <= -400)
 }
 
+fn now_us() -> u32 {
+    set(TIMER + CAPTURE1, 1);
+    read(TIMER + CC1)
+}
+
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
 pub fn wait(us: u32) {
     LAST_US.with(|last| {
-        set(TIMER + CAPTURE1, 1);
-        let now = read(TIMER + CC1);
-        let left = last.wrapping_add(us).wrapping_sub(now);
-        // What has passed wraps to the upper half; waits are 2^31 at most.
-        let is_ahead = left.wrapping_sub(LEAST_US) <= (1 << 31) - LEAST_US;
-        *last = now.wrapping_add(if is_ahead { left } else { LEAST_US });
-        set(TIMER + CC0, *last);
+        *last = last.wrapping_add(us);
+        loop {
+            // What has passed wraps to the upper half; waits are 2^31 at most.
+            let now = now_us();
+            let left = last.wrapping_sub(now);
+            if left.wrapping_sub(LEAST_US) > (1 << 31) - LEAST_US {
+                *last = now.wrapping_add(LEAST_US);
+            }
+            set(TIMER + CC0, *last);
+            // Only now: QEMU sets it again while the counter stands on the old value.
+            set(TIMER + COMPARE0, 0);
+            // It may have come in between.
+            if last.wrapping_sub(now_us()).wrapping_sub(1) < 1 << 31 {
+                break;
+            }
+        }
         set(TIMER + INTENSET, COMPARE0_INTERRUPT);
     });
 }

@@ -64,7 +64,6 @@ pub fn start() {
     set(PLIC_THRESHOLD, 0);
     // Safety: the handlers are below.
     unsafe {
-        riscv::register::mie::set_mtimer();
         riscv::register::mie::set_mext();
         riscv::interrupt::enable();
     }
@@ -115,19 +114,19 @@ pub fn wait(us: u32) {
     LAST.with(|last| {
         let end = last.wrapping_add(u64::from(us).wrapping_mul(CLOCKS_PER_US));
         *last = end.max(now());
-        compare(*last);
+        // Never earlier in between.
+        set(COMPARE + 4, u32::MAX);
+        set(COMPARE, *last as u32);
+        set(COMPARE + 4, (*last >> 32) as u32);
+        // Safety: the handler is below.
+        unsafe { riscv::register::mie::set_mtimer() };
     });
 }
 
-/// Ends the wait.
+/// Ends the wait. Not by a time that never comes: QEMU would jump to it.
 pub fn stop() {
-    compare(u64::MAX);
-}
-
-fn compare(at: u64) {
-    set(COMPARE + 4, u32::MAX);
-    set(COMPARE, at as u32);
-    set(COMPARE + 4, (at >> 32) as u32);
+    // Safety: nobody waits for it any more.
+    unsafe { riscv::register::mie::clear_mtimer() };
 }
 
 /// Sleeps until an interrupt, while nothing has happened.

@@ -1,0 +1,115 @@
+//! The general arc where 32 bits hold its state, for chips that have no room for the other case.
+
+use core::iter::FusedIterator;
+
+use crate::arc::start;
+use crate::interpolator::{Totals, exactly};
+use crate::walk::{Start, Walk};
+use crate::{ArcError, ArcMove, Interpolator, Step};
+
+/// An [`Arc`](crate::Arc) whose state has words of 32 bits: the same steps, or [`ArcError::Wide`].
+///
+/// | | |
+/// | --- | --- |
+/// | when | with the fraction bits of [`fraction_bits_for`](crate::fraction_bits_for) up to R = 2^25, unless its ends lie far apart beside the circle in few steps |
+/// | state | 96 bytes instead of 152 |
+/// | cost | 2 kB of code less on a Cortex-M0, and the choice of the width at every event |
+/// | else | as [`Arc`](crate::Arc) |
+///
+/// ```
+/// use husillo_interp::{Arc, ArcMove, Direction, NarrowArc, Rim};
+///
+/// let arc = ArcMove {
+///     from: [500, 0],
+///     to: [0, 500],
+///     centre: [0, 0],
+///     fraction_bits: 0,
+///     direction: Direction::CounterClockwise,
+///     turns: 0,
+///     rim: Rim::Spiral,
+/// };
+/// assert!(NarrowArc::new(&arc)?.eq(Arc::new(&arc)?));
+/// # Ok::<(), husillo_interp::ArcError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct NarrowArc {
+    walk: Walk<i32>,
+    left: u32,
+    totals: Totals,
+    radius: u64,
+}
+
+impl NarrowArc {
+    /// Prepares an arc: walks it once to count its events and to add up its sweep.
+    ///
+    /// # Errors
+    /// See [`ArcError`]; nothing is walked then.
+    pub fn new(arc: &ArcMove) -> Result<NarrowArc, ArcError> {
+        let (start, radius) = narrow(arc)?;
+        let walk = Walk::new(&start);
+        let mut dry = walk;
+        let totals = Totals::of(core::iter::from_fn(|| dry.next())).ok_or(ArcError::TooLong)?;
+        Ok(NarrowArc {
+            walk,
+            left: totals.events,
+            totals,
+            radius,
+        })
+    }
+
+    /// What [`NarrowArc::new`] would say, without the walk.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn check(arc: &ArcMove) -> Result<(), ArcError> {
+        narrow(arc).map(|_| ())
+    }
+
+    /// As [`Arc::radius`](crate::Arc::radius).
+    pub const fn radius(&self) -> u64 {
+        self.radius
+    }
+}
+
+fn narrow(arc: &ArcMove) -> Result<(Start, u64), ArcError> {
+    let (start, radius, fits_narrow) = start(arc, [0, 1])?;
+    if fits_narrow {
+        Ok((start, radius))
+    } else {
+        Err(ArcError::Wide)
+    }
+}
+
+impl Interpolator for NarrowArc {
+    #[inline]
+    fn remaining(&self) -> u32 {
+        self.left
+    }
+
+    fn total_sweep(&self) -> u64 {
+        self.totals.total_sweep
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        self.totals.largest_sweep
+    }
+}
+
+impl Iterator for NarrowArc {
+    type Item = Step;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        let step = self.walk.next()?;
+        self.left = self.left.wrapping_sub(1);
+        Some(step)
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        exactly(self.left)
+    }
+}
+
+impl ExactSizeIterator for NarrowArc {}
+impl FusedIterator for NarrowArc {}

@@ -1,0 +1,75 @@
+//! What a mill's moves are made of: lines of three axes and arcs of the first two. Helices and arcs in other planes have no string.
+
+use husillo_interp::{ArcError, ArcMove, Interpolator, Line, Moves, NarrowArc, Step};
+
+/// A line or a flat arc: the methods of [`husillo_interp::Path`], so its steps are the same, without helices and arcs whose state
+/// needs 64 bits. The latter are refused: in a mill's 2.1 m only spirals that change their radius by a lot in a few steps.
+/// On a Cortex-M0 that is 4 kB of code less and 390 bytes of stack.
+#[derive(Clone, Debug)]
+// One of these lives in a mill, in place; a box would need an allocator.
+#[allow(clippy::large_enum_variant)]
+pub(super) enum Flat {
+    Line(Line<3>),
+    Arc(NarrowArc),
+}
+
+impl Flat {
+    /// Whether an arc can be made.
+    pub(super) fn fits(arc: &ArcMove) -> bool {
+        // Too small to go round: then it is a line.
+        matches!(NarrowArc::check(arc), Ok(()) | Err(ArcError::Degenerate))
+    }
+}
+
+impl Iterator for Flat {
+    type Item = Step;
+
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        match self {
+            Flat::Line(line) => line.next(),
+            Flat::Arc(arc) => arc.next(),
+        }
+    }
+}
+
+impl Interpolator for Flat {
+    fn remaining(&self) -> u32 {
+        match self {
+            Flat::Line(line) => line.remaining(),
+            Flat::Arc(arc) => arc.remaining(),
+        }
+    }
+
+    fn total_sweep(&self) -> u64 {
+        match self {
+            Flat::Line(line) => line.total_sweep(),
+            Flat::Arc(arc) => arc.total_sweep(),
+        }
+    }
+
+    fn largest_sweep(&self) -> u32 {
+        match self {
+            Flat::Line(line) => line.largest_sweep(),
+            Flat::Arc(arc) => arc.largest_sweep(),
+        }
+    }
+}
+
+impl Moves<3> for Flat {
+    fn line(delta: [i32; 3]) -> Self {
+        Flat::Line(Line::new(delta))
+    }
+
+    /// The plane is that of the first two axes, and the third one stays: an arc's string says nothing else.
+    fn arc(arc: &ArcMove, _plane: [usize; 2], _along: [i32; 3]) -> Result<Self, ArcError> {
+        Ok(Flat::Arc(NarrowArc::new(arc)?))
+    }
+
+    fn radius(&self) -> Option<u64> {
+        match self {
+            Flat::Line(_) => None,
+            Flat::Arc(arc) => Some(arc.radius()),
+        }
+    }
+}
