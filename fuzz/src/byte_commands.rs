@@ -1,12 +1,13 @@
 //! Any bytes on the link of the microfactory, read by a link alone and by one with a cell behind it.
 
 use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs};
-use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable, REJECTED};
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable, REJECTED, Status};
 
 use crate::bytes::Bytes;
 
 /// - A byte is answered once: by itself or by `?`, and only one that was taken gives a command.
 /// - While something moves only stop, emergency stop and the same jog are taken.
+/// - A figure is kept only behind its beginning, with at most as many moves as there is room for.
 /// - A count of 0 never runs; motors are below four. Behind an emergency stop nothing is taken until the reset.
 /// - A cell moves no motor of an axis towards a closed switch, and no motor at all after an emergency stop.
 pub fn byte_commands(data: &[u8]) {
@@ -16,14 +17,19 @@ pub fn byte_commands(data: &[u8]) {
 }
 
 fn check_link(bytes: &mut Bytes<'_>) {
-    let mut link = ByteCommands::new(ByteTable::DEFAULT).acknowledging();
+    let room = u16::from(bytes.byte() & 3);
+    let mut link = ByteCommands::new(ByteTable::DEFAULT)
+        .acknowledging()
+        .storing(room);
     let mut jog = None;
+    // Moves of the figure that is coming in.
+    let mut moves = None;
     let mut is_stopped = false;
     for _ in 0..bytes.byte() {
         let (byte, flags) = (bytes.byte(), bytes.byte());
         if flags == 0xFF {
             link.reset();
-            (jog, is_stopped) = (None, false);
+            (jog, moves, is_stopped) = (None, None, false);
         }
         let is_moving = flags & 1 != 0;
         let received = link.receive(byte, is_moving);
@@ -34,8 +40,15 @@ fn check_link(bytes: &mut Bytes<'_>) {
             assert!(!(is_stopped && is_taken), "taken behind an emergency stop");
             continue;
         };
-        assert!(received.reply == Some(byte) && !is_stopped);
+        assert!(received.reply == Some(byte) && (!is_stopped || command == ByteCommand::Ask));
         match command {
+            ByteCommand::Ask => {}
+            ByteCommand::Clear => moves = Some(0),
+            ByteCommand::Line(_) => {
+                moves = moves.map(|moves| moves + 1);
+                assert!(moves.is_some_and(|moves| moves <= room));
+            }
+            ByteCommand::Keep => assert!(moves.take().is_some()),
             ByteCommand::Emergency => is_stopped = true,
             ByteCommand::Stop => {}
             ByteCommand::Jog { motor, forward } => {
@@ -78,6 +91,8 @@ fn check_cell(bytes: &mut Bytes<'_>) {
         if let Some(command) = link.receive(byte, cell.is_moving()).command {
             is_stopped |= command == ByteCommand::Emergency;
             cell.command(command);
+            let told = Status::of(&cell.status().bytes());
+            assert!(told.is_some_and(|told| told == cell.status()));
         }
         for _ in 0..switches >> 4 {
             match cell.next_event(&inputs) {

@@ -8,8 +8,9 @@ mod simulate;
 use crate::calibrate::{Calibrate, What};
 use crate::check::{self, Facts};
 use crate::cli::{
-    Check, Cli, Command, Commands, Compare, DrillOrder, DrillOutput, Emulate, Holes, Interpolate,
-    Listing, Machines, MachinesAction, Measure, Output, Page, Shape, Steps, Target, Tune,
+    Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate, Holes,
+    Interpolate, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
+    Target, Tune,
 };
 use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
@@ -75,12 +76,8 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Commands(args) => print_commands(args),
         Command::Steps(args) => write_steps(args),
         Command::Holes(args) => list_holes(args),
-        Command::Compile(args) if milling::is_for(&args.target, &args.file) => {
-            milling::compile(args)
-        }
-        Command::Compile(args) => drilling::compile(args),
-        Command::Send(args) if milling::is_for(&args.target, &args.file) => milling::send(args),
-        Command::Send(args) => drilling::send(args),
+        Command::Compile(args) => compile(args),
+        Command::Send(args) => send(args),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
@@ -112,14 +109,53 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
 fn jog(args: &cell::Jog) -> Result<u8, Failure> {
     let out = &mut io::stdout().lock();
     let is_well = match args.machine.as_str() {
-        "microfactory" => cell::jog(args, out)?,
         "drill" => drill::jog(args, out)?,
-        other => {
-            let message = format!("{other} cannot be jogged: there are microfactory and drill");
-            return Err(Failure::Usage(message));
+        machine => {
+            let settings = microfactory(machine)?.ok_or_else(|| {
+                format!("{machine} cannot be jogged: there are microfactory and drill, and files with [bytes]")
+            })?;
+            cell::jog(args, &settings, out)?
         }
     };
     Ok(if is_well { OK } else { ERRORS })
+}
+
+fn compile(args: &Compile) -> Result<u8, Failure> {
+    if let Some(settings) = (args.target.machine.as_deref()).map_or(Ok(None), microfactory)? {
+        let text = cell::list(&args.file, &settings)?;
+        match args.output.as_deref() {
+            None | Some("-") => io::stdout().write_all(text.as_bytes())?,
+            Some(path) => create(path)?.write_all(text.as_bytes())?,
+        }
+        return Ok(OK);
+    }
+    if milling::is_for(&args.target, &args.file) {
+        milling::compile(args)
+    } else {
+        drilling::compile(args)
+    }
+}
+
+fn send(args: &Send) -> Result<u8, Failure> {
+    if let Some(settings) = (args.target.machine.as_deref()).map_or(Ok(None), microfactory)? {
+        let is_well = cell::send(args, &settings, &mut io::stdout().lock())?;
+        return Ok(if is_well { OK } else { ERRORS });
+    }
+    let (file, _) = args.alone()?;
+    if milling::is_for(&args.target, file) {
+        milling::send(args)
+    } else {
+        drilling::send(args)
+    }
+}
+
+/// The settings of a microfactory; `None` where a machine is another one.
+fn microfactory(machine: &str) -> Result<Option<cell::Settings>, Failure> {
+    let says_so = || std::fs::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
+    if machine != "microfactory" && !says_so() {
+        return Ok(None);
+    }
+    Ok(cell::Settings::of(&load(machine)?))
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
@@ -142,8 +178,8 @@ fn tune_servo(args: &Tune) -> Result<u8, Failure> {
 
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
-    if args.machine == "microfactory" {
-        cell::emulate(args, &mut io::stdout().lock())?;
+    if let Some(settings) = microfactory(&args.machine)? {
+        cell::emulate(args, &settings, &mut io::stdout().lock())?;
         return Ok(OK);
     }
     #[cfg(unix)]

@@ -1,137 +1,159 @@
-//! The desktop microfactory: `husillo jog` and `husillo emulate microfactory`.
+//! The desktop microfactory: `husillo jog`, `husillo send` and `husillo emulate microfactory`.
 //!
 //! ```text
-//! action ─► client ─► wire ─┬─► device          simulated time
-//!                           └─► serial, socket ─► device ◄─ terminal     real time
-//! figure ─────────────────────► device
+//! actions, figures ─► crew ─┬► client ─► wire ─┬─► device          simulated time
+//!                           ├► client ...      └─► serial, socket ─► device ◄─ terminal     real time
+//!                           └► client ...
 //! ```
 
 mod action;
 mod args;
 mod client;
+mod crew;
 mod device;
 mod figure;
+mod settings;
+#[cfg(test)]
+mod tests;
 
 pub use args::Jog;
+pub use settings::Settings;
 
 use crate::wire::Wire;
 use action::Action;
 use client::Client;
+use crew::Worker;
 use device::Device;
+use figure::Figure;
 use std::io::Write;
-use std::sync::mpsc;
-use std::thread;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Bits a second of the link.
 const BAUD: u32 = 9600;
 /// The figure of a device that was given none: the original's square with its diagonal, 1000 steps wide.
 const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
+/// How machines are reached.
+struct Links<'a> {
+    settings: &'a Settings,
+    baud: u32,
+    answers: bool,
+    /// The figure of simulated devices.
+    figure: Option<&'a str>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Links<'_> {
+    fn open(&self, port: &str) -> Result<Client, String> {
+        let wire = if port == "sim" {
+            let figure = figure_of(self.figure, self.settings)?;
+            Wire::simulated(Device::new(self.settings, figure, self.answers, self.baud))
+        } else {
+            Wire::open(port, self.baud).map_err(|error| format!("{port}: {error}"))?
+        };
+        Ok(Client::new(
+            wire,
+            self.settings.table,
+            self.answers,
+            Arc::clone(&self.stop),
+        ))
+    }
+
+    /// A machine a port, with its share of the actions.
+    fn crew(&self, ports: &[String], shares: Vec<Vec<Action>>) -> Result<Vec<Worker>, String> {
+        let worker = |(port, actions): (&String, Vec<Action>)| {
+            Ok(Worker {
+                port: port.clone(),
+                client: self.open(port)?,
+                actions,
+            })
+        };
+        ports.iter().zip(shares).map(worker).collect()
+    }
+}
+
 /// `husillo jog`: carries out the actions one after the other, on every machine at once.
 ///
 /// # Errors
 ///
 /// A sentence about the actions, before anything moves.
-pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
-    let ports: Vec<&str> = args.port.iter().map(String::as_str).collect();
-    let shares = action::shares(&args.actions, ports.len())?;
-    let mut machines = Vec::new();
-    for port in &ports {
-        let wire = if *port == "sim" {
-            Wire::simulated(Device::new(figure_of(args.figure.as_deref())?, true))
-        } else {
-            Wire::open(port, BAUD).map_err(|error| format!("{port}: {error}"))?
-        };
-        machines.push(Client::new(wire, !args.without_answers));
-    }
-    let (teller, told) = mpsc::channel();
-    let ends = thread::scope(|scope| {
-        let begun: Vec<_> = (machines.into_iter().zip(&shares).enumerate())
-            .map(|(machine, (client, actions))| {
-                let teller = teller.clone();
-                scope.spawn(move || work(client, actions, machine, &teller))
-            })
-            .collect();
-        drop(teller);
-        for (machine, line) in told {
-            let name = if ports.len() > 1 {
-                format!("{}: ", machine + 1)
-            } else {
-                String::new()
-            };
-            // A reader that has gone away does not stop machines.
-            let _ = writeln!(out, "{name}{line}").and_then(|()| out.flush());
-        }
-        let ends = begun.into_iter().map(|machine| machine.join());
-        ends.collect::<Vec<_>>()
-    });
-    let mut is_well = true;
-    for ((port, end), actions) in ports.iter().zip(ends).zip(&shares) {
-        let end = end.map_err(|_| format!("{port}: the host's own fault"))?;
-        let count = actions.len();
-        let line = match &end.trouble {
-            None => format!("{port}: {count} of {count} actions, {:.1} s", end.seconds),
-            Some(trouble) => {
-                is_well = false;
-                format!("{port}: {} of {count} actions, then {trouble}", end.actions)
-            }
-        };
-        if ports.len() > 1 {
-            writeln!(out, "{line}").map_err(|error| error.to_string())?;
-        }
-        if let Some(trouble) = end.trouble {
-            eprintln!("error: {port}: {trouble}");
-        }
-    }
-    Ok(is_well)
-}
-
-/// How a machine's share ended.
-struct End {
-    /// Actions carried out.
-    actions: usize,
-    seconds: f64,
-    trouble: Option<String>,
-}
-
-/// Carries out the actions of one machine; what happens is told as it does.
-fn work(
-    mut client: Client,
-    actions: &[Action],
-    machine: usize,
-    teller: &mpsc::Sender<(usize, String)>,
-) -> End {
-    let mut end = End {
-        actions: 0,
-        seconds: 0.0,
-        trouble: None,
+pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool, String> {
+    let load = |file: &str| Figure::load(file, settings);
+    let shares = action::shares(&args.actions, args.port.len(), load)?;
+    let links = Links {
+        settings,
+        baud: args.baud.unwrap_or(BAUD),
+        answers: !args.without_answers,
+        figure: args.figure.as_deref(),
+        stop: crate::wire::stop_flag()?,
     };
-    let tell = |line| {
-        // The other end is there until all machines have ended.
-        let _ = teller.send((machine, line));
-    };
-    for action in actions {
-        let result = client.carry_out(action);
-        for line in client.told() {
-            tell(format!("  {line}"));
-        }
-        match result {
-            Ok(seconds) => {
-                end.actions += 1;
-                end.seconds += seconds;
-                tell(format!("{action}: {seconds:.1} s"));
-            }
-            Err(trouble) => {
-                end.trouble = Some(trouble);
-                break;
-            }
-        }
+    let shares = crew::work(links.crew(&args.port, shares)?, out)?;
+    if shares.len() > 1 {
+        crew::report(&shares, out).map_err(|error| error.to_string())?;
     }
-    end
+    Ok(crew::is_well(&shares))
 }
 
-fn figure_of(file: Option<&str>) -> Result<Vec<[i16; 2]>, String> {
-    file.map_or_else(|| Ok(FIGURE.to_vec()), figure::load)
+/// `husillo send`: stores a figure in every machine and cuts it, all at once.
+///
+/// # Errors
+///
+/// A sentence about the figures or the ports, before anything moves.
+pub fn send(
+    args: &crate::cli::Send,
+    settings: &Settings,
+    out: &mut dyn Write,
+) -> Result<bool, String> {
+    let (files, ports) = (&args.files, &args.port);
+    if files.len() != 1 && files.len() != ports.len() {
+        return Err(format!(
+            "{} figures for {} machines: one for all, or one for each --port",
+            files.len(),
+            ports.len()
+        ));
+    }
+    let share = |file: &String| {
+        let home = (!args.no_home).then_some(Action::Home);
+        let figure = Figure::load(file, settings)?;
+        Ok(home
+            .into_iter()
+            .chain([Action::Load(figure), Action::Figure])
+            .collect::<Vec<_>>())
+    };
+    let mut shares = files
+        .iter()
+        .map(share)
+        .collect::<Result<Vec<_>, String>>()?;
+    if let [one] = &shares[..] {
+        shares = vec![one.clone(); ports.len()];
+    }
+    let links = Links {
+        settings,
+        baud: args.baud.unwrap_or(BAUD),
+        answers: !args.without_answers,
+        figure: None,
+        stop: crate::wire::stop_flag()?,
+    };
+    let shares = crew::work(links.crew(ports, shares)?, out)?;
+    crew::report(&shares, out).map_err(|error| error.to_string())?;
+    Ok(crew::is_well(&shares))
+}
+
+/// `husillo compile -m microfactory`: a figure as a list, which can be edited.
+///
+/// # Errors
+///
+/// A sentence about the figure.
+pub fn list(file: &str, settings: &Settings) -> Result<String, String> {
+    Ok(Figure::load(file, settings)?.text())
+}
+
+fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
+    file.map_or_else(
+        || Ok(FIGURE.to_vec()),
+        |file| Ok(Figure::load(file, settings)?.moves),
+    )
 }
 
 /// `husillo emulate microfactory`.
@@ -140,12 +162,21 @@ fn figure_of(file: Option<&str>) -> Result<Vec<[i16; 2]>, String> {
 ///
 /// A sentence about the figure or the terminal.
 #[cfg(unix)]
-pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), String> {
+pub fn emulate(
+    args: &crate::cli::Emulate,
+    settings: &Settings,
+    out: &mut dyn Write,
+) -> Result<(), String> {
     use crate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
 
-    let mut device = Device::new(figure_of(args.figure.as_deref())?, !args.faithful);
+    let mut device = Device::new(
+        settings,
+        figure_of(args.figure.as_deref(), settings)?,
+        !args.faithful,
+        BAUD,
+    );
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),

@@ -74,9 +74,10 @@ pub enum Command {
         husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
         husillo compile holes.nc -m drill -o holes.cod\n  \
         husillo compile part.nc -m micromill -o part.mm\n  \
+        husillo compile figure.nc -m microfactory -o figure.fig\n  \
         husillo commands board.cod --format gcode")]
     Compile(Compile),
-    /// Send a program to the drill or the micro mill and see it made
+    /// Send a program to the drill, the micro mill or microfactories and see it made
     #[command(after_help = "Examples:\n  \
         husillo send board.drl -m drill --shift corner --port /dev/ttyUSB0\n  \
         husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
@@ -86,7 +87,10 @@ pub enum Command {
         drilled. After a fault it says which hole is next: --from goes on there.\n\n  \
         husillo send part.nc -m micromill --port /dev/ttyUSB0\n  \
         husillo send examples/circles.nc -m micromill --port tcp:127.0.0.1:7000\n\n\
-        The micro mill homes first; the steps that its controller tells are compared with the simulator's: exit status 1 where they differ.")]
+        The micro mill homes first; the steps that its controller tells are compared with the simulator's: exit status 1 where they differ.\n\n  \
+        husillo send examples/microfactory/square.nc -m microfactory --port /dev/ttyUSB0\n  \
+        husillo send square.nc triangle.fig -m microfactory --port /dev/ttyUSB0 --port /dev/ttyUSB1\n\n\
+        A microfactory homes, stores the figure and cuts it; several do at once, with one report about all of them at the end.")]
     Send(Send),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
@@ -112,7 +116,9 @@ pub enum Command {
         home         X, Y and Z to their switches and 200 steps back\n  \
         x -25        steps of a motor: x, y, z, or c for the spindle\n  \
         y+ 1.5s      turn a motor for a while\n  \
+        load FILE    store another figure: straight moves of a program in X and Z, or a list of them (NAME.fig)\n  \
         figure       feed Y until the tool touches, then cut the stored figure\n  \
+        where        tell where the axes are\n  \
         stop, emergency\n  \
         2: ACTION..  for the second --port alone; all: for all again\n\n\
         Examples:\n  \

@@ -10,7 +10,6 @@ mod action;
 mod client;
 mod device;
 mod duration;
-mod line;
 mod manifest;
 mod operator;
 mod page;
@@ -29,7 +28,7 @@ pub use part::{Part, lean, millimetres};
 pub use program::{Translation, text as program_text};
 
 use crate::cell::Jog;
-use crate::wire::Wire;
+use crate::wire::{Wire, stop_flag};
 use action::{Action, Hand};
 use client::{Client, Trouble};
 use device::Device;
@@ -56,14 +55,6 @@ fn open(
     Ok(Client::new(wire, bits_per_s, stop))
 }
 
-/// A flag that Ctrl-C sets.
-fn stop_flag() -> Result<Arc<AtomicBool>, String> {
-    #[cfg(unix)]
-    return crate::terminal::stop_flag();
-    #[cfg(not(unix))]
-    Ok(Arc::new(AtomicBool::new(false)))
-}
-
 /// `husillo jog -m drill`: carries out the actions one after the other.
 ///
 /// # Errors
@@ -74,7 +65,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     let [port] = &args.port[..] else {
         return Err("a drill is driven alone: one --port".into());
     };
-    let mut client = open(port, args.baud, false, stop_flag()?)?;
+    let mut client = open(port, args.baud.unwrap_or(BAUD), false, stop_flag()?)?;
     let tell = |line: &str, out: &mut dyn Write| {
         // A reader that has gone away does not stop a machine.
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
@@ -117,8 +108,9 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
 ///
 /// A sentence about what cannot be asked for, before anything moves.
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
+    let (file, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
-    let client = open(&args.port, baud, false, stop_flag()?)?;
+    let client = open(port, baud, false, stop_flag()?)?;
     let mut operator = operator::Console::new(out);
     let mut sender = Sender {
         client,
@@ -131,11 +123,11 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
     };
     let end = sender.send(args.detach)?;
     let all = parts.iter().map(Part::holes).sum();
-    let sentence = sender::sentence(&end, &args.file, all);
+    let sentence = sender::sentence(&end, file, all);
     operator.close();
     match end {
         End::Failed(_) => {
-            eprintln!("error: {}: {sentence}", args.port);
+            eprintln!("error: {port}: {sentence}");
             Ok(false)
         }
         End::Drilled | End::Detached => {

@@ -1,5 +1,6 @@
 //! Machine files: TOML to a checked description, with every mistake at its place.
 
+use crate::bytes_file;
 use crate::diagnostics::{Finding, Place};
 use crate::encoder_file::EncoderFile;
 use crate::lash::LashFile;
@@ -7,6 +8,7 @@ use crate::power::Power;
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
 use husillo_gcode::Dialect;
+use husillo_transports::byte_commands::ByteTable;
 use std::ops::Range;
 
 /// Name, path and text of the machines that need no file.
@@ -73,6 +75,8 @@ pub struct MachineFile {
     pub simultaneous_axes: u32,
     /// Lash by place.
     pub lash: LashFile,
+    /// The bytes of a link of byte commands, which a microfactory has.
+    pub bytes: Option<ByteTable>,
     /// What the motors do when nothing moves.
     pub idle: Idle,
     /// The axes of pictures, by index: to the right and up.
@@ -272,6 +276,7 @@ impl MachineFile {
             }
             _ => LashFile::default(),
         };
+        let bytes = root.optional_table("bytes", bytes_file::read);
         root.finish();
         match axes {
             Some((Some(x), Some(y), Some(z))) if findings.is_empty() => Ok(Self {
@@ -288,6 +293,7 @@ impl MachineFile {
                 spindle_counts,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 lash,
+                bytes,
                 idle,
                 view: view.flatten().unwrap_or([0, 1]),
             }),

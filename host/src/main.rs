@@ -13,6 +13,7 @@
 
 mod app;
 mod blocks;
+mod bytes_file;
 mod calibrate;
 mod cell;
 mod chart;
@@ -42,6 +43,7 @@ mod grid;
 mod holes;
 mod interpolate;
 mod lash;
+mod line;
 mod machine_file;
 mod machines;
 mod measure;

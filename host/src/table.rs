@@ -247,6 +247,11 @@ impl<'a, 'f> Table<'a, 'f> {
             .push(Finding::error("E0802", message, self.place(span)));
     }
 
+    /// Where the whole table stands.
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// Reports a wrong value.
     pub fn wrong(&mut self, span: Range<usize>, message: &str, label: &str) {
         self.findings

@@ -4,6 +4,8 @@ use crate::cmm::Port;
 use crate::emulation::Emulation;
 use std::collections::VecDeque;
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A wire to a device or to a simulated one, with the time that passes on it.
@@ -109,4 +111,16 @@ impl<E: Emulation> Wire<E> {
             Self::Simulated { answers, .. } | Self::Real { answers, .. } => answers,
         }
     }
+}
+
+/// A flag that Ctrl-C sets.
+///
+/// # Errors
+///
+/// The system does not hand it over.
+pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
+    #[cfg(unix)]
+    return crate::terminal::stop_flag();
+    #[cfg(not(unix))]
+    Ok(Arc::new(AtomicBool::new(false)))
 }

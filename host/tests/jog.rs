@@ -61,11 +61,13 @@ fn two_machines_at_once() {
     )
     .success()
     .stdout(contains("1: x +40: ").and(contains("2: x -7: ")))
-    .stdout(contains(": 3 of 3 actions").count(2));
+    .stdout(contains(": 3 of 3 actions").count(2))
+    .stdout(contains("2 of 2 machines did all they had to"));
     first.type_line("unplug", "unplugged");
     jog_both(&first, &second, &["c", "9"])
         .code(1)
-        .stdout(contains("0 of 1 actions, then no answer").and(contains("1 of 1 actions")));
+        .stdout(contains("0 of 1 actions").and(contains("then no answer")))
+        .stdout(contains("1 of 1 actions").and(contains("1 of 2 machines")));
     let place = second.type_line("where", "lost");
     assert!(
         place.contains("x -7 ") && place.contains("spindle 12 "),
@@ -80,7 +82,9 @@ fn a_switch_and_an_emergency_at_the_panel() {
     };
     jog(&device, &["home"]).success();
     device.type_line("close y", "y is closed");
-    jog(&device, &["y", "-10"]).success();
+    jog(&device, &["y", "-10"])
+        .code(1)
+        .stderr(contains("home switch y is closed still"));
     device.read_until("home switch y closed");
     device.read_until("closed still");
     device.type_line("open y", "let go");
@@ -88,7 +92,7 @@ fn a_switch_and_an_emergency_at_the_panel() {
     device.read_until("until a reset nothing moves");
     jog(&device, &["x", "10"])
         .code(1)
-        .stderr(contains("emergency stop (then reset it)"));
+        .stderr(contains("emergency stop: look why, then reset it"));
     device.type_line("reset", "reset");
     jog(&device, &["x", "10"]).success();
     device.type_line("unplug", "unplugged");
@@ -105,11 +109,145 @@ fn the_original_does_not_answer() {
     jog(&device, &["home"])
         .code(1)
         .stderr(contains("--without-answers"));
-    // The byte has been taken all the same.
-    device.read_until("homed");
     jog(&device, &["--without-answers", "z", "7"]).success();
     let place = device.type_line("where", "lost");
     assert!(place.contains(" z 7 "), "{place}");
+}
+
+/// A switch that closes on the way ends the action; the device is off it again by 200 steps, and says so.
+#[test]
+fn a_switch_on_the_way_is_told_over_the_link() {
+    let Some(mut device) = device("switch", &[]) else {
+        return;
+    };
+    jog(&device, &["home", "x", "300"]).success();
+    jog(&device, &["x", "-600"])
+        .code(1)
+        .stderr(contains("home switch x closed").and(contains("x 0 y 0 z 0")));
+    let place = device.type_line("where", "lost");
+    assert!(
+        place.contains("x 0 ") && place.contains("from home; 0 lost"),
+        "{place}"
+    );
+}
+
+/// Two machines, each with its own figure, one as a program and one as a list; then one is unplugged on the way.
+#[test]
+fn figures_are_sent_to_two_machines_at_once() {
+    let (Some(mut first), Some(mut second)) = (device("left", &[]), device("right", &[])) else {
+        return;
+    };
+    let list = "../examples/microfactory/zigzag.fig";
+    let triangle = "../examples/microfactory/triangle.nc";
+    let both = |first: &Emulated, second: &Emulated, more: &[&str]| {
+        let ports = ["--port", first.port(), "--port", second.port()];
+        let send = ["send", triangle, list, "-m", "microfactory"];
+        husillo().args(send).args(ports).args(more).assert()
+    };
+    both(&first, &second, &[])
+        .success()
+        .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
+        .stdout(contains(": 3 of 3 actions").count(2))
+        .stdout(contains("2 of 2 machines did all they had to"));
+    for device in [&mut first, &mut second] {
+        device.read_until("the tool touches");
+        device.read_until("done");
+        let place = device.type_line("where", "lost");
+        // Both figures end where they begin, Y at the work piece.
+        assert!(place.starts_with("x 0 y 1380 z 0 "), "{place}");
+        assert!(place.contains("from home; 0 lost"), "{place}");
+    }
+    second.type_line("unplug", "unplugged");
+    both(&first, &second, &["--no-home"])
+        .code(1)
+        .stdout(contains(": 2 of 2 actions").and(contains("1 of 2 machines")))
+        .stderr(contains("no answer"));
+}
+
+/// A program as a list; the list is the same figure.
+#[test]
+fn a_figure_becomes_a_list_that_can_be_edited() {
+    let list = common::scratch("square.fig");
+    let list = list.to_str().unwrap();
+    let compile = ["compile", "-m", "microfactory"];
+    let square = "../examples/microfactory/square.nc";
+    common::printed(&[&compile[..], &[square, "-o", list]].concat());
+    let text = common::printed(&[&compile[..], &[list]].concat());
+    let moves: Vec<&str> = text.lines().skip(1).collect();
+    assert_eq!(
+        moves,
+        ["1000 0", "0 1000", "-1000 0", "0 -1000", "1000 1000"]
+    );
+    common::printed(&["send", list, "-m", "microfactory"]);
+}
+
+#[test]
+fn figures_and_machines_must_match() {
+    let square = "../examples/microfactory/square.nc";
+    let ports = ["--port", "sim", "--port", "sim", "--port", "sim"];
+    husillo()
+        .args(["send", square, square, "-m", "microfactory"])
+        .args(ports)
+        .assert()
+        .code(2)
+        .stderr(contains("2 figures for 3 machines"));
+    husillo()
+        .args(["send", square, "-m", "microfactory"])
+        .args(&ports[..4])
+        .assert()
+        .success()
+        .stdout(contains("load square.nc").and(contains("2 of 2 machines")));
+}
+
+/// The original has its figure built in, and says nothing.
+#[test]
+fn the_original_takes_no_figure() {
+    let Some(device) = device("builtin", &["--faithful"]) else {
+        return;
+    };
+    let send = [
+        "send",
+        "../examples/microfactory/square.nc",
+        "-m",
+        "microfactory",
+    ];
+    husillo()
+        .args(send)
+        .args(["--port", device.port()])
+        .assert()
+        .code(1)
+        .stdout(contains("FAILED: no answer"))
+        .stderr(contains("--without-answers"));
+}
+
+/// A machine file with bytes of its own, at both ends.
+#[test]
+fn the_bytes_are_those_of_the_machine_file() {
+    let text = std::fs::read_to_string("../machines/microfactory.toml").unwrap();
+    let text = text
+        .replace("home = \"H\"", "home = \"h\"")
+        .replace("ask = \"5\"", "ask = \"0\"");
+    let file = common::written("mine.toml", &text);
+    let machine = file.to_str().unwrap();
+    husillo()
+        .args(["jog", "-m", machine, "home", "x", "63", "where"])
+        .assert()
+        .success()
+        .stdout(contains("x 63 y 0 z 0"));
+    let Some(device) = Emulated::new(machine, "bytes", &["--speed", "50"]) else {
+        return;
+    };
+    jog(&device, &["home"]).code(1);
+    husillo()
+        .args(["jog", "-m", machine, "--port", device.port(), "home"])
+        .assert()
+        .success();
+    let twice = common::written("twice.toml", &text.replace("keep = \"6\"", "keep = \"J\""));
+    husillo()
+        .args(["jog", "-m", twice.to_str().unwrap(), "home"])
+        .assert()
+        .code(2)
+        .stderr(contains("means two things"));
 }
 
 #[test]

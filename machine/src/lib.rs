@@ -36,10 +36,11 @@ mod drill;
 mod mill;
 
 pub use axis::{Axis, AxisRamp, Config};
-pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport};
+pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs};
 pub use closed_loop::{ClosedLoop, Followed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
+pub use husillo_transports::byte_commands::Report as CellReport;
 pub use machine::{Machine, Origin};
 pub use mill::{Mill, MillConfig, MillEvent, MillInputs};
 pub use motors::{Idle, Motors};

@@ -149,6 +149,104 @@ fn a_switch_that_closes_stops_the_axis_and_it_goes_back() {
 }
 
 #[test]
+fn a_switch_that_closes_on_the_way_from_it_stops_the_axis_too() {
+    let jog = ByteCommand::Jog {
+        motor: 2,
+        forward: true,
+    };
+    let steps = ByteCommand::Steps {
+        motor: 2,
+        forward: true,
+        count: 255,
+    };
+    for (command, events) in [(jog, 90), (steps, 90), (ByteCommand::Figure, 7000)] {
+        let (mut cell, mut model) = homed();
+        model.face = model.nut[1] + 10;
+        assert!(cell.command(command));
+        for _ in 0..events {
+            match cell.next_event(&model.inputs()) {
+                CellEvent::Step(step) => model.apply(step),
+                CellEvent::Enable(on) => model.has_current = on,
+                _ => {}
+            }
+        }
+        // A finger on the switch for one look at it.
+        let from = model.nut[2];
+        let mut inputs = model.inputs();
+        inputs.home[2] = true;
+        while let CellEvent::Step(step) = cell.next_event(&inputs) {
+            model.apply(step);
+        }
+        let (reports, _) = model.run(&mut cell);
+        assert_eq!(reports, [CellReport::Done], "{command:?}");
+        let status = cell.status();
+        assert_eq!(status.report, Some(CellReport::Switch { axis: 2 }));
+        assert!(!status.is_moving && status.is_homed);
+        // A step that was decided already is made.
+        assert!((200..=201).contains(&(model.nut[2] - from)), "{command:?}");
+    }
+}
+
+#[test]
+fn away_from_a_closed_switch_it_may_go() {
+    let (mut cell, mut model) = homed();
+    model.switches[0] = model.nut[0] + 20;
+    cell.command(ByteCommand::Steps {
+        motor: 0,
+        forward: true,
+        count: 50,
+    });
+    assert_eq!(model.run(&mut cell).0, [CellReport::Done]);
+    assert_eq!(cell.position_steps()[0], 50);
+}
+
+/// Emergency stop while an axis goes back off its switch, in homing and out of a jog.
+#[test]
+fn an_emergency_stop_ends_going_back() {
+    let config = CellConfig::ORIGINAL;
+    let jog = ByteCommand::Jog {
+        motor: 0,
+        forward: false,
+    };
+    for command in [ByteCommand::Home, jog] {
+        let mut cell = Cell::new(config, SQUARE);
+        let mut model = Model::new(&config, [30, 30, 30]);
+        cell.command(command);
+        // 30 steps and the lash to the switch, then some of the 200 and the lash back off it.
+        for _ in 0..330 {
+            match cell.next_event(&model.inputs()) {
+                CellEvent::Step(step) => model.apply(step),
+                CellEvent::Enable(on) => model.has_current = on,
+                _ => {}
+            }
+        }
+        assert!(cell.command(ByteCommand::Emergency));
+        let motors = model.motor;
+        assert_eq!(model.run(&mut cell).0, [CellReport::Emergency]);
+        assert_eq!(model.motor, motors);
+        assert!(!model.has_current && !cell.status().is_homed);
+        assert!(!cell.command(ByteCommand::Home));
+    }
+}
+
+#[test]
+fn without_a_figure_none_is_cut() {
+    let (mut cell, mut model) = homed();
+    assert_eq!(cell.set_figure(Vec::new()), Ok(()));
+    assert!(!cell.command(ByteCommand::Figure));
+    assert_eq!(model.run(&mut cell).0, [CellReport::NoFigure]);
+    assert_eq!(cell.set_figure(vec![[5, 0]]), Ok(()));
+    model.face = model.nut[1];
+    assert!(cell.command(ByteCommand::Figure));
+    assert_eq!(cell.set_figure(vec![[7, 0]]), Err(vec![[7, 0]]));
+    assert_eq!(
+        model.run(&mut cell).0,
+        [CellReport::Contact, CellReport::Done]
+    );
+    assert_eq!(cell.status().position_steps[0], 5);
+}
+
+#[test]
 fn a_figure_begins_at_contact_and_follows_its_lines() {
     let (mut cell, mut model) = homed();
     let [x, y, z] = model.nut;

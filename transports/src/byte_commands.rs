@@ -1,56 +1,27 @@
 //! One byte a command: the link of the desktop microfactory.
 //!
+//! ```text
+//! table      which byte is which command
+//! figure     moves on the line, and their check
+//! status     what a device tells when it is asked
+//! ```
+//!
 //! The original (9600 baud, no echo, no reply) states its modes but no byte values; the values here are ours and may be changed in the
 //! [`ByteTable`]. A count may be any byte from 1 to 255, letters among them, so what a byte means depends on the mode.
+//!
+//! Its figure was built in. Ours may take others ([`ByteCommands::storing`]): `<`, then `3` and four bytes a move, then `6` with their number and a check.
+//! Only when that is right there is a figure again, so a damaged one is never cut. Five bytes [`ByteTable::stop`] bring the link out of
+//! any half command, as four at most of them are its data.
 
-/// Motors that a table has letters for: X, Y, Z and the spindle.
-pub const MOTORS: usize = 4;
+mod figure;
+mod status;
+mod table;
 
-/// The byte of each command.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct ByteTable {
-    /// Home all axes.
-    pub home: u8,
-    /// Into jogging.
-    pub manual: u8,
-    /// Into counted steps.
-    pub steps: u8,
-    /// Cut the stored figure.
-    pub figure: u8,
-    /// Forward and backward of each motor.
-    pub motors: [[u8; 2]; MOTORS],
-    /// Stop what moves.
-    pub stop: u8,
-    /// Make the counted steps.
-    pub run: u8,
-    /// Emergency stop.
-    pub emergency: u8,
-}
+pub use figure::{figure_check, move_bytes};
+pub use status::{Report, STATUS_BYTES, Status};
+pub use table::{ByteTable, MOTORS};
 
-impl ByteTable {
-    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`.
-    pub const DEFAULT: ByteTable = ByteTable {
-        home: b'H',
-        manual: b'J',
-        steps: b'N',
-        figure: b'G',
-        motors: [*b"Xx", *b"Yy", *b"Zz", *b"Cc"],
-        stop: b'A',
-        run: b'E',
-        emergency: b'!',
-    };
-
-    /// Motor and whether forward.
-    fn motor(&self, byte: u8) -> Option<(u8, bool)> {
-        (0..4_u8)
-            .zip(self.motors)
-            .find_map(|(motor, [forward, backward])| match byte {
-                _ if byte == forward => Some((motor, true)),
-                _ if byte == backward => Some((motor, false)),
-                _ => None,
-            })
-    }
-}
+use figure::{checked, move_of};
 
 /// What the bytes ask for.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -79,6 +50,14 @@ pub enum ByteCommand {
     Stop,
     /// Stop at once, and nothing more until a reset.
     Emergency,
+    /// Another figure begins: the stored one is no more, and until [`ByteCommand::Keep`] there is none.
+    Clear,
+    /// A move of it: steps of X and Z.
+    Line([i16; 2]),
+    /// The moves since [`ByteCommand::Clear`] are the figure; their number and check are right.
+    Keep,
+    /// Tell: the bytes of a [`Status`] follow the answer.
+    Ask,
 }
 
 /// Where the reading of bytes stands.
@@ -97,6 +76,12 @@ enum Mode {
         count: u8,
     },
     Emergency,
+    /// Four bytes follow, whatever they are: of a move, or of the end of a figure.
+    Data {
+        is_end: bool,
+        bytes: [u8; 4],
+        count: u8,
+    },
 }
 
 /// What to do after a byte.
@@ -128,6 +113,16 @@ pub struct ByteCommands {
     table: ByteTable,
     mode: Mode,
     acknowledges: bool,
+    /// Moves that there is room for.
+    room: u16,
+    loading: Option<Loading>,
+}
+
+/// A figure that is coming in.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+struct Loading {
+    moves: u16,
+    check: u16,
 }
 
 /// Answer to a byte that is not taken.
@@ -140,6 +135,8 @@ impl ByteCommands {
             table,
             mode: Mode::None,
             acknowledges: false,
+            room: 0,
+            loading: None,
         }
     }
 
@@ -149,9 +146,16 @@ impl ByteCommands {
         self
     }
 
+    /// The same with room for figures of so many moves.
+    pub const fn storing(mut self, moves: u16) -> Self {
+        self.room = moves;
+        self
+    }
+
     /// The state after power up or reset: the only way out of an emergency stop.
     pub const fn reset(&mut self) {
         self.mode = Mode::None;
+        self.loading = None;
     }
 
     /// A byte from the line; `is_moving`: a motor turns.
@@ -181,10 +185,22 @@ impl ByteCommands {
             };
             return Some(None);
         }
+        if let Mode::Data {
+            is_end,
+            bytes,
+            count,
+        } = self.mode
+        {
+            return self.data(is_end, bytes, count, byte);
+        }
+        let table = self.table;
+        // Without answers nothing could be told.
+        if byte == table.ask && self.acknowledges {
+            return Some(Some(ByteCommand::Ask));
+        }
         if self.mode == Mode::Emergency {
             return None;
         }
-        let table = self.table;
         if byte == table.emergency {
             self.mode = Mode::Emergency;
             return Some(Some(ByteCommand::Emergency));
@@ -225,9 +241,60 @@ impl ByteCommands {
         }
     }
 
+    /// A byte of a move, or of the end of a figure.
+    fn data(
+        &mut self,
+        is_end: bool,
+        mut bytes: [u8; 4],
+        count: u8,
+        byte: u8,
+    ) -> Option<Option<ByteCommand>> {
+        if let Some(place) = bytes.get_mut(usize::from(count)) {
+            *place = byte;
+        }
+        if count < 3 {
+            self.mode = Mode::Data {
+                is_end,
+                bytes,
+                // At most 3.
+                count: count.wrapping_add(1),
+            };
+            return Some(None);
+        }
+        self.mode = Mode::None;
+        let loading = self.loading?;
+        if is_end {
+            self.loading = None;
+            let [moves0, moves1, check0, check1] = bytes;
+            let is_right = loading.moves == u16::from_le_bytes([moves0, moves1])
+                && loading.check == u16::from_le_bytes([check0, check1]);
+            return is_right.then_some(Some(ByteCommand::Keep));
+        }
+        self.loading = Some(Loading {
+            // There was room for one more.
+            moves: loading.moves.wrapping_add(1),
+            check: checked(loading.check, &bytes),
+        });
+        Some(Some(ByteCommand::Line(move_of(bytes))))
+    }
+
     /// A byte that chooses a mode.
     fn choose(&mut self, byte: u8) -> Option<Option<ByteCommand>> {
+        let data = |is_end| Mode::Data {
+            is_end,
+            bytes: [0; 4],
+            count: 0,
+        };
+        let has_room = self
+            .loading
+            .is_some_and(|loading| loading.moves < self.room);
         let (mode, command) = match byte {
+            _ if byte == self.table.clear && self.room > 0 => {
+                self.loading = Some(Loading { moves: 0, check: 0 });
+                (Mode::None, Some(ByteCommand::Clear))
+            }
+            _ if byte == self.table.line && has_room => (data(false), None),
+            _ if byte == self.table.keep && self.loading.is_some() => (data(true), None),
             _ if byte == self.table.home => (Mode::None, Some(ByteCommand::Home)),
             _ if byte == self.table.figure => (Mode::None, Some(ByteCommand::Figure)),
             _ if byte == self.table.manual => (Mode::Manual(None), None),
@@ -314,5 +381,27 @@ mod tests {
         assert_eq!(commands(&mut link, b"AHJXNX\x05EG"), [None; 8]);
         link.reset();
         assert_eq!(link.receive(b'H', false).command, Some(ByteCommand::Home));
+    }
+
+    #[test]
+    fn it_is_asked_at_any_time_where_it_answers() {
+        let mut link = ByteCommands::new(ByteTable::DEFAULT);
+        assert_eq!(link.receive(b'5', true).command, None);
+        let mut link = link.acknowledging();
+        link.receive(b'!', true);
+        assert_eq!(link.receive(b'5', true).command, Some(ByteCommand::Ask));
+        assert_eq!(link.receive(b'H', false).command, None);
+    }
+
+    #[test]
+    fn a_table_has_every_byte_once() {
+        assert!(ByteTable::DEFAULT.is_unambiguous());
+        for (stop, is_right) in [(b'S', true), (b'H', false), (b'?', false), (b'c', false)] {
+            let table = ByteTable {
+                stop,
+                ..ByteTable::DEFAULT
+            };
+            assert_eq!(table.is_unambiguous(), is_right, "{stop}");
+        }
     }
 }

@@ -62,6 +62,7 @@ pub fn keep() {
         Cell::is_moving as *const (),
         Cell::is_homed as *const (),
         Cell::position_steps as *const (),
+        Cell::status as *const (),
         Cell::figure as *const (),
         Cell::set_figure as *const (),
         Cell::next_event as *const (),

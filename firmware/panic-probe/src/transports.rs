@@ -6,7 +6,9 @@ use core::hint::black_box;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
-use husillo_transports::byte_commands::ByteCommands;
+use husillo_transports::byte_commands::{
+    self, ByteCommands, ByteTable, Report, figure_check, move_bytes,
+};
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
     Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
@@ -29,6 +31,14 @@ pub fn keep() {
         ByteCommands::new as *const (),
         ByteCommands::receive as *const (),
         ByteCommands::reset as *const (),
+        ByteCommands::storing as *const (),
+        ByteTable::is_unambiguous as *const (),
+        Report::byte as *const (),
+        Report::of as *const (),
+        byte_commands::Status::bytes as *const (),
+        byte_commands::Status::of as *const (),
+        figure_check as *const (),
+        move_bytes as *const (),
         Command::decode as *const (),
         Command::finding as *const (),
         Command::frame as *const (),

@@ -223,9 +223,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
 /// `send`.
 pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
-    let name = displayed(&args.file);
+    let (file, _) = args.alone()?;
+    let name = displayed(file);
     let dialect = args.target.dialect.as_deref();
-    let Some(job) = load(&args.file, dialect, &args.drilling)? else {
+    let Some(job) = load(file, dialect, &args.drilling)? else {
         eprintln!("{name}: errors; nothing sent");
         return Ok(ERRORS);
     };

@@ -39,17 +39,18 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
 }
 
 pub(super) fn send(args: &Send) -> Result<u8, Failure> {
-    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    let (file, port) = args.alone()?;
+    let mut job = Job::new(file, &args.target, "micromill")?;
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
-    if args.port == "sim" {
+    if port == "sim" {
         let message = "the micro mill needs a --port; without one `husillo run` simulates it";
         return Err(Failure::Usage(message.into()));
     }
     let baud = args.baud.unwrap_or(BAUD);
-    let port = Port::open_at(&args.port, baud)
-        .map_err(|error| Failure::Usage(format!("{}: {error}", args.port)))?;
+    let port =
+        Port::open_at(port, baud).map_err(|error| Failure::Usage(format!("{port}: {error}")))?;
     let sending = Sending {
         bits_per_s: baud,
         streams: args.stream,

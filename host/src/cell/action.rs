@@ -1,10 +1,11 @@
 //! What to do with a microfactory, one thing after another.
 
+use super::figure::Figure;
 use std::fmt;
 use std::time::Duration;
 
 /// One action.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Home X, Y and Z.
     Home,
@@ -24,8 +25,12 @@ pub enum Action {
         /// How long.
         time: Duration,
     },
+    /// Store another figure.
+    Load(Figure),
     /// Cut the stored figure.
     Figure,
+    /// Tell where it is.
+    Where,
     /// Stop.
     Stop,
     /// Emergency stop.
@@ -37,7 +42,11 @@ pub enum Action {
 /// # Errors
 ///
 /// A sentence about the first word that is not understood.
-pub fn shares(words: &[String], machines: usize) -> Result<Vec<Vec<Action>>, String> {
+pub fn shares(
+    words: &[String],
+    machines: usize,
+    figure: impl Fn(&str) -> Result<Figure, String>,
+) -> Result<Vec<Vec<Action>>, String> {
     let mut shares = vec![Vec::new(); machines];
     let mut chosen = 0..machines;
     let is_choice = |word: &String| word.ends_with(':');
@@ -45,9 +54,9 @@ pub fn shares(words: &[String], machines: usize) -> Result<Vec<Vec<Action>>, Str
     loop {
         let length = rest.iter().position(is_choice).unwrap_or(rest.len());
         let (now, after) = rest.split_at(length);
-        let actions = Action::parse(now)?;
+        let actions = Action::parse(now, &figure)?;
         for share in &mut shares[chosen] {
-            share.extend(&actions);
+            share.extend(actions.iter().cloned());
         }
         let Some((choice, after)) = after.split_first() else {
             return Ok(shares);
@@ -75,13 +84,23 @@ impl Action {
     /// # Errors
     ///
     /// A sentence about the first that is not understood.
-    pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
+    pub fn parse(
+        words: &[String],
+        figure: impl Fn(&str) -> Result<Figure, String>,
+    ) -> Result<Vec<Self>, String> {
         let mut words = words.iter();
         let mut actions = Vec::new();
         while let Some(word) = words.next() {
             actions.push(match word.as_str() {
                 "home" => Self::Home,
+                "load" => {
+                    let file = words
+                        .next()
+                        .ok_or("`load` which figure? As in `load square.nc`")?;
+                    Self::Load(figure(file)?)
+                }
                 "figure" => Self::Figure,
+                "where" => Self::Where,
                 "stop" => Self::Stop,
                 "emergency" => Self::Emergency,
                 _ => Self::motor(word, words.next())?,
@@ -94,7 +113,7 @@ impl Action {
     fn motor(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
-                "unknown action `{word}`: there are home, figure, stop, emergency, steps as in `x -25`, a jog as in `x+ 2s`"
+                "unknown action `{word}`: there are home, load, figure, where, stop, emergency, steps as in `x -25`, a jog as in `x+ 2s`"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);
@@ -138,7 +157,9 @@ impl fmt::Display for Action {
             Self::Jog { motor, forward, .. } => {
                 write!(f, "{}{}", name(motor), if *forward { '+' } else { '-' })
             }
+            Self::Load(figure) => write!(f, "load {}", figure.name),
             Self::Figure => f.write_str("figure"),
+            Self::Where => f.write_str("where"),
             Self::Stop => f.write_str("stop"),
             Self::Emergency => f.write_str("emergency"),
         }
@@ -151,27 +172,34 @@ mod tests {
 
     fn parse(text: &str) -> Result<Vec<Action>, String> {
         let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
-        Action::parse(&words)
+        Action::parse(&words, figure)
+    }
+
+    fn figure(file: &str) -> Result<Figure, String> {
+        Ok(Figure {
+            name: file.to_owned(),
+            moves: vec![[1, 2]],
+        })
     }
 
     #[test]
     fn every_machine_has_its_share() {
         let words = "home 2: x 5 figure 1: y 2 all: stop";
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        let shares = shares(&words, 2).unwrap();
+        let shares = shares(&words, 2, figure).unwrap();
         let names =
             |share: &[Action]| -> Vec<String> { share.iter().map(Action::to_string).collect() };
         assert_eq!(names(&shares[0]), ["home", "y +2", "stop"]);
         assert_eq!(names(&shares[1]), ["home", "x +5", "figure", "stop"]);
         for wrong in ["3: home", "0: home", "x: home", "home 1:x 3"] {
             let words: Vec<String> = wrong.split_whitespace().map(str::to_owned).collect();
-            assert!(super::shares(&words, 2).is_err(), "{wrong}");
+            assert!(super::shares(&words, 2, figure).is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn words_are_actions() {
-        let actions = parse("home x -300 c+ 0.5s figure").unwrap();
+        let actions = parse("home x -300 c+ 0.5s load a.nc figure where").unwrap();
         let expected = [
             Action::Home,
             Action::Steps {
@@ -183,10 +211,12 @@ mod tests {
                 forward: true,
                 time: Duration::from_millis(500),
             },
+            Action::Load(figure("a.nc").unwrap()),
             Action::Figure,
+            Action::Where,
         ];
         assert_eq!(actions, expected);
-        for text in ["fly", "x", "x 0", "x+ 3", "x++ 3s", "w 3", "x+ -1s"] {
+        for text in ["fly", "x", "x 0", "x+ 3", "x++ 3s", "w 3", "x+ -1s", "load"] {
             assert!(parse(text).is_err(), "{text}");
         }
     }

@@ -8,18 +8,18 @@ pub struct Jog {
     /// Actions, done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
-    /// Machine: microfactory or drill
-    #[arg(short, long, value_name = "NAME", default_value = "microfactory")]
+    /// Machine: drill, microfactory, or the file of one like it
+    #[arg(short, long, value_name = "NAME|FILE", default_value = "microfactory")]
     pub machine: String,
     /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once
     #[arg(long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Figure of the simulated device: a G-code program of straight moves in X and Z
+    /// Figure of the simulated device: a G-code program of straight moves in X and Z, or a list of them (NAME.fig)
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
-    /// Bits a second of the link of a drill
-    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
-    pub baud: u32,
+    /// Bits a second of the link [default: 9600, of a drill 2400]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: Option<u32>,
     /// The device does not answer, as the original did not: wait as long as it may take
     #[arg(long)]
     pub without_answers: bool,

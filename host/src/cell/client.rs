@@ -1,9 +1,13 @@
 //! The host's side of the microfactory's link.
 
 use super::action::Action;
-use super::device::Device;
+use super::device::{self, Device};
 use crate::wire::Wire;
-use husillo_transports::byte_commands::{ByteTable, REJECTED};
+use husillo_transports::byte_commands::{
+    ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
+};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Longest wait for an answer: two bytes of 1.04 ms, and a computer that is busy.
@@ -12,15 +16,30 @@ const ANSWER: Duration = Duration::from_millis(200);
 const ASK: Duration = Duration::from_millis(50);
 /// Between two times a jog is said, well within the dead-man's time.
 const AGAIN: Duration = Duration::from_millis(100);
-/// The longest a homing or a figure may take: 20 000 steps at 100 a second, three times; and of a figure that long.
-const LONGEST: Duration = Duration::from_secs(900);
 /// What a device that does not answer is given for homing.
 const HOMING: Duration = Duration::from_secs(120);
+/// Approach and figure of a device that does not answer and has its own figure: of 20 000 steps at most.
+const FIGURE: Duration = Duration::from_secs(250);
+/// After this silence nothing of an answer is on the way any more.
+const QUIET: Duration = Duration::from_millis(60);
+/// Stops that end any half command, and one.
+const STOPS: usize = 6;
+/// A question, a figure or bringing to rest is tried so often: done twice they do no more than once.
+const TRIES: usize = 3;
 
 /// The host's side.
 pub struct Client {
     wire: Wire<Device>,
+    table: ByteTable,
     answers: bool,
+    stop: Arc<AtomicBool>,
+    is_reached: bool,
+    /// It was homed since: what is not homed any more was reset.
+    is_homed: bool,
+    /// Where the loaded figure leads from its beginning.
+    figure_end: Option<[i32; 2]>,
+    /// How long it takes at 100 steps a second, its lash taken up at every move.
+    figure_time: Duration,
 }
 
 /// How a byte was answered.
@@ -31,9 +50,23 @@ enum Answer {
 }
 
 impl Client {
-    /// On a wire to a device that answers, or to one that does not.
-    pub const fn new(wire: Wire<Device>, answers: bool) -> Self {
-        Self { wire, answers }
+    /// On a wire to a device that answers, or to one that does not; stops when the flag is set.
+    pub const fn new(
+        wire: Wire<Device>,
+        table: ByteTable,
+        answers: bool,
+        stop: Arc<AtomicBool>,
+    ) -> Self {
+        Self {
+            wire,
+            table,
+            answers,
+            stop,
+            is_reached: false,
+            is_homed: false,
+            figure_end: None,
+            figure_time: FIGURE,
+        }
     }
 
     /// What a simulated device told.
@@ -41,66 +74,283 @@ impl Client {
         self.wire.told()
     }
 
-    /// Carries out an action and waits until it has ended: the seconds it took.
+    /// Time since the beginning.
+    pub fn elapsed(&self) -> Duration {
+        self.wire.elapsed()
+    }
+
+    /// The wire, for another client.
+    #[cfg(test)]
+    pub fn into_wire(self) -> Wire<Device> {
+        self.wire
+    }
+
+    /// The simulated device.
+    #[cfg(test)]
+    pub fn device(&mut self) -> &mut Device {
+        match &mut self.wire {
+            Wire::Simulated { device, .. } => device,
+            Wire::Real { .. } => panic!("not simulated"),
+        }
+    }
+
+    /// Carries out an action and waits until it has ended: how it did. After trouble the device is brought to rest.
     ///
     /// # Errors
     ///
-    /// A sentence about the link, or that the device does not take a command.
-    pub fn carry_out(&mut self, action: &Action) -> Result<f64, String> {
-        let table = ByteTable::DEFAULT;
-        let start = self.wire.elapsed();
-        match *action {
+    /// A sentence about the link, or that the device did not do it.
+    pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
+        let result = self.done(action);
+        result.map_err(|trouble| {
+            self.is_reached = false;
+            if !self.answers || *action == Action::Emergency {
+                return trouble;
+            }
+            match self.rest().and_then(|()| self.ask()) {
+                Ok(status) => format!("{trouble}; it stands at {}", place(&status)),
+                Err(_) => trouble,
+            }
+        })
+    }
+
+    fn done(&mut self, action: &Action) -> Result<String, String> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err("stopped".into());
+        }
+        if !self.is_reached && *action != Action::Emergency {
+            self.reach()?;
+        }
+        match action {
             Action::Home => {
-                self.command(&[table.home])?;
-                self.stand(HOMING)?;
+                self.is_homed = false;
+                self.command(&[self.table.home])?;
+                self.finished(HOMING, Report::Homed)
             }
-            Action::Figure => {
-                self.command(&[table.figure])?;
-                self.stand(LONGEST)?;
-            }
-            Action::Steps { motor, steps } => self.steps(&table, motor, steps)?,
+            Action::Load(figure) => self.load(&figure.moves),
+            Action::Figure => self.cut(),
+            Action::Steps { motor, steps } => self.steps(*motor, *steps),
             Action::Jog {
                 motor,
                 forward,
                 time,
-            } => {
-                self.command(&[table.manual])?;
-                let end = self.wire.elapsed() + time;
-                while self.wire.elapsed() < end {
-                    if self.send(letter(&table, motor, forward))? == Answer::Rejected {
-                        // A switch has ended it.
-                        break;
-                    }
-                    self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
-                }
-                self.send(table.stop)?;
-                self.stand(ANSWER)?;
-            }
+            } => self.jog(*motor, *forward, *time),
+            Action::Where => Ok(match self.answers {
+                true => place(&self.ask()?),
+                false => "it does not answer".into(),
+            }),
+            // It stands since it was reached.
             Action::Stop => {
-                self.send(table.stop)?;
+                self.rest()?;
+                self.finished(ANSWER, Report::Stopped)
+                    .or(Ok("stands".into()))
             }
-            Action::Emergency => {
-                // Twice: after a motor's letter the first one would be its count.
-                for _ in 0..2 {
-                    self.send(table.emergency)?;
-                }
+            Action::Emergency => self.emergency(),
+        }
+    }
+
+    /// Brings the device to rest and looks whether it can be driven.
+    fn reach(&mut self) -> Result<(), String> {
+        if !self.answers {
+            for _ in 0..STOPS {
+                self.send(self.table.stop)?;
+            }
+            self.is_reached = true;
+            return Ok(());
+        }
+        self.rest()?;
+        let status = self.ask()?;
+        if status.report == Some(Report::Emergency) {
+            return Err(
+                "the device was stopped by an emergency stop: look why, then reset it".into(),
+            );
+        }
+        self.is_reached = true;
+        Ok(())
+    }
+
+    /// Ends any half command and any motion; what is on the way is dropped.
+    fn rest(&mut self) -> Result<(), String> {
+        let mut last = None;
+        for _ in 0..TRIES {
+            for _ in 0..STOPS {
+                self.put(self.table.stop)?;
+            }
+            while let Some(byte) = self.get(QUIET)? {
+                last = Some(byte);
+            }
+            // After an emergency stop not even a stop is taken.
+            if last.is_some_and(|last| last == self.table.stop || last == REJECTED) {
+                return Ok(());
             }
         }
-        Ok((self.wire.elapsed() - start).as_secs_f64())
+        Err(match last {
+            None => "no answer: no device there, unplugged, or one that does not answer (then --without-answers)",
+            Some(_) => "only noise comes back: the line is bad, its rate is another one, or it is another device",
+        }
+        .into())
+    }
+
+    fn emergency(&mut self) -> Result<String, String> {
+        // More often than a half command has data, which the first ones would be.
+        for _ in 0..STOPS {
+            self.put(self.table.emergency)?;
+        }
+        if !self.answers {
+            return Ok("sent".into());
+        }
+        let mut has_answered = false;
+        while self.get(QUIET)?.is_some() {
+            has_answered = true;
+        }
+        if !has_answered {
+            return Err("no answer to the emergency stop: use the button at the machine".into());
+        }
+        let status = self.ask()?;
+        match status.report {
+            Some(Report::Emergency) => Ok(format!("stopped for good, {}", place(&status))),
+            _ => Err("the emergency stop was not taken: use the button at the machine".into()),
+        }
+    }
+
+    /// Stores another figure; a link that fails in between is tried again, as a figure begins anew each time.
+    fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
+        if moves.len() > usize::from(device::ROOM) {
+            return Err(format!(
+                "a figure of {} moves: the device has room for {}",
+                moves.len(),
+                device::ROOM
+            ));
+        }
+        let mut trouble = String::new();
+        for attempt in 1..=TRIES {
+            if self.stop.load(Ordering::Relaxed) {
+                return Err("stopped".into());
+            }
+            match self.load_once(moves) {
+                Ok(()) => {
+                    self.note(moves);
+                    let again = if attempt > 1 {
+                        format!(", {attempt} times: {trouble}")
+                    } else {
+                        String::new()
+                    };
+                    return Ok(format!("{} moves{again}", moves.len()));
+                }
+                Err(error) => trouble = error,
+            }
+            if !self.answers {
+                break;
+            }
+            self.rest()?;
+        }
+        Err(format!("the figure is not stored: {trouble}"))
+    }
+
+    fn load_once(&mut self, moves: &[[i16; 2]]) -> Result<(), String> {
+        let table = self.table;
+        if self.send(table.clear)? == Answer::Rejected {
+            return Err(
+                "the device takes no figures (its own is cut by `husillo jog figure`)".into(),
+            );
+        }
+        let mut bytes = Vec::with_capacity(5 * moves.len() + 5);
+        for way in moves {
+            bytes.push(table.line);
+            bytes.extend(move_bytes(*way));
+        }
+        bytes.push(table.keep);
+        // Below the room of a device.
+        bytes.extend(u16::try_from(moves.len()).unwrap_or(u16::MAX).to_le_bytes());
+        bytes.extend(figure_check(moves).to_le_bytes());
+        self.command(&bytes)
+    }
+
+    /// Keeps what the loaded figure leads to.
+    fn note(&mut self, moves: &[[i16; 2]]) {
+        let sum = |axis: usize| moves.iter().map(|way| i32::from(way[axis])).sum();
+        self.figure_end = Some([sum(0), sum(1)]);
+        let lengths = moves
+            .iter()
+            .map(|[x, z]| f64::from(*x).hypot(f64::from(*z)) + 200.0);
+        // 5000 steps to the work piece at most.
+        self.figure_time = Duration::from_secs_f64((lengths.sum::<f64>() + 5400.0) / 100.0);
+    }
+
+    /// Cuts the stored figure; of one that was loaded it is known where it ends.
+    fn cut(&mut self) -> Result<String, String> {
+        let from = self.position()?;
+        if self.answers && !self.is_homed {
+            return Err("not homed: on which side its lash lies is not known".into());
+        }
+        self.command(&[self.table.figure])?;
+        let how = self.finished(self.figure_time, Report::Done)?;
+        if let (Some(by), [Some(from), Some(to)]) = (self.figure_end, [from, self.position()?]) {
+            let [x, _, z, _] = from;
+            if [to[0], to[2]] != [x.wrapping_add(by[0]), z.wrapping_add(by[1])] {
+                return Err(
+                    "the figure ended elsewhere than its moves lead: another one was cut".into(),
+                );
+            }
+        }
+        Ok(how)
     }
 
     /// Counted steps, 255 at most at a time.
-    fn steps(&mut self, table: &ByteTable, motor: u8, steps: i32) -> Result<(), String> {
-        let forward = steps > 0;
-        let mut left = steps.unsigned_abs();
-        while left > 0 {
-            let count = u8::try_from(left.min(255)).unwrap_or(u8::MAX);
-            self.command(&[table.steps, letter(table, motor, forward), count, table.run])?;
+    fn steps(&mut self, motor: u8, steps: i32) -> Result<String, String> {
+        let table = self.table;
+        let mut left = steps;
+        let mut how = String::new();
+        while left != 0 {
+            let count = u8::try_from(left.unsigned_abs().min(255)).unwrap_or(u8::MAX);
+            let way = i32::from(count) * left.signum();
+            let from = self.position()?;
+            self.command(&[
+                table.steps,
+                letter(&table, motor, left > 0),
+                count,
+                table.run,
+            ])?;
             // 64 steps a second at least, and a take-up of 200 steps before them.
-            self.stand(Duration::from_secs_f64((f64::from(count) + 250.0) / 64.0))?;
-            left -= u32::from(count);
+            let longest = Duration::from_secs_f64((f64::from(count) + 250.0) / 64.0);
+            how = self.finished(longest, Report::Done)?;
+            if let [Some(from), Some(to)] = [from, self.position()?] {
+                let moved = |motor| {
+                    let place = |at: [i32; 4]| at.get(usize::from(motor)).copied().unwrap_or(0);
+                    place(to).wrapping_sub(place(from))
+                };
+                if moved(motor) != way {
+                    return Err(format!("{} steps were made instead of {way}", moved(motor)));
+                }
+            }
+            left -= way;
         }
-        Ok(())
+        Ok(how)
+    }
+
+    fn jog(&mut self, motor: u8, forward: bool, time: Duration) -> Result<String, String> {
+        self.command(&[self.table.manual])?;
+        let letter = letter(&self.table, motor, forward);
+        let end = self.wire.elapsed() + time;
+        while self.wire.elapsed() < end && !self.stop.load(Ordering::Relaxed) {
+            if self.send(letter)? == Answer::Rejected {
+                // A switch has ended it.
+                break;
+            }
+            self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
+        }
+        if self.answers && self.ask()?.report.is_none() {
+            self.command(&[self.table.stop])?;
+        } else {
+            self.send(self.table.stop)?;
+        }
+        self.finished(ANSWER, Report::Stopped).or_else(|trouble| {
+            // A host or a line that is slow now and then: the jog was shorter, and it says so.
+            if trouble == device::text(Report::DeadMan) {
+                Ok(trouble)
+            } else {
+                Err(trouble)
+            }
+        })
     }
 
     /// Bytes that must all be taken.
@@ -108,7 +358,7 @@ impl Client {
         for byte in bytes {
             if self.send(*byte)? == Answer::Rejected {
                 return Err(format!(
-                    "the device does not take `{}` now: it moves, or was stopped by an emergency stop (then reset it)",
+                    "the device does not take {}",
                     char::from(*byte).escape_default()
                 ));
             }
@@ -116,47 +366,109 @@ impl Client {
         Ok(())
     }
 
+    /// Waits until nothing moves, and looks how it ended. A device that does not answer is given all of the time.
+    fn finished(&mut self, longest: Duration, wanted: Report) -> Result<String, String> {
+        if !self.answers {
+            self.pause(longest)?;
+            if self.stop.load(Ordering::Relaxed) {
+                for _ in 0..STOPS {
+                    self.put(self.table.stop)?;
+                }
+                return Err("stopped".into());
+            }
+            return Ok("sent, not confirmed".into());
+        }
+        loop {
+            let status = self.ask()?;
+            if !status.is_moving {
+                return match status.report {
+                    Some(report) if report == wanted => Ok(device::text(report)),
+                    Some(report) => Err(device::text(report)),
+                    None => Err("the device was reset".into()),
+                };
+            }
+            if self.stop.load(Ordering::Relaxed) {
+                return Err("stopped".into());
+            }
+            self.pause(ASK)?;
+        }
+    }
+
+    /// Load steps of a device that answers.
+    fn position(&mut self) -> Result<Option<[i32; 4]>, String> {
+        Ok(match self.answers {
+            true => Some(self.ask()?.position_steps),
+            false => None,
+        })
+    }
+
+    /// Asks where it is; a question may be put again.
+    fn ask(&mut self) -> Result<Status, String> {
+        let mut trouble = String::new();
+        for _ in 0..TRIES {
+            match self.ask_once() {
+                Ok(status) => {
+                    let was_homed = std::mem::replace(&mut self.is_homed, status.is_homed);
+                    if was_homed && !status.is_homed && status.report != Some(Report::Emergency) {
+                        return Err("the device was reset: it has to be homed again".into());
+                    }
+                    return Ok(status);
+                }
+                Err(error) => trouble = error,
+            }
+            while self.get(QUIET)?.is_some() {}
+        }
+        Err(trouble)
+    }
+
+    fn ask_once(&mut self) -> Result<Status, String> {
+        if self.send(self.table.ask)? == Answer::Rejected {
+            return Err("the device does not tell where it is".into());
+        }
+        let mut bytes = [0; STATUS_BYTES];
+        for byte in &mut bytes {
+            *byte = self.get(ANSWER)?.ok_or("the answer was cut off")?;
+        }
+        Status::of(&bytes).ok_or_else(|| "the answer was damaged: the line is noisy".into())
+    }
+
     /// A byte and its answer; to a device that does not answer, the time of the byte.
     fn send(&mut self, byte: u8) -> Result<Answer, String> {
-        self.wire.send(byte).map_err(|error| error.to_string())?;
+        self.put(byte)?;
         if !self.answers {
             self.pause(Duration::from_millis(2))?;
             return Ok(Answer::Taken);
         }
-        match self.wire.receive(ANSWER).map_err(|error| error.to_string())? {
+        match self.get(ANSWER)? {
             Some(answer) if answer == byte && byte != REJECTED => Ok(Answer::Taken),
+            // A raw byte may be the same as the answer to what is not taken: then it was taken, or the end is wrong.
+            Some(REJECTED) if byte == REJECTED => Ok(Answer::Taken),
             Some(REJECTED) => Ok(Answer::Rejected),
             Some(other) => Err(format!(
-                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or the device is another one; nothing more was sent"
+                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or the device is another one"
             )),
-            None => Err("no answer: no device there, unplugged, or one that does not answer (then --without-answers)".into()),
+            None => Err("no answer: unplugged, switched off, or a byte was lost".into()),
         }
-    }
-
-    /// Waits until nothing moves. A device that answers is asked: it takes a mode only then. Otherwise all of the time passes.
-    fn stand(&mut self, longest: Duration) -> Result<(), String> {
-        if !self.answers {
-            return self.pause(longest);
-        }
-        let end = self.wire.elapsed() + LONGEST.max(longest);
-        while self.send(ByteTable::DEFAULT.steps)? == Answer::Rejected {
-            if self.wire.elapsed() > end {
-                return Err("the device still does not stand".into());
-            }
-            self.pause(ASK)?;
-        }
-        Ok(())
     }
 
     fn pause(&mut self, time: Duration) -> Result<(), String> {
         let end = self.wire.elapsed() + time;
-        while self.wire.elapsed() < end {
-            let left = end - self.wire.elapsed();
-            if let Some(byte) = self.wire.receive(left).map_err(|error| error.to_string())? {
+        while self.wire.elapsed() < end && (self.answers || !self.stop.load(Ordering::Relaxed)) {
+            // A device that does not answer may be waited for long: Ctrl-C is looked for now and then.
+            let left = (end - self.wire.elapsed()).min(AGAIN);
+            if let Some(byte) = self.get(left)? {
                 return Err(format!("{byte:#04x} came without being asked for"));
             }
         }
         Ok(())
+    }
+
+    fn put(&mut self, byte: u8) -> Result<(), String> {
+        self.wire.send(byte).map_err(|error| error.to_string())
+    }
+
+    fn get(&mut self, within: Duration) -> Result<Option<u8>, String> {
+        self.wire.receive(within).map_err(|error| error.to_string())
     }
 }
 
@@ -167,4 +479,15 @@ fn letter(table: &ByteTable, motor: u8, forward: bool) -> u8 {
         .copied()
         .unwrap_or([0; 2]);
     if forward { plus } else { minus }
+}
+
+/// Where a device is, for people.
+fn place(status: &Status) -> String {
+    let [x, y, z, spindle] = status.position_steps;
+    let frame = if status.is_homed {
+        "from home"
+    } else {
+        "not homed"
+    };
+    format!("x {x} y {y} z {z} spindle {spindle} steps, {frame}")
 }

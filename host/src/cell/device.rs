@@ -1,15 +1,16 @@
 //! A simulated microfactory behind its link: bytes, controller, chips, motors, switches.
 
+use super::settings::Settings;
 use crate::emulation::Emulation;
+use crate::line::Line;
 use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs, CellReport};
 use husillo_sim::CellRig;
-use husillo_transports::byte_commands::{ByteCommands, ByteTable};
-use std::collections::VecDeque;
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands};
 
-/// Ticks of a byte at 9600 baud, ten bits, on the timer of 1 MHz.
-const BYTE_TICKS: u64 = 1042;
-/// Ticks of a period.
+/// Ticks of a period, on the timer of 1 MHz.
 const PERIOD_TICKS: u64 = 1000;
+/// Moves that a device which answers has room for.
+pub const ROOM: u16 = 1000;
 /// Ticks after which a jog that is not said again ends, on devices that answer.
 const DEAD_MAN_TICKS: u32 = 500_000;
 /// Where the axes stand above their home switches at first, and the work piece before the tool.
@@ -25,61 +26,103 @@ pub struct Device {
     link: ByteCommands,
     cell: Cell<Vec<[i16; 2]>>,
     rig: CellRig,
-    /// Bytes on the line, with the tick at which each is complete.
-    line: VecDeque<(u64, u8)>,
-    /// When the line is free again.
-    free_at: u64,
+    /// A figure that is coming in.
+    loading: Vec<[i16; 2]>,
+    line: Line,
     now: u64,
     /// The event that waits for its time.
     due: Option<(u64, CellEvent)>,
     held: CellInputs,
     has_power: bool,
-    is_plugged: bool,
-    answers: Vec<u8>,
     told: Vec<String>,
 }
 
 impl Device {
     /// Switched on, with a figure; one that answers has a dead-man's time as well, one that does not is the original.
-    pub fn new(figure: Vec<[i16; 2]>, answers: bool) -> Self {
+    pub fn new(settings: &Settings, figure: Vec<[i16; 2]>, answers: bool, bits_per_s: u32) -> Self {
         let config = CellConfig {
             dead_man_ticks: answers.then_some(DEAD_MAN_TICKS),
-            ..CellConfig::ORIGINAL
+            ..settings.config
         };
-        let link = ByteCommands::new(ByteTable::DEFAULT);
+        let link = ByteCommands::new(settings.table);
         Self {
-            link: if answers { link.acknowledging() } else { link },
+            link: if answers {
+                link.acknowledging().storing(ROOM)
+            } else {
+                link
+            },
             cell: Cell::new(config, figure),
             rig: CellRig::new(&config, ABOVE_SWITCHES, FACE_STEPS),
-            line: VecDeque::new(),
-            free_at: 0,
+            loading: Vec::new(),
+            line: Line::new(bits_per_s),
             now: 0,
             due: None,
             held: CellInputs::default(),
             has_power: true,
-            is_plugged: true,
-            answers: Vec::new(),
             told: Vec::new(),
         }
     }
 
+    /// The line.
+    #[cfg(test)]
+    pub fn line(&mut self) -> &mut Line {
+        &mut self.line
+    }
+
+    /// The mechanics.
+    #[cfg(test)]
+    pub fn rig(&self) -> &CellRig {
+        &self.rig
+    }
+
     /// Bytes that are complete, in order.
     fn receive(&mut self) {
-        while self.line.front().is_some_and(|(at, _)| *at <= self.now) {
-            let Some((_, byte)) = self.line.pop_front() else {
-                return;
-            };
+        while let Some(byte) = self.line.received(self.now) {
             if !self.has_power {
                 continue;
             }
             let received = self.link.receive(byte, self.cell.is_moving());
-            if let Some(command) = received.command {
-                self.cell.command(command);
-            }
-            if self.is_plugged {
-                self.answers.extend(received.reply);
+            self.answer(received.reply);
+            match received.command {
+                Some(ByteCommand::Ask) => self.answer(self.cell.status().bytes()),
+                Some(ByteCommand::Clear) => {
+                    self.loading.clear();
+                    self.store(Vec::new());
+                }
+                Some(ByteCommand::Line(way)) => self.loading.push(way),
+                Some(ByteCommand::Keep) => {
+                    let figure = std::mem::take(&mut self.loading);
+                    self.told
+                        .push(format!("a figure of {} moves", figure.len()));
+                    self.store(figure);
+                }
+                Some(command) => {
+                    self.cell.command(command);
+                }
+                None => {}
             }
         }
+    }
+
+    /// Nothing moves while a figure comes in, so the cell takes it.
+    fn store(&mut self, figure: Vec<[i16; 2]>) {
+        let _ = self.cell.set_figure(figure);
+    }
+
+    fn answer(&mut self, bytes: impl IntoIterator<Item = u8>) {
+        for byte in bytes {
+            if self.line.answer(byte, self.now) {
+                self.reset();
+            }
+        }
+    }
+
+    /// The button at the panel, or power that comes back.
+    fn reset(&mut self) {
+        self.cell.reset();
+        self.link.reset();
+        self.due = None;
+        self.rig.apply(&CellEvent::Enable(false));
     }
 
     /// Events whose time has come.
@@ -135,7 +178,7 @@ impl Device {
 }
 
 /// A report for people.
-fn text(report: CellReport) -> String {
+pub fn text(report: CellReport) -> String {
     let letter = |axis: u8| {
         ["x", "y", "z"]
             .get(usize::from(axis))
@@ -149,6 +192,7 @@ fn text(report: CellReport) -> String {
         CellReport::DeadMan => "the jog was not said again".into(),
         CellReport::Contact => "the tool touches: the figure begins".into(),
         CellReport::NoContact => "no contact on the longest way; the figure was not cut".into(),
+        CellReport::NoFigure => "no figure is stored".into(),
         CellReport::Switch { axis } => {
             format!("home switch {} closed: going back off it", letter(axis))
         }
@@ -167,9 +211,8 @@ impl Emulation for Device {
     const PERIOD_NS: u64 = PERIOD_TICKS * 1000;
 
     fn send(&mut self, byte: u8) {
-        if self.is_plugged {
-            self.free_at = self.free_at.max(self.now) + BYTE_TICKS;
-            self.line.push_back((self.free_at, byte));
+        if self.line.send(byte, self.now) {
+            self.reset();
         }
     }
 
@@ -179,39 +222,33 @@ impl Emulation for Device {
         if self.has_power {
             self.happen();
         }
-        std::mem::take(&mut self.answers)
+        std::iter::from_fn(|| self.line.answered(self.now)).collect()
     }
 
     fn control(&mut self, line: &str) -> String {
         match line.split_whitespace().collect::<Vec<_>>()[..] {
             ["where"] => self.place(),
             ["reset"] => {
-                self.cell.reset();
-                self.link.reset();
-                self.due = None;
-                self.rig.apply(&CellEvent::Enable(false));
+                self.reset();
                 "reset".into()
             }
             ["close", switch] => self.hold(switch, true),
             ["open", switch] => self.hold(switch, false),
             ["power", "off"] => {
                 self.has_power = false;
-                self.due = None;
-                self.rig.apply(&CellEvent::Enable(false));
+                self.reset();
                 "power is off".into()
             }
             ["power", "on"] => {
                 self.has_power = true;
-                self.cell.reset();
-                self.link.reset();
                 "power is on".into()
             }
             ["unplug"] => {
-                self.is_plugged = false;
+                self.line.plug(false);
                 "unplugged".into()
             }
             ["plug"] => {
-                self.is_plugged = true;
+                self.line.plug(true);
                 "plugged in".into()
             }
             _ => format!("there are {PANEL}"),

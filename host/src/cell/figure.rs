@@ -1,19 +1,82 @@
-//! A figure out of a G-code program.
+//! A figure: a list of moves as text, or out of a G-code program.
 
+use super::settings::Settings;
 use crate::diagnostics::{Findings, Format};
 use crate::program;
 use crate::source::Source;
 use husillo_gcode::{Command, Dialect, Nm};
 
-/// A step of the machine, nm.
-const STEP_NM: i64 = 1870;
+/// A figure with the name of its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// The file, without its folder.
+    pub name: String,
+    /// Steps of X and Z.
+    pub moves: Vec<[i16; 2]>,
+}
+
+/// What a file that ends so is: a line a move, X and Z in steps; `;` begins a comment.
+const LIST: &str = ".fig";
+
+impl Figure {
+    /// Reads a list of moves, or a G-code program.
+    ///
+    /// # Errors
+    ///
+    /// See [`listed`] and [`programmed`].
+    pub fn load(file: &str, settings: &Settings) -> Result<Self, String> {
+        let path = std::path::Path::new(file);
+        let name = path.file_name().map(|name| name.to_string_lossy());
+        let moves = if file.to_ascii_lowercase().ends_with(LIST) {
+            let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+            listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
+        } else {
+            programmed(file, settings)?
+        };
+        if moves.is_empty() {
+            return Err(format!("{file}: nothing in it moves X or Z"));
+        }
+        Ok(Self {
+            name: name.unwrap_or_default().into_owned(),
+            moves,
+        })
+    }
+
+    /// The list of it, as it is edited.
+    pub fn text(&self) -> String {
+        let lines = self.moves.iter().map(|[x, z]| format!("{x} {z}\n"));
+        format!("; {}: X and Z in steps, a move a line\n", self.name) + &lines.collect::<String>()
+    }
+}
+
+/// The moves of a list; otherwise the line that is none, and why.
+fn listed(text: &str) -> Result<Vec<[i16; 2]>, (usize, String)> {
+    let mut moves = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let line = line.split(';').next().unwrap_or_default();
+        let words: Vec<Option<i16>> = line
+            .split_whitespace()
+            .map(|word| word.parse().ok())
+            .collect();
+        match words[..] {
+            [] | [Some(0), Some(0)] => {}
+            [Some(x), Some(z)] => moves.push([x, z]),
+            _ => {
+                let reason =
+                    "a move is two numbers of steps, of X and of Z, each from -32768 to 32767";
+                return Err((number + 1, reason.into()));
+            }
+        }
+    }
+    Ok(moves)
+}
 
 /// The straight moves of a program in X and Z, in steps. Positions are rounded, not moves, so that nothing adds up.
 ///
 /// # Errors
 ///
 /// The program's first error; a move that is no straight one in X and Z, or too long.
-pub fn load(file: &str) -> Result<Vec<[i16; 2]>, String> {
+fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
     let mut source = Source::open(file).map_err(|error| format!("{file}: {error}"))?;
     let mut findings = Findings::new(Vec::new(), Format::Text, false, 1);
     let mut moves = Vec::new();
@@ -27,7 +90,7 @@ pub fn load(file: &str) -> Result<Vec<[i16; 2]>, String> {
         |meaning, command, from, _| {
             if refused.is_none() {
                 let line = meaning.at.line;
-                match straight(command, from, &mut at) {
+                match straight(command, from, &mut at, settings) {
                     Ok(Some(way)) => moves.push(way),
                     Ok(None) => {}
                     Err(reason) => refused = Some(format!("{file}:{line}: {reason}")),
@@ -44,7 +107,6 @@ pub fn load(file: &str) -> Result<Vec<[i16; 2]>, String> {
     }
     match refused {
         Some(refused) => Err(refused),
-        None if moves.is_empty() => Err(format!("{file}: nothing in it moves X or Z")),
         None => Ok(moves),
     }
 }
@@ -54,6 +116,7 @@ fn straight(
     command: &Command<3>,
     from: [Nm; 3],
     at: &mut [i64; 2],
+    settings: &Settings,
 ) -> Result<Option<[i16; 2]>, String> {
     let to = match command {
         Command::Rapid { to } | Command::Linear { to, .. } => *to,
@@ -66,7 +129,7 @@ fn straight(
     if from[1] != y {
         return Err("a figure is in X and Z: Y is fed to the work piece by the machine".into());
     }
-    let goal = [x, z].map(|Nm(nm)| (nm + STEP_NM / 2).div_euclid(STEP_NM));
+    let goal = settings.nearest([x, z]);
     let mut way = [0; 2];
     for ((way, at), goal) in way.iter_mut().zip(at).zip(goal) {
         *way = i16::try_from(goal - *at)
@@ -79,6 +142,11 @@ fn straight(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine_file::MachineFile;
+
+    fn settings() -> Settings {
+        Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap()
+    }
 
     fn from(text: &str) -> Result<Vec<[i16; 2]>, String> {
         let path = std::env::temp_dir().join(format!(
@@ -87,9 +155,26 @@ mod tests {
             text.len()
         ));
         std::fs::write(&path, text).unwrap();
-        let figure = load(path.to_str().unwrap());
+        let figure = Figure::load(path.to_str().unwrap(), &settings());
         std::fs::remove_file(path).unwrap();
-        figure
+        figure.map(|figure| figure.moves)
+    }
+
+    #[test]
+    fn a_list_is_read_as_it_is_written() {
+        let figure = Figure {
+            name: "a".into(),
+            moves: vec![[1000, 0], [-32768, 32767]],
+        };
+        assert_eq!(listed(&figure.text()), Ok(figure.moves));
+        assert_eq!(listed("; a\n\n 5 -7 ; b\n0 0\n"), Ok(vec![[5, -7]]));
+        for wrong in ["1", "1 2 3", "1 40000", "x 1"] {
+            assert_eq!(
+                listed(&format!("1 1\n{wrong}\n")).unwrap_err().0,
+                2,
+                "{wrong}"
+            );
+        }
     }
 
     #[test]

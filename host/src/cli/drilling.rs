@@ -64,7 +64,7 @@ pub struct Layout {
     /// Diameter of a tool, whatever the file says; may be repeated
     #[arg(long, value_name = "N=MM")]
     pub tool: Vec<String>,
-    /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour and 2-opt)
+    /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour, 2-opt and Or-opt)
     #[arg(long, value_enum, default_value = "file")]
     pub order: DrillOrder,
     /// Only the holes and slots of this tool; may be repeated
@@ -121,15 +121,16 @@ pub struct Compile {
 /// `husillo send`.
 #[derive(Debug, Args)]
 pub struct Send {
-    /// Program, drill file, records (NAME.cod) or a manifest of them (NAME.toml)
-    pub file: String,
+    /// Program, drill file, records (NAME.cod), a manifest of them (NAME.toml), or a figure (NAME.fig); of figures one for each port
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<String>,
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Port: sim, a serial device, or tcp:HOST:PORT
+    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at once
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
-    pub port: String,
-    /// Bits a second of the link [default: 2400, of the micro mill 9600]
+    pub port: Vec<String>,
+    /// Bits a second of the link [default: 2400, of the micro mill and the microfactory 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// First hole to be drilled, counted through all tools
@@ -147,12 +148,29 @@ pub struct Send {
     /// Micro mill: one step in so many is told; 0 for none
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=999))]
     pub every: u16,
-    /// Micro mill: it is homed, and stands at machine zero
+    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin where the axes are
     #[arg(long)]
     pub no_home: bool,
+    /// Microfactory: the device does not answer; what is sent is not confirmed
+    #[arg(long)]
+    pub without_answers: bool,
     /// What is made of a program for the drill.
     #[command(flatten)]
     pub drilling: Drilling,
+}
+
+impl Send {
+    /// The file and the port, for machines that are driven alone.
+    ///
+    /// # Errors
+    ///
+    /// There are several.
+    pub fn alone(&self) -> Result<(&str, &str), String> {
+        match (&self.files[..], &self.port[..]) {
+            ([file], [port]) => Ok((file, port)),
+            _ => Err("this machine is driven alone: one file, and one --port".into()),
+        }
+    }
 }
 
 /// What is said of a program for the drill.

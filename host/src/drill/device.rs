@@ -1,7 +1,7 @@
 //! A simulated drill behind its link: bytes, controller, motors, switches, a board.
 
-use super::line::Line;
 use crate::emulation::Emulation;
+use crate::line::Line;
 use husillo_machine::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_sim::{DrillRig, DrilledHole};
 use husillo_transports::drill::MEMORY_BYTES;

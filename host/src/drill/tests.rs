@@ -2,10 +2,10 @@
 
 use super::client::Client;
 use super::device::Device;
-use super::line::Fault;
 use super::part::Part;
 use super::sender::{End, Failed, Operator, Sender};
 use crate::emulation::Emulation;
+use crate::line::Fault;
 use crate::wire::Wire;
 use husillo_gcode::Nm;
 use husillo_gcode::drill_record::Record;

@@ -1,5 +1,7 @@
 //! What a cell sees and says.
 
+use husillo_transports::byte_commands::Report;
+
 use super::CELL_MOTORS;
 use crate::StepEvent;
 
@@ -37,41 +39,7 @@ pub enum CellEvent {
         ticks: u32,
     },
     /// Something to tell.
-    Report(CellReport),
+    Report(Report),
     /// Nothing to do until a command comes.
     Idle,
-}
-
-/// What a cell tells.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum CellReport {
-    /// All axes stand off their switches, at zero.
-    Homed,
-    /// Counted steps, a figure or going back off a switch ended.
-    Done,
-    /// Stopped by command.
-    Stopped,
-    /// A jog was not said again in time.
-    DeadMan,
-    /// The tool touches the work piece: the figure begins.
-    Contact,
-    /// The approach ended without contact; the figure was not cut.
-    NoContact,
-    /// A home switch closed where none was looked for: the axis goes back off it.
-    Switch {
-        /// 0 to 2.
-        axis: u8,
-    },
-    /// No home switch closed on the longest way.
-    NoSwitch {
-        /// 0 to 2.
-        axis: u8,
-    },
-    /// A home switch is closed still after the way back off it.
-    StillClosed {
-        /// 0 to 2.
-        axis: u8,
-    },
-    /// Emergency stop: until a reset nothing moves.
-    Emergency,
 }

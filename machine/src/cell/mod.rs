@@ -7,9 +7,9 @@ pub(crate) mod play;
 mod task;
 
 pub use config::CellConfig;
-pub use event::{CellEvent, CellInputs, CellReport};
+pub use event::{CellEvent, CellInputs};
 
-use husillo_transports::byte_commands::ByteCommand;
+use husillo_transports::byte_commands::{ByteCommand, Report, Status};
 
 use crate::StepEvent;
 use figure::FigureMove;
@@ -38,8 +38,8 @@ enum Power {
 /// place after homing; where an axis turns round, its lash is taken up first, and those steps count nowhere. `F` is where the
 /// figure is kept: moves in X and Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
 ///
-/// **Switches.** An axis that closes its home switch in a jog, in counted steps or in a figure stops, is reported, and goes
-/// back off it; the task ends. An emergency stop acts on the next event, in every task, and stays until [`Cell::reset`].
+/// **Switches.** An axis whose home switch closes in a jog, in counted steps or in a figure stops, is reported, and goes
+/// back off it; the task ends. Away from a switch that is closed already it may go. An emergency stop acts on the next event, in every task, and stays until [`Cell::reset`].
 ///
 /// Cost: an event takes some comparisons and two additions; a move of a figure a square root and a 64-bit division.
 ///
@@ -76,7 +76,12 @@ pub struct Cell<F> {
     /// The next step of the task, waiting for its time.
     due: Option<Due>,
     is_homed: bool,
-    report: Option<CellReport>,
+    report: Option<Report>,
+    /// How the last task ended, or what happened in this one.
+    last: Option<Report>,
+    /// Switches that were closed at the last step, and those that have closed since.
+    were_closed: [bool; 3],
+    close: [bool; 3],
 }
 
 /// A step that has been decided.
@@ -103,11 +108,15 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             due: None,
             is_homed: false,
             report: None,
+            last: None,
+            were_closed: [true; 3],
+            close: [false; 3],
         }
     }
 
     /// A command from the link. Says whether it is carried out: a task is begun only while none is under way, except that the
-    /// jog under way may be said again, which keeps it alive where there is a dead-man's time.
+    /// jog under way may be said again, which keeps it alive where there is a dead-man's time. What concerns the stored figure
+    /// ([`ByteCommand::Clear`] and the like) is the owner's, for [`Cell::set_figure`].
     pub fn command(&mut self, command: ByteCommand) -> bool {
         if self.task == Task::Emergency {
             return false;
@@ -118,7 +127,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
                 self.due = None;
                 // The axes were stopped in full flight: where they are is not known for sure.
                 self.is_homed = false;
-                self.report = Some(CellReport::Emergency);
+                self.tell(Report::Emergency);
                 return true;
             }
             ByteCommand::Stop => {
@@ -126,7 +135,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
                 self.due = None;
                 if self.task != Task::Idle {
                     self.task = Task::Idle;
-                    self.report = Some(CellReport::Stopped);
+                    self.tell(Report::Stopped);
                 }
                 return true;
             }
@@ -139,10 +148,21 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             (Task::Jog { way, .. }, Task::Jog { way: again, .. }) => way == again,
             _ => false,
         };
-        if self.task != Task::Idle && !is_said_again {
+        if is_said_again {
+            self.task = task;
+            return true;
+        }
+        if self.task != Task::Idle {
+            return false;
+        }
+        if command == ByteCommand::Figure && self.figure.as_ref().is_empty() {
+            self.tell(Report::NoFigure);
             return false;
         }
         self.task = task;
+        self.last = None;
+        // A switch that is closed already does not close.
+        self.were_closed = [true; 3];
         true
     }
 
@@ -153,6 +173,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         self.due = None;
         self.is_homed = false;
         self.report = None;
+        self.last = None;
     }
 
     /// Whether a task is under way.
@@ -169,6 +190,16 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
     pub fn position_steps(&self) -> [i32; CELL_MOTORS] {
         let [x, y, z] = self.plays.map(|play| play.load());
         [x, y, z, self.spindle]
+    }
+
+    /// How the last task ended and where the axes are: the answer to [`ByteCommand::Ask`].
+    pub fn status(&self) -> Status {
+        Status {
+            report: self.last,
+            is_moving: self.is_moving(),
+            is_homed: self.is_homed,
+            position_steps: self.position_steps(),
+        }
     }
 
     /// The figure, to be read or edited while none is cut.
@@ -246,15 +277,25 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         Some(event)
     }
 
+    /// Something to tell now, and when asked.
+    fn tell(&mut self, report: Report) {
+        self.report = Some(report);
+        self.last = Some(report);
+    }
+
     /// The next step of the task; `None` where the task ends or changes.
     fn decide(&mut self, inputs: &CellInputs) -> Option<Due> {
+        for ((close, was), is) in (self.close.iter_mut().zip(self.were_closed)).zip(inputs.home) {
+            *close = is && !was;
+        }
+        self.were_closed = inputs.home;
         match self.task {
             Task::Idle | Task::Emergency => None,
             Task::Jog { way, left_ticks } => {
                 let interval = self.config.interval(way.motor);
                 let left_ticks = match left_ticks {
                     Some(left) if left < interval => {
-                        return self.end(CellReport::DeadMan);
+                        return self.end(Report::DeadMan);
                     }
                     left => left.map(|left| left.wrapping_sub(interval)),
                 };
@@ -263,7 +304,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             }
             Task::Steps { way, left } => {
                 if left == 0 {
-                    return self.end(CellReport::Done);
+                    return self.end(Report::Done);
                 }
                 let (due, counts) = self.one_way(way, inputs)?;
                 let left = left.wrapping_sub(u8::from(counts));
@@ -275,11 +316,11 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             Task::Approach { left } => {
                 if inputs.contact {
                     self.begin_move(0);
-                    self.report = Some(CellReport::Contact);
+                    self.tell(Report::Contact);
                     return None;
                 }
                 if left == 0 {
-                    return self.end(CellReport::NoContact);
+                    return self.end(Report::NoContact);
                 }
                 let way = Way {
                     motor: 1,
@@ -296,16 +337,16 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
     }
 
     /// Ends the task.
-    fn end(&mut self, report: CellReport) -> Option<Due> {
+    fn end(&mut self, report: Report) -> Option<Due> {
         self.task = Task::Idle;
-        self.report = Some(report);
+        self.tell(report);
         None
     }
 
     /// A step of one motor, and whether it moves the load; at a home switch the task turns into going back off it.
     fn one_way(&mut self, way: Way, inputs: &CellInputs) -> Option<(Due, bool)> {
         let direction: i8 = if way.forward { 1 } else { -1 };
-        if !way.forward && self.stops_at(way.motor, inputs) {
+        if self.stops_at(way, inputs) {
             return None;
         }
         let mut delta = [0; CELL_MOTORS];
@@ -321,18 +362,22 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         Some((due, counts))
     }
 
-    /// Whether the switch of an axis that moves towards it is closed; then it goes back.
-    fn stops_at(&mut self, axis: u8, inputs: &CellInputs) -> bool {
-        let is_closed = inputs.is_home(axis);
-        if is_closed {
+    /// Whether the switch of an axis is closed that moves towards it, or has closed on any way of a task; then it goes back.
+    fn stops_at(&mut self, way: Way, inputs: &CellInputs) -> bool {
+        let axis = way.motor;
+        // Going back off a switch, its contact may bounce.
+        let has_closed = self.close.get(usize::from(axis)) == Some(&true)
+            && !matches!(self.task, Task::BackOff { .. });
+        let stops = has_closed || (!way.forward && inputs.is_home(axis));
+        if stops {
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
                 homes: false,
             };
-            self.report = Some(CellReport::Switch { axis });
+            self.tell(Report::Switch { axis });
         }
-        is_closed
+        stops
     }
 
     /// Homing: towards the switch.
@@ -346,7 +391,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             return None;
         }
         if left == 0 {
-            return self.end(CellReport::NoSwitch { axis });
+            return self.end(Report::NoSwitch { axis });
         }
         self.task = Task::Home {
             axis,
@@ -375,10 +420,13 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             return Some(due);
         }
         if inputs.is_home(axis) {
-            return self.end(CellReport::StillClosed { axis });
+            return self.end(Report::StillClosed { axis });
         }
         if !homes {
-            return self.end(CellReport::Done);
+            // When asked, it was a switch that ended the task.
+            self.task = Task::Idle;
+            self.report = Some(Report::Done);
+            return None;
         }
         if let Some(play) = self.plays.get_mut(usize::from(axis)) {
             play.set_zero();
@@ -391,7 +439,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             return None;
         }
         self.is_homed = true;
-        self.end(CellReport::Homed)
+        self.end(Report::Homed)
     }
 
     /// A step of the figure.
@@ -400,13 +448,17 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             // Below the length of a slice, so the sum does not wrap.
             let next = index.wrapping_add(1);
             if next >= self.figure.as_ref().len() {
-                return self.end(CellReport::Done);
+                return self.end(Report::Done);
             }
             self.begin_move(next);
             return None;
         };
-        for (axis, direction) in [(0, x), (2, z)] {
-            if direction < 0 && self.stops_at(axis, inputs) {
+        for (motor, direction) in [(0, x), (2, z)] {
+            let way = Way {
+                motor,
+                forward: direction > 0,
+            };
+            if direction != 0 && self.stops_at(way, inputs) {
                 return None;
             }
         }

@@ -70,7 +70,8 @@ impl Task {
             ByteCommand::Figure => Task::Approach {
                 left: config.approach_steps,
             },
-            ByteCommand::Stop | ByteCommand::Emergency => return None,
+            // The others begin nothing.
+            _ => return None,
         })
     }
 }

@@ -1,0 +1,64 @@
+//! The bytes of a link of byte commands in a machine file.
+
+use crate::table::Table;
+use husillo_transports::byte_commands::ByteTable;
+
+/// Reads `[bytes]`: a character each, two a motor; what is not there is as in the table of our own.
+pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
+    let mut bytes = ByteTable::DEFAULT;
+    for (key, byte) in [
+        ("home", &mut bytes.home),
+        ("manual", &mut bytes.manual),
+        ("steps", &mut bytes.steps),
+        ("figure", &mut bytes.figure),
+        ("stop", &mut bytes.stop),
+        ("run", &mut bytes.run),
+        ("emergency", &mut bytes.emergency),
+        ("clear", &mut bytes.clear),
+        ("line", &mut bytes.line),
+        ("keep", &mut bytes.keep),
+        ("ask", &mut bytes.ask),
+    ] {
+        if let Some([one]) = characters(table, key, "one ASCII character") {
+            *byte = one;
+        }
+    }
+    for (key, motor) in ["x", "y", "z", "spindle"]
+        .into_iter()
+        .zip(&mut bytes.motors)
+    {
+        if let Some(both) = characters(table, key, "two ASCII characters, of forward and backward")
+        {
+            *motor = both;
+        }
+    }
+    if !bytes.is_unambiguous() {
+        table.wrong(
+            table.span(),
+            "a byte of `bytes` means two things",
+            "each command needs a byte of its own, and `?` is the answer to what is not taken",
+        );
+    }
+    bytes
+}
+
+fn characters<const N: usize>(
+    table: &mut Table<'_, '_>,
+    key: &str,
+    wanted: &str,
+) -> Option<[u8; N]> {
+    let span = table.value(key)?.1;
+    let text = table.string(key)?;
+    let bytes = text
+        .is_ascii()
+        .then(|| text.as_bytes().try_into().ok())
+        .flatten();
+    if bytes.is_none() {
+        table.wrong(
+            span,
+            &format!("`{key}` is {text:?}"),
+            &format!("expected {wanted}"),
+        );
+    }
+    bytes
+}

@@ -1,0 +1,242 @@
+//! Sessions over the simulated line in virtual time, on good lines and bad ones.
+
+use super::action::Action;
+use super::client::Client;
+use super::device::Device;
+use super::figure::Figure;
+use super::settings::Settings;
+use crate::emulation::Emulation;
+use crate::line::Fault;
+use crate::machine_file::MachineFile;
+use crate::wire::Wire;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// A machine that is quick: short ways to its switches, little lash.
+fn settings() -> Settings {
+    let mut settings = Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap();
+    settings.config.axis_rate_hz = 4000;
+    settings.config.spindle_rate_hz = 2560;
+    settings.config.lash_steps = [20, 0, 20];
+    settings.config.back_off_steps = 20;
+    settings
+}
+
+fn client() -> Client {
+    let settings = settings();
+    let device = Device::new(&settings, vec![[500, 500]], true, 9600);
+    let stop = Arc::new(AtomicBool::new(false));
+    Client::new(Wire::simulated(device), settings.table, true, stop)
+}
+
+/// A figure with bytes in it that are commands.
+fn session() -> Vec<Action> {
+    let figure = Figure {
+        name: "test".into(),
+        moves: vec![[0x41, 0], [-2, 0x3F], [-0x3F, -0x21]],
+    };
+    let steps = |motor, steps| Action::Steps { motor, steps };
+    let jog = Action::Jog {
+        motor: 1,
+        forward: true,
+        time: Duration::from_millis(230),
+    };
+    vec![
+        Action::Home,
+        Action::Load(figure),
+        steps(0, 63),
+        steps(2, -7),
+        jog,
+        Action::Figure,
+    ]
+}
+
+/// Everything, or how far it came and why no farther.
+fn run(client: &mut Client) -> Result<(), (usize, String)> {
+    for (place, action) in session().iter().enumerate() {
+        client
+            .carry_out(action)
+            .map_err(|trouble| (place, trouble))?;
+    }
+    Ok(())
+}
+
+/// Where the tool is in X and Z from where it is after homing, and how often a figure was begun.
+fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
+    let device = client.device();
+    let [x, _, z, _] = device.rig().tool();
+    let told = device.tell();
+    let figures = told.iter().filter(|line| line.contains("the tool touches"));
+    ([x - zero[0], z - zero[1]], figures.count())
+}
+
+/// Of the rig: 420 steps above the switch and back off it by 20, and so on.
+const ZERO: [i32; 2] = [20 - 420, 20 - 900];
+const GOOD: ([i32; 2], usize) = ([63, -7 + 0x3F - 0x21], 1);
+
+#[test]
+fn a_session_is_as_it_was_asked_for() {
+    let mut client = client();
+    assert_eq!(run(&mut client), Ok(()));
+    assert_eq!(outcome(&mut client, ZERO), GOOD);
+    assert_eq!(client.device().rig().lost_steps(), [0; 4]);
+}
+
+fn faults() -> impl Iterator<Item = Fault> {
+    (0..8).map(Fault::Flipped).chain([
+        Fault::Lost,
+        Fault::Doubled,
+        Fault::Late(30_000),
+        Fault::Late(300_000),
+        Fault::Unplugged,
+        Fault::Reset,
+    ])
+}
+
+/// The whole session with a fault. Where nothing is reported everything is as asked; where something is, nothing turns any more but what a pulled
+/// cable left to itself, and the operator goes on after plugging in, a reset and homing. Whether it was reported.
+fn survives(place: u64, fault: Fault) -> bool {
+    let context = format!("{fault:?} at byte {place}");
+    let mut client = client();
+    client.device().line().fault = Some((place, fault));
+    let result = run(&mut client);
+    let Err((_, trouble)) = result else {
+        assert_eq!(outcome(&mut client, ZERO), GOOD, "{context}");
+        return false;
+    };
+    let device = client.device();
+    if fault != Fault::Unplugged {
+        let before = device.rig().tool();
+        for _ in 0..500 {
+            device.tick();
+        }
+        assert_eq!(
+            device.rig().tool(),
+            before,
+            "{context}: {trouble}, and it moves"
+        );
+    }
+    device.control("plug");
+    device.control("reset");
+    device.tell();
+    client = Client::new(
+        client.into_wire(),
+        settings().table,
+        true,
+        Arc::new(AtomicBool::new(false)),
+    );
+    let again = run(&mut client);
+    assert_eq!(again, Ok(()), "{context}: {trouble}");
+    assert_eq!(outcome(&mut client, ZERO), GOOD, "{context}: {trouble}");
+    true
+}
+
+/// Every fault at every byte of a session, both ways.
+#[test]
+fn any_fault_at_any_byte_is_survived_or_reported() {
+    let mut good = client();
+    assert_eq!(run(&mut good), Ok(()));
+    let carried = good.device().line().carried;
+    let (mut reported, mut unharmed) = (0, 0);
+    for place in 0..carried {
+        for fault in faults() {
+            if survives(place, fault) {
+                reported += 1;
+            } else {
+                unharmed += 1;
+            }
+        }
+    }
+    println!("{carried} bytes: {reported} reported, {unharmed} without harm");
+    assert!(reported > 500 && unharmed > 500, "{reported}, {unharmed}");
+}
+
+/// The same at random in a long one: a figure of 400 moves, and long counted steps.
+#[test]
+fn faults_in_long_sessions_are_survived_or_reported() {
+    let (mut state, mut reported) = (11_u64, 0);
+    let mut random = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let moves: Vec<[i16; 2]> = (0..400)
+        .map(|_| [0; 2].map(|_| random(9) as i16 - 3))
+        .collect();
+    let sum = |axis: usize| moves.iter().map(|way| i32::from(way[axis])).sum::<i32>();
+    let expected = ([900 + sum(0), 700 + sum(1)], 1);
+    let figure = Figure {
+        name: "long".into(),
+        moves: moves.clone(),
+    };
+    let session = [
+        Action::Home,
+        Action::Steps {
+            motor: 0,
+            steps: 900,
+        },
+        Action::Load(figure),
+        Action::Steps {
+            motor: 2,
+            steps: 700,
+        },
+        Action::Figure,
+    ];
+    let faults: Vec<_> = faults().collect();
+    for _ in 0..60 {
+        let mut client = client();
+        let fault = faults[random(faults.len() as u64) as usize];
+        let place = random(6500);
+        client.device().line().fault = Some((place, fault));
+        let all: Result<Vec<_>, _> = session
+            .iter()
+            .map(|action| client.carry_out(action))
+            .collect();
+        match all {
+            Ok(_) => assert_eq!(outcome(&mut client, ZERO), expected, "{fault:?} at {place}"),
+            Err(_) => reported += 1,
+        }
+    }
+    assert!((3..50).contains(&reported), "{reported}");
+}
+
+/// A figure that came in wrong is sent again; nothing has moved.
+#[test]
+fn a_figure_survives_a_bad_moment() {
+    let mut client = client();
+    client.carry_out(&Action::Home).unwrap();
+    let at = client.device().line().carried + 12;
+    client.device().line().fault = Some((at, Fault::Flipped(3)));
+    let Action::Load(figure) = &session()[1] else {
+        panic!()
+    };
+    let how = client.carry_out(&Action::Load(figure.clone())).unwrap();
+    assert!(how.starts_with("3 moves, 2 times"), "{how}");
+}
+
+#[test]
+fn a_table_of_its_own_is_used_at_both_ends() {
+    let mut settings = settings();
+    settings.table.home = b'k';
+    settings.table.ask = 0xF0;
+    let device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
+    assert_eq!(client.carry_out(&Action::Home), Ok("homed".into()));
+}
+
+#[test]
+fn ctrl_c_stops_what_moves() {
+    let settings = settings();
+    let device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let stop = Arc::new(AtomicBool::new(true));
+    let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
+    assert!(
+        client
+            .carry_out(&Action::Home)
+            .unwrap_err()
+            .contains("stopped")
+    );
+}

@@ -1,0 +1,109 @@
+//! Which byte is which command.
+
+/// Motors that a table has letters for: X, Y, Z and the spindle.
+pub const MOTORS: usize = 4;
+
+/// The byte of each command.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct ByteTable {
+    /// Home all axes.
+    pub home: u8,
+    /// Into jogging.
+    pub manual: u8,
+    /// Into counted steps.
+    pub steps: u8,
+    /// Cut the stored figure.
+    pub figure: u8,
+    /// Forward and backward of each motor.
+    pub motors: [[u8; 2]; MOTORS],
+    /// Stop what moves.
+    pub stop: u8,
+    /// Make the counted steps.
+    pub run: u8,
+    /// Emergency stop.
+    pub emergency: u8,
+    /// Forget the stored figure: another one begins.
+    pub clear: u8,
+    /// A move of it, four bytes: X and Z in steps, low bytes first.
+    pub line: u8,
+    /// It is complete, four bytes: the number of its moves and their check, low bytes first.
+    pub keep: u8,
+    /// Tell where the axes are and how the last task ended.
+    pub ask: u8,
+}
+
+impl ByteTable {
+    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and what the original has not: `< 3 6 5`, of which no flipped bit makes another
+    /// command.
+    pub const DEFAULT: ByteTable = ByteTable {
+        home: b'H',
+        manual: b'J',
+        steps: b'N',
+        figure: b'G',
+        motors: [*b"Xx", *b"Yy", *b"Zz", *b"Cc"],
+        stop: b'A',
+        run: b'E',
+        emergency: b'!',
+        clear: b'<',
+        line: b'3',
+        keep: b'6',
+        ask: b'5',
+    };
+
+    /// Whether every byte means one thing only; `?` is the answer to what is not taken.
+    pub fn is_unambiguous(&self) -> bool {
+        let [[x, x_back], [y, y_back], [z, z_back], [c, c_back]] = self.motors;
+        let mut bytes = [
+            self.home,
+            self.manual,
+            self.steps,
+            self.figure,
+            x,
+            x_back,
+            y,
+            y_back,
+            z,
+            z_back,
+            c,
+            c_back,
+            self.stop,
+            self.run,
+            self.emergency,
+            self.clear,
+            self.line,
+            self.keep,
+            self.ask,
+            super::REJECTED,
+        ];
+        bytes.sort_unstable();
+        let next = bytes.iter().skip(1);
+        bytes.iter().zip(next).all(|(one, other)| one != other)
+    }
+
+    /// Motor and whether forward.
+    pub(super) fn motor(&self, byte: u8) -> Option<(u8, bool)> {
+        (0..4_u8)
+            .zip(self.motors)
+            .find_map(|(motor, [forward, backward])| match byte {
+                _ if byte == forward => Some((motor, true)),
+                _ if byte == backward => Some((motor, false)),
+                _ => None,
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_flipped_bit_makes_another_command_of_ours() {
+        let table = ByteTable::DEFAULT;
+        let ours = [table.clear, table.line, table.keep, table.ask];
+        for byte in ours {
+            for other in *b"HJNGXxYyZzCcAE!?<365" {
+                assert_ne!((byte ^ other).count_ones(), 1, "{byte} {other}");
+            }
+        }
+    }
+}
