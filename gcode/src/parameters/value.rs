@@ -521,4 +521,105 @@ mod tests {
             "0.5"
         );
     }
+
+    /// A result is exact where all it is made of is, and nothing was dropped.
+    #[test]
+    fn exactness_is_inherited() {
+        type Operation = fn(Value, Value) -> Option<Value>;
+        let operations: [Operation; 4] =
+            [Value::plus, Value::times, Value::divided_by, Value::modulo];
+        for (a, b) in [
+            (value(6, 0), value(2, 0)),
+            (value(6, 0), value(25, 1)),
+            (value(i64::MAX - 7, 0), value(1, 0)),
+            (value(125, 10), value(5, 18)),
+        ] {
+            let marked = [a.marked_rounded(), b.marked_rounded()];
+            assert!(!marked[0].is_exact() && a.is_exact());
+            for operation in operations {
+                for (a, b) in [(marked[0], b), (a, marked[1]), (marked[0], marked[1])] {
+                    if let Some(result) = operation(a, b) {
+                        assert!(!result.is_exact(), "{a} {b} {result}");
+                    }
+                }
+            }
+            assert!(a.plus(b).is_none_or(Value::is_exact));
+        }
+        let third = Value::ONE.divided_by(value(3, 0)).unwrap();
+        assert!(!third.limited(3).is_exact() && !value(15, 1).limited(0).is_exact());
+        assert!(value(10, 1).limited(0).is_exact());
+        assert!(!value(10, 1).marked_rounded().limited(0).is_exact());
+        assert!(third.rounded_half().is_exact());
+        assert!(!Value::ZERO.is_negative());
+    }
+
+    /// What has more digits than fit is rounded once, halves up; what is too large is none.
+    #[test]
+    fn results_at_the_ends_of_the_digits() {
+        let shown = |value: Option<Value>| value.map(|value| (value.to_string(), value.is_exact()));
+        let some = |text: &str, exact| Some((text.to_string(), exact));
+        let most = value(i64::MAX, 0);
+        assert_eq!(
+            shown(most.plus(Value::ZERO)),
+            some("9223372036854775807", true)
+        );
+        assert_eq!(
+            shown(most.plus(value(0, 1))),
+            some("9223372036854775807", true)
+        );
+        assert_eq!(shown(most.plus(value(5, 1))), None);
+        let half = value(-(1 << 62), 0);
+        assert_eq!(shown(half.plus(half)), None);
+        assert_eq!(shown(half.times(value(2, 0))), None);
+        let half = value(-(1 << 62), 1);
+        assert_eq!(shown(half.plus(half)), some("-922337203685477581", false));
+        assert_eq!(
+            shown(half.times(value(2, 0))),
+            some("-922337203685477581", false)
+        );
+        assert_eq!(
+            shown(value(1, 10).times(value(1, 10))),
+            some("0.000000000000000000", false)
+        );
+        assert_eq!(
+            shown(value(-15, 10).times(value(1, 9))),
+            some("-0.000000000000000002", false)
+        );
+        assert_eq!(
+            shown(value(15, 10).times(value(-1, 9))),
+            some("-0.000000000000000002", false)
+        );
+        assert_eq!(
+            shown(value(-15, 10).times(value(-1, 9))),
+            some("0.000000000000000002", false)
+        );
+        assert_eq!(
+            shown(value(14, 10).times(value(1, 9))),
+            some("0.000000000000000001", false)
+        );
+        assert_eq!(
+            shown(value(40_000_000_000_000, 0).divided_by(value(3, 0))),
+            some("13333333333333.33333", false)
+        );
+        assert_eq!(value(-100, 2).stripped().to_string(), "-1");
+    }
+
+    /// Exact values differ by their last digit, rounded ones from 10^-9 on.
+    #[test]
+    fn what_counts_as_equal() {
+        let (one, more) = (value(1, 0), value(1_000_000_001, 9));
+        let least = value(1_000_000_000_000_000_001, 18);
+        let nearly = value(1_000_000_000_999_999_999, 18);
+        assert_eq!(one.compare(least), Ordering::Less);
+        for (one, other) in [
+            (one.marked_rounded(), false),
+            (one.marked_rounded(), true),
+            (one, true),
+        ] {
+            let mark = |value: Value| if other { value.marked_rounded() } else { value };
+            assert_eq!(one.compare(mark(nearly)), Ordering::Equal);
+            assert_eq!(one.compare(mark(more)), Ordering::Less);
+            assert_eq!(mark(more).compare(one), Ordering::Greater);
+        }
+    }
 }
