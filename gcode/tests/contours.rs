@@ -434,6 +434,16 @@ fn what_cannot_be_cut_is_refused_at_its_line() {
             ErrorKind::OutOfRange(b'D'),
         ),
         (
+            shaft("G71 P1 Q9 D1 R-1", "N9 G1 Z-5"),
+            3,
+            ErrorKind::OutOfRange(b'R'),
+        ),
+        (
+            "G0 X40 Z2\nF100\nG71 P1 Q9 D1\nN1 G2 X30 Z-3 R5\nN9 G1 Z-9".to_owned(),
+            4,
+            ErrorKind::NotOfContour,
+        ),
+        (
             shaft("G71 P1 Q9 D1 U-1", "N9 G1 Z-5"),
             3,
             ErrorKind::OutOfRange(b'U'),
@@ -519,6 +529,8 @@ fn a_numbered_contour_is_found_where_it_is() {
             "11: linear X4 Y0 Z-9 F100"
         ]
     );
+    assert!(needs_contours(b"G76 X1", &Dialect::LATHE_A));
+    assert!(!needs_contours(b"G76 X1", &Dialect::LATHE));
     assert!(needs_contours(b"N5 g71 P1 Q2", &Dialect::LATHE));
     assert!(!needs_contours(b"G71 P1 Q2", &Dialect::RS274));
     assert!(!needs_contours(b"G7 (G71)", &Dialect::LATHE));
@@ -688,6 +700,25 @@ fn a_roughing_cycle_move_by_move() {
     );
 }
 
+/// Without a retract the tool goes straight back.
+#[test]
+fn no_retract() {
+    let text = "G0 X14 Z1\nF100\nG71 P1 Q9 D5 R0\nN1 G0 X10\nG1 Z-4\nN9 X14\n";
+    assert_eq!(
+        told(text, Dialect::LATHE),
+        [
+            "1: rapid X7 Y0 Z1",
+            "3: rapid X5 Y0 Z1",
+            "3: linear X5 Y0 Z-4 F100",
+            "3: rapid X5 Y0 Z1",
+            "3: rapid X5 Y0 Z1",
+            "3: linear X5 Y0 Z-4 F100",
+            "3: linear X7 Y0 Z-4 F100",
+            "3: rapid X7 Y0 Z1"
+        ]
+    );
+}
+
 /// Along one axis in, along the same out: from a bore inwards first; where the way in is a slant, straight home.
 #[test]
 fn finishing_goes_home_out_of_the_material_first() {
@@ -782,6 +813,40 @@ fn numbers_that_are_none_of_the_contour() {
     );
 }
 
+/// The last line of a contour is told by `N`, by no other letter, and by no line that is deleted.
+#[test]
+fn other_numbers_than_those_of_lines() {
+    let text = |lines: &str| format!("G0 X40 Z2\nF100\nG70 P1 Q9\nN1 G0 X4\n{lines}N9 X40 Z-9\n");
+    let dialect = Dialect::LATHE.with_block_delete(true);
+    let plain = told(&text("G1 Z-1\nX9\n(N9)\n"), dialect);
+    assert_eq!(told(&text("G1 Z-1\nX9\n/N9 X12\n"), dialect), plain);
+    assert_eq!(plain.last().map(String::as_str), Some("3: rapid X20 Y0 Z2"));
+    assert_eq!(plain.len(), 6);
+}
+
+/// Passes by the root of their number are counted where there are at most 255 by depth, else by the least step.
+#[test]
+fn the_most_passes_of_a_thread() {
+    let refused = |first: &str, second: &str| {
+        let text = format!("M3 S500\nG0 X12 Z2\nG76 {first}\nG76 {second}\n");
+        let mut contours: Contours = Contours::new(text.as_bytes(), Dialect::LATHE_A);
+        let mut modal = Modal::<3>::new(Dialect::LATHE_A);
+        for _ in 0..4 {
+            let line = contours.next_line(&modal).expect("a line");
+            match line.block.and_then(|block| modal.plan(&block)) {
+                Ok((next, _)) => modal = next,
+                Err(error) => return Some(error.kind),
+            }
+        }
+        None
+    };
+    let many = Some(ErrorKind::TooManyPasses);
+    assert_eq!(refused("Q0", "X10 Z0 P255 Q1 F2"), None);
+    assert_eq!(refused("Q0", "X10 Z0 P256 Q1 F2"), many);
+    assert_eq!(refused("Q0.000001", "X10 Z0 P0.065536 Q0.000001 F2"), None);
+    assert_eq!(refused("Q0.000001", "X10 Z0 P0.065537 Q0.000001 F2"), many);
+}
+
 /// Threads inside and outside, to both sides, with tapers, in inches; the ends of the ranges of their words.
 #[test]
 fn threads_of_all_four_kinds() {
@@ -821,8 +886,16 @@ fn threads_of_all_four_kinds() {
     );
     // Counts of an inch's ten-thousandths.
     assert_eq!(
-        moves("G20 G0 X1 Z1", "P010000", "X0.8 Z0 P100 Q100 F0.1"),
+        moves("G20 G0 X1 Z1", "P010000", "X0.8 Z0 P100 Q60 F0.1"),
         [
+            "rapid X12.7 Y0 Z25.4",
+            "rapid X10.2616 Y0 Z25.4",
+            "thread X10.2616 Y0 Z0 lead 2.54",
+            "rapid X12.7 Y0 Z0",
+            "rapid X12.7 Y0 Z25.4",
+            "rapid X10.198474 Y0 Z25.4",
+            "thread X10.198474 Y0 Z0 lead 2.54",
+            "rapid X12.7 Y0 Z0",
             "rapid X12.7 Y0 Z25.4",
             "rapid X10.16 Y0 Z25.4",
             "thread X10.16 Y0 Z0 lead 2.54",

@@ -62,6 +62,34 @@ fn holes_move_by_move() {
     assert_eq!(mill(&["G81 Z2 R1 F60"]), Err(ErrorKind::RetractBelowBottom));
 }
 
+/// A cycle does not say how many commands it will be; everything else does, and what is left of it too.
+#[test]
+fn as_many_commands_as_are_told() {
+    for (line, is_known) in [
+        ("G81 X1 Z0 R1 F60 M2", false),
+        ("G0 X1 M3 S1 M2", true),
+        ("G81 X1 Z0 R1 F60 M3 S1 M2", false),
+    ] {
+        let modal = Modal::<3>::new(Dialect::RS274);
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        let (_, mut commands) = modal.plan(&block).expect(line);
+        assert_eq!(commands.size_hint().1.is_some(), is_known, "{line}");
+        loop {
+            let (least, most) = commands.size_hint();
+            let left = commands.clone().count();
+            assert!(
+                least <= left && most.is_none_or(|most| most == left),
+                "{line}"
+            );
+            assert!(most.is_some() || left > 0, "{line}");
+            if commands.next().is_none() {
+                break;
+            }
+        }
+        assert_eq!(commands.size_hint(), (0, Some(0)));
+    }
+}
+
 /// As many holes, and pecks of all of them together, as 2^16.
 #[test]
 fn the_most_holes_and_pecks() {

@@ -229,4 +229,19 @@ mod tests {
             Some(b'X')
         );
     }
+
+    #[test]
+    fn an_arc_may_pass_the_end_of_a_diameter_by_two_nanometres() {
+        let back = |from, to, clockwise| {
+            let arc = Some(([0, 0], clockwise));
+            WAYS.goes_back(from, &Segment { to, arc })
+        };
+        // The square of the height below the end, against four radii of 100 and 99.
+        assert_eq!(back([98, 20], [98, -20], false), None);
+        assert_eq!(back([97, 21], [97, -21], false), Some(b'X'));
+        // Before it all the way, in both axes.
+        assert_eq!(back([2_000, 9_798], [9_798, 2_000], false), None);
+        // Beyond it all the way, rising to the far end of the other diameter.
+        assert_eq!(back([-9_798, -2_000], [-2_000, -9_798], true), None);
+    }
 }
