@@ -200,4 +200,66 @@ mod tests {
         assert!(is_between([1, 0], [0, 1], [1, 1]) && !is_between([1, 0], [0, 1], [-1, 1]));
         assert!(is_between([0, 1], [1, 0], [-1, -1]) && !is_between([0, 1], [1, 0], [1, 1]));
     }
+
+    /// A turn holds its ends, and all between them counter-clockwise: less than half a turn, half of one, and more.
+    #[test]
+    fn directions_within_a_turn() {
+        // Eight directions, one behind the other.
+        let ways = [
+            [1, 0],
+            [1, 1],
+            [0, 1],
+            [-1, 1],
+            [-1, 0],
+            [-1, -1],
+            [0, -1],
+            [1, -1],
+        ];
+        for from in 0..8usize {
+            for turn in 1..8usize {
+                for ahead in 0..8usize {
+                    let [one, to, what] =
+                        [from, from + turn, from + ahead].map(|place| ways[place % 8]);
+                    let expected = ahead <= turn;
+                    assert_eq!(
+                        is_between(one, to, what),
+                        expected,
+                        "{one:?} {to:?} {what:?}"
+                    );
+                }
+            }
+            assert!(is_between(ways[from], ways[from], ways[(from + 3) % 8]));
+        }
+    }
+
+    #[test]
+    fn figures_on_the_other_side() {
+        // The smaller circle's centre lies behind their common line.
+        assert_eq!(
+            circles(([6_000, 0], 3_000), ([0, 0], 5_196), [6_000, 9_000]).map(|at| at[1] > 0),
+            Some(true)
+        );
+        assert_eq!(
+            circles(([0, 0], 3_000), ([4_000, 0], 5_000), [0, 9_000]),
+            Some([0, 3_000])
+        );
+        assert_eq!(
+            circles(([0, 0], 5_000), ([2_000, 0], 6_708), [0, -9_000]).map(|at| at[0] < 0),
+            Some(true)
+        );
+        assert_eq!(circles(([0, 0], 5_000), ([0, 0], 5_000), [0, 0]), None);
+        // Tangent to three nanometres.
+        let east = unit([7, 0]);
+        let line = |height| line_and_circle([0, height], east, [0, 0], 5_000, [0, 0]);
+        assert_eq!(line(5_000), Some([0, 5_000]));
+        assert_eq!(line(5_003), Some([0, 5_003]));
+        assert_eq!(line(5_004), None);
+        // To the right of both sides.
+        let [east, south] = [unit([7, 0]), unit([0, -9])];
+        assert_eq!(
+            mitre(left(east), left(south), -1_000),
+            Some([-1_000, -1_000])
+        );
+        assert_eq!(mitre(left(east), left(south), 0), Some([0, 0]));
+    }
 }

@@ -211,3 +211,57 @@ fn all_letters_without_a_code() {
         (ErrorKind::UnusedWord(b'I'), 0, 2)
     );
 }
+
+/// Where the words at fault stand: the first of them in the line, whatever its letter, or all of them.
+#[test]
+fn places_of_words_at_fault() {
+    fn place(line: &str) -> Option<&str> {
+        let planned = Block::parse(line.as_bytes(), &Dialect::RS274)
+            .and_then(|block| Modal::<3>::new(Dialect::RS274).plan(&block));
+        planned.err().map(|error| &line[error.at..error.end])
+    }
+    assert_eq!(place("G80 X1 Y2"), Some("X1 Y2"));
+    assert_eq!(place("G80 Y2 X1"), Some("Y2 X1"));
+    assert_eq!(place("G80 Z3 Y2 X1 F1"), Some("Z3 Y2 X1"));
+    assert_eq!(place("G2 X1 Y1 F1 J1 K1 I1"), Some("K1"));
+    assert_eq!(place("G2 X9 F1 J1 I1"), Some("X9"));
+    assert_eq!(place("G38.2 Y0 X0 F1"), Some("Y0 X0"));
+}
+
+/// Increments are moves of their axes where they are known, and words of contour cycles.
+#[test]
+fn increments() {
+    let plan = |dialect: Dialect, lines: &[&str]| {
+        let mut modal = Modal::<3>::new(dialect);
+        for line in lines {
+            let block = Block::parse(line.as_bytes(), &dialect).map_err(|error| error.kind)?;
+            modal = modal.plan(&block).map_err(|error| error.kind)?.0;
+        }
+        Ok(modal.position().map(|nm| nm.0))
+    };
+    let ends = plan(Dialect::LATHE_A, &["G0 X1 Z1", "U2 W3"]);
+    assert_eq!(ends, Ok([1_500_000, 0, 4_000_000]));
+    assert_eq!(
+        plan(Dialect::LATHE, &["G0 U1"]),
+        Err(ErrorKind::UnknownWord(b'U'))
+    );
+    let cycle = plan(Dialect::LATHE, &["F1 G71 P1 Q2 D1 U1"]);
+    assert_eq!(cycle, Err(ErrorKind::ContourOfBlocks));
+}
+
+/// In a line without a code of its own the first word tells where a motion is at fault.
+#[test]
+fn places_of_motions_without_a_code() {
+    fn place(line: &str) -> Option<&str> {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        let block = Block::parse(b"G1", &Dialect::RS274).expect("a block");
+        modal = modal.plan(&block).expect("a plan").0;
+        let planned =
+            Block::parse(line.as_bytes(), &Dialect::RS274).and_then(|block| modal.plan(&block));
+        planned.err().map(|error| &line[error.at..error.end])
+    }
+    assert_eq!(place("Y2 X1"), Some("Y2"));
+    assert_eq!(place("X1 Y2"), Some("X1"));
+    assert_eq!(place("Z1 X1 Y2"), Some("Z1"));
+    assert_eq!(place("Y2 Z1 X1"), Some("Y2"));
+}

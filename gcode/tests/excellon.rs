@@ -637,3 +637,152 @@ proptest! {
         prop_assert_eq!(panel(&right.join("\n")), (places, vec![]));
     }
 }
+
+fn settled(text: &str) -> Settings {
+    settings(text.as_bytes(), &Overrides::default())
+}
+
+/// What the numbers of a file show, and what shows nothing: steps of repeats, what stands behind the end, words without a
+/// tool.
+#[test]
+fn what_numbers_show() {
+    use husillo_gcode::excellon::Doubt;
+    let zeros = |body: &str| settled(&format!("INCH\nT1C.1\n{body}")).zeros.value;
+    assert_eq!(zeros("X1000Y100\nX0100\n"), Zeros::Leading);
+    assert_eq!(zeros("X1000Y1000\nR2X01\n"), Zeros::Trailing);
+    assert_eq!(zeros("X1000Y1000\nM30\nX01\n"), Zeros::Trailing);
+    let units = |text: &str| settled(text).units.value;
+    assert_eq!(units("M71\nT1C.1\n"), Units::Millimetres);
+    assert_eq!(units("M72\nT1C9\n"), Units::Inches);
+    assert_eq!(units("T1C0.5\n"), Units::Inches);
+    assert_eq!(units("T1C0.500001\n"), Units::Millimetres);
+    assert_eq!(units("X1.0C0.9\n"), Units::Inches);
+    let doubt = |body: &str| settled(&format!("INCH\n{body}")).doubt;
+    assert_eq!(doubt("X12\nX123456\nX123456\n"), None);
+    assert_eq!(
+        doubt("X12\nX1234567\nX1234567\nX1\n"),
+        Some(Doubt::LongNumber(3, 7))
+    );
+    let format = ";FORMAT={3:3/ incremental / metric / suppress leading zeros}\n";
+    assert!(settled(format).incremental);
+    assert!(
+        settled(&format!(
+            "{format}{}",
+            format.replace("incremental", "absolute")
+        ))
+        .incremental
+    );
+    assert!(!settled(&format.replace("incremental", "absolute")).incremental);
+}
+
+/// Units, zeros and digits that a file changes under way hold from there on; digits of its own stay.
+#[test]
+fn formats_under_way() {
+    let at = |text: &str| holes(text).iter().map(|hole| hole[0]).collect::<Vec<_>>();
+    assert_eq!(at("METRIC,LZ\nT1C1\nX1.\nINCH,TZ\nX1.\n"), [1_000, 25_400]);
+    assert_eq!(at("METRIC,LZ\nT1C1\nX01\nMETRIC,TZ\nX01\n"), [10_000, 1]);
+    assert_eq!(
+        at("METRIC,TZ,000.00\nT1C1\nX100\nINCH\nX100\n"),
+        [1_000, 25_400]
+    );
+    assert_eq!(at("METRIC,TZ\nT1C1\nM72,LZ\nX01\nX1.\n"), [25_400, 25_400]);
+}
+
+/// Codes that change nothing, that are passed over with a warning, and lines that are none.
+#[test]
+fn what_is_passed_over() {
+    let body = |line: &str| {
+        let (features, errors, warnings) = read(&format!("METRIC\nT1C1\n{line}\nX5.Y5.\n"));
+        assert_eq!(errors, [], "{line}");
+        (features.len(), warnings.len())
+    };
+    for (line, warnings) in [
+        ("G40", 0),
+        ("M06", 1),
+        ("M09", 1),
+        ("M47,what you like", 1),
+        ("M97,*", 1),
+        ("/X1.", 0),
+    ] {
+        assert_eq!(body(line), (1, warnings), "{line}");
+    }
+    for (line, kind) in [
+        ("%1", ErrorKind::NotALetter(b'1')),
+        ("R2R3X1.", ErrorKind::RepeatedWord(b'R')),
+        ("X1.G85X2.G85X3.", ErrorKind::RepeatedWord(b'G')),
+        ("R2X1.G85X2.", ErrorKind::RepeatedWord(b'G')),
+        ("R10000X1.", ErrorKind::NumberTooLarge),
+    ] {
+        let text = format!("METRIC\nT1C1\nX0.\n{line}\n");
+        assert_eq!(kinds(&text), [(4, kind)], "{line}");
+    }
+    let many: String = (1..=8).map(|tool| format!("T{tool}C1\n")).collect();
+    assert_eq!(
+        kinds(&format!("{many}T9\n")),
+        [(9, ErrorKind::TooManyTools)]
+    );
+}
+
+/// A tool has the plating it was told, else that which holds where it is used: for holes, their repeats and slots.
+#[test]
+fn plating_where_a_tool_is_used() {
+    let (features, errors, _) = read("METRIC\nT1C1\n;TYPE=PLATED\nX1.\nR1X1.\nX5.G85X6.\n");
+    assert_eq!(errors, []);
+    for feature in &features {
+        let plated = match feature {
+            Feature::Hole(hole) => hole.tool.plated,
+            Feature::Slot(slot) => slot.tool.plated,
+        };
+        assert_eq!(plated, Some(true));
+    }
+    assert_eq!(features.len(), 3);
+}
+
+/// Arcs of both directions, by a radius or by one part of a centre.
+#[test]
+fn arcs_of_routs() {
+    let (features, errors, _) =
+        read("METRIC\nT1C1\nG00X0.Y0.\nM15\nG03X10.A5.\nG02X0.I-5.\nG03Y10.J5.\nM16\n");
+    assert_eq!(errors, []);
+    let paths: Vec<_> = features
+        .iter()
+        .map(|feature| match feature {
+            Feature::Slot(slot) => slot.path,
+            Feature::Hole(_) => Path::Straight,
+        })
+        .collect();
+    let nm = |mm: i64| Nm(mm * 1_000_000);
+    assert_eq!(
+        paths,
+        [
+            Path::Radius(Direction::CounterClockwise, nm(5)),
+            Path::Centre(Direction::Clockwise, [nm(5), nm(0)]),
+            Path::Centre(Direction::CounterClockwise, [nm(0), nm(5)]),
+        ]
+    );
+}
+
+/// A copy is made where a line asks for one in whatever way; `M02` alone makes none.
+#[test]
+fn ways_to_ask_for_a_copy() {
+    let count = |line: &str| {
+        let (places, errors) = panel(&format!("METRIC\nT1C1\nM25\nX1.Y2.\nM01\n{line}\nM08\n"));
+        assert_eq!(errors, [], "{line}");
+        places.len()
+    };
+    assert_eq!(count("M02"), 1);
+    for line in [
+        "M02X5.",
+        "M02Y5.",
+        "M02X5.Y5.",
+        "M02M70",
+        "M02M80",
+        "M02M90",
+        "R1M02",
+        "M02XY",
+        "M02X5.M80",
+        "M02M80M90",
+    ] {
+        assert_eq!(count(line), 2, "{line}");
+    }
+}

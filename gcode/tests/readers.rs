@@ -246,3 +246,151 @@ proptest! {
         }
     }
 }
+
+/// Every byte in every place of a line: within a number, behind one, before the first word, in comments and behind them.
+/// Words of a line, tokens of a text and a push of bytes find the same, and the next line is whole.
+#[test]
+fn every_byte_in_every_place() {
+    let heads = [
+        "",
+        "X",
+        "X1",
+        "X-",
+        "X1.",
+        "X1.5",
+        "X12345678",
+        "X123456789",
+        "X1234567890",
+        "X1234567890.",
+        "x1 ",
+        "X 1",
+        "X1 2",
+        "(a",
+        "X1(a)",
+        ";",
+        "N1",
+        "N1 ",
+        "/",
+        "%",
+        " ",
+        "G1 X1234 Y5678 Z",
+        "X+",
+        "X1 +",
+    ];
+    let tails = [
+        "",
+        "2",
+        "2 Y3",
+        ".5Y1",
+        ") G1",
+        " +1",
+        "12 Y12345.5 Z1234 F1",
+        "+1 Y2",
+    ];
+    let bytes = (0..128).filter(|byte| !cfg!(miri) || byte % 16 == 10);
+    for byte in bytes {
+        for head in heads {
+            for tail in tails {
+                let line = [head.as_bytes(), &[byte], tail.as_bytes()].concat();
+                let text = [&line[..], b"\nG2 X3\n"].concat();
+                // A push form passes over what pads a line.
+                let found: Vec<_> = lines(&text)
+                    .iter()
+                    .map(|line| expected(without_padding(line)))
+                    .collect();
+                let shown = String::from_utf8_lossy(&line);
+                assert_eq!(pushed(&text), found, "{shown:?}");
+
+                let mut all = vec![(Vec::new(), false)];
+                let mut program = tokens(&text);
+                while let Some(token) = program.next() {
+                    match token {
+                        Ok(Token::EndOfLine) => all.push((Vec::new(), false)),
+                        Ok(Token::Word(word)) => {
+                            let here = all.last_mut().expect("a line");
+                            *here = (std::mem::take(&mut here.0), program.is_deleted());
+                            here.0
+                                .push(Ok((word.letter, word.value, word.end - word.at)));
+                        }
+                        Err(error) => {
+                            let here = all.last_mut().expect("a line");
+                            here.0.push(Err((error.kind, error.end - error.at)));
+                        }
+                    }
+                }
+                all.pop();
+                let of_lines: Vec<_> = lines(&text)
+                    .iter()
+                    .map(|line| {
+                        let (words, deleted) = expected(line);
+                        let is_told = words.iter().any(Result::is_ok);
+                        let words: Vec<_> = words
+                            .into_iter()
+                            .map(|word| {
+                                word.map(|word| (word.letter, word.value, word.end - word.at))
+                                    .map_err(|error| (error.kind, error.end - error.at))
+                            })
+                            .collect();
+                        (words, deleted && is_told)
+                    })
+                    .collect();
+                assert_eq!(all, of_lines, "{shown:?}");
+            }
+        }
+    }
+}
+
+/// Bytes beside the letters of the alphabet are none, however the number behind them is read.
+#[test]
+fn bytes_beside_letters() {
+    for byte in *b"@[`{" {
+        for tail in ["1", "1 ", "1 X2 Y3 Z4 A5 B6 C7", "1234567890 X2"] {
+            let line = [&[byte], tail.as_bytes()].concat();
+            let first = words(&line).next().expect("an error");
+            assert_eq!(
+                first.map_err(|error| (error.at, error.end)),
+                Err((0, 1)),
+                "{line:?}"
+            );
+            let first = tokens(&line).next().expect("an error");
+            assert_eq!(
+                first.map_err(|error| (error.at, error.end)),
+                Err((0, 1)),
+                "{line:?}"
+            );
+            assert_eq!(
+                words(&[b"X1 ", &line[..]].concat())
+                    .nth(1)
+                    .map(|word| word.is_err()),
+                Some(true)
+            );
+        }
+    }
+}
+
+/// A checksum stands behind comments and brackets, and before a comment at the end; its digits are digits.
+#[test]
+fn where_a_checksum_stands() {
+    let mut receiver = Receiver::new(Framing {
+        checksum: Rule::Always,
+        number: Rule::Never,
+    });
+    for text in ["G1 (a*b) X1", "X[1*2] Y1", "X[[1*2]*3] Y1"] {
+        let sum = text.bytes().fold(0, |sum, byte| sum ^ byte);
+        let line = format!("{text}*{sum}");
+        assert_eq!(receiver.check(line.as_bytes()), Ok(text.as_bytes()));
+        let line = format!("{text}*{sum};*12");
+        assert_eq!(receiver.check(line.as_bytes()), Ok(text.as_bytes()));
+    }
+    // A colon is no digit, though it is behind the nine. The sum of two equal bytes is 0.
+    assert!(receiver.check(b"AA*0").is_ok());
+    assert!(receiver.check(b"AA*:").is_err());
+    assert!(receiver.check(b"U_*10").is_ok() && receiver.check(b"U_*:").is_err());
+    let mut receiver = Receiver::new(Framing {
+        checksum: Rule::Never,
+        number: Rule::Always,
+    });
+    assert!(receiver.check(b"G1 X1").is_err());
+    assert!(receiver.check(b"G1 N1").is_err());
+    assert!(receiver.check(b"N1 G1").is_ok());
+}

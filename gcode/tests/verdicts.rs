@@ -213,3 +213,78 @@ fn inputs_to_wait_for() {
         assert_eq!(analog, refused.filter(|_| mode > 0), "L{mode}");
     }
 }
+
+/// Turns are whole and not zero, up to 2^32 - 1; an arc needs words of its plane.
+#[test]
+fn turns_and_words_of_arcs() {
+    assert_eq!(verdict("G2 X1 I.5 F1 P1"), None);
+    assert_eq!(verdict("G2 X1 I.5 F1 P4294967295"), None);
+    for wrong in ["P0", "P1.5", "P4294967296", "P4294967297"] {
+        let line = format!("G2 X1 I.5 F1 {wrong}");
+        assert_eq!(verdict(&line), Some(ErrorKind::NotWhole(b'P')), "{line}");
+    }
+    assert_eq!(verdict("G2 F1"), Some(ErrorKind::NoAxisWords));
+    assert_eq!(verdict("G3 F1 R1"), Some(ErrorKind::NoEnd));
+}
+
+/// Two axes have arcs in their one plane, one axis has none.
+#[test]
+fn arcs_of_few_axes() {
+    fn verdict<const N: usize>(line: &str) -> Option<ErrorKind> {
+        let modal = Modal::<N>::new(Dialect::RS274);
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        modal.plan(&block).err().map(|error| error.kind)
+    }
+    assert_eq!(verdict::<2>("G2 X1 I.5 F1"), None);
+    assert_eq!(verdict::<2>("G18 G2 X1 I.5 F1"), Some(ErrorKind::NoCentre));
+    assert_eq!(verdict::<1>("G2 X1 I.5 F1"), Some(ErrorKind::NoCentre));
+    assert_eq!(verdict::<3>("G18 G2 X1 I.5 F1"), None);
+}
+
+/// A word and what it is added to are both within 2^50 nm, and so is their sum.
+#[test]
+fn offsets_beyond_the_largest_coordinate() {
+    let after = |line: &str| {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        modal.set_position([Nm(1_125_000_000_000_000), Nm(0), Nm(0)]);
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        modal.plan(&block).err().map(|error| error.kind)
+    };
+    assert_eq!(after("G2 I-1000000 F1"), None);
+    let refused = Some(ErrorKind::NumberTooLarge);
+    assert_eq!(after("G2 I1000000 F1"), refused);
+    assert_eq!(after("G2 I-1200000000 F1"), refused);
+}
+
+/// A probe needs a feed per minute, but for Grbl; it stays the motion in effect.
+#[test]
+fn feeds_of_probes() {
+    let verdict = |dialect: Dialect| {
+        let mut modal = Modal::<3>::new(dialect);
+        for line in ["G93", "G38.2 Z-1 F1"] {
+            let block = Block::parse(line.as_bytes(), &dialect).expect(line);
+            match modal.plan(&block) {
+                Ok((next, _)) => modal = next,
+                Err(error) => return Err(error.kind),
+            }
+        }
+        Ok(modal.motion())
+    };
+    assert_eq!(verdict(Dialect::RS274), Err(ErrorKind::WrongFeedMode));
+    let probe = husillo_gcode::Motion::Probe {
+        away: false,
+        must: true,
+    };
+    assert_eq!(verdict(Dialect::GRBL), Ok(Some(probe)));
+}
+
+/// On the drill `G92` alone makes the present place zero, whatever the zero of the frame.
+#[test]
+fn here_is_zero() {
+    let mut modal = Modal::<3>::new(Dialect::DRILL);
+    assert!(modal.set_work_zero(0, [5_000_000, 0, 0].map(Nm)));
+    modal.set_position([7_000_000, 1_000_000, 0].map(Nm));
+    let block = Block::parse(b"G92", &Dialect::DRILL).expect("a block");
+    modal = modal.plan(&block).expect("a plan").0;
+    assert_eq!(modal.work_offset(), [7_000_000, 1_000_000, 0].map(Nm));
+}
