@@ -523,3 +523,86 @@ fn every_kind_of_line_end_ends_one_line() {
     assert_eq!(run("\r\n"), expected);
     assert_eq!(run("\r"), expected);
 }
+
+/// Which lines take a program to be read: those with a parameter or a bracket outside of comments, and O-words.
+#[test]
+fn lines_that_need_a_program() {
+    use husillo_gcode::parameters::needs_program;
+    let plain = Dialect::RS274;
+    let executed = plain.with_block_delete(false);
+    for (line, is_needed) in [
+        ("G1 X1", false),
+        ("G1 X#1", true),
+        ("G1 X[1]", true),
+        ("(#1 [2])", false),
+        ("(a) X#1", true),
+        ("(a;) X#1", true),
+        ("G1 ;#1", false),
+        ("o1 call", true),
+        (" O<a> sub", true),
+        ("N5 o1 call", true),
+        ("N5.0 o1 call", true),
+        ("(a)o1 call", true),
+        ("N1N2 o1 call", false),
+        ("5 o1 call", false),
+        ("X1 o1 call", false),
+        ("/X#1", false),
+        (" /o1 call", false),
+    ] {
+        assert_eq!(needs_program(line.as_bytes(), &plain), is_needed, "{line}");
+    }
+    for (line, is_needed) in [("/X#1", true), ("/o1 call", true), ("N1 /o1 call", false)] {
+        assert_eq!(
+            needs_program(line.as_bytes(), &executed),
+            is_needed,
+            "{line}"
+        );
+    }
+    assert!(!needs_program(b"X#1", &Dialect::GRBL));
+}
+
+/// What a caller reads of a program and writes into it.
+#[test]
+fn a_program_from_outside() {
+    let text = b"#<depth>=5\no1 sub\n#103=[#1+#<_top>]\no1 endsub\no1 call [2]\n#4=1\n#5=1\n";
+    let mut program: Program = Program::new(text, Dialect::RS274);
+    assert!(program.set_parameter(0, Value::from(1)).is_err());
+    program.set_parameter(7, Value::from(70)).expect("room");
+    program
+        .set_named_parameter(b"_top", Value::from(40))
+        .expect("room");
+    let shown = |value: Option<Value>| value.map(|value| value.to_string());
+    assert_eq!(program.parameter(7).to_string(), "70");
+    assert_eq!(
+        shown(program.named_parameter(b"_top")).as_deref(),
+        Some("40")
+    );
+    assert!(program.named_parameter(b"depth").is_none());
+    let before = program.steps_left();
+    let mut levels = Vec::new();
+    while let Some(line) = program.next_line(&NoMachine) {
+        assert!(line.block.is_ok(), "{line:?}");
+        levels.push((line.number, program.call_level()));
+    }
+    assert_eq!(
+        shown(program.named_parameter(b"depth")).as_deref(),
+        Some("5")
+    );
+    assert_eq!(
+        levels,
+        [(1, 0), (2, 0), (5, 1), (3, 1), (4, 0), (6, 0), (7, 0)]
+    );
+    assert!(before > program.steps_left() && program.steps_left() > 1);
+    assert_eq!(program.parameter(103).to_string(), "42");
+    // Once more from the line of #5.
+    let at = text
+        .iter()
+        .rposition(|&byte| byte == b'#')
+        .expect("a parameter");
+    program.set_parameter(5, Value::from(9)).expect("room");
+    program.go_to(at, 7);
+    let line = program.next_line(&NoMachine).expect("a line");
+    assert_eq!((line.number, line.at), (7, at));
+    assert!(program.next_line(&NoMachine).is_none());
+    assert_eq!(program.parameter(5).to_string(), "1");
+}
