@@ -254,3 +254,46 @@ proptest! {
         }
     }
 }
+
+/// While a contour is compensated a move waits, with what stands behind it; the end of the program gives it out.
+#[test]
+fn what_waits() {
+    let mut modal = Modal::<3>::new(Dialect::RS274);
+    let mut stage = Compensation::new(modal.position());
+    let mut told = Vec::new();
+    for line in [
+        "F100 G0 X0",
+        "G41.1 D2",
+        "G1 X10",
+        "Y20",
+        "M8",
+        "G2 X20 Y30 I10",
+        "M2",
+    ] {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        let (next, commands) = modal.plan(&block).expect(line);
+        let (after, made) = stage.plan(commands).expect(line);
+        (modal, stage) = (next, after);
+        told.push((stage.is_active(), stage.held(), made.count()));
+        if let Command::Arc { arc, .. } = stage
+            .clone()
+            .finish()
+            .last()
+            .unwrap_or(Command::End { rewind: false })
+        {
+            // The arc that fits has a radius of its own and no mismatch to speak of.
+            assert_eq!(arc.radius, None);
+            assert!(arc.mismatch.0 <= 2, "{arc:?}");
+        }
+    }
+    let expected = [
+        (false, 0, 1),
+        (true, 0, 0),
+        (true, 1, 0),
+        (true, 1, 1),
+        (true, 2, 0),
+        (true, 1, 2),
+        (false, 0, 2),
+    ];
+    assert_eq!(told, expected);
+}

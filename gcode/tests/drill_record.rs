@@ -214,3 +214,20 @@ proptest! {
         }
     }
 }
+
+/// A place in steps is what the records of a hole there say; a record is shown by its kind and its steps.
+#[test]
+fn places_in_steps() {
+    let table = Table::DRILL;
+    assert_eq!(table.steps(millimetres(10, 5)), Ok([1070, 535]));
+    let off = table
+        .steps(millimetres(-10, 500))
+        .expect_err("off the table");
+    assert_eq!((off.letter, off.at), (b'X', Nm(-10_000_000)));
+    let off = table
+        .steps(millimetres(10, 500))
+        .expect_err("off the table");
+    assert_eq!((off.letter, off.at), (b'Y', Nm(500_000_000)));
+    assert_ne!(Record::X(1).to_string(), Record::Y(1).to_string());
+    assert!(Record::X(1070).to_string().contains("1070"));
+}

@@ -786,3 +786,28 @@ fn ways_to_ask_for_a_copy() {
         assert_eq!(count(line), 2, "{line}");
     }
 }
+
+/// What is told in words, and tools given from outside.
+#[test]
+fn words_and_tools_from_outside() {
+    let texts = [
+        Units::Inches.to_string(),
+        Units::Millimetres.to_string(),
+        Zeros::Leading.to_string(),
+        Zeros::Trailing.to_string(),
+        Digits::new(2, 4).expect("digits").to_string(),
+    ];
+    for (at, text) in texts.iter().enumerate() {
+        assert!(!text.is_empty() && !texts[..at].contains(text), "{text}");
+    }
+    let mut reader = Reader::<2>::new(&settled("METRIC\n"));
+    assert!(!reader.set_tool(1, Nm(0)) && !reader.set_tool(1, Nm(-1)));
+    assert!(reader.set_tool(1, Nm(1)) && reader.set_tool(2, Nm(2)));
+    assert!(!reader.set_tool(3, Nm(3)));
+    assert!(reader.read(b"T2X1.").expect("a hole").next().is_some_and(
+        |feature| matches!(feature, Feature::Hole(hole) if hole.tool.diameter == Some(Nm(2)))
+    ));
+    assert!(!reader.is_ended());
+    assert_eq!(reader.read(b"M30").expect("an end").len(), 0);
+    assert!(reader.is_ended());
+}

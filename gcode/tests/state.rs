@@ -220,3 +220,31 @@ fn ranges() {
     let refused = Some(ErrorKind::TwoUsersOfWords);
     assert_eq!(error.map(|error| error.kind), refused);
 }
+
+/// Dialects with checksums say so, lines that are too long have their number, and bytes that cannot be shown are named by
+/// theirs.
+#[test]
+fn what_is_told_besides() {
+    use husillo_gcode::{ErrorKind, Framing, LineTooLong};
+    assert_eq!(Dialect::PRINTER.framing(), Some(Framing::PRINTER));
+    assert_eq!(Dialect::GRBL.framing(), None);
+    assert_eq!(LineTooLong { at: 1, end: 2 }.code(), 104);
+    assert!(ErrorKind::NotALetter(b'!').to_string().starts_with("`!`"));
+    assert!(!ErrorKind::NotALetter(7).to_string().contains('\u{7}'));
+    let kind = |line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        after(&[]).plan(&block).err().map(|error| error.kind)
+    };
+    assert_eq!(kind("G90.1 G2 X1 I1 F1"), Some(ErrorKind::HalfCentre));
+    let spline = Block::parse(b"G5 X3 I1 J1 P-1 Q1 F1", &Dialect::RS274).expect("a block");
+    let (next, mut commands) = after(&[]).plan(&spline).expect("a plan");
+    let end = commands.next().and_then(|command| command.end());
+    assert_eq!(end, Some(next.position()));
+    let shown = |line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+        let (_, mut commands) = after(&[]).plan(&block).expect(line);
+        commands.next().map(|command| command.to_string())
+    };
+    let [left, right] = ["G41.1 D2", "G42.1 D2"].map(|line| shown(line).unwrap_or_default());
+    assert!(left.starts_with("compensation left xy") && right.starts_with("compensation right xy"));
+}
