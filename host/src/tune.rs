@@ -247,7 +247,8 @@ fn experiment(
         TuneMethod::Relay => {
             let settings = RelaySettings {
                 amplitude: args.amplitude,
-                hysteresis: args.hysteresis,
+                // On a line a count of jitter would turn it over, late.
+                hysteresis: args.hysteresis.unwrap_or(u16::from(args.port != "sim")),
             };
             let (figures, found) = relay::relay(stand, settings).map_err(|none| match none {
                 NoRelay::Trouble(trouble) => Failed::Trouble(trouble),

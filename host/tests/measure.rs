@@ -485,6 +485,21 @@ fn failures_are_named() {
         &["-m", weak.to_str().unwrap(), "goto", "5000"],
         "error: position error at ",
     );
+    // It is left without drive: the last stop is motor off, amplifier off.
+    let output = husillo()
+        .args([
+            "measure",
+            "-m",
+            weak.to_str().unwrap(),
+            "goto",
+            "5000",
+            "--raw",
+        ])
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let last = told.lines().rfind(|line| line.starts_with("> aa 01 17"));
+    assert_eq!(last, Some("> aa 01 17 02 1a"), "{told}");
     husillo()
         .args(["measure", "-m", "cmm", "goto", "1 mm"])
         .assert()

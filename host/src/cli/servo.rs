@@ -150,9 +150,9 @@ pub struct Tune {
     /// Output of the relay
     #[arg(long, value_name = "PWM", default_value_t = 200, value_parser = clap::value_parser!(u8).range(1..))]
     pub amplitude: u8,
-    /// Error that the relay needs to turn over, counts on both sides
-    #[arg(long, value_name = "COUNTS", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1000))]
-    pub hysteresis: u16,
+    /// Error that the relay needs to turn over, counts on both sides [default: 0, on a line 1]
+    #[arg(long, value_name = "COUNTS", value_parser = clap::value_parser!(u16).range(..=1000))]
+    pub hysteresis: Option<u16>,
     /// Rule that makes gains of Ku and Tu
     #[arg(long, value_enum, default_value = "tyreus-luyben")]
     pub rule: TuneRule,

@@ -31,6 +31,8 @@ pub struct Head {
     pub(super) touches: u8,
     /// Stopped by a trouble: where the axes are held is not known.
     is_astray: bool,
+    /// The axis whose module has given up by itself, until it is told to stop.
+    given_up: Option<usize>,
 }
 
 impl Head {
@@ -55,6 +57,7 @@ impl Head {
             period_s: 0.0,
             touches,
             is_astray: false,
+            given_up: None,
         };
         // A divisor makes the profiles of old modules slower, but only the derivative of version 10.
         let periods = head.axes.iter().map(|axis| {
@@ -266,7 +269,11 @@ impl Head {
             replies.push(self.line.command(module, Command::ReadStatus(READ))?);
         }
         for (index, (axis, reply)) in self.axes.iter().zip(&replies).enumerate() {
-            axis.check(reply, || self.axis_text(index, reply.readings.position))?;
+            let checked = axis.check(reply, || self.axis_text(index, reply.readings.position));
+            if checked.is_err() {
+                self.given_up = Some(index);
+            }
+            checked?;
         }
         Ok(replies)
     }
@@ -349,11 +356,21 @@ impl Head {
         Ok(())
     }
 
-    /// Stops all axes; each gets its command, whatever the others answer.
+    /// Stops all axes; each gets its command, whatever the others answer. One whose module has given up stays without drive: something
+    /// blocks it, or its motor has too much current.
     pub(super) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
+        let given_up = self.given_up.take();
         let mut result = Ok(());
-        for axis in &self.axes {
-            let answer = self.line.command(axis.file.module, stop(way));
+        for (index, axis) in self.axes.iter().enumerate() {
+            let command = if given_up == Some(index) {
+                Command::StopMotor(Stop {
+                    amplifier: false,
+                    way: Some(StopWay::Off),
+                })
+            } else {
+                stop(way)
+            };
+            let answer = self.line.command(axis.file.module, command);
             result = result.and(answer.map(drop));
         }
         result

@@ -87,7 +87,7 @@ impl Rig for Direct {
         Ok(())
     }
 
-    fn drive(&mut self, pwm: i16) -> Result<(), Trouble> {
+    fn drive(&mut self, pwm: i16, _: i32) -> Result<(), Trouble> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         let reverse = pwm < 0;
         self.start(ServoMotion::Pwm { duty, reverse });

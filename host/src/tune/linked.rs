@@ -12,8 +12,13 @@ use husillo_transports::nmc::{
 pub struct Linked {
     line: Line,
     module: u8,
-    rate_divisor: u8,
+    gains: Gains,
+    /// The duty that a drive has set the gains for.
+    duty: Option<u8>,
 }
+
+/// Highest limit of the position error that a module takes, counts.
+const ERROR_LIMIT_MOST: u16 = 0x3FFF;
 
 /// What every reading asks for.
 const READ: Items = Items::POSITION.with(Items::CURRENT);
@@ -35,7 +40,8 @@ impl Linked {
         let mut linked = Self {
             line,
             module: file.module,
-            rate_divisor: file.gains.rate_divisor,
+            gains: file.gains,
+            duty: None,
         };
         linked.command(Command::ResetPosition(Reset::Zero))?;
         // A period for what the module reads.
@@ -60,7 +66,8 @@ impl Linked {
 
 impl Rig for Linked {
     fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
-        self.rate_divisor = gains.rate_divisor.max(1);
+        self.gains = *gains;
+        self.duty = None;
         self.command(Command::SetGain(*gains))?;
         Ok(())
     }
@@ -76,7 +83,7 @@ impl Rig for Linked {
     }
 
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
-        let cycle_s = f64::from(CYCLE_US) * 1e-6 * f64::from(self.rate_divisor);
+        let cycle_s = f64::from(CYCLE_US) * 1e-6 * f64::from(self.gains.rate_divisor.max(1));
         let [velocity, acceleration] = profile(rate, acceleration, cycle_s);
         self.command(Command::LoadTrajectory(Trajectory {
             position: Some(goal),
@@ -89,15 +96,33 @@ impl Rig for Linked {
         Ok(())
     }
 
-    fn drive(&mut self, pwm: i16) -> Result<(), Trouble> {
-        self.command(Command::LoadTrajectory(Trajectory {
-            pwm: Some(pwm.unsigned_abs().min(255) as u8),
-            mode: Mode::Pwm,
-            reverse: pwm < 0,
-            start_now: true,
-            ..Trajectory::default()
-        }))?;
-        Ok(())
+    /// Not in the mode for it, which would go on for ever without the host: the servo goes towards `end` with no more than this duty, of which it
+    /// uses all from two counts of error on, and holds the axis there.
+    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {
+        let duty = pwm.unsigned_abs().min(255) as u8;
+        if duty == 0 {
+            return self.release();
+        }
+        if self.duty != Some(duty) {
+            self.command(Command::SetGain(Gains {
+                // 256 a PWM and count; 32640 at most, of 32767.
+                proportional: u16::from(duty) * 128,
+                integral: 0,
+                derivative: 0,
+                integration_limit: 0,
+                output_limit: duty,
+                // From one end to the other.
+                error_limit: self
+                    .gains
+                    .error_limit
+                    .saturating_mul(2)
+                    .min(ERROR_LIMIT_MOST),
+                dead_band: 0,
+                ..self.gains
+            }))?;
+            self.duty = Some(duty);
+        }
+        self.hold(end)
     }
 
     fn release(&mut self) -> Result<(), Trouble> {
@@ -116,5 +141,44 @@ impl Rig for Linked {
 
     fn now_us(&self) -> u64 {
         self.line.elapsed_us()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cmm::Port;
+    use crate::cmm::emulated::Emulated;
+
+    /// A host that says nothing more after a drive: the axis goes to the end that was named, and stays.
+    #[test]
+    fn a_drive_ends_without_the_host() {
+        let machine = CmmFile::load("cmm").unwrap_or_else(|_| panic!("cmm"));
+        let file = machine.axes[0];
+        for (pwm, end) in [(60, 300), (-60, -300), (255, 150)] {
+            let emulated = Emulated::new(&[4], &[], None).unwrap();
+            let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+            let mut linked = Linked::start(line, &machine, &file).unwrap();
+            linked.set_gains(&file.gains).unwrap();
+            linked.engage().unwrap();
+            linked.drive(pwm, end).unwrap();
+            let start_us = linked.now_us();
+            let mut farthest = 0_i32;
+            while linked.now_us() < start_us + 5_000_000 {
+                let position = linked.sample().unwrap().position;
+                farthest = if pwm > 0 {
+                    farthest.max(position)
+                } else {
+                    farthest.min(position)
+                };
+            }
+            let beyond = (farthest - end) * i32::from(pwm.signum());
+            assert!((-30..200).contains(&beyond), "{pwm} to {end}: {farthest}");
+            let sample = linked.sample().unwrap();
+            assert!(
+                sample.position.abs_diff(end) < 100,
+                "{pwm} to {end}: {sample:?}"
+            );
+        }
     }
 }

@@ -46,12 +46,13 @@ pub trait Rig {
     /// The link fails.
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble>;
 
-    /// Drives the motor without the servo, -255 to 255.
+    /// Drives the motor with this duty, -255 to 255, until something else is commanded; on a line at most as far as `end`, in counts, whatever
+    /// becomes of the host.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn drive(&mut self, pwm: i16) -> Result<(), Trouble>;
+    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble>;
 
     /// Motor without drive.
     ///

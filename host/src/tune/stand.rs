@@ -113,7 +113,7 @@ impl Stand {
         })
     }
 
-    /// Drives the motor without the servo: `law` makes the duty of a position, as often as the axis can be read. Returns the
+    /// Drives the motor as no servo does: `law` makes the duty of a position, as often as the axis can be read. Returns the
     /// trace, and the mean time in us from a reading to the end of the command that follows from it.
     ///
     /// # Errors
@@ -128,13 +128,16 @@ impl Stand {
         let gains = self.file.gains;
         self.engage(&gains)?;
         let start_us = self.rig.now_us();
+        let [low, high] = self.file.travel;
+        let reach = i32::from(gains.error_limit);
         let (mut samples, mut drives) = (Vec::new(), Vec::new());
         let (mut duty, mut late_us) = (0, 0);
         while self.rig.now_us() < start_us + us {
             let sample = self.sample(false)?;
             let wanted = law(sample.position);
             if wanted != duty {
-                self.rig.drive(wanted)?;
+                let end = self.centre + if wanted > 0 { reach } else { -reach };
+                self.rig.drive(wanted, end.clamp(low, high))?;
                 duty = wanted;
                 late_us += self.rig.now_us() - sample.us;
                 drives.push((self.rig.now_us(), duty));
@@ -174,7 +177,7 @@ impl Stand {
         self.sampled_us += sample.us.saturating_sub(before_us);
         let at = || counts(sample.position);
         let [low, high] = self.file.travel;
-        // Without the servo the module always says so: what it would not let pass is watched here.
+        // Without the servo the module always says so, and a drive needs twice the limit: what it would not let pass is watched here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {
