@@ -100,6 +100,16 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         self.axes
     }
 
+    /// The places along them, in steps.
+    pub fn places(&self) -> [&[i32]; 2] {
+        self.places.each_ref().map(|places| places.as_ref())
+    }
+
+    /// The lash at all of them: those along the first axis at the first place of the second, and so on.
+    pub fn entries(&self) -> &[u32] {
+        self.steps.as_ref()
+    }
+
     /// Whether there is no lash anywhere.
     pub fn is_free(&self) -> bool {
         self.steps.as_ref().iter().all(|steps| *steps == 0)

@@ -5,6 +5,7 @@ use crate::explain::At;
 use crate::machine_file::{MachineFile, Travel};
 use crate::program::{self, Meaning};
 use crate::report::length;
+use crate::setup;
 use crate::source::Source;
 use crate::turns::Turns;
 use husillo_gcode::{Arc, Command, Dialect, Feed, Nm};
@@ -53,7 +54,11 @@ pub fn check<W: Write>(
     let mut checker = Checker {
         machine,
         config,
-        turns: Turns::new(),
+        turns: Turns::new(
+            // Where a lash is out of range, `run` says so.
+            setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
+            (machine.axes.each_ref()).map(|axis| axis.step.num as f64 / axis.step.den as f64),
+        ),
         unknown_travel: [false; 3],
         three_axes: false,
         warned_feed: None,
@@ -327,16 +332,28 @@ impl Checker<'_> {
         let mut seconds = 0.0;
         let mut parts = Vec::new();
         let mut reversals = 0;
-        for (axis, count) in self.machine.axes.iter().zip(self.turns.reversals()) {
-            if count > 0 && axis.lash_steps > 0 {
-                let each = f64::from(axis.lash_steps) / f64::from(axis.max_rate);
-                seconds += each * count as f64;
+        let turns = self
+            .turns
+            .reversals()
+            .into_iter()
+            .zip(self.turns.taken_up());
+        for (axis, (count, taken_up)) in self.machine.axes.iter().zip(turns) {
+            if taken_up.steps > 0 {
+                let all = taken_up.steps as f64 / f64::from(axis.max_rate);
+                seconds += all;
                 reversals += count;
-                let lash = axis.step.num as f64 / axis.step.den as f64 * f64::from(axis.lash_steps);
+                let step_nm = axis.step.num as f64 / axis.step.den as f64;
+                let [least, most] =
+                    [taken_up.least, taken_up.most].map(|steps| length(step_nm * f64::from(steps)));
+                let by_place = if least == most {
+                    least
+                } else {
+                    format!("{least} to {most} by place")
+                };
                 parts.push(format!(
-                    "{count} on {} at {each:.2} s ({})",
+                    "{count} on {} at {:.2} s ({by_place})",
                     char::from(axis.letter),
-                    length(lash)
+                    all / count as f64,
                 ));
             }
         }

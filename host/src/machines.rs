@@ -1,5 +1,6 @@
 //! `husillo machines`: what is known of the machines.
 
+use crate::lash::Map;
 use crate::machine_file::{AxisFile, MachineFile, Travel};
 use crate::power::Power;
 use serde::Serialize;
@@ -25,6 +26,8 @@ struct ShownAxis {
     travel_mm: Option<[f64; 2]>,
     lash_steps: u32,
     lash_um: f64,
+    /// Where the file has a map of it.
+    lash_map: Option<ShownMap>,
     max_rate_hz: u32,
     max_speed_mm_per_min: f64,
     pull_out_rate_hz: Option<u32>,
@@ -57,17 +60,28 @@ struct ShownCurrent {
     torque_nm: f64,
 }
 
+/// Lash by place.
+#[derive(Serialize)]
+struct ShownMap {
+    /// Along which axes, and how many places along each.
+    along: Vec<(char, usize)>,
+    least_um: f64,
+    most_um: f64,
+}
+
 /// What is known of a machine.
 pub fn show(machine: &MachineFile) -> Shown {
     Shown {
         name: machine.name.clone(),
         title: machine.title.clone(),
         file: machine.path.clone(),
-        axes: machine.axes.iter().map(axis).collect(),
+        axes: (machine.axes.iter().zip(&machine.lash.maps))
+            .map(|(file, map)| axis(file, map.as_ref()))
+            .collect(),
     }
 }
 
-fn axis(file: &AxisFile) -> ShownAxis {
+fn axis(file: &AxisFile, map: Option<&Map>) -> ShownAxis {
     let step_nm = file.step.num as f64 / file.step.den as f64;
     ShownAxis {
         axis: char::from(file.letter),
@@ -78,6 +92,18 @@ fn axis(file: &AxisFile) -> ShownAxis {
         },
         lash_steps: file.lash_steps,
         lash_um: f64::from(file.lash_steps) * step_nm / 1e3,
+        lash_map: map.map(|map| {
+            let um = |steps: Option<&u32>| f64::from(*steps.unwrap_or(&0)) * step_nm / 1e3;
+            let places = map.axes().into_iter().zip(map.places());
+            ShownMap {
+                along: places
+                    .filter(|(_, places)| places.len() > 1)
+                    .map(|(axis, places)| (char::from(b"XYZ"[axis]), places.len()))
+                    .collect(),
+                least_um: um(map.entries().iter().min()),
+                most_um: um(map.entries().iter().max()),
+            }
+        }),
         max_rate_hz: file.max_rate,
         max_speed_mm_per_min: f64::from(file.max_rate) * step_nm * 60.0 / 1e6,
         pull_out_rate_hz: file.pull_out_rate,
@@ -133,7 +159,19 @@ impl ShownAxis {
         if let Some([low, high]) = self.travel_mm {
             write!(out, ", travel {low} to {high} mm")?;
         }
-        if self.lash_steps > 0 {
+        if let Some(map) = &self.lash_map {
+            let along = map
+                .along
+                .iter()
+                .map(|(axis, places)| format!("{places} places along {axis}"));
+            write!(
+                out,
+                ", lash by place: {:.1} to {:.1} um, {}",
+                map.least_um,
+                map.most_um,
+                along.collect::<Vec<_>>().join(" and ")
+            )?;
+        } else if self.lash_steps > 0 {
             write!(
                 out,
                 ", lash {} steps ({:.1} um)",

@@ -1,21 +1,49 @@
-//! How often the axes of a program turn round, from its geometry alone.
+//! How often and where the axes of a program turn round, from its geometry alone.
 
+use crate::lash::Map;
 use husillo_gcode::{Arc, Direction, Nm};
 
-/// Counts turn-rounds of every axis.
+/// Counts turn-rounds of every axis, and what they take up.
 #[derive(Debug)]
 pub struct Turns {
     direction: [i8; 3],
     reversals: [u64; 3],
+    /// Lash of each axis by place.
+    maps: [Map; 3],
+    /// Nanometres a step.
+    steps_nm: [f64; 3],
+    taken_up: [TakenUp; 3],
+}
+
+/// What an axis took up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TakenUp {
+    /// Steps of all of them.
+    pub steps: u64,
+    /// Of the one with the fewest, and of the one with the most.
+    pub least: u32,
+    pub most: u32,
 }
 
 impl Turns {
     /// Every axis has come off its switch in positive direction.
-    pub const fn new() -> Self {
+    pub const fn new(maps: [Map; 3], steps_nm: [f64; 3]) -> Self {
         Self {
             direction: [1; 3],
             reversals: [0; 3],
+            maps,
+            steps_nm,
+            taken_up: [TakenUp {
+                steps: 0,
+                least: u32::MAX,
+                most: 0,
+            }; 3],
         }
+    }
+
+    /// What was taken up so far.
+    pub const fn taken_up(&self) -> [TakenUp; 3] {
+        self.taken_up
     }
 
     /// Turn-rounds so far.
@@ -23,17 +51,36 @@ impl Turns {
         self.reversals
     }
 
-    fn go(&mut self, axis: usize, direction: i8) {
+    fn go(&mut self, axis: usize, direction: i8, at: [f64; 3]) {
         if direction != 0 && direction != self.direction[axis] {
             self.direction[axis] = direction;
-            self.reversals[axis] += 1;
+            self.add(axis, at, 1);
         }
+    }
+
+    /// So many turn-rounds at a place in nm.
+    fn add(&mut self, axis: usize, at: [f64; 3], count: u64) {
+        if count == 0 {
+            return;
+        }
+        let map = &self.maps[axis];
+        // Saturates; no machine is that large.
+        let place = map
+            .axes()
+            .map(|along| (at[along] / self.steps_nm[along]).round() as i32);
+        let lash = map.steps(place);
+        let taken_up = &mut self.taken_up[axis];
+        taken_up.steps += count * u64::from(lash);
+        taken_up.least = taken_up.least.min(lash);
+        taken_up.most = taken_up.most.max(lash);
+        self.reversals[axis] += count;
     }
 
     /// A straight move.
     pub fn line(&mut self, from: [Nm; 3], to: [Nm; 3]) {
+        let at = from.map(|Nm(nm)| nm as f64);
         for axis in 0..3 {
-            self.go(axis, (to[axis].0 - from[axis].0).signum() as i8);
+            self.go(axis, (to[axis].0 - from[axis].0).signum() as i8, at);
         }
     }
 
@@ -41,7 +88,12 @@ impl Turns {
     pub fn arc(&mut self, from: [Nm; 3], arc: &Arc<3>) {
         let [a, b] = arc.plane.axes();
         let across = 3 - a - b;
-        self.go(across, (arc.to[across].0 - from[across].0).signum() as i8);
+        let begin = from.map(|Nm(nm)| nm as f64);
+        self.go(
+            across,
+            (arc.to[across].0 - from[across].0).signum() as i8,
+            begin,
+        );
         let angle = |p: [Nm; 3]| {
             ((p[b].0 - arc.centre[b].0) as f64).atan2((p[a].0 - arc.centre[a].0) as f64)
         };
@@ -62,18 +114,30 @@ impl Turns {
         let last = (start + sweep / quarter - 1e-9).floor();
         // A whole turn repeats itself, and so do the turn-rounds in it.
         let quarters = (last - first) as u64;
+        let centre = arc.centre.map(|Nm(nm)| nm as f64);
+        let radius = (begin[a] - centre[a]).hypot(begin[b] - centre[b]);
+        // The end of the arc in the direction of an axis.
+        let end = |quarter: u64| {
+            let (sin, cos) = (sense * quarter as f64 * turn / 4.0).sin_cos();
+            let mut at = begin;
+            at[a] = centre[a] + radius * cos;
+            at[b] = centre[b] + radius * sin;
+            at
+        };
         for k in 0..=quarters {
+            let at = if k == 0 { begin } else { end(first as u64 + k) };
             let (da, db) = match (first as u64 + k) % 4 {
                 0 => (-1, 1),
                 1 => (-1, -1),
                 2 => (1, -1),
                 _ => (1, 1),
             };
-            self.go(a, da);
-            self.go(b, if sense > 0.0 { db } else { -db });
+            self.go(a, da, at);
+            self.go(b, if sense > 0.0 { db } else { -db }, at);
         }
-        for axis in [a, b] {
-            self.reversals[axis] += 2 * u64::from(arc.turns);
+        for quarter in 0..4 {
+            let axis = if quarter % 2 == 0 { a } else { b };
+            self.add(axis, end(quarter), arc.turns.into());
         }
     }
 }
@@ -81,6 +145,8 @@ impl Turns {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup;
+    use husillo_backlash::LashMap;
     use husillo_gcode::Plane;
 
     #[test]
@@ -95,8 +161,41 @@ mod tests {
             mismatch: Nm(0),
             resolution: Nm(1),
         };
-        let mut turns = Turns::new();
+        let mut turns = Turns::new(setup::no_lash(), [1.0; 3]);
         turns.arc([Nm(3), Nm(0), Nm(0)], &arc);
         assert_eq!(turns.reversals(), [2, 2, 0]);
+    }
+
+    /// Lash that grows along X by a step in ten nanometres: each end of a circle takes up that of its own place.
+    #[test]
+    fn what_is_taken_up_is_that_of_the_place() {
+        let map: Map = LashMap::new(
+            [0, 1],
+            [vec![0, 1000].into(), vec![0].into()],
+            vec![0, 100].into(),
+        )
+        .unwrap();
+        let maps = [map.clone(), map.clone(), map];
+        let mut turns = Turns::new(maps, [1.0; 3]);
+        let mut arc = Arc {
+            to: [Nm(600), Nm(0), Nm(0)],
+            centre: [Nm(500), Nm(0), Nm(0)],
+            plane: Plane::Xy,
+            direction: Direction::CounterClockwise,
+            turns: 0,
+            radius: None,
+            mismatch: Nm(0),
+            resolution: Nm(1),
+        };
+        turns.arc(arc.to, &arc);
+        let [x, y, _] = turns.taken_up();
+        // X turns round at its start, 600, and at 400; Y at the top and the bottom, at 500 each.
+        assert_eq!((x.steps, x.least, x.most), (100, 40, 60));
+        assert_eq!((y.steps, y.least, y.most), (100, 50, 50));
+        arc.turns = 3;
+        turns.arc(arc.to, &arc);
+        let [x, y, _] = turns.taken_up();
+        assert_eq!([x.steps, y.steps], [500, 500]);
+        assert_eq!(turns.reversals(), [10, 10, 0]);
     }
 }

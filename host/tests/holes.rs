@@ -372,9 +372,54 @@ fn every_hole_of_real_files_within_four_micrometres() {
         }
         let slots = board["slots"].as_array().unwrap().len() as u64;
         assert_eq!(Some(slots), wanted["slots"].as_u64(), "{}", file.display());
+        check_says_whether_it_fits(file.to_str().unwrap(), &wanted_holes, slots > 0);
         if slots == 0 && !found.is_empty() {
             records_are_within_half_a_step(file.to_str().unwrap());
         }
+    }
+}
+
+/// `check -m drill` counts the holes that the other readers have off the table, and says whether moving the board would help.
+fn check_says_whether_it_fits(file: &str, holes: &[[f64; 3]], has_slots: bool) {
+    let args = ["check", file, "--dialect", "excellon", "-m", "drill"];
+    let output = husillo().args(args).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let mut fits = true;
+    for (axis, name, travel) in [(0, "X", 220.0), (1, "Y", 45.0)] {
+        let places = || holes.iter().map(|hole| hole[axis]);
+        // The readers agree to 4 um: holes that close to the edge would be on either side.
+        assert!(
+            places().all(|at| at.abs() > 0.004 || at == 0.0),
+            "{file}: at the edge"
+        );
+        let off = places()
+            .filter(|at| !(-1e-6..=travel + 1e-6).contains(at))
+            .count();
+        let beyond = format!("beyond the travel of {name}");
+        let counted = match off {
+            1 => "1 hole ".to_owned(),
+            _ => format!("{off} holes "),
+        };
+        if off > 0 {
+            fits = false;
+            assert!(
+                said.contains(&counted) && said.contains(&beyond),
+                "{file}: {said}"
+            );
+        } else if !has_slots {
+            assert!(!said.contains(&beyond), "{file}: {said}");
+        }
+        if !has_slots && off > 0 {
+            let width = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
+            let moving_helps = said.split(&beyond).nth(1).is_some_and(|rest| {
+                rest.find("it fits when") < rest.find("it cannot fit").or(Some(usize::MAX))
+                    && rest.contains("it fits when")
+            });
+            assert_eq!(moving_helps, width <= travel, "{file}, {name}: {said}");
+        }
+    }
+    if !has_slots {
+        assert_eq!(output.status.code(), Some(i32::from(!fits)), "{file}");
     }
 }
 

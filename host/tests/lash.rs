@@ -214,3 +214,30 @@ fn bands_are_read_from_a_table() {
         "expected X or Y",
     );
 }
+
+/// What is told of a machine, and what turning round costs on it, is by place where its file has a map.
+#[test]
+fn maps_are_shown_and_counted() {
+    let text = std::fs::read_to_string("../machines/micromill.toml").unwrap();
+    let map = "\n[lash.x]\nx_mm = [0, 10]\num = [140, 280]\n";
+    let machine = scratch("by-place.toml");
+    std::fs::write(&machine, text + map).unwrap();
+    let machine = machine.to_str().unwrap();
+    let shown = printed(&["machines", "show", machine]);
+    assert!(
+        shown.contains("lash by place: 140.0 to 280.0 um, 2 places along X"),
+        "{shown}"
+    );
+    assert!(shown.contains("lash 1271 steps (177.9 um)"), "{shown}");
+    let shown = printed(&["machines", "show", machine, "--format", "json"]);
+    let shown: Value = serde_json::from_str(&shown).unwrap();
+    assert_eq!(shown["axes"][0]["lash_map"]["most_um"], 280.0);
+    // X turns round at 5 mm, where its lash is 210 um or 1500 steps, and at 0, 140 um or 1000: at 170 a second 7.4 s each.
+    let program = scratch("to-and-fro.nc");
+    std::fs::write(&program, "G21 G90 G1 F8\nX5\nX0\nX5\nM2\n").unwrap();
+    let said = printed(&["check", program.to_str().unwrap(), "-m", machine]);
+    assert!(
+        said.contains("2 on X at 7.35 s (140 um to 210 um by place)"),
+        "{said}"
+    );
+}

@@ -24,6 +24,8 @@ pub fn keep() {
         LashMap::<&[i32], &[u32]>::new as *const (),
         LashMap::<&[i32], &[u32]>::steps as *const (),
         LashMap::<&[i32], &[u32]>::axes as *const (),
+        LashMap::<&[i32], &[u32]>::places as *const (),
+        LashMap::<&[i32], &[u32]>::entries as *const (),
         LashMap::<&[i32], &[u32]>::is_free as *const (),
         <MapError as core::fmt::Display>::fmt as *const (),
         MappedBacklash::new as *const (),

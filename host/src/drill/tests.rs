@@ -2,13 +2,15 @@
 
 use super::client::Client;
 use super::device::Device;
-use super::part::Part;
+use super::part::{Part, lean};
 use super::sender::{End, Failed, Operator, Sender};
+use crate::diagnostics::{Findings, Format};
 use crate::emulation::Emulation;
+use crate::holes;
 use crate::line::Fault;
 use crate::wire::Wire;
 use husillo_gcode::Nm;
-use husillo_gcode::drill_record::Record;
+use husillo_gcode::drill_record::{Record, Table};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -117,6 +119,40 @@ fn a_board_of_two_tools() {
         assert!(rig.holes().iter().all(|hole| hole.is_clean != is_original));
         let by_hand = operator.told.iter().filter(|line| line.contains("by hand"));
         assert_eq!(by_hand.count(), if is_original { 5 } else { 0 });
+    }
+}
+
+/// From the file to the holes in the simulated board: no drilling is farther off than half a step, 4.673 um, on either axis.
+#[test]
+fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
+    let text = std::fs::read("../examples/board.drl").unwrap();
+    let mut findings = Findings::new(Vec::new(), Format::Text, false, 1);
+    let board = holes::read(
+        &text,
+        "board.drl",
+        &holes::Options::default(),
+        &mut findings,
+    )
+    .unwrap();
+    let wanted: Vec<[Nm; 2]> = board.holes.iter().map(|hole| hole.at).collect();
+    let records = wanted.iter().flat_map(|at| Table::DRILL.hole(*at).unwrap());
+    let part = Part {
+        tool: 1,
+        diameter: None,
+        records: lean(&records.collect::<Vec<_>>()),
+    };
+    let (end, mut client) = send(client(false), &[part], 0, false, &mut Script::default());
+    assert_eq!(end, Ok(End::Drilled));
+    let found = drilled(&mut client);
+    assert_eq!(found.len(), wanted.len());
+    for (steps, wanted) in found.iter().zip(&wanted) {
+        for (steps, Nm(nm)) in steps.iter().zip(wanted) {
+            let off_nm = f64::from(*steps) * 1e6 / 107.0 - *nm as f64;
+            assert!(
+                off_nm.abs() <= 0.5e6 / 107.0 + 1e-6,
+                "{steps} steps for {nm} nm"
+            );
+        }
     }
 }
 
