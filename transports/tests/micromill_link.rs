@@ -436,6 +436,53 @@ fn one_fault_anywhere_obeys_nothing_wrong() {
     }
 }
 
+/// A string that was spoilt twice is refused twice. The second refusal, and what was echoed with it, come while the next string could be on its way: it
+/// waits until the line is silent.
+#[test]
+fn what_was_refused_twice_does_not_spoil_what_follows() {
+    let timing = HostTiming::of(9600);
+    let mut host = Host::new(timing);
+    assert!(host.start(Order::Lease(500), 0));
+    assert_eq!(host.transmit(0), Some(b'L'));
+    host.push(b'M', 1000); // a wrong echo
+    assert_eq!(
+        [host.transmit(1000), host.transmit(1000)],
+        [Some(b'!'), Some(b';')]
+    );
+    // Nothing is heard in time: once more.
+    let mut now_us = 1000 + timing.answer_us;
+    assert_eq!(host.poll(now_us), Progress::Sending);
+    assert_eq!(
+        [host.transmit(now_us), host.transmit(now_us)],
+        [Some(b'!'), Some(b';')]
+    );
+    for byte in *b"!;\x8e!;\x8e" {
+        now_us += 1042;
+        host.push(byte, now_us);
+        assert!(matches!(host.poll(now_us), Progress::Waiting { .. }));
+        assert_eq!(host.transmit(now_us), None);
+    }
+    now_us += timing.guard_us;
+    let mut device = ready();
+    let mut outcome = None;
+    for _ in 0..40 {
+        now_us += 1042;
+        if let Progress::Over(over) = host.poll(now_us) {
+            outcome = Some(over);
+            break;
+        }
+        if let Some(byte) = host.transmit(now_us) {
+            if device.push(byte) == Some(Order::Lease(500)) {
+                device.answer(Answer::Taken);
+            }
+        }
+        if let Some(byte) = device.transmit() {
+            host.push(byte, now_us);
+        }
+    }
+    assert_eq!(outcome, Some(Outcome::Done));
+}
+
 fn any_order() -> impl Strategy<Value = Order> {
     let axis = prop::sample::select(&Axis::ALL[..]);
     let at = -9_999_999..=9_999_999;

@@ -123,6 +123,8 @@ pub struct Host {
     /// The string is one beside the order.
     is_aside: bool,
     is_streaming: bool,
+    /// Bytes that put off the end of [`Phase::Quiet`]: a controller that tells steps without a pause is not waited for.
+    heard: u8,
     /// Streamed lines taken and not made.
     lines: u32,
     since_us: u32,
@@ -136,6 +138,8 @@ enum Phase {
     Unsure,
     /// `!;`, then that there is no such string.
     Spoil,
+    /// That was said. More of the kind may be on its way, if it had to be asked for more than once: until the line is silent nothing is sent.
+    Quiet,
 }
 
 impl Host {
@@ -152,6 +156,7 @@ impl Host {
             tries: 0,
             is_aside: false,
             is_streaming: false,
+            heard: 0,
             lines: 0,
             since_us: 0,
         }
@@ -203,6 +208,10 @@ impl Host {
 
     /// Takes a byte of the line.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Report> {
+        if self.phase == Phase::Quiet && self.heard < u8::MAX {
+            self.heard = self.heard.wrapping_add(1); // below its most
+            self.since_us = now_us;
+        }
         if byte < 0x80 {
             return self.echo(byte, now_us);
         }
@@ -234,9 +243,12 @@ impl Host {
                 Some(Report::Stopped)
             }
             Some(Answer::Wrong) if self.phase == Phase::Spoil => {
-                self.respoilt(now_us);
+                self.load(Text::new(), now_us);
+                self.phase = Phase::Quiet;
+                self.heard = 0;
                 None
             }
+            Some(Answer::Wrong) if self.phase == Phase::Quiet => None,
             Some(answer) => {
                 let outcome = match answer {
                     Answer::Refused => Outcome::Refused,
@@ -284,6 +296,7 @@ impl Host {
         let open = self.sent.wrapping_sub(self.echoed);
         let is_sent = self.text.bytes().len() == usize::from(self.sent);
         let wait_us = match self.phase {
+            Phase::Quiet => self.timing.guard_us,
             Phase::Spoil | Phase::Unsure if is_sent => self.timing.answer_us,
             _ if open > 0 => self.timing.echo_us,
             _ if !is_sent => self.timing.guard_us,
@@ -318,6 +331,10 @@ impl Host {
     /// Something did not come in time.
     fn late(&mut self, is_sent: bool, open: u8, now_us: u32) -> Progress {
         match self.phase {
+            Phase::Quiet => {
+                self.respoilt(now_us);
+                return Progress::Sending;
+            }
             Phase::Spoil | Phase::Unsure => self.spoil(now_us),
             _ if open > 0 && is_sent => {
                 self.phase = Phase::Unsure;
@@ -342,7 +359,7 @@ impl Host {
     }
 
     fn echo(&mut self, byte: u8, now_us: u32) -> Option<Report> {
-        if self.order.is_none() || self.is_echoed() {
+        if self.order.is_none() || (self.is_echoed() && self.phase != Phase::Quiet) {
             return Some(Report::Noise(byte));
         }
         if self.sent == self.echoed && self.phase == Phase::String {
@@ -353,7 +370,7 @@ impl Host {
         let expected = self.text.bytes().get(usize::from(self.echoed)).copied();
         match self.phase {
             // Whatever comes: it may be late echoes.
-            Phase::Spoil => None,
+            Phase::Spoil | Phase::Quiet => None,
             Phase::Unsure => {
                 if expected == Some(byte) {
                     self.is_obeyed(now_us);
