@@ -46,7 +46,7 @@ fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
 /// Radius of a vector, nanometres.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn radius([x, y]: [i64; 2]) -> u64 {
-    length([x.unsigned_abs(), y.unsigned_abs()].into_iter())
+    length(&[x.unsigned_abs()], y.unsigned_abs())
 }
 
 /// Lowest and highest coordinate of the arc in each axis of its plane, machine frame.

@@ -71,18 +71,18 @@ impl<const N: usize> Config<N> {
         // What the circle of an arc does; one too small to go round is the line between its ends.
         let round = self.round(segment, path);
         let is_round = |number: usize| round.is_some_and(|round| round.plane.contains(&number));
-        let ways = (0..N)
-            .zip(segment.from.iter().zip(to))
-            .filter(|(number, _)| !is_round(*number))
-            .map(|(_, (from, to))| to.0.abs_diff(from.0));
         // No axis steps faster than it can, on the average of the move.
         let mut least_q16 = 0;
-        for (number, ((from, to), axis)) in (0..N).zip(segment.from.iter().zip(to).zip(&self.axes))
-        {
+        let mut ways = [0; N];
+        let axes = segment.from.iter().zip(to).zip(&self.axes);
+        for ((number, straight), ((from, to), axis)) in (0..N).zip(&mut ways).zip(axes) {
             let way = match &round {
                 // Somewhere on a quarter turn one axis makes the whole speed.
                 Some(round) if is_round(number) => round.around_nm,
-                _ => to.0.abs_diff(from.0),
+                _ => {
+                    *straight = to.0.abs_diff(from.0);
+                    *straight
+                }
             };
             least_q16 = axis.least_q16(way, hz).max(least_q16);
         }
@@ -96,7 +96,7 @@ impl<const N: usize> Config<N> {
             let rim = radius(from_centre(start, centre));
             around = mul_div(rim.saturating_mul(turns), 710, 113);
         }
-        let length_nm = length(ways.chain([around]));
+        let length_nm = length(&ways, around);
         let (programmed_q16, top) = match feed {
             Some(feed) => (ticks_q16(feed, length_nm, hz), self.top_feed),
             None => (0, self.rapid),

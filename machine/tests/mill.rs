@@ -422,6 +422,23 @@ fn any_line() -> impl Strategy<Value = Vec<String>> {
     ]
 }
 
+/// The time of a move too short for a step goes to the next step, over a line that does nothing.
+#[test]
+fn time_is_carried_over_lines_that_do_nothing() {
+    let mut bench = Bench::homed();
+    let mut peer = Peer(Machine::new(CONFIG.machine), 0, Vec::new());
+    for line in [
+        "G00X00000.21Y00000.00;",
+        "G01Z00000.01F05;",
+        "G90;",
+        "G01X00000.00Y00000.00F01;",
+    ] {
+        bench.does(line);
+        assert!(peer.does(line), "{line}");
+    }
+    assert_eq!(bench.steps, peer.2);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

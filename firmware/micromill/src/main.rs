@@ -99,7 +99,13 @@ fn main() -> ! {
     };
     let mut motors = Motors::new([motor; 3], Idle::Hold);
     board::write(phases(motors.levels()));
-    let mut mill: Mill<'_, 16, AHEAD, 64> = Mill::new(&CONFIG);
+    let mut mill = Mill::new(&CONFIG);
+    run(&mut mill, &mut motors)
+}
+
+/// What `main` keeps on the stack while this runs is only its arguments.
+#[inline(never)]
+fn run(mill: &mut Mill<'_, 16, AHEAD, 64>, motors: &mut Motors<3, Sequencer>) -> ! {
     let mut told = 0_u8;
     let mut unsent = None;
     loop {
@@ -111,7 +117,7 @@ fn main() -> ! {
         }
         while let Some(byte) = HEARD.with(|heard| heard.dequeue()) {
             if mill.receive(byte) {
-                halt(&mut mill, &mut motors, &mut told);
+                halt(mill, motors, &mut told);
             }
             is_idle = false;
         }
@@ -127,7 +133,7 @@ fn main() -> ! {
         };
         match mill.next_event(&inputs) {
             Some(MillEvent::Step(step)) => {
-                push(&step, &mut motors);
+                push(&step, motors);
                 is_idle = false;
             }
             Some(MillEvent::Spindle { direction, rpm }) => board::spindle(direction, rpm),

@@ -445,7 +445,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         let Some(entry) = self.queue.first() else {
             return Next::Wait;
         };
-        if !entry.moves() && self.carried_ticks > 0 {
+        // As the machine has it: what only changes coordinates does not wait for the moves before it.
+        let is_nothing = entry.kind == Kind::Nothing;
+        if !entry.moves() && !is_nothing && self.carried_ticks > 0 {
             self.task = Task::Idle;
             let wait_ticks = self.carried_ticks.min(MAX_WAIT_TICKS.into()) as u32;
             self.carried_ticks = self.carried_ticks.wrapping_sub(wait_ticks.into());
