@@ -32,6 +32,7 @@ use crate::wire::{Wire, stop_flag};
 use action::{Action, Hand};
 use client::{Client, Trouble};
 use device::Device;
+pub use device::STROKE_STEPS;
 use sender::{End, Operator, Sender};
 use std::io::Write;
 use std::sync::Arc;
@@ -123,7 +124,8 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
     };
     let end = sender.send(args.detach)?;
     let all = parts.iter().map(Part::holes).sum();
-    let sentence = sender::sentence(&end, file, all);
+    let again = again(std::env::args().skip(1));
+    let sentence = sender::sentence(&end, &again, all);
     operator.close();
     match end {
         End::Failed(_) => {
@@ -135,6 +137,25 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
             Ok(true)
         }
     }
+}
+
+/// The command line once more, without --from.
+fn again(arguments: impl Iterator<Item = String>) -> String {
+    let mut text = String::from("husillo");
+    let mut is_number = false;
+    for argument in arguments {
+        let is_from = argument == "--from";
+        if !is_from && !is_number && !argument.starts_with("--from=") {
+            let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
+            if !argument.is_empty() && argument.chars().all(is_plain) {
+                text = format!("{text} {argument}");
+            } else {
+                text = format!("{text} '{}'", argument.replace('\'', r"'\''"));
+            }
+        }
+        is_number = is_from;
+    }
+    text
 }
 
 /// What to do where there is no answer from the beginning.

@@ -157,14 +157,19 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
         whole: 0,
     };
     let mut rest = commands.as_slice();
-    // How high the tool was before it went down to where it is, and how it did.
+    // How the tool went down to where it is.
     let mut plunge = None;
+    // Where it is above the work: the height of the last rapid move across, or the highest that it was. Where it went down from may be
+    // within the work, of a second pass.
+    let mut highest = Nm(0);
+    let mut across = None;
     while let Some(((from, command), after)) = rest.split_first() {
         let closed = contour(rest);
         if let Some((cuts, left)) = closed {
             match (halves(&cuts), plunge) {
-                (Some(halves), Some(plunge)) => {
-                    writer.halves(&halves, plunge, left.first())?;
+                (Some(halves), Some((from, plunge))) => {
+                    let up = across.unwrap_or(highest).max(from);
+                    writer.halves(&halves, (up, plunge), left.first())?;
                     made.contours += 1;
                 }
                 _ => {
@@ -178,6 +183,10 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
             continue;
         }
         let to = command.end().unwrap_or(*from);
+        highest = highest.max(to[2]);
+        if matches!(command, Command::Rapid { .. }) && to[..2] != from[..2] {
+            across = Some(from[2].max(to[2]));
+        }
         if to[2] < from[2] && to[..2] == from[..2] {
             plunge = Some((from[2], *command));
         } else if to[2] > from[2] {

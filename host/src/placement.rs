@@ -37,6 +37,12 @@ pub struct Fit {
     pub residual_nm: f64,
 }
 
+/// Farthest that a board may be stretched, as a part of its length: paper and film change by less.
+const MAX_STRETCH: f64 = 0.02;
+
+/// Farthest that a measured hole may be from where the fit expects it, nm.
+const MAX_RESIDUAL_NM: f64 = 1e6;
+
 /// `p -> M p + t`.
 #[derive(Clone, Copy, Debug)]
 struct Affine {
@@ -220,6 +226,11 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
         return Err("the holes of --reference are less than a millimetre apart".into());
     }
     let (along, across) = (cross[0][0] + cross[1][1], cross[1][0] - cross[0][1]);
+    if cross[0][0] * cross[1][1] - cross[0][1] * cross[1][0] < -1e-6 * size * size {
+        return Err(
+            "what --reference measured is the mirror image of the file: see --mirror".into(),
+        );
+    }
     let angle = across.atan2(along);
     let rigid = Affine::turned(angle.to_degrees()).matrix;
     let similar = along.hypot(across) / size;
@@ -261,6 +272,23 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
             (x - measured[0]).hypot(y - measured[1])
         })
         .fold(0.0, f64::max);
+    // A drill that is wrong by more is another file, another unit, or another hole.
+    if scale
+        .iter()
+        .any(|scale| !(scale - 1.0).abs().le(&MAX_STRETCH))
+    {
+        let percent = scale.map(|scale| 100.0 * scale);
+        return Err(format!(
+            "--reference: what was measured is {:.1} % as long as the file in X and {:.1} % in Y; are these the holes, and the unit?",
+            percent[0], percent[1]
+        ));
+    }
+    if residual_nm > MAX_RESIDUAL_NM {
+        return Err(format!(
+            "--reference: one place is {:.3} mm off when the others fit; are these the holes?",
+            residual_nm / 1e6
+        ));
+    }
     let fit = Fit {
         turn_degrees: angle.to_degrees(),
         scale_ppm: scale.map(|scale| (scale - 1.0) * 1e6),

@@ -214,6 +214,53 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
         .assert()
         .success()
         .stdout(contains("1.2 mm is not 1 mm").and(contains("29 holes drilled")));
+    // Records are where they are, and their files those of the manifest.
+    let send = ["send", manifest.to_str().unwrap(), "-m", "drill", "--yes"];
+    husillo()
+        .args(send)
+        .args(["--order", "shortest"])
+        .assert()
+        .code(2)
+        .stderr(contains("records have their places"));
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    for (from, to, why) in [
+        (
+            "diameter_mm = 3.2",
+            "diameter_mm = nan",
+            "tool 3 has no diameter",
+        ),
+        (
+            "diameter_mm = 3.2",
+            "diameter_mm = -5.0",
+            "tool 3 has no diameter",
+        ),
+        ("bytes = ", "bytes = 1", "compile it again"),
+    ] {
+        std::fs::write(&manifest, text.replacen(from, to, 1)).unwrap();
+        husillo()
+            .args(send)
+            .assert()
+            .failure()
+            .stderr(contains(why));
+    }
+    // What is to be typed to go on is what was typed.
+    husillo()
+        .args([
+            "send",
+            "../examples/board.drl",
+            "-m",
+            "drill",
+            "--shift",
+            "corner",
+            "--from",
+            "3",
+        ])
+        .write_stdin("0.8\n")
+        .assert()
+        .code(1)
+        .stderr(contains(
+            "husillo send ../examples/board.drl -m drill --shift corner --from 1",
+        ));
     // With a depth for all of them, and off the table.
     husillo()
         .args(board)
@@ -226,6 +273,12 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
         deep.windows(3).any(|record| record == b"Z\x2b\x0d"),
         "3371 steps"
     );
+    husillo()
+        .args(board)
+        .args(["--depth", "35.1"])
+        .assert()
+        .code(2)
+        .stderr(contains("the lower sensor"));
     husillo()
         .args(board)
         .args(["--shift", "200,0"])
@@ -276,6 +329,14 @@ fn the_original_over_a_pseudo_terminal() {
         "holes",
         "3 holes: 1070,535 depth 3745 with a spindle that stood",
     );
+    // It would drill through where there is a depth.
+    device.type_line("board", "without holes");
+    let deep = program("deep.nc", "G21 G90\nG0 Z2\nG81 X1 Y2 Z-3 R1 F60\nG80\n");
+    send(&device, &deep, &["--baud", "9600", "--fixed"])
+        .code(1)
+        .stderr(contains("it knows no depths"));
+    device.type_line("holes", "0 holes");
+    let _ = std::fs::remove_file(deep);
     let _ = std::fs::remove_file(file);
 }
 

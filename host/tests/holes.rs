@@ -738,6 +738,27 @@ fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
         (&["--reference", "1,1=2,2"][..], "two at least"),
         (&["--reference", "1,1"], "as in 5,5=5.02,4.97"),
         (&["--stretch"], "goes with --reference"),
+        (&["--turn", "nan"], "expected degrees"),
+        (&["--turn", "1e300"], "expected degrees"),
+        (
+            &[
+                "--reference",
+                "10,5=12,5",
+                "--reference",
+                "60,5=12,55",
+                "--reference",
+                "60,25=32,55",
+            ],
+            "see --mirror",
+        ),
+        (
+            &["--reference", "10,5=12,5", "--reference", "60,5=12,5"],
+            "0.0 % as long as the file",
+        ),
+        (
+            &["--reference", "10,5=12,5", "--reference", "60,5=60,5"],
+            "96.0 % as long as the file",
+        ),
         (
             &["--reference", "1,1=2,2", "--reference", "1,1=2,2"],
             "less than a millimetre apart",

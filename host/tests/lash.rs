@@ -171,6 +171,38 @@ fn contours_are_divided_where_they_can_be() {
         (&results["order"]["mirrored"], &results["order"]["whole"]),
         (&0.into(), &1.into())
     );
+    // Two passes without a lift: between the halves of the second it goes above the work all the same.
+    let passes = "G0 Z1\nG0 X5 Y6\nG1 Z-0.5 F100\nG3 I0 J-1 F100\nG1 Z-1\nG3 I0 J-1\nG0 Z1\nM30\n";
+    let path = scratch("passes.nc");
+    let trace = scratch("passes.csv");
+    std::fs::write(&path, passes).unwrap();
+    let [path, trace] = [&path, &trace].map(|path| path.to_str().unwrap());
+    printed(&[
+        "run", path, "--order", "mirrored", "-m", "free", "--format", "json", "--trace", trace,
+    ]);
+    let trace = std::fs::read_to_string(trace).unwrap();
+    let mut rows = trace.lines();
+    let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let column = |name: &str| {
+        names
+            .iter()
+            .position(|own| own.contains(name))
+            .unwrap_or_else(|| panic!("{names:?}"))
+    };
+    let (z, kind) = (column("z"), column("kind"));
+    let low = rows.filter(|row| {
+        let fields: Vec<&str> = row.split(',').collect();
+        fields[kind] == "rapid" && fields[z].parse::<f64>().unwrap() < -1e-9
+    });
+    // Only straight up from the bottom.
+    let mut places: Vec<[&str; 2]> = low
+        .map(|row| {
+            let fields: Vec<&str> = row.split(',').collect();
+            [fields[column("x")], fields[column("y")]]
+        })
+        .collect();
+    places.dedup();
+    assert!(places.len() <= 4, "{places:?}");
     let results = cut("flat.nc", "G1 X5 Y5 F100\nG3 I0 J-1 F100\nM30\n");
     assert_eq!(results["order"]["whole"], 1);
 }
@@ -209,6 +241,14 @@ fn bands_are_read_from_a_table() {
         "too fast",
     );
     fails("axis,programmed,measured\nX,0.3,0.3\n", "where it was made");
+    fails(
+        "axis,x,programmed,measured\nX,1,0.3,-0.4\nX,3,0.3,0.3\n",
+        "a lash of -496 um",
+    );
+    fails(
+        "axis,x,programmed,measured\nX,100,0.3,0.3\n",
+        "a reading at X100, and the travel is 0 to 10 mm",
+    );
     fails(
         "axis,x,programmed,measured\nA,1,0.3,0.3\n",
         "expected X or Y",

@@ -35,6 +35,12 @@ pub(super) fn load(
         file_travel_steps: None,
         is_drill_file: false,
     };
+    let is_made = lower.ends_with(".toml") || lower.ends_with(".cod");
+    if is_made && !args.is_default() {
+        return Err(Failure::Usage(format!(
+            "{file}: records have their places and depths already; these options go with what they are compiled from"
+        )));
+    }
     if lower.ends_with(".toml") {
         return Ok(Some(of_parts(drill::load_manifest(file)?)));
     }
@@ -82,7 +88,12 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
     let depth = match &args.depth {
         None => 0,
         Some(text) => steps_of(text)
-            .ok_or_else(|| format!("--depth {text}: a length above zero, up to 612 mm"))?,
+            .filter(|steps| *steps <= drill::STROKE_STEPS)
+            .ok_or_else(|| {
+                format!(
+                    "--depth {text}: a length above zero, up to 35 mm, where the lower sensor is"
+                )
+            })?,
     };
     let name = displayed(file);
     let mut findings = to_stderr(Format::Text);

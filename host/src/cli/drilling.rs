@@ -1,7 +1,7 @@
 //! Drill files, and programs that are sent to a controller.
 
 use super::{Output, Target};
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 
 /// `husillo holes`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub struct Holes {
 }
 
 /// How a drill file is read, which of its holes are made, in which order, and where.
-#[derive(Debug, Args)]
+#[derive(Debug, PartialEq, Args)]
 pub struct Layout {
     /// Unit, whatever the file says
     #[arg(long, value_enum)]
@@ -79,7 +79,8 @@ pub struct Layout {
         value_name = "DEGREES",
         default_value = "0",
         hide_default_value = true,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = degrees
     )]
     pub turn: f64,
     /// Place of a hole in the file, and where it was measured; two or more turn and move the board onto them (least squares)
@@ -174,7 +175,7 @@ impl Send {
 }
 
 /// What is said of a program for the drill.
-#[derive(Debug, Args)]
+#[derive(Debug, PartialEq, Args)]
 pub struct Drilling {
     /// What is made of the file.
     #[command(flatten)]
@@ -193,6 +194,25 @@ pub struct Drilling {
         allow_hyphen_values = true
     )]
     pub home_height: String,
+}
+
+impl Drilling {
+    /// Whether nothing is said of a program.
+    pub fn is_default(&self) -> bool {
+        #[derive(Parser)]
+        struct Nothing {
+            #[command(flatten)]
+            drilling: Drilling,
+        }
+        *self == Nothing::parse_from([""]).drilling
+    }
+}
+
+/// An angle of at most a whole turn.
+fn degrees(text: &str) -> Result<f64, String> {
+    let angle = text.parse().ok();
+    let angle = angle.filter(|angle: &f64| angle.abs() <= 360.0);
+    angle.ok_or_else(|| "expected degrees, from -360 to 360".into())
 }
 
 /// What to make of a drill file.

@@ -112,6 +112,16 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
             diameter: tool.diameter_mm.map(|mm| Nm((mm * 1e6).round() as i64)),
             records: load_records(&path)?,
         };
+        if tool.diameter_mm.is_some_and(|mm| !(mm > 0.0 && mm < 100.0)) {
+            return Err(format!("{file}: tool {} has no diameter", tool.number));
+        }
+        if part.bytes().len() != tool.bytes {
+            return Err(format!(
+                "{path} has {} bytes, and {file} says {}: compile it again",
+                part.bytes().len(),
+                tool.bytes
+            ));
+        }
         if part.holes() != tool.holes {
             return Err(format!(
                 "{path} has {} holes, and {file} says {}: compile it again",

@@ -1,5 +1,6 @@
 //! A program as records of the drill: in its own language, or with depths in RS-274.
 
+use super::device::STROKE_STEPS;
 use super::part::{Part, millimetres};
 use crate::diagnostics::{Finding, Findings};
 use crate::program;
@@ -152,7 +153,11 @@ impl Maker {
         let below = i128::from(self.home_height.0) - i128::from(z.0);
         let steps = (below * i128::from(STEPS_PER_MM) + 500_000).div_euclid(1_000_000);
         match u16::try_from(steps) {
-            Ok(steps @ 1..) => Ok(steps),
+            Ok(steps @ 1..=STROKE_STEPS) => Ok(steps),
+            Ok(1..) => Err((
+                "E0401",
+                format!("Z{z} is below the lower sensor, which is 35 mm below the upper one"),
+            )),
             _ => Err((
                 "E0401",
                 format!(

@@ -118,6 +118,10 @@ impl<O: Operator> Sender<'_, O> {
             return Ok(self.failed(why, self.from, self.from));
         }
         if !self.client.has_extras() {
+            if self.has_depths() {
+                let why = "this drill is an original one: it knows no depths, and would drill each hole through";
+                return Ok(self.failed(why.into(), self.from, self.from));
+            }
             self.operator.tell(
                 "this drill is an original one: it cannot say how far it is, and its spindle is switched by hand",
             );
@@ -321,6 +325,13 @@ impl<O: Operator> Sender<'_, O> {
         self.failed(trouble.text(), load.before + done, load.before + begun)
     }
 
+    fn has_depths(&self) -> bool {
+        let records = self.parts.iter().flat_map(|part| &part.records);
+        records
+            .into_iter()
+            .any(|record| matches!(record, Record::Drill(1..)))
+    }
+
     fn failed(&self, why: String, done: usize, begun: usize) -> End {
         End::Failed(Failed { why, done, begun })
     }
@@ -349,8 +360,8 @@ impl Reckoning {
     }
 }
 
-/// What to say of an end, and how to go on.
-pub fn sentence(end: &End, file: &str, all: usize) -> String {
+/// What to say of an end, and how to go on: `again` is the command as it was given, without --from.
+pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
         End::Drilled => format!("{all} holes drilled"),
         End::Detached => "it has started, and drills by itself from here".into(),
@@ -366,7 +377,7 @@ pub fn sentence(end: &End, file: &str, all: usize) -> String {
             let go_on = if *done == all {
                 "nothing is left to do".into()
             } else if done == begun {
-                format!("go on with: husillo send {file} --from {next}")
+                format!("go on with: {again} --from {next}")
             } else {
                 format!(
                     "go on with --from and the number of the first hole that is not there, {next} or later"

@@ -35,7 +35,13 @@ pub fn calibrate_backlash(
         setup::maps(file)?
     };
     let readings = match &args.file {
-        Some(path) => grid::read(path)?,
+        Some(path) => {
+            let readings = grid::read(path)?;
+            for reading in &readings {
+                within(reading, travel_mm).map_err(|why| format!("{path}: {why}"))?;
+            }
+            readings
+        }
         None => cut_all(args, file, &now, travel_mm)?,
     };
     let step_nm = file
@@ -118,6 +124,19 @@ pub fn calibrate_backlash(
 }
 
 /// Travel of X and Y in mm.
+/// Whether a reading was made where the axes go.
+fn within(reading: &Reading, travel_mm: [[f64; 2]; 2]) -> Result<(), String> {
+    for ((place, [low, high]), letter) in reading.place_mm.iter().zip(travel_mm).zip(["X", "Y"]) {
+        if place.is_some_and(|mm| !(low..=high).contains(&mm)) {
+            let mm = place.unwrap_or_default();
+            return Err(format!(
+                "a reading at {letter}{mm}, and the travel is {low} to {high} mm"
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn travel(file: &MachineFile) -> Result<[[f64; 2]; 2], String> {
     let mut travel_mm = [[0.0; 2]; 2];
     for (travel_mm, axis) in travel_mm.iter_mut().zip(&file.axes) {
@@ -152,6 +171,11 @@ fn cut_all(
         let part = move |index| low + (high - low) * f64::from(index) / f64::from(count);
         (0..=count).map(part).collect::<Vec<f64>>()
     });
+    let run_up_mm = if args.uncompensated {
+        two_lines::WHOLE_RUN_UP_MM
+    } else {
+        two_lines::RUN_UP_MM
+    };
     let mut bench = Bench::new(file, maps.clone())?;
     let mut readings = Vec::new();
     for axis in 0..2 {
@@ -161,7 +185,13 @@ fn cut_all(
                 row_of.reverse();
             }
             for x in row_of {
-                readings.push(two_lines::cut(&mut bench, axis, [x, *y], travel_mm)?);
+                readings.push(two_lines::cut(
+                    &mut bench,
+                    axis,
+                    [x, *y],
+                    travel_mm,
+                    run_up_mm,
+                )?);
             }
         }
     }

@@ -4,6 +4,9 @@ use super::PlaceTable;
 use crate::calibrate::columns::{Columns, Row};
 use crate::quantity::{self, Quantity};
 
+/// What the reading of a mark may be off, um: so far below zero is no lash at all.
+const NOISE_UM: f64 = 10.0;
+
 /// Places nearer to each other than this are one, mm.
 const SAME_MM: f64 = 0.001;
 
@@ -119,7 +122,13 @@ pub fn table(axis: usize, readings: &[(Reading, f64)]) -> Result<Option<PlaceTab
                     "{letter}: no reading at X{x:.3} Y{y:.3}, where others of that column and that row are"
                 ));
             }
-            lash_um.push(sum / f64::from(count) / 1e3);
+            let um = sum / f64::from(count) / 1e3;
+            if um < -NOISE_UM {
+                return Err(format!(
+                    "{letter}: a lash of {um:.0} um at X{x:.3} Y{y:.3}: there is none below zero; is a reading mistyped?"
+                ));
+            }
+            lash_um.push(um.max(0.0));
         }
     }
     let (axes, places_mm) = match has {

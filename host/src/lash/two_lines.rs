@@ -3,8 +3,10 @@
 use super::bench::Bench;
 use super::grid::Reading;
 
-/// How far the axis goes to a line, mm: more than what is left of its lash.
-const RUN_UP_MM: f64 = 0.05;
+/// How far the axis goes to a line, mm, where its lash is taken up: more than what is left of it.
+pub const RUN_UP_MM: f64 = 0.05;
+/// The same where nothing is taken up: more than any lash of these screws.
+pub const WHOLE_RUN_UP_MM: f64 = 0.4;
 /// Length of a line, mm.
 const LINE_MM: f64 = 0.02;
 /// From one line to the other, mm.
@@ -20,12 +22,13 @@ pub fn cut(
     axis: usize,
     place_mm: [f64; 2],
     travel_mm: [[f64; 2]; 2],
+    run_up_mm: f64,
 ) -> Result<Reading, String> {
     let other = 1 - axis;
     let [low, high] = travel_mm[axis];
     // As near to the end of the travel as the way to it from above allows.
-    let from_above = place_mm[axis].min(high - RUN_UP_MM);
-    let from_below = if from_above - APART_MM - RUN_UP_MM < low {
+    let from_above = place_mm[axis].min(high - run_up_mm);
+    let from_below = if from_above - APART_MM - run_up_mm < low {
         from_above + APART_MM
     } else {
         from_above - APART_MM
@@ -44,8 +47,8 @@ pub fn cut(
         })?;
         Ok(sum / f64::from(steps.max(1)))
     };
-    let below = line(bench, from_below - RUN_UP_MM, from_below)?;
-    let above = line(bench, from_above + RUN_UP_MM, from_above)?;
+    let below = line(bench, from_below - run_up_mm, from_below)?;
+    let above = line(bench, from_above + run_up_mm, from_above)?;
     let mut place = place_mm;
     place[axis] = from_above;
     place[other] = begin + LINE_MM / 2.0;
