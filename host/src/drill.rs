@@ -109,7 +109,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
 ///
 /// A sentence about what cannot be asked for, before anything moves.
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
-    let (file, port) = args.alone()?;
+    let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
     let client = open(port, baud, false, stop_flag()?)?;
     let mut operator = operator::Console::new(out);
