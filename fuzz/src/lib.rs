@@ -4,6 +4,7 @@
 mod backlash;
 mod byte_commands;
 mod bytes;
+mod closed_loop;
 mod contour;
 mod drill;
 mod excellon;
@@ -24,6 +25,7 @@ mod stepper;
 
 pub use backlash::backlash;
 pub use byte_commands::byte_commands;
+pub use closed_loop::closed_loop;
 pub use contour::contour;
 pub use drill::drill;
 pub use excellon::excellon;
@@ -46,7 +48,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 19] = [
+pub const TARGETS: [(&str, Target); 20] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -62,6 +64,7 @@ pub const TARGETS: [(&str, Target); 19] = [
     ("nmc_host", nmc_host),
     ("nmc_module", nmc_module),
     ("servo", servo),
+    ("closed_loop", closed_loop),
     ("drill", drill),
     ("byte_commands", byte_commands),
     ("micromill", micromill),

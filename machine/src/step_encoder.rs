@@ -87,7 +87,8 @@ impl Watch {
     /// Whether a moving motor may be as far behind.
     pub(crate) const fn is_tolerable(&self, behind: i64) -> bool {
         let most = (self.encoder.tolerance_steps as u64).wrapping_mul(self.encoder.counts as u64);
-        behind.unsigned_abs() <= most
+        // What is right at rest is no loss, however small the tolerance: it would be told again and again.
+        behind.unsigned_abs() <= most || self.is_there(behind)
     }
 
     /// Whether a motor at rest is where it should be: within half a step, or what less than a count is.

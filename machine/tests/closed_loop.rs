@@ -100,6 +100,34 @@ fn what_the_map_owes_is_no_turn() {
     }
 }
 
+/// A count of three steps and a tolerance of one: nothing is lost, nothing told, and it ends.
+#[test]
+fn a_tolerance_finer_than_a_count_is_a_count() {
+    let machine: Machine<3> = Machine::new(config());
+    let encoder = AxisEncoder {
+        counts: 1,
+        steps: 3,
+        tolerance_steps: 1,
+        on_loss: OnLoss::Stop,
+        correction_rate_hz: 100,
+        settle_ticks: 1000,
+        attempts: 3,
+    };
+    let mut axes = ClosedLoop::new(machine, [Some(encoder), None, None]);
+    axes.machine_mut().line(b"G1 X0.014 F1.2").unwrap();
+    let (mut motor, mut entries) = (0_i64, 0);
+    while let Some(entry) = axes.next_event(&[motor.div_euclid(3), 0, 0]) {
+        entries += 1;
+        assert!(entries < 1000, "hangs");
+        match entry {
+            Followed::Event(Event::Step(step)) => motor += i64::from(step.delta[0]),
+            Followed::Event(_) => {}
+            told => panic!("{told:?}"),
+        }
+    }
+    assert_eq!(motor, 100);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
