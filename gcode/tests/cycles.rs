@@ -92,6 +92,7 @@ fn as_many_commands_as_are_told() {
 
 /// As many holes, and pecks of all of them together, as 2^16.
 #[test]
+#[cfg_attr(miri, ignore = "many commands")]
 fn the_most_holes_and_pecks() {
     let most = ErrorKind::TooManyPasses;
     let refused = |line| mill(&["G0 Z0", line]).err();
