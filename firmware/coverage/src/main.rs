@@ -260,8 +260,16 @@ fn named(entry: &str) -> String {
         Some((item, function)) => (item, function),
         None => return entry.to_string(),
     };
+    // A module in front of the type is not a part of its name.
+    let is_module = |path: &str| path.starts_with(|first: char| first.is_ascii_lowercase());
+    let mut item = item.trim_start_matches('<');
+    while let Some((module, rest)) = item.split_once("::") {
+        if !is_module(module) {
+            break;
+        }
+        item = rest;
+    }
     let item: String = item
-        .trim_start_matches('<')
         .chars()
         .take_while(|character| is_word(*character))
         .collect();
