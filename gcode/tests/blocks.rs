@@ -229,6 +229,7 @@ fn places_of_words_at_fault() {
 }
 
 /// Increments are moves of their axes where they are known, and words of contour cycles.
+#[cfg(feature = "extended")]
 #[test]
 fn increments() {
     let plan = |dialect: Dialect, lines: &[&str]| {
