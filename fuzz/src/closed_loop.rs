@@ -172,9 +172,9 @@ impl Bench {
     fn step(&mut self, delta: [i8; 2]) {
         assert!(delta != [0; 2] && delta.iter().all(|delta| delta.abs() <= 1));
         let before = [0, 1].map(|axis| self.off(axis));
-        for axis in 0..2 {
-            if !self.is_blocked[axis] {
-                self.motor[axis] += i64::from(delta[axis]);
+        for ((motor, is_blocked), delta) in self.motor.iter_mut().zip(self.is_blocked).zip(delta) {
+            if !is_blocked {
+                *motor += i64::from(delta);
             }
         }
         if self.axes.is_correcting() {
@@ -183,8 +183,8 @@ impl Bench {
                 assert!(self.is_disturbed || self.off(axis) <= most, "too far");
             }
         } else {
-            for axis in 0..2 {
-                self.should[axis] += i64::from(delta[axis]);
+            for (should, delta) in self.should.iter_mut().zip(delta) {
+                *should += i64::from(delta);
             }
             self.is_disturbed = false;
         }
