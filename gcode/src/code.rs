@@ -515,6 +515,14 @@ mod tests {
         assert!(!has(b'M', 60, Flavour::Grbl) && has(b'M', 60, Flavour::Rs274));
         assert!(has(b'G', 770, Flavour::Lathe) && !has(b'G', 770, Flavour::Rs274));
         assert_eq!(Code::read(b'G', 330, Flavour::LatheA), Some(Code::Foreign));
+        assert_eq!(
+            Code::read(b'G', 980, Flavour::LatheA),
+            Some(Code::PerMinute)
+        );
+        for tenths in [0, 10, 11, 12, 20, 21, 22] {
+            let code = Code::read(b'G', 700 + u16::from(tenths), Flavour::Lathe);
+            assert_eq!(code.and_then(Code::contour_cycle), Some(tenths));
+        }
         assert_eq!(Code::read(b'G', 999, Flavour::Rs274), None);
     }
 

@@ -213,6 +213,10 @@ mod tests {
             fault.kind(Measure::of(crate::Nm(0))),
             ErrorKind::MissingWord(b'P')
         );
+        assert_eq!(
+            Fault::at(Reason::NotZero, b'X').kind(Measure::of(crate::Nm(0))),
+            ErrorKind::NotZero(b'X')
+        );
         assert_eq!(size_of::<Result<(), Fault>>(), 4);
     }
 }

@@ -240,7 +240,26 @@ fn number(text: &[u8]) -> Number {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn errors_say_what_is_wrong() {
+        let (given, computed, expected) = (57, 56, 2);
+        for (error, part) in [
+            (FramingError::NoChecksum, "without a checksum"),
+            (FramingError::MalformedChecksum, "0 to 255"),
+            (
+                FramingError::Checksum { given, computed },
+                "57, the line has 56",
+            ),
+            (FramingError::NoNumber, "without a number"),
+            (FramingError::Number { given: 3, expected }, "3, expected 2"),
+        ] {
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
 
     #[test]
     fn checksums_are_the_exclusive_or_of_what_stands_before() {
@@ -296,6 +315,10 @@ mod tests {
             receiver.check(b"N41 M117 100 % (done"),
             Ok(&b"N41 M117 100 % (done"[..])
         );
+        receiver.expect(50);
+        assert_eq!(receiver.expected(), 50);
+        assert_eq!(receiver.check(b"N50 M105 N7"), Ok(&b"N50 M105 N7"[..]));
+        assert_eq!(receiver.expected(), 51);
         assert_eq!(
             Receiver::new(Framing::default()).check(b"N9 G1*7"),
             Ok(&b"N9 G1*7"[..])

@@ -232,6 +232,13 @@ mod tests {
         }
     }
 
+    /// Ends of one direction are no turn, whatever their lengths.
+    #[test]
+    fn ends_of_one_direction() {
+        assert!(!is_between([1000, 0], [1001, 0], [0, 1]));
+        assert!(!is_between([1000, 0], [1001, 0], [0, -1]));
+    }
+
     #[test]
     fn figures_on_the_other_side() {
         // The smaller circle's centre lies behind their common line.

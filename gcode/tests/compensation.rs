@@ -1,7 +1,9 @@
 //! Cutter compensation: the tool's path against LinuxCNC's, and invariants in words.
 #![cfg(feature = "extended")]
 
-use husillo_gcode::{Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm};
+use husillo_gcode::{
+    Arc, Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm,
+};
 use proptest::prelude::*;
 
 /// Compensated commands of a program; the first error of either stage.
@@ -296,4 +298,74 @@ fn what_waits() {
         (false, 0, 2),
     ];
     assert_eq!(told, expected);
+}
+
+/// Every arc that is made ends as far off its circle as it says, whatever the line said, and has no radius of a word.
+#[test]
+fn arcs_say_how_far_they_are_off() {
+    let mut at = [Nm(0); 3];
+    let (mut arcs, mut off) = (0, 0);
+    for lines in [
+        [
+            "G90.1",
+            "G42.1 D2",
+            "G1 X10 F100",
+            "G2 X20.001 Y10 I20.001 J0.0005",
+            "G1 Y30",
+            "X7.3 Y41.9",
+            "M2",
+        ],
+        [
+            "G90.1",
+            "G42.1 D2",
+            "G1 X10 F100",
+            "G2 X20.001 Y10 I20.001 J0.0005",
+            "G1 Y-30",
+            "X7.3 Y-41.9",
+            "M2",
+        ],
+        [
+            "G17",
+            "G41.1 D2",
+            "G1 X10 F100",
+            "G3 X20 Y10 R10",
+            "G1 Y30",
+            "X-7.3 Y41.9",
+            "M2",
+        ],
+        [
+            "G17",
+            "G42.1 D2",
+            "G1 X10 F100",
+            "G3 X17.07 Y7.07 R10.0004",
+            "G1 Y30",
+            "X7.3 Y1.9",
+            "M2",
+        ],
+    ] {
+        for command in run(&lines).unwrap_or_else(|kind| panic!("{lines:?}: {kind}")) {
+            match command {
+                Command::Arc { arc, .. } => {
+                    let same = Arc::around(&at, arc.to, arc.centre, arc.plane, arc.direction);
+                    let same = same.expect("an arc that fits");
+                    assert_eq!((arc.mismatch, arc.radius), (same.mismatch, None), "{arc:?}");
+                    arcs += 1;
+                    off += i32::from(arc.mismatch != Nm(0));
+                    at = arc.to;
+                }
+                Command::Rapid { to } | Command::Linear { to, .. } => at = to,
+                _ => {}
+            }
+        }
+        at = [Nm(0); 3];
+    }
+    assert!(arcs > 6 && off > 0, "{arcs} {off}");
+}
+
+/// A slot as wide as the tool: its end is a move of no length.
+#[test]
+fn a_slot_as_wide_as_the_tool() {
+    let made = text(&["G41.1 D2", "G1 X10 F100", "Y2", "X0", "M2"]);
+    assert_eq!(made[0], made[1]);
+    assert_eq!(made[0], "linear X9 Y1 Z0 F100");
 }

@@ -244,3 +244,18 @@ fn splines_of_two_axes() {
         Err(ErrorKind::SplinePlane)
     );
 }
+
+/// Without a distance to the crests the passes go outwards; without a length they lie on one side of their start.
+#[test]
+fn threads_without_depth_or_length() {
+    let made = |words: &str| mill(&["G18 M3 S1", &format!("G76 P1 {words}")]).unwrap();
+    let peaks = made("Z-5 I0 J0.5 K0.5");
+    assert!(peaks.iter().any(|line| line.contains("X0.5 ")), "{peaks:?}");
+    let short = made("Z0 I-1 J0.5 K0.5 Q30 E0.25 L1");
+    assert!(
+        short.iter().any(|line| line.contains("Z0.288")),
+        "{short:?}"
+    );
+    assert!(!short.iter().any(|line| line.contains("Z-")), "{short:?}");
+    assert!(short.iter().any(|line| line.contains("Z0.53")), "{short:?}");
+}

@@ -228,6 +228,9 @@ fn places_in_steps() {
         .steps(millimetres(10, 500))
         .expect_err("off the table");
     assert_eq!((off.letter, off.at), (b'Y', Nm(500_000_000)));
+    // Far beyond all coordinates: its steps would come round to the table again.
+    let at = Nm(-172_399_477_324_388_332);
+    assert!(table.move_x(at).is_err());
     assert_ne!(Record::X(1).to_string(), Record::Y(1).to_string());
     assert!(Record::X(1070).to_string().contains("1070"));
 }

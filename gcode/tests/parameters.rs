@@ -115,6 +115,21 @@ fn operators_bind_as_they_should() {
         ("EXISTS[#5]", "1"),
         ("#[1+#[1]]", "0"),
         ("[ 1 2 . 5 + S I N [ 0 ] ]", "12.5"),
+        ("[1 and 0]", "0"),
+        ("[0 and 1]", "0"),
+        ("[0 or 2]", "1"),
+        ("[0 xor 2]", "1"),
+        ("[2 xor 1]", "0"),
+        ("[0**2]", "0"),
+        ("[0**0]", "1"),
+        ("TAN[0]", "0"),
+        ("TAN[180]", "0"),
+        ("ATAN[1]/[0]", "90"),
+        ("ATAN[-1]/[0]", "-90"),
+        ("EXP[-100]", "0"),
+        ("[0.25**0.5]", "0.500000000000000"),
+        ("[4**-0.5]", "0.500000000000000"),
+        ("0.1000000000000000000000", "0.100000000000000000"),
     ] {
         assert_eq!(shown(expression), expected, "{expression}");
     }
@@ -145,6 +160,15 @@ fn errors_have_their_place() {
         ("1.2.3", 102, 0, 4),
         ("[[[[[[[[[[[[[[[[[[[[[[[[[1", 614, 24, 25),
         ("", 610, 0, 0),
+        (".", 610, 0, 1),
+        ("0.12345678901234567891", 103, 0, 21),
+        ("92233720368547758070", 103, 0, 20),
+        ("92233720368547758071", 103, 0, 20),
+        ("[0**-1]", 620, 1, 6),
+        ("LN[0]", 621, 0, 5),
+        ("LN[-2]", 621, 0, 6),
+        ("EXP[100]", 622, 0, 8),
+        ("[100**9000.5]", 622, 1, 12),
     ] {
         assert_eq!(
             value(expression).map(|v| v.to_string()),
@@ -607,4 +631,105 @@ fn a_program_from_outside() {
     );
     assert!(before > program.steps_left() && program.steps_left() > 1);
     assert_eq!(program.parameter(103).to_string(), "42");
+}
+
+/// Lines of words and parameters: what ends them and what has no place in them.
+#[test]
+fn lines_of_words() {
+    let executed = Dialect::RS274.with_block_delete(false);
+    let (commands, errors) = run_in(executed, "#1=2\n/G0 X#1 ; (Y#1\n(a) / Y[3]\n");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(commands, ["2: rapid X2 Y0 Z0", "3: rapid X2 Y3 Z0"]);
+    for (line, code, at, end) in [
+        ("G0 X#1 /Y1", 101, 7, 8),
+        ("G0 X#1 , Y1", 108, 7, 8),
+        (", X#1", 101, 0, 1),
+        ("(a (b) X#1", 106, 3, 4),
+    ] {
+        let mut program: Program = Program::new(line.as_bytes(), executed);
+        let block = program.next_line(&NoMachine).expect("a line").block;
+        let error = block.expect_err(line);
+        assert_eq!((error.kind.code(), error.at, error.end), (code, at, end));
+    }
+}
+
+/// Lines with `/` steer only where they are executed, also those that are looked at on the way.
+#[test]
+fn deleted_lines_do_not_steer() {
+    let [deleted, executed] = [true, false].map(|on| Dialect::RS274.with_block_delete(on));
+    for (text, without, with) in [
+        ("/o1 if [0]\nG0 X1\n/o1 endif\n", 1, 0),
+        ("o1 if [0]\nG0 X1\n/o1 else\nG0 X2\no1 endif\n", 0, 1),
+        ("o1 sub\n/o1 endsub\nG0 X1\no1 endsub\n", 0, 1),
+    ] {
+        for (dialect, count) in [(deleted, without), (executed, with)] {
+            assert_eq!(run_in(dialect, text).0.len(), count, "{text}");
+        }
+    }
+    // Where an `O` is the number of a program.
+    for on in [true, false] {
+        let dialect = Dialect::ISO.with_block_delete(on);
+        let codes = ["/O1 sub", "O1 sub", "O1"].map(|line| {
+            let mut program: Program = Program::new(line.as_bytes(), dialect);
+            let block = program.next_line(&NoMachine).expect("a line").block;
+            block.err().map(|error| error.kind.code())
+        });
+        let deleted = if on { None } else { Some(639) };
+        assert_eq!(codes, [deleted, Some(639), None]);
+    }
+}
+
+/// Whatever a machine answers, the parameters of the program are its own.
+#[test]
+fn a_machine_that_answers_everything() {
+    struct Seven;
+    impl System for Seven {
+        fn numbered(&self, _: u16) -> Option<Value> {
+            Some(Value::from(7))
+        }
+        fn named(&self, _: &[u8]) -> Option<Value> {
+            None
+        }
+    }
+    let text = b"#5=1\n#5000=2\n#6=[#5+#5000*10+#5001*100]\n#5001=3\n";
+    let mut program: Program = Program::new(text, Dialect::RS274);
+    let mut codes = Vec::new();
+    while let Some(line) = program.next_line(&Seven) {
+        codes.push(line.block.err().map(|error| error.kind.code()));
+    }
+    assert_eq!(codes, [None, None, None, Some(625)]);
+    assert_eq!(program.parameter(6).to_string(), "721");
+    // And what a machine does not answer can be given.
+    let mut program: Program = Program::new(b"#5001=3\n#6=#5001\n", Dialect::RS274);
+    while let Some(line) = program.next_line(&NoMachine) {
+        assert!(line.block.is_ok(), "{line:?}");
+    }
+    assert_eq!(program.parameter(6).to_string(), "3");
+}
+
+/// `break` and `continue` of an outer loop end the inner ones; rounds go on counting.
+#[test]
+fn loops_are_left() {
+    for (text, count) in [
+        (
+            "o1 repeat [3]\nG0 X1\no1 continue\nG0 X2\no1 endrepeat\n",
+            3,
+        ),
+        (
+            "o1 do\nG0 X1\n#1=[#1+1]\no1 continue\nG0 X2\no1 while [#1 lt 3]\n",
+            3,
+        ),
+        (
+            "o1 while [1]\no2 while [1]\nG0 X1\no1 break\no2 endwhile\nG0 X2\no1 endwhile\nG0 X3\n",
+            2,
+        ),
+        (
+            "o1 while [#1 lt 2]\n#1=[#1+1]\no2 while [1]\nG0 X1\no1 continue\no2 endwhile\no1 endwhile\nG0 X3\n",
+            3,
+        ),
+    ] {
+        let (commands, errors) = run(text);
+        assert_eq!(errors, [""; 0], "{text}");
+        assert_eq!(commands.len(), count, "{text}");
+    }
 }

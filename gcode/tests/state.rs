@@ -248,3 +248,16 @@ fn what_is_told_besides() {
     let [left, right] = ["G41.1 D2", "G42.1 D2"].map(|line| shown(line).unwrap_or_default());
     assert!(left.starts_with("compensation left xy") && right.starts_with("compensation right xy"));
 }
+
+/// Degrees are degrees also where lengths are inches.
+#[test]
+fn rotary_axes_have_no_inches() {
+    for line in ["G0 A10", "G53 G0 A10", "G0 X1 A10", "G91 G0 A10"] {
+        let mut modal = Modal::<4>::new(Dialect::RS274);
+        for line in ["G20", line] {
+            let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+            modal = modal.plan(&block).expect(line).0;
+        }
+        assert_eq!(modal.position()[3], Nm(10_000_000), "{line}");
+    }
+}

@@ -559,3 +559,82 @@ pub(super) fn general_power(base: Value, exponent: Value) -> Option<Value> {
         (logarithm < 0) != exponent.is_negative(),
     )?)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::borrow::ToOwned;
+    use std::string::ToString;
+
+    const HALF: u64 = 1 << 63;
+
+    fn float(mantissa: u64, exponent: i16) -> Float {
+        Float { mantissa, exponent }
+    }
+
+    fn value(digits: i64, places: u8) -> Value {
+        Value::new(digits, places).expect("a value")
+    }
+
+    /// The nearest integer, for numbers however small: 1.5 units down to 1.5 * 2^-140 of them.
+    #[test]
+    fn small_numbers_become_the_nearest_unit() {
+        for (shift, expected) in [(0, 2), (1, 1), (2, 0), (3, 0), (65, 0), (66, 0), (127, 0)] {
+            assert_eq!(float(3 << 62, -125 - shift).fixed(62), expected, "{shift}");
+        }
+        assert_eq!(float(3 << 62, -125 - 140).fixed(62), 0);
+        assert_eq!(float(HALF, -126).fixed(62), 1);
+        assert_eq!(float(HALF - 1, -126).fixed(62), 0);
+    }
+
+    #[test]
+    fn numbers_become_values() {
+        let shown = |value: Option<Value>| value.map(|value| (value.to_string(), value.is_exact()));
+        let some = |text: &str| Some((text.to_owned(), false));
+        assert_eq!(shown(Float::ZERO.value(false, 15)), some("0"));
+        assert_eq!(shown(float(HALF, 0).value(false, 15)), None);
+        assert_eq!(shown(float(3 << 62, -63).value(false, 0)), some("2"));
+        assert_eq!(shown(float(5 << 61, -63).value(true, 0)), some("-1"));
+        for exponent in [-128, -129, -200, -256] {
+            let least = float(HALF, exponent).value(false, 15);
+            assert_eq!(shown(least), some("0.000000000000000"), "{exponent}");
+        }
+    }
+
+    /// A root is exact where its square is, and rounded down below the half.
+    #[test]
+    fn roots_are_the_nearest() {
+        let root = |value| square_root(value).map(|root| (root.to_string(), root.is_exact()));
+        let some = |text: &str, is_exact| Some((text.to_owned(), is_exact));
+        assert_eq!(root(value(2, 0)), some("1.414213562373095049", false));
+        assert_eq!(root(value(4, 0)), some("2", true));
+        assert_eq!(root(value(4, 0).marked_rounded()), some("2", false));
+        // f * (f + 1): the root is just below f + 1/2.
+        assert_eq!(
+            root(value(65_669_145_682_477_392, 18)),
+            some("0.256259918212890624", false)
+        );
+    }
+
+    /// A rounded nothing is nothing, and its power one; only exact ones give exact ones.
+    #[test]
+    fn rounded_arguments() {
+        let zero = Value::ZERO.marked_rounded();
+        let shown = |value: Option<Value>| value.map(|value| value.to_string());
+        assert_eq!(
+            shown(exponential(zero)).as_deref(),
+            Some("1.000000000000000")
+        );
+        let one = Value::ONE.marked_rounded();
+        for (y, x, expected) in [
+            (Value::ZERO, one, "0.00000000000000"),
+            (zero, Value::ONE, "0.00000000000000"),
+            (Value::ONE, zero, "90.00000000000000"),
+            (Value::ONE, Value::ZERO, "90"),
+        ] {
+            assert_eq!(shown(arc_tangent(y, x)).as_deref(), Some(expected));
+        }
+    }
+}

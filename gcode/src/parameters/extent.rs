@@ -170,3 +170,73 @@ pub(crate) fn is_plain(value: &[u8]) -> bool {
     let first = value.iter().find(|byte| !signs(byte));
     matches!(first, Some(b'0'..=b'9' | b'.'))
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::borrow::ToOwned;
+    use std::string::ToString;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// Where a word or an assignment ends, or its error: code, start, end.
+    #[test]
+    fn ends_of_words() {
+        for (text, expected) in [
+            ("X<a>", Err((610, 1, 2))),
+            ("X#<a>", Ok(5)),
+            ("X#-<a>", Err((610, 3, 4))),
+            ("X-#<a> Y1", Ok(6)),
+            ("X[1 < 2]", Ok(8)),
+            ("X[#<]>] ]", Ok(7)),
+            ("X[#<a]", Err((613, 1, 6))),
+            ("X[[1]", Err((611, 1, 5))),
+            ("XATAN[1]/[2]Y", Ok(12)),
+            ("XATAN[1]/2", Err((610, 10, 10))),
+            ("XATAN[1]/", Err((610, 9, 9))),
+            ("XATAN[1]2", Err((610, 1, 8))),
+            ("#1=2", Ok(4)),
+            ("#1 X2", Err((615, 0, 2))),
+        ] {
+            let found = extent(text.as_bytes(), 0);
+            let found = found.map_err(|error| (error.kind.code(), error.at, error.end));
+            assert_eq!(found, expected, "{text}");
+        }
+    }
+
+    /// The words of a line with their places, or its error.
+    #[test]
+    fn words_and_their_places() {
+        let read = |text: &str| {
+            let words: Result<Vec<_>, _> = program_words(text.as_bytes()).collect();
+            match words {
+                Ok(words) => Ok(words
+                    .iter()
+                    .map(|word| (word.letter, word.value.to_string(), word.at, word.end))
+                    .collect::<Vec<_>>()),
+                Err(error) => Err((error.kind, error.at, error.end)),
+            }
+        };
+        let word = |letter, value: &str, at, end| (letter, value.to_owned(), at, end);
+        assert_eq!(
+            read("/ X1 (a) #1=2 Y-2.5 Z[3] G#4 ; X9"),
+            Ok(vec![
+                word(b'X', "1", 2, 4),
+                word(b'Y', "-2.5", 14, 19),
+                word(b'Z', "1", 20, 24)
+            ])
+        );
+        let program = ErrorKind::Program;
+        for (text, kind, at, end) in [
+            ("X1 /Y2", ErrorKind::NotALetter(b'/'), 3, 4),
+            ("X1 ]", program(Fault::OpenBracket), 3, 4),
+            ("X1 [2]", program(Fault::OpenBracket), 3, 4),
+            ("X1 Y1.2.3", ErrorKind::MalformedNumber, 7, 9),
+            ("X1 (", ErrorKind::UnclosedComment, 3, 4),
+        ] {
+            assert_eq!(read(text), Err((kind, at, end)), "{text}");
+        }
+    }
+}

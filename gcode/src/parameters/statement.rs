@@ -198,3 +198,28 @@ pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
         end: cursor.end(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which lines steer, and whether their keyword is one; a label that is worked out passes unread.
+    #[test]
+    fn lines_that_steer() {
+        let shown = Dialect::RS274;
+        let executed = shown.with_block_delete(false);
+        for (line, dialect, expected) in [
+            ("o1 call", shown, Some(true)),
+            ("o1 cell", shown, Some(false)),
+            ("o#<nobody> call", shown, Some(true)),
+            ("o[1/0] call", shown, Some(true)),
+            ("/o1 call", shown, None),
+            ("/o1 call", executed, Some(true)),
+            ("X1", shown, None),
+            ("o1 call", Dialect::ISO, None),
+        ] {
+            let is_right = is_flow(line.as_bytes(), &dialect).map(|result| result.is_ok());
+            assert_eq!(is_right, expected, "{line}");
+        }
+    }
+}

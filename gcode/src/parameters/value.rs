@@ -602,6 +602,8 @@ mod tests {
             some("13333333333333.33333", false)
         );
         assert_eq!(value(-100, 2).stripped().to_string(), "-1");
+        let third = value(1, 0).divided_by(value(3, 0).marked_rounded());
+        assert_eq!(shown(third), some("0.333333333333333333", false));
     }
 
     /// Exact values differ by their last digit, rounded ones from 10^-9 on.
