@@ -212,6 +212,15 @@ mod tests {
     }
 
     #[test]
+    fn plating_is_told_by_a_name() {
+        assert_eq!(
+            hint("contents:Drill/Plated"),
+            Some(Hint::Plated(Some(true)))
+        );
+        assert_eq!(hint("Drill/Plated"), None);
+    }
+
+    #[test]
     fn formats_of_layout_programs() {
         assert_eq!(hint("FILE_FORMAT=2:4"), format(None, None, 2, 4));
         assert_eq!(hint("FILE_FORMAT = 4 : f"), None);
