@@ -17,7 +17,7 @@ assert qemu.stdout.readline().startswith(b"husillo send")
 try:
     for _ in range(5):
         time.sleep(1)
-        sent = subprocess.run([husillo, "send", program, "-m", "micromill", "--port", f"tcp:127.0.0.1:{port}"], capture_output=True, text=True)
+        sent = subprocess.run([husillo, "send", program, "-m", "micromill", "--port", f"tcp:127.0.0.1:{port}"], capture_output=True, text=True, timeout=200)
         # Not listening yet, or just booting.
         if not re.search("refused|was reset|stop:", sent.stderr):
             break

@@ -121,13 +121,6 @@ fn run(mill: &mut Mill<'_, 16, AHEAD, 64>, motors: &mut Motors<3, Sequencer>) ->
             }
             is_idle = false;
         }
-        unsent = unsent.or_else(|| mill.transmit());
-        if let Some(byte) = unsent {
-            if board::send(byte) {
-                unsent = None;
-            }
-            is_idle = false;
-        }
         let inputs = MillInputs {
             home: board::home(mill.position_steps()),
         };
@@ -136,10 +129,21 @@ fn run(mill: &mut Mill<'_, 16, AHEAD, 64>, motors: &mut Motors<3, Sequencer>) ->
                 push(&step, motors);
                 is_idle = false;
             }
-            Some(MillEvent::Spindle { direction, rpm }) => board::spindle(direction, rpm),
+            Some(MillEvent::Spindle { direction, rpm }) => {
+                board::spindle(direction, rpm);
+                is_idle = false;
+            }
             // The operator changes it: the host asks for it and waits.
-            Some(MillEvent::Tool { .. }) => {}
+            Some(MillEvent::Tool { .. }) => is_idle = false,
             None => {}
+        }
+        // Behind the events: a line that ends without one is told too before it sleeps.
+        unsent = unsent.or_else(|| mill.transmit());
+        if let Some(byte) = unsent {
+            if board::send(byte) {
+                unsent = None;
+            }
+            is_idle = false;
         }
         if is_idle {
             board::sleep(|| {
