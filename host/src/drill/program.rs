@@ -335,7 +335,7 @@ mod tests {
     }
 
     fn records(depths: bool) -> impl Strategy<Value = Vec<Record>> {
-        let depth = if depths { 1..=u16::MAX } else { 0..=0 };
+        let depth = if depths { 1..=STROKE_STEPS } else { 0..=0 };
         let record = prop_oneof![
             any::<u16>().prop_map(Record::X),
             any::<u16>().prop_map(Record::Y),
