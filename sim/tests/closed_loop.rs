@@ -204,7 +204,7 @@ proptest! {
         }
     }
 
-    /// Lost steps are given again: motors and tool end exactly where they should (within a count, where that is longer than a step), and
+    /// Lost steps are given again: motors and tool end exactly where they should (within two counts, where a count is longer than a step), and
     /// every loss is told, and told as right.
     #[test]
     fn corrected_moves_end_exactly(
@@ -214,7 +214,7 @@ proptest! {
         let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
         cell.program(&lines, push_at(&pushes));
-        let slack = steps.div_ceil(counts) as i32 - 1;
+        let slack = 2 * (steps.div_ceil(counts) as i32 - 1);
         // Pushed on, the nut stays within its play until the axis turns round.
         let is_pushed_on = |axis: usize| pushes.iter().any(|push| push.1 == axis);
         for (axis, end) in end.into_iter().enumerate() {
