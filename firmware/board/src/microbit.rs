@@ -1,4 +1,4 @@
-//! The BBC micro:bit, version 1: an nRF51822 with a Cortex-M0, 16 MHz (QEMU: `microbit`). The wiring is in the README.
+//! The BBC micro:bit, version 1: an nRF51822 with a Cortex-M0, 16 MHz (QEMU: `microbit`).
 //!
 //! TIMER0 counts microseconds freely and compares: waits follow each other without adding up what an interrupt takes.
 //: MEMORY
@@ -7,12 +7,10 @@
 //:   RAM   : ORIGIN = 0x20000000, LENGTH = 3840
 //: }
 
-use core::ptr::{read_volatile, write_volatile};
-
-use cortex_m::peripheral::NVIC;
-use husillo_gcode::SpindleDirection;
-
-use crate::shared::Shared;
+use crate::{
+    Shared, nvic,
+    registers::{read, set},
+};
 
 const UART: usize = 0x4000_2000;
 const STARTRX: usize = 0x000;
@@ -38,25 +36,19 @@ const CC1: usize = 0x544;
 const GPIO: usize = 0x5000_0000;
 const OUTSET: usize = 0x508;
 const OUTCLR: usize = 0x50c;
+const IN: usize = 0x510;
 const DIRSET: usize = 0x518;
+const PIN_CNF: usize = 0x700;
 const COMPARE0_INTERRUPT: u32 = 1 << 16;
-/// Pads 0, 1, 2, 8, 12, 16: PH of both phases of X, Y and Z.
-const PH: [u32; 6] = [1 << 3, 1 << 2, 1 << 1, 1 << 18, 1 << 20, 1 << 16];
-/// Pads 14 and 15: the spindle forwards and backwards.
-const FORWARDS: u32 = 1 << 22;
-const BACKWARDS: u32 = 1 << 21;
+/// P0.01 to P0.06, P0.11 and P0.12, pads 2, 1, 0, 3, 4, 10, 7, 6: the motors, from bit 0.
+const MOTORS: u32 = 0x3f << 1 | 3 << 11;
+/// P0.20 to P0.23, pads 12, 15, 14, 13: other outputs.
+const OUTPUTS: u32 = 0xf << 20;
+/// P0.16, P0.17, P0.18, P0.26, P0.10, pads 16, 5, 8, 11, 9: switches to ground.
+const INPUTS: [usize; 5] = [16, 17, 18, 26, 10];
+const PULLED_UP: u32 = 3 << 2;
 /// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for.
 const LEAST_US: u32 = 2;
-
-fn read(address: usize) -> u32 {
-    // Safety: the addresses here are those of the chip's registers.
-    unsafe { read_volatile(address as *const u32) }
-}
-
-fn set(address: usize, value: u32) {
-    // Safety: as above.
-    unsafe { write_volatile(address as *mut u32, value) }
-}
 
 /// When the last wait ended, and whether the transmitter is free.
 static LAST_US: Shared<u32> = Shared::new(0);
@@ -64,8 +56,10 @@ static IS_FREE: Shared<bool> = Shared::new(true);
 
 /// Pins, timer, UART, interrupts.
 pub fn start() {
-    let all = PH.iter().fold(FORWARDS | BACKWARDS, |all, bit| all | bit);
-    set(GPIO + DIRSET, all);
+    set(GPIO + DIRSET, MOTORS | OUTPUTS);
+    for pin in INPUTS {
+        set(GPIO + PIN_CNF + 4 * pin, PULLED_UP);
+    }
     set(TIMER + BITMODE, 3); // 32 bits
     set(TIMER + PRESCALER, 4); // 16 MHz / 2^4
     set(TIMER + TIMER_START, 1);
@@ -76,11 +70,8 @@ pub fn start() {
     set(UART + STARTRX, 1);
     set(UART + STARTTX, 1);
     set(UART + INTENSET, 1 << 2); // a byte received
-    // Safety: their handler is below.
-    unsafe {
-        NVIC::unmask(Irq(2));
-        NVIC::unmask(Irq(8));
-    }
+    nvic::unmask(2);
+    nvic::unmask(8);
 }
 
 /// Sends a byte, if the transmitter is free.
@@ -96,33 +87,32 @@ pub fn send(byte: u8) -> bool {
     })
 }
 
-/// The phases of the motors.
+/// The motors' pins.
+#[inline]
 pub fn write(levels: u8) {
-    let (mut high, mut low) = (0, 0);
-    for (place, bit) in (0..8_u32).zip(PH) {
-        if levels >> place & 1 == 1 {
-            high |= bit;
-        } else {
-            low |= bit;
-        }
-    }
-    set(GPIO + OUTCLR, low);
+    let levels = u32::from(levels);
+    let high = (levels & 0x3f) << 1 | (levels & 0xc0) << 5;
+    set(GPIO + OUTCLR, MOTORS & !high);
     set(GPIO + OUTSET, high);
 }
 
-/// The spindle's direction; its speed is set by hand.
-pub fn spindle(direction: SpindleDirection, _rpm: u16) {
-    set(GPIO + OUTCLR, FORWARDS | BACKWARDS);
-    match direction {
-        SpindleDirection::Off => {}
-        SpindleDirection::Clockwise => set(GPIO + OUTSET, FORWARDS),
-        SpindleDirection::CounterClockwise => set(GPIO + OUTSET, BACKWARDS),
-    }
+/// The other outputs.
+pub fn switch(outputs: u8) {
+    let high = u32::from(outputs) << 20 & OUTPUTS;
+    set(GPIO + OUTCLR, OUTPUTS & !high);
+    set(GPIO + OUTSET, high);
 }
 
-/// Home switches: a simulated board has none, so they close where the loads are 400 steps below zero. On a real one: three pins.
-pub fn home(position_steps: [i32; 3]) -> [bool; 3] {
-    position_steps.map(|steps| steps <= -400)
+/// The switches: 1 where one is closed.
+pub fn inputs(simulated: u8) -> u8 {
+    if cfg!(not(feature = "switches")) {
+        return simulated;
+    }
+    let open = read(GPIO + IN);
+    INPUTS
+        .iter()
+        .rev()
+        .fold(0, |closed, pin| closed << 1 | (!open >> pin & 1) as u8)
 }
 
 fn now_us() -> u32 {
@@ -157,26 +147,7 @@ pub fn wait(us: u32) {
 pub fn stop() {
     set(TIMER + INTENCLR, COMPARE0_INTERRUPT);
     set(TIMER + COMPARE0, 0);
-    NVIC::unpend(Irq(8));
-}
-
-/// Sleeps until an interrupt, while nothing has happened.
-pub fn sleep(nothing: impl Fn() -> bool) {
-    cortex_m::interrupt::free(|_| {
-        if nothing() {
-            cortex_m::asm::wfi();
-        }
-    });
-}
-
-#[derive(Clone, Copy)]
-struct Irq(u16);
-
-// Safety: numbers of this chip's vector table.
-unsafe impl cortex_m::interrupt::InterruptNumber for Irq {
-    fn number(self) -> u16 {
-        self.0
-    }
+    nvic::unpend(8);
 }
 
 #[cortex_m_rt::exception]
@@ -190,7 +161,7 @@ unsafe fn DefaultHandler(number: i16) {
         2 => {
             while read(UART + RXDRDY) != 0 {
                 set(UART + RXDRDY, 0);
-                crate::on_byte(read(UART + RXD) as u8);
+                crate::heard(read(UART + RXD) as u8);
             }
         }
         _ => {}

@@ -13,10 +13,12 @@
 
 use core::ptr::{read_volatile, write_volatile};
 
-use husillo_gcode::SpindleDirection;
 use riscv::interrupt::Interrupt;
 
-use crate::shared::Shared;
+use crate::{
+    Shared,
+    registers::{read, set},
+};
 
 const UART: usize = 0x1000_0000;
 const INTERRUPTS: usize = 1;
@@ -30,18 +32,8 @@ const TIME: usize = 0x0200_bff8;
 const COMPARE: usize = 0x0200_4000;
 const CLOCKS_PER_US: u64 = 10;
 
-fn read(address: usize) -> u32 {
-    // Safety: the addresses here are those of the board's registers.
-    unsafe { read_volatile(address as *const u32) }
-}
-
-fn set(address: usize, value: u32) {
-    // Safety: as above.
-    unsafe { write_volatile(address as *mut u32, value) }
-}
-
 fn read_byte(address: usize) -> u8 {
-    // Safety: as above.
+    // Safety: the UART's registers.
     unsafe { read_volatile(address as *const u8) }
 }
 
@@ -78,7 +70,8 @@ pub fn send(byte: u8) -> bool {
     is_free
 }
 
-/// The phases of the motors.
+/// The motors' levels.
+#[inline]
 pub fn write(levels: u8) {
     LEVELS.with(|[motors, _]| {
         // Safety: an exclusive reference. Volatile: somebody may look at it.
@@ -86,17 +79,17 @@ pub fn write(levels: u8) {
     });
 }
 
-/// The spindle's direction.
-pub fn spindle(direction: SpindleDirection, _rpm: u16) {
-    LEVELS.with(|[_, spindle]| {
+/// The other outputs.
+pub fn switch(outputs: u8) {
+    LEVELS.with(|[_, others]| {
         // Safety: as above.
-        unsafe { write_volatile(spindle, direction as u8) }
+        unsafe { write_volatile(others, outputs) }
     });
 }
 
-/// Home switches: a simulated board has none, so they close where the loads are 400 steps below zero. On a real one: three pins.
-pub fn home(position_steps: [i32; 3]) -> [bool; 3] {
-    position_steps.map(|steps| steps <= -400)
+/// There are no switches.
+pub fn inputs(simulated: u8) -> u8 {
+    simulated
 }
 
 fn now() -> u64 {
@@ -129,15 +122,6 @@ pub fn stop() {
     unsafe { riscv::register::mie::clear_mtimer() };
 }
 
-/// Sleeps until an interrupt, while nothing has happened.
-pub fn sleep(nothing: impl Fn() -> bool) {
-    critical_section::with(|_| {
-        if nothing() {
-            riscv::asm::wfi();
-        }
-    });
-}
-
 #[riscv_rt::core_interrupt(Interrupt::MachineTimer)]
 fn timer() {
     stop();
@@ -148,7 +132,7 @@ fn timer() {
 fn external() {
     let source = read(PLIC_CLAIM);
     while read_byte(UART + LINE_STATUS) & 1 != 0 {
-        crate::on_byte(read_byte(UART));
+        crate::heard(read_byte(UART));
     }
     set(PLIC_CLAIM, source);
 }

@@ -1,0 +1,15 @@
+//! The build script of a firmware: which linker scripts its runtime has. The memory map is the board's.
+use std::env;
+
+fn main() {
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+    if env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("arm") {
+        println!("cargo:rustc-link-arg-bins=--nmagic");
+    } else {
+        // The link.x of riscv-rt does not include it.
+        println!("cargo:rustc-link-arg-bins=-Tmemory.x");
+    }
+    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+}

@@ -1,0 +1,85 @@
+//! What the firmwares have in common: a board, and what is the same on all of them.
+//!
+//! ```text
+//! UART interrupt ──► on_byte, received ──► foreground ──push──► Steps ──► on_time, the step interrupt ──► pins
+//!                                               ▲                 │
+//!                                               └──── how many were made
+//! ```
+//!
+//! All that belongs to a board is one file with clocks, pins, UART, timer, and in its lines with `//:` the memory map. Those here are chosen by
+//! the target; another is a copy of one of them, named by its path in the environment: `BOARD=my_board.rs`. It has
+//!
+//! | function | does |
+//! | --- | --- |
+//! | `start()` | pins, timer, UART, interrupts |
+//! | `send(byte) -> bool` | sends a byte, if the transmitter is free |
+//! | `write(levels: u8)` | the motors' pins; called by the step interrupt |
+//! | `switch(outputs: u8)` | up to four other outputs: spindle, current |
+//! | `inputs(simulated: u8) -> u8` | up to five switches, 1 for closed |
+//! | `wait(us: u32)` | calls `on_time` so many microseconds after the last time, or at once where that has passed |
+//! | `stop()` | ends the wait |
+//!
+//! and calls `on_time` when a wait is over and `heard` when a byte has come. A firmware has `on_time` and `on_byte`:
+//!
+//! ```ignore
+//! #[unsafe(no_mangle)]
+//! fn on_time() { /* a wait is over */ }
+//!
+//! #[unsafe(no_mangle)]
+//! fn on_byte(byte: u8) { /* what cannot wait until the foreground asks for it */ }
+//! ```
+#![no_std]
+
+include!(concat!(env!("OUT_DIR"), "/chosen.rs"));
+#[cfg(target_arch = "arm")]
+mod nvic;
+mod panic;
+mod registers;
+mod shared;
+mod steps;
+
+pub use chosen::{inputs, send, start, stop, switch, wait, write};
+pub use shared::Shared;
+pub use steps::{Step, Steps};
+
+#[cfg(target_arch = "arm")]
+pub use cortex_m_rt::entry;
+#[cfg(target_arch = "riscv32")]
+pub use riscv_rt::entry;
+
+#[cfg(target_arch = "arm")]
+use cortex_m::asm::wfi;
+#[cfg(target_arch = "riscv32")]
+use riscv::asm::wfi;
+
+use heapless::spsc::Queue;
+
+// Safety: the firmware defines them so.
+unsafe extern "Rust" {
+    safe fn on_time();
+    safe fn on_byte(byte: u8);
+}
+
+/// Bytes of the line. A host has a few of them on the way at a time.
+static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());
+
+/// A byte has come: of the UART's interrupt.
+fn heard(byte: u8) {
+    on_byte(byte);
+    // Without room it is lost, and its echo with it.
+    HEARD.with(|heard| heard.enqueue(byte).ok());
+}
+
+/// The oldest byte that has come and was not taken yet.
+pub fn received() -> Option<u8> {
+    HEARD.with(|heard| heard.dequeue())
+}
+
+/// Sleeps until an interrupt, unless a byte has come or something else has happened.
+pub fn sleep(nothing: impl Fn() -> bool) {
+    critical_section::with(|_| {
+        if HEARD.with(|heard| heard.is_empty()) && nothing() {
+            wfi();
+        }
+    });
+}

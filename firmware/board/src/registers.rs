@@ -1,0 +1,15 @@
+//! Registers of the chip.
+
+use core::ptr::{read_volatile, write_volatile};
+
+/// Reads a register.
+pub fn read(address: usize) -> u32 {
+    // Safety: the boards' files name registers of their chips only.
+    unsafe { read_volatile(address as *const u32) }
+}
+
+/// Writes a register.
+pub fn set(address: usize, value: u32) {
+    // Safety: as above.
+    unsafe { write_volatile(address as *mut u32, value) }
+}
