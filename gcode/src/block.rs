@@ -386,12 +386,6 @@ impl Block {
         })
     }
 
-    /// Whether an increment (U, V, W) is given.
-    #[inline]
-    pub(crate) const fn has_increments(&self) -> bool {
-        EXTENDED && (self.present >> INCREMENTS) & 0b111 != 0
-    }
-
     /// Bit n: the word of axis n is given.
     pub(crate) fn axes(&self) -> u16 {
         // The slots of U, V and W are those of X, Y and Z in the same order.

@@ -369,13 +369,13 @@ impl<const N: usize> Compensation<N> {
         out: &mut Freed<N>,
     ) -> Result<Vector, ErrorKind> {
         let (sine, cosine) = turn(before.course.last, course.first);
-        // How far the two offset points of the corner are apart, for small turns.
+        // How far the two offset points of the corner are apart: little in small turns, or with a tool of no size.
         let gap = length(minus(before.course.end, course.start));
-        if cosine > 0 && gap <= 2 {
+        if gap <= 2 {
             self.flush(None, out);
             return Ok(before.course.end);
         }
-        let is_inside = (sine < 0) == (active.by < 0) && sine != 0 && gap > 2;
+        let is_inside = (sine < 0) == (active.by < 0) && sine != 0;
         if is_inside {
             let point = common(active, &before.course, course, corner).ok_or(ErrorKind::Gouge)?;
             if !before.course.reaches(point) || !course.reaches(point) {

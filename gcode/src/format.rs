@@ -175,8 +175,8 @@ impl<'a> Formatted<'a> {
                 .map_or(1, <[u8]>::len),
             b';' if !self.strings => rest.len(),
             #[cfg(feature = "parameters")]
-            b'#' if self.kind == Kind::Expressions => {
-                // Checked before: there is an end.
+            b'#' => {
+                // Checked before: the line is one of expressions, and there is an end.
                 let end = extent(self.text, self.at).unwrap_or(self.text.len());
                 end.wrapping_sub(self.at)
             }

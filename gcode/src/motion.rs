@@ -205,7 +205,8 @@ impl<const N: usize> Modal<N> {
         terms: Terms,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        if ROOMY && !self.is_diameter() && !block.has_increments() {
+        // Increments (U, V, W) are words of code system A alone, where X is always a diameter.
+        if ROOMY && !self.is_diameter() {
             return self.read_end(block, terms, &mut commands.arc.to);
         }
         commands.arc.to = self.modes.position;

@@ -91,6 +91,17 @@ fn follows_linuxcnc() {
 }
 
 #[test]
+fn a_tool_of_no_size_follows_the_contour() {
+    // A square, a way back, and an arc at its corner: no arcs of radius zero are put between.
+    let lines = ["G1 X5", "Y5", "X0", "X3", "G2 X5 Y3 J-2", "G1 X9"];
+    for start in ["G21 F100 G41.1 D0", "G21 F100 G42.1 D0"] {
+        let [plain, compensated] =
+            [&["G21 F100"][..], &[start][..]].map(|start| text(&[start, &lines[..]].concat()));
+        assert_eq!(plain, compensated);
+    }
+}
+
+#[test]
 fn refuses_what_the_tool_cannot_do() {
     let fault = |lines: &[&str]| run(lines).unwrap_err();
     let start = "G21 F100 G41.1 D0.25";

@@ -576,6 +576,7 @@ fn patterns_out_of_order() {
         ("M08", 4, PatternOrder),
         ("M25\nX1.\nM02X1.", 6, PatternOrder),
         ("M25\nM25", 5, PatternOrder),
+        ("M25\nX1.\nM01M02X1.", 6, PatternOrder),
         ("M25\nX1.\nM01\nX2.", 7, PatternOrder),
         ("M25\nX1.\nM01\nR3", 7, PatternOrder),
         ("M25\nX1.\nM01\nX1.M02", 7, PatternOrder),

@@ -368,6 +368,26 @@ fn bytes_beside_letters() {
     }
 }
 
+/// A number of too many digits is shown from its first one, whatever stands around it.
+#[test]
+fn numbers_too_long_begin_at_their_digits() {
+    let digits = "12345678901234567890123";
+    for (head, at) in [("X", 1), ("X  ", 3), ("(ab)X", 5), ("Y1 X \t", 6)] {
+        for blank in ["", " "] {
+            // A blank inside of the number, too.
+            let line = format!("{head}1{blank}{digits}");
+            let by_push = line.bytes().chain([b'\n']);
+            let mut reader = WordReader::new();
+            let pushed = by_push
+                .filter_map(|byte| reader.push(byte))
+                .find_map(Result::err);
+            let read = words(line.as_bytes()).find_map(Result::err);
+            assert_eq!(pushed, read, "{line}");
+            assert_eq!(read.map(|error| error.at), Some(at), "{line}");
+        }
+    }
+}
+
 /// A checksum stands behind comments and brackets, and before a comment at the end; its digits are digits.
 #[test]
 fn where_a_checksum_stands() {

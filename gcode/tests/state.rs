@@ -253,11 +253,14 @@ fn what_is_told_besides() {
 #[test]
 fn rotary_axes_have_no_inches() {
     for line in ["G0 A10", "G53 G0 A10", "G0 X1 A10", "G91 G0 A10"] {
-        let mut modal = Modal::<4>::new(Dialect::RS274);
-        for line in ["G20", line] {
-            let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
-            modal = modal.plan(&block).expect(line).0;
+        // With X as a diameter, axes are read one by one.
+        for units in ["G20", "G20 G7"] {
+            let mut modal = Modal::<4>::new(Dialect::RS274);
+            for line in [units, line] {
+                let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+                modal = modal.plan(&block).expect(line).0;
+            }
+            assert_eq!(modal.position()[3], Nm(10_000_000), "{units} {line}");
         }
-        assert_eq!(modal.position()[3], Nm(10_000_000), "{line}");
     }
 }

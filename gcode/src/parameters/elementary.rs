@@ -306,7 +306,7 @@ pub(super) fn cosine(angle: Value) -> Option<Value> {
 /// TAN of degrees: within 10^-15 and (1 + tan^2) 10^-17; `None` where it is infinite.
 pub(super) fn tangent(angle: Value) -> Option<Value> {
     let (sine, cosine, exact) = sine_and_cosine(angle)?;
-    if cosine == 0 || (exact && cosine.unsigned_abs() < ONE.unsigned_abs() >> 1) {
+    if cosine == 0 {
         return None;
     }
     if exact {
