@@ -2,7 +2,7 @@
 
 use husillo_machine::{ServoInputs, ServoModule};
 use husillo_transports::nmc::{
-    Baud, Command, Gains, Group, Homing, Items, Mode, Reset, Stop, StopWay, Trajectory,
+    Baud, Command, Gains, Group, Homing, Items, Mode, Order, Reset, Stop, StopWay, Trajectory,
 };
 
 use crate::bytes::Bytes;
@@ -16,11 +16,30 @@ struct Bench {
     inputs: ServoInputs,
     /// Pulls the motor along with the drive, or not at all.
     follows: bool,
+    bounds: Bounds,
+}
+
+/// What the module was told of its drive, followed from order to order: bounds that only grow would soon allow everything.
+#[derive(Default)]
+struct Bounds {
+    output_limit: u8,
+    error_limit: u32,
+    rate_divisor: u8,
+    /// What a servo of a divided rate may still hold of its last sample, under the limits of then, and for how many periods.
+    held: u8,
+    held_periods: u8,
+    /// The duty loaded last, and whether a start would make it the drive.
+    duty: u8,
+    is_duty_loaded: bool,
+    /// The duty started last, unless the servo is on.
+    started: u8,
 }
 
 /// A module gets packets, sound and damaged, in any order, while its motor follows, sticks, loses its supply or meets a switch.
 ///
-/// - The drive never exceeds the output limit in force, and is nothing while amplifier, supply or servo are off and no PWM is set.
+/// - The drive never exceeds the output limit in force (of a divided rate: from the next sample on), or the duty that was started; it is nothing while amplifier, supply
+///   or servo are off and no PWM is set.
+/// - A servo that is on is never farther from its command than the error limit in force.
 /// - A trapezoid never commands a position outside of where it began and where it goes.
 /// - A switch that a search waits for latches where the motor is and stops it there: nothing is commanded beyond.
 /// - A damaged packet changes nothing but the reply.
@@ -36,9 +55,8 @@ pub fn servo(data: &[u8]) {
             ..ServoInputs::default()
         },
         follows: true,
+        bounds: Bounds::default(), // gains are 0 after power-up
     };
-    let mut limit = 0_u8; // of the output: gains are 0 after power-up
-    let mut pwm = None;
     for _ in 0..64 {
         if bytes.is_empty() {
             break;
@@ -49,7 +67,6 @@ pub fn servo(data: &[u8]) {
                 for _ in 0..bytes.byte() % 24 {
                     module.link().push(bytes.byte());
                 }
-                (limit, pwm) = (255, Some(255)); // they may have been anything
             }
             1 => {
                 let mut deaf = module;
@@ -72,18 +89,9 @@ pub fn servo(data: &[u8]) {
                 // The motor is turned by hand, or the encoder loses its place.
                 bench.counts = bench.counts.wrapping_add(bytes.i32());
             }
-            4 => {
-                limit = 255;
-                trapezoid(&mut module, &mut bench, &mut bytes);
-            }
+            4 => trapezoid(&mut module, &mut bench, &mut bytes),
             _ => {
                 let command = command(&mut bytes);
-                match command {
-                    // A module takes gains out of range as well: none of its limits is among them.
-                    Command::SetGain(gains) => limit = limit.max(gains.output_limit),
-                    Command::LoadTrajectory(load) => pwm = pwm.max(load.pwm),
-                    _ => {}
-                }
                 let address = module.link().address();
                 for byte in command.frame(address).bytes() {
                     module.link().push(*byte);
@@ -91,19 +99,24 @@ pub fn servo(data: &[u8]) {
             }
         }
         for _ in 0..1 + bytes.byte() % 8 {
-            let drive = bench.tick(&mut module);
-            let most = limit.max(pwm.unwrap_or_default());
-            assert!(drive <= most, "{drive} above {most}");
+            bench.tick(&mut module);
         }
     }
 }
 
 impl Bench {
-    /// A period; the size of the drive.
-    fn tick(&mut self, module: &mut ServoModule) -> u8 {
+    /// A period.
+    fn tick(&mut self, module: &mut ServoModule) {
         self.inputs.counts = self.counts;
+        // The motor is driven before the order that has come is carried out.
+        let order = { *module.link() }.take();
         let output = module.tick(&self.inputs);
         while module.link().transmit().is_some() {}
+        self.bounds.check(module, output.drive.pwm);
+        match order {
+            Some(order) => self.bounds.follow(order),
+            None => self.bounds.check_error(module),
+        }
         if !output.amplifier {
             assert_eq!(output.drive.pwm, 0, "the amplifier is off");
         }
@@ -117,7 +130,59 @@ impl Bench {
             let ahead = axis.commanded().wrapping_sub(axis.position());
             self.counts = self.counts.wrapping_add(ahead);
         }
-        output.drive.pwm
+    }
+}
+
+impl Bounds {
+    /// A drive that was given, before the order of this period is followed.
+    fn check(&mut self, module: &ServoModule, drive: u8) {
+        let most = self.output_limit.max(self.started).max(self.held);
+        assert!(drive <= most, "{drive} above {most}");
+        if module.axis().status().is_on {
+            self.started = 0;
+        }
+        self.held_periods = self.held_periods.saturating_sub(1);
+        if self.held_periods == 0 {
+            self.held = 0;
+        }
+    }
+
+    /// A period without an order, which might have switched the servo on after its error was looked at, or given it another place.
+    fn check_error(&self, module: &ServoModule) {
+        let axis = module.axis();
+        if axis.status().is_on && self.rate_divisor <= 1 && self.held_periods == 0 {
+            let error = axis.commanded().wrapping_sub(axis.position());
+            let most = self.error_limit;
+            assert!(error.unsigned_abs() <= most, "{error} counts of {most}");
+        }
+    }
+
+    fn follow(&mut self, order: Order) {
+        match order {
+            Order::Servo(Command::SetGain(gains)) => {
+                self.held = self.held.max(self.output_limit);
+                self.held_periods = self.held_periods.max(self.rate_divisor);
+                self.output_limit = gains.output_limit;
+                self.error_limit = gains.error_limit.min(0x7FFF).into();
+                self.rate_divisor = gains.rate_divisor;
+            }
+            Order::Servo(Command::LoadTrajectory(load)) => {
+                self.duty = load.pwm.unwrap_or(self.duty);
+                self.is_duty_loaded = load.mode == Mode::Pwm;
+                if load.start_now {
+                    self.start();
+                }
+            }
+            Order::Servo(Command::StartMotion) => self.start(),
+            Order::Reset(_) => *self = Self::default(),
+            _ => {}
+        }
+    }
+
+    fn start(&mut self) {
+        if self.is_duty_loaded {
+            (self.started, self.is_duty_loaded) = (self.duty, false);
+        }
     }
 }
 

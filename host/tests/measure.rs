@@ -524,6 +524,7 @@ fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
     let text = "goto x 0 y 0 z 0\ntouch a +x within 10\ngoto x 0\ngoto x 0 y 20 z -5\ntouch b +x within 5\n";
     std::fs::write(&path, text).unwrap();
     // b ends at 2500 counts.
+    let mut latched = 0;
     for face in ["2498", "2499", "2500", "2501", "2502"] {
         let contact = format!("1:{face}");
         let output = husillo()
@@ -541,10 +542,21 @@ fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
             .unwrap();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         if output.status.success() {
+            // The face to the count, and Y and Z where they were held: nothing of touch a.
             let found: Value = serde_json::from_slice(&output.stdout).unwrap();
-            let y = found["features"][1].to_string();
-            let a = found["features"][0].to_string();
-            assert!(y.contains("20.0") || y.contains("19.99"), "{face}: {a} {y}");
+            let b = &found["features"][1];
+            assert_eq!((&b["feature"], &b["touches"]), (&"b".into(), &1.into()));
+            let at = &b["points"][0];
+            near(&at["x"], face.parse::<f64>().unwrap() * 0.002, 1e-9);
+            near(&at["y"], 20.0, 0.002);
+            near(&at["z"], -5.0, 0.002);
+            let dimensions = b["dimensions"].as_array().unwrap();
+            assert_eq!(dimensions.len(), 3, "{b}");
+            for (dimension, axis) in dimensions.iter().zip(["x", "y", "z"]) {
+                assert_eq!(dimension["figure"], axis);
+                assert_eq!(dimension["actual"], at[axis]);
+            }
+            latched += 1;
         } else {
             assert!(
                 told.contains("contact, not latched") || told.contains("no contact"),
@@ -552,6 +564,7 @@ fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
             );
         }
     }
+    assert!(latched > 0, "none was latched");
     // Two faces, the touch of one after the touch of the other.
     for far in ["7998", "7999", "8000", "8001"] {
         let contact = format!("1:{far}");
@@ -580,7 +593,7 @@ fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
         match rows[2]["trigger"].as_f64() {
-            Some(trigger) => assert!((trigger - far.parse::<f64>().unwrap()).abs() <= 1.0),
+            Some(trigger) => assert_eq!(trigger, far.parse::<f64>().unwrap()),
             None => assert!(
                 told.contains("contact, not latched") || told.contains("no contact"),
                 "{far}: {told}"
