@@ -1,7 +1,7 @@
 //! Arcs: their centre, and how far the end is off the circle through the start. All in integers.
 
-use crate::block::Letters;
 use crate::fault::{Fault, Reason};
+use crate::letters::Letters;
 use crate::modal::coordinate;
 use crate::nm::Nm;
 use crate::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};

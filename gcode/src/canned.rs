@@ -1,7 +1,7 @@
 //! Canned cycles: what a block says about them, and the words they keep.
 
 use crate::arc::Plane;
-use crate::block::{Block, axis_letter};
+use crate::block::Block;
 use crate::code::{Code, Group};
 use crate::command::{PathMode, SpindleDirection};
 use crate::commands::Commands;
@@ -9,7 +9,9 @@ use crate::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle};
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
 use crate::kind::Kind;
-use crate::modal::{Distance, FeedMode, Modal, Sticky, coordinate, shifted};
+use crate::letters::axis_letter;
+use crate::modal::{Modal, coordinate, shifted};
+use crate::modes::{Distance, FeedMode, Sticky};
 use crate::nm::Nm;
 use crate::settings::{unsigned, whole};
 use crate::thread::{MOST_PASSES, Passes, tangent};

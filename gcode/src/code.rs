@@ -1,8 +1,8 @@
 //! The G and M codes of the list, their modal groups, and the dialects that have them.
 
-use crate::block::Letters;
 use crate::dialect::Flavour;
 use crate::kind::Kind;
+use crate::letters::Letters;
 use crate::number::of_number;
 
 /// The side of the contour on which the tool is, seen along the move.

@@ -1,8 +1,8 @@
 //! Commands: what a block means, in the machine frame, with nothing left to look up.
 
 use crate::arc::{Arc, Direction, Plane};
-use crate::block::axis_letter;
 use crate::code::Side;
+use crate::letters::axis_letter;
 use crate::nm::Nm;
 use core::fmt;
 

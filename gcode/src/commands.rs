@@ -9,7 +9,7 @@ use crate::command::{Command, Feed, PathMode, SpindleDirection};
 use crate::command::{Input, Spline, Switch, WaitFor};
 #[cfg(feature = "extended")]
 use crate::cycle::{Cycle, Holes};
-use crate::modal::Modes;
+use crate::modes::Modes;
 use crate::nm::Nm;
 
 /// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a canned cycle makes

@@ -1,8 +1,8 @@
 //! What differs between the programs of different machines.
 
-use crate::block::Letters;
 use crate::code::EXTENDED;
 use crate::framing::Framing;
+use crate::letters::Letters;
 
 /// A dialect of G-code: plain data, compared and copied freely.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]

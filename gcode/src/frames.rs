@@ -1,13 +1,15 @@
 //! Frames and tools: G10, G28 and G30, G43 and G49, G92, and the sides of G41 and G42.
 
-use crate::block::{AXES, Block, axis_letter};
+use crate::block::Block;
 #[cfg(feature = "extended")]
 use crate::code::Side;
 use crate::code::{Code, EXTENDED, Group};
 use crate::commands::Commands;
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
-use crate::modal::{Modal, Units, coordinate};
+use crate::letters::{AXES, axis_letter};
+use crate::modal::{Modal, coordinate};
+use crate::modes::Units;
 use crate::nm::Nm;
 use crate::settings::missing;
 #[cfg(feature = "extended")]

@@ -1,6 +1,6 @@
 //! Which canned cycles there are.
 
-use crate::block::Letters;
+use crate::letters::Letters;
 
 /// Which cycle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]

@@ -42,11 +42,15 @@ mod wide;
 mod decimal;
 mod error;
 mod fault;
+mod numeral;
+mod scanner;
 mod word;
 mod word_reader;
 
 mod framing;
 mod line_reader;
+
+mod letters;
 
 mod code;
 mod dialect;
@@ -67,8 +71,10 @@ mod commands;
 #[cfg(feature = "extended")]
 mod compensation;
 mod modal;
+mod modes;
 #[cfg(feature = "extended")]
 mod offset;
+mod state;
 
 #[cfg(feature = "extended")]
 mod canned;
@@ -104,7 +110,8 @@ pub use framing::{Framing, FramingError, Receiver, Rule};
 pub use kind::Kind as Cycle;
 pub use line::Line;
 pub use line_reader::{LineReader, LineTooLong};
-pub use modal::{Distance, FeedMode, Modal, Motion, Units};
+pub use modal::Modal;
+pub use modes::{Distance, FeedMode, Motion, Units};
 pub use nm::{Measure, Nm};
 pub use tools::Tool;
 pub use word::{Token, Tokens, Word, Words, tokens, words};

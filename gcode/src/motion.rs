@@ -1,7 +1,7 @@
 //! What moves: who gets the axis words, G0 to G3, G53 and G38.
 
 use crate::arc::{self, Arc, Direction, Plane};
-use crate::block::{Block, Letters};
+use crate::block::Block;
 use crate::code::{Code, Group, ROOMY};
 use crate::command::Feed;
 #[cfg(feature = "extended")]
@@ -11,7 +11,9 @@ use crate::decimal::Decimal;
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
 use crate::frames::Terms;
-use crate::modal::{Distance, FeedMode, Modal};
+use crate::letters::Letters;
+use crate::modal::Modal;
+use crate::modes::{Distance, FeedMode};
 use crate::nm::Nm;
 use crate::wide::Ratio;
 

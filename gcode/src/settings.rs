@@ -12,7 +12,8 @@ use crate::commands::Plain;
 use crate::decimal::Decimal;
 use crate::dialect::Flavour;
 use crate::fault::{Fault, Reason};
-use crate::modal::{Modal, Units};
+use crate::modal::Modal;
+use crate::modes::Units;
 use crate::nm::Nm;
 
 /// `value * 10^exponent` as an unsigned number.

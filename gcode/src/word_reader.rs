@@ -2,7 +2,9 @@
 
 use crate::decimal::Decimal;
 use crate::error::{Error, ErrorKind};
-use crate::word::{Before, Word, ZERO, is_end};
+use crate::numeral::ZERO;
+use crate::scanner::{Before, is_end};
+use crate::word::Word;
 
 /// Reads words from bytes as they come: what [`words`](crate::words) gives for each line, with nothing kept of the line but the
 /// word that is being read. 72 bytes of state on a 32-bit machine.

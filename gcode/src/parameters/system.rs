@@ -4,7 +4,8 @@ use super::value::Value;
 use crate::arc::Plane;
 use crate::code::Side;
 use crate::command::SpindleDirection;
-use crate::modal::{Distance, FeedMode, Modal, Motion, Units};
+use crate::modal::Modal;
+use crate::modes::{Distance, FeedMode, Motion, Units};
 use crate::nm::Nm;
 
 /// What expressions can ask of the machine: positions, the work system, the tool. They read it at the line they stand
