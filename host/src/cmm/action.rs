@@ -144,6 +144,7 @@ fn named(word: &str) -> Option<(usize, &str)> {
 fn seconds(text: &str) -> Result<f64, String> {
     match quantity::parse(text) {
         Ok(Quantity::Time(us)) if us.num >= 0 => Ok(us.num as f64 / us.den as f64 / 1e6),
+        _ if text.is_empty() => Err("`jog` how long? As in `jog +x 2s`".into()),
         _ => Err(format!(
             "`jog` how long? `{text}` is no time; as in `jog +x 2s`"
         )),

@@ -2,7 +2,7 @@
 
 use super::piece::Piece;
 use crate::diagnostics::Finding;
-use crate::machine_file::{LoadError, read_text};
+use crate::machine_file::LoadError;
 use crate::quantity::{self, Quantity};
 use crate::table::{Table, document};
 use husillo_sim::{Bore, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
@@ -17,7 +17,11 @@ const POINT: &str = "expected three lengths, as in [\"10 mm\", \"0 mm\", \"-5 mm
 ///
 /// The file cannot be read, or has mistakes.
 pub fn load(path: &str) -> Result<Piece, LoadError> {
-    let text = read_text(path, "work piece", "files such as examples/piece.toml")?;
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        LoadError::File(format!(
+            "no work piece `{path}`: {error}; a file such as examples/piece.toml describes one"
+        ))
+    })?;
     parse(path, &text).map_err(LoadError::Findings)
 }
 
