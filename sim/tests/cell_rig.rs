@@ -1,8 +1,9 @@
 //! The microfactory's controller against its mechanics, chips and coils among them.
 
-use husillo_machine::{Cell, CellConfig, CellEvent, CellReport};
+use husillo_machine::{Cell, CellConfig, CellEvent, CellReport, StepEvent};
 use husillo_sim::CellRig;
-use husillo_transports::byte_commands::{ByteCommands, ByteTable};
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable};
+use proptest::prelude::*;
 
 const TRIANGLE: [[i16; 2]; 3] = [[1000, 0], [-500, 500], [-500, -500]];
 
@@ -71,4 +72,64 @@ fn the_originals_reset_costs_steps() {
     });
     assert_ne!([x, z], [400, -5]);
     assert!((x - 400).abs() <= 8 && (z + 5).abs() <= 8, "{x} {z}");
+}
+
+/// Everything that a command leads to: the reports.
+fn carry_out(
+    cell: &mut Cell<[[i16; 2]; 3]>,
+    rig: &mut CellRig,
+    command: ByteCommand,
+) -> Vec<CellReport> {
+    assert!(cell.command(command), "{command:?}");
+    send(&mut ByteCommands::new(ByteTable::DEFAULT), cell, rig, &[])
+}
+
+/// Axes so far above their switches, then turned by hand there and back: the nuts lie on either flank, or between.
+fn stood_anywhere(config: &CellConfig, above: [u16; 3], turns: [[i16; 3]; 2]) -> CellRig {
+    let mut rig = CellRig::new(config, above, 10_000);
+    rig.apply(&CellEvent::Enable(true));
+    for (axis, turn) in turns.iter().flat_map(|turns| turns.iter().enumerate()) {
+        for _ in 0..turn.unsigned_abs() {
+            let mut delta = [0; 4];
+            delta[axis] = turn.signum() as i8;
+            rig.apply(&CellEvent::Step(StepEvent {
+                wait_ticks: 10_000,
+                delta,
+            }));
+        }
+    }
+    rig.apply(&CellEvent::Enable(false));
+    rig
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// From any flank, at any distance, with the switches closed or open: home is the same place, and from there the load goes as far as
+    /// it is told.
+    #[test]
+    fn home_is_the_same_place_from_anywhere(
+        above in [0..450_u16, 0..450_u16, 0..450_u16],
+        there in [-350..350_i16, -350..350_i16, -350..350_i16],
+        back in [-350..350_i16, -350..350_i16, -350..350_i16],
+    ) {
+        let config = CellConfig::ORIGINAL;
+        let mut rig = stood_anywhere(&config, above, [there, back]);
+        let place = |rig: &CellRig| -> [i32; 3] {
+            let [x, y, z, _] = rig.tool();
+            let [over_x, over_y, over_z] = above.map(i32::from);
+            [x + over_x, y + over_y, z + over_z]
+        };
+        // Farther behind a switch than the way back off it is the operator's.
+        prop_assume!(place(&rig).iter().all(|place| *place > -190));
+        let mut cell = Cell::new(config, TRIANGLE);
+        let reports = carry_out(&mut cell, &mut rig, ByteCommand::Home);
+        prop_assert_eq!(reports, [CellReport::Homed]);
+        prop_assert_eq!(place(&rig), [200; 3]);
+        for (motor, forward, count) in [(0, true, 9), (2, false, 30), (0, false, 40), (1, false, 7), (2, true, 3)] {
+            carry_out(&mut cell, &mut rig, ByteCommand::Steps { motor, forward, count });
+        }
+        prop_assert_eq!(place(&rig), [169, 193, 173]);
+        prop_assert_eq!(&cell.position_steps()[..3], &[-31, -7, -27]);
+    }
 }

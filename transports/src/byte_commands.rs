@@ -60,6 +60,13 @@ pub enum ByteCommand {
     Ask,
 }
 
+impl ByteCommand {
+    /// Whether it begins or ends a motion: what the machine's controller takes or refuses. The others concern the stored figure, or ask.
+    pub const fn is_a_motion(self) -> bool {
+        !matches!(self, Self::Clear | Self::Line(_) | Self::Keep | Self::Ask)
+    }
+}
+
 /// Where the reading of bytes stands.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Mode {
@@ -156,6 +163,13 @@ impl ByteCommands {
     pub const fn reset(&mut self) {
         self.mode = Mode::None;
         self.loading = None;
+    }
+
+    /// A home switch has ended what moved: a mode has to be chosen anew, so that a host that has not seen it does not send the axis there again.
+    pub const fn leave_mode(&mut self) {
+        if let Mode::Manual(_) | Mode::Steps | Mode::Count(..) | Mode::Ready { .. } = self.mode {
+            self.mode = Mode::None;
+        }
     }
 
     /// A byte from the line; `is_moving`: a motor turns.
@@ -369,6 +383,23 @@ mod tests {
         assert_eq!(link.receive(b'Y', false).command, forward);
         assert_eq!(link.receive(b'y', true).command, None);
         assert_eq!(link.receive(b'Y', true).command, forward);
+    }
+
+    #[test]
+    fn behind_a_switch_a_mode_is_chosen_anew() {
+        let mut link = ByteCommands::new(ByteTable::DEFAULT).acknowledging();
+        for (mode, letter) in [(b"J", b'x'), (b"N", b'x')] {
+            link.receive(mode[0], false);
+            assert_eq!(link.receive(letter, false).reply, Some(letter));
+            link.leave_mode();
+            assert_eq!(link.receive(letter, false).reply, Some(REJECTED));
+            link.receive(mode[0], false);
+            assert_eq!(link.receive(letter, false).reply, Some(letter));
+            link.leave_mode();
+        }
+        link.receive(b'!', false);
+        link.leave_mode();
+        assert_eq!(link.receive(b'H', false).reply, Some(REJECTED));
     }
 
     #[test]

@@ -10,8 +10,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Longest wait for an answer: two bytes of 1.04 ms, and a computer that is busy.
-const ANSWER: Duration = Duration::from_millis(200);
+/// Longest wait for an answer of two bytes, 2.08 ms, and the silence after which nothing of one is on the way any more.
+const IN_SIMULATED_TIME: Waits = Waits {
+    answer: Duration::from_millis(200),
+    quiet: Duration::from_millis(60),
+};
+/// The same where a computer that is busy, or an adapter, may sleep in between.
+const IN_REAL_TIME: Waits = Waits {
+    answer: Duration::from_millis(1500),
+    quiet: Duration::from_millis(150),
+};
 /// Between two questions whether it stands.
 const ASK: Duration = Duration::from_millis(50);
 /// Between two times a jog is said, well within the dead-man's time.
@@ -20,8 +28,6 @@ const AGAIN: Duration = Duration::from_millis(100);
 const HOMING: Duration = Duration::from_secs(120);
 /// Approach and figure of a device that does not answer and has its own figure: of 20 000 steps at most.
 const FIGURE: Duration = Duration::from_secs(250);
-/// After this silence nothing of an answer is on the way any more.
-const QUIET: Duration = Duration::from_millis(60);
 /// Stops that end any half command, and one.
 const STOPS: usize = 6;
 /// A question, a figure or bringing to rest is tried so often: done twice they do no more than once.
@@ -30,6 +36,7 @@ const TRIES: usize = 3;
 /// The host's side.
 pub struct Client {
     wire: Wire<Device>,
+    waits: Waits,
     table: ByteTable,
     answers: bool,
     stop: Arc<AtomicBool>,
@@ -40,6 +47,13 @@ pub struct Client {
     figure_end: Option<[i32; 2]>,
     /// How long it takes at 100 steps a second, its lash taken up at every move.
     figure_time: Duration,
+}
+
+/// How long a device is waited for.
+#[derive(Clone, Copy, Debug)]
+struct Waits {
+    answer: Duration,
+    quiet: Duration,
 }
 
 /// How a byte was answered.
@@ -57,8 +71,13 @@ impl Client {
         answers: bool,
         stop: Arc<AtomicBool>,
     ) -> Self {
+        let waits = match wire {
+            Wire::Simulated { .. } => IN_SIMULATED_TIME,
+            Wire::Real { .. } => IN_REAL_TIME,
+        };
         Self {
             wire,
+            waits,
             table,
             answers,
             stop,
@@ -141,7 +160,7 @@ impl Client {
             // It stands since it was reached.
             Action::Stop => {
                 self.rest()?;
-                self.finished(ANSWER, Report::Stopped)
+                self.finished(Duration::ZERO, Report::Stopped)
                     .or(Ok("stands".into()))
             }
             Action::Emergency => self.emergency(),
@@ -175,7 +194,7 @@ impl Client {
             for _ in 0..STOPS {
                 self.put(self.table.stop)?;
             }
-            while let Some(byte) = self.get(QUIET)? {
+            while let Some(byte) = self.get(self.waits.quiet)? {
                 last = Some(byte);
             }
             // After an emergency stop not even a stop is taken.
@@ -199,7 +218,7 @@ impl Client {
             return Ok("sent".into());
         }
         let mut has_answered = false;
-        while self.get(QUIET)?.is_some() {
+        while self.get(self.waits.quiet)?.is_some() {
             has_answered = true;
         }
         if !has_answered {
@@ -282,7 +301,15 @@ impl Client {
         if self.answers && !self.is_homed {
             return Err("not homed: on which side its lash lies is not known".into());
         }
-        self.command(&[self.table.figure])?;
+        if let Err(refused) = self.command(&[self.table.figure]) {
+            return Err(match self.ask() {
+                Ok(Status {
+                    report: Some(report @ Report::NoFigure),
+                    ..
+                }) => device::text(report),
+                _ => refused,
+            });
+        }
         let how = self.finished(self.figure_time, Report::Done)?;
         if let (Some(by), [Some(from), Some(to)]) = (self.figure_end, [from, self.position()?]) {
             let [x, _, z, _] = from;
@@ -331,26 +358,29 @@ impl Client {
         self.command(&[self.table.manual])?;
         let letter = letter(&self.table, motor, forward);
         let end = self.wire.elapsed() + time;
-        while self.wire.elapsed() < end && !self.stop.load(Ordering::Relaxed) {
-            if self.send(letter)? == Answer::Rejected {
-                // A switch has ended it.
-                break;
+        let mut turns = true;
+        while turns && self.wire.elapsed() < end && !self.stop.load(Ordering::Relaxed) {
+            turns = self.send(letter)? == Answer::Taken;
+            if turns {
+                self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
             }
-            self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
         }
-        if self.answers && self.ask()?.report.is_none() {
-            self.command(&[self.table.stop])?;
-        } else {
+        // What a switch has ended goes back off it, which a stop would cut short.
+        if !self.answers || (turns && self.ask()?.report.is_none()) {
             self.send(self.table.stop)?;
         }
-        self.finished(ANSWER, Report::Stopped).or_else(|trouble| {
-            // A host or a line that is slow now and then: the jog was shorter, and it says so.
-            if trouble == device::text(Report::DeadMan) {
-                Ok(trouble)
-            } else {
-                Err(trouble)
-            }
-        })
+        if self.stop.load(Ordering::Relaxed) {
+            return Err("stopped".into());
+        }
+        self.finished(Duration::ZERO, Report::Stopped)
+            .or_else(|trouble| {
+                // A host or a line that is slow now and then: the jog was shorter, and it says so.
+                if trouble == device::text(Report::DeadMan) {
+                    Ok(trouble)
+                } else {
+                    Err(trouble)
+                }
+            })
     }
 
     /// Bytes that must all be taken.
@@ -416,7 +446,7 @@ impl Client {
                 }
                 Err(error) => trouble = error,
             }
-            while self.get(QUIET)?.is_some() {}
+            while self.get(self.waits.quiet)?.is_some() {}
         }
         Err(trouble)
     }
@@ -427,7 +457,9 @@ impl Client {
         }
         let mut bytes = [0; STATUS_BYTES];
         for byte in &mut bytes {
-            *byte = self.get(ANSWER)?.ok_or("the answer was cut off")?;
+            *byte = self
+                .get(self.waits.answer)?
+                .ok_or("the answer was cut off")?;
         }
         Status::of(&bytes).ok_or_else(|| "the answer was damaged: the line is noisy".into())
     }
@@ -439,7 +471,7 @@ impl Client {
             self.pause(Duration::from_millis(2))?;
             return Ok(Answer::Taken);
         }
-        match self.get(ANSWER)? {
+        match self.get(self.waits.answer)? {
             Some(answer) if answer == byte && byte != REJECTED => Ok(Answer::Taken),
             // A raw byte may be the same as the answer to what is not taken: then it was taken, or the end is wrong.
             Some(REJECTED) if byte == REJECTED => Ok(Answer::Taken),

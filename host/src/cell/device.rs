@@ -5,7 +5,7 @@ use crate::emulation::Emulation;
 use crate::line::Line;
 use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs, CellReport};
 use husillo_sim::CellRig;
-use husillo_transports::byte_commands::{ByteCommand, ByteCommands};
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands, REJECTED};
 
 /// Ticks of a period, on the timer of 1 MHz.
 const PERIOD_TICKS: u64 = 1000;
@@ -82,7 +82,12 @@ impl Device {
                 continue;
             }
             let received = self.link.receive(byte, self.cell.is_moving());
-            self.answer(received.reply);
+            let is_taken = match received.command {
+                Some(command) if command.is_a_motion() => self.cell.command(command),
+                _ => true,
+            };
+            let reply = received.reply;
+            self.answer(reply.map(|reply| if is_taken { reply } else { REJECTED }));
             match received.command {
                 Some(ByteCommand::Ask) => self.answer(self.cell.status().bytes()),
                 Some(ByteCommand::Clear) => {
@@ -96,10 +101,8 @@ impl Device {
                         .push(format!("a figure of {} moves", figure.len()));
                     self.store(figure);
                 }
-                Some(command) => {
-                    self.cell.command(command);
-                }
-                None => {}
+                // Begun above, or refused.
+                _ => {}
             }
         }
     }
@@ -146,6 +149,9 @@ impl Device {
             from = at;
             self.rig.apply(&event);
             if let CellEvent::Report(report) = event {
+                if let CellReport::Switch { .. } = report {
+                    self.link.leave_mode();
+                }
                 self.told.push(text(report));
             }
         }

@@ -240,3 +240,73 @@ fn ctrl_c_stops_what_moves() {
             .contains("stopped")
     );
 }
+
+fn jog(motor: u8, forward: bool, seconds: u64) -> Action {
+    Action::Jog {
+        motor,
+        forward,
+        time: Duration::from_secs(seconds),
+    }
+}
+
+/// How often a switch stopped something.
+fn switch_reports(client: &mut Client) -> usize {
+    let told = client.device().tell();
+    let hits = told
+        .iter()
+        .filter(|line| line.contains("closed: going back"));
+    hits.count()
+}
+
+/// A jog that ends at a switch is told and not begun again, however long it was to be; the axis goes all of the way back off it.
+#[test]
+fn a_jog_into_a_switch_is_told_and_ends() {
+    let mut client = client();
+    client.carry_out(&Action::Home).unwrap();
+    let trouble = client.carry_out(&jog(0, false, 60)).unwrap_err();
+    assert!(trouble.contains("home switch x closed"), "{trouble}");
+    assert_eq!(switch_reports(&mut client), 1);
+    assert_eq!(client.device().rig().tool()[0], ZERO[0], "back off it");
+    assert!(client.elapsed() < Duration::from_secs(20));
+}
+
+/// The same with counted steps, which the host sends by 255.
+#[test]
+fn steps_into_a_switch_are_told_and_end() {
+    let mut client = client();
+    client.carry_out(&Action::Home).unwrap();
+    let steps = Action::Steps {
+        motor: 2,
+        steps: -2000,
+    };
+    let trouble = client.carry_out(&steps).unwrap_err();
+    assert!(trouble.contains("home switch z closed"), "{trouble}");
+    assert_eq!(switch_reports(&mut client), 1);
+    assert_eq!(client.device().rig().tool()[2], ZERO[1], "back off it");
+}
+
+/// A letter that the controller does not carry out, as while it goes back off a switch, is answered so.
+#[test]
+fn what_is_refused_is_not_acknowledged() {
+    let settings = settings();
+    let mut device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let say = |device: &mut Device, byte: u8| {
+        device.send(byte);
+        std::iter::from_fn(|| Some(device.tick()))
+            .take(50)
+            .flatten()
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(say(&mut device, b'J'), b"J");
+    device.control("close x");
+    assert_eq!(
+        say(&mut device, b'x'),
+        b"x",
+        "it begins, and goes back at once"
+    );
+    assert_eq!(say(&mut device, b'x'), b"?");
+    // No figure is stored behind `<`.
+    device.control("reset");
+    assert_eq!(say(&mut device, b'<'), b"<");
+    assert_eq!(say(&mut device, b'G'), b"?");
+}

@@ -24,7 +24,7 @@ pub struct CellConfig {
     /// Ticks from RESET, or from the current, to the first step.
     pub settle_ticks: u32,
     /// RESET before every move, as the original did: a rotor that stood in another state than 1 jumps by up to two full steps.
-    /// Otherwise only before the first homing.
+    /// Otherwise only before the first move after power came on, when the phases are anywhere.
     pub resets_before_moves: bool,
     /// The spindle turns while a figure is approached and cut.
     pub spindle_turns_in_figures: bool,

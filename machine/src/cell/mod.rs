@@ -38,6 +38,9 @@ enum Power {
 /// place after homing; where an axis turns round, its lash is taken up first, and those steps count nowhere. `F` is where the
 /// figure is kept: moves in X and Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
 ///
+/// **Homing** leads to the same place from anywhere, on whichever flank of its lash an axis stands: a switch that is closed at the start is
+/// left first, then searched. Until all of it has gone well the cell is not homed.
+///
 /// **Switches.** An axis whose home switch closes in a jog, in counted steps or in a figure stops, is reported, and goes
 /// back off it; the task ends. Away from a switch that is closed already it may go. An emergency stop acts on the next event, in every task, and stays until [`Cell::reset`].
 ///
@@ -76,6 +79,8 @@ pub struct Cell<F> {
     /// The next step of the task, waiting for its time.
     due: Option<Due>,
     is_homed: bool,
+    /// RESET was pulsed since power came on: the phases are known.
+    was_reset: bool,
     report: Option<Report>,
     /// How the last task ended, or what happened in this one.
     last: Option<Report>,
@@ -107,6 +112,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             spindle_ticks: 0,
             due: None,
             is_homed: false,
+            was_reset: false,
             report: None,
             last: None,
             were_closed: [true; 3],
@@ -133,10 +139,13 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             ByteCommand::Stop => {
                 // The step decided on is not made.
                 self.due = None;
-                if self.task != Task::Idle {
-                    self.task = Task::Idle;
-                    self.tell(Report::Stopped);
+                match self.task {
+                    Task::Idle => {}
+                    // When asked, it was a switch that ended the task.
+                    Task::BackOff { homes: false, .. } => self.report = Some(Report::Stopped),
+                    _ => self.tell(Report::Stopped),
                 }
+                self.task = Task::Idle;
                 return true;
             }
             _ => {}
@@ -159,6 +168,10 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             self.tell(Report::NoFigure);
             return false;
         }
+        if command == ByteCommand::Home {
+            // Until all of it has gone well.
+            self.is_homed = false;
+        }
         self.task = task;
         self.last = None;
         // A switch that is closed already does not close.
@@ -172,6 +185,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         self.power = Power::Off;
         self.due = None;
         self.is_homed = false;
+        self.was_reset = false;
         self.report = None;
         self.last = None;
     }
@@ -253,17 +267,16 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         let (next, event) = match self.power {
             Power::On => return None,
             Power::Off => {
-                // Until it is homed the phases are anywhere, so RESET loses nothing.
-                let resets = self.config.resets_before_moves || !self.is_homed;
+                // After power came on the phases are anywhere, so RESET loses nothing.
+                let resets = self.config.resets_before_moves || !self.was_reset;
                 let next = if resets { Power::Reset } else { Power::Settle };
                 (next, CellEvent::Enable(true))
             }
-            Power::Reset => (
-                Power::Settle,
-                CellEvent::Reset {
-                    ticks: self.config.reset_ticks,
-                },
-            ),
+            Power::Reset => {
+                self.was_reset = true;
+                let ticks = self.config.reset_ticks;
+                (Power::Settle, CellEvent::Reset { ticks })
+            }
             Power::Settle => (
                 Power::On,
                 CellEvent::Dwell {
@@ -311,6 +324,11 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
                 self.task = Task::Steps { way, left };
                 Some(due)
             }
+            Task::Look { axis } => {
+                self.begin_search(axis, inputs);
+                None
+            }
+            Task::Leave { axis, left } => self.leave(axis, left, inputs),
             Task::Home { axis, left } => self.search(axis, left, inputs),
             Task::BackOff { axis, left, homes } => self.back_off(axis, left, homes, inputs),
             Task::Approach { left } => {
@@ -365,11 +383,15 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
     /// Whether the switch of an axis is closed that moves towards it, or has closed on any way of a task; then it goes back.
     fn stops_at(&mut self, way: Way, inputs: &CellInputs) -> bool {
         let axis = way.motor;
-        // Going back off a switch, its contact may bounce.
+        // Going off a switch, its contact may bounce.
         let has_closed = self.close.get(usize::from(axis)) == Some(&true)
-            && !matches!(self.task, Task::BackOff { .. });
+            && !matches!(self.task, Task::BackOff { .. } | Task::Leave { .. });
         let stops = has_closed || (!way.forward && inputs.is_home(axis));
         if stops {
+            if !self.is_homed {
+                // Which flank is engaged is not known: the way back off is the longer one.
+                self.engage_negative(axis);
+            }
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
@@ -380,9 +402,53 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         stops
     }
 
+    /// The load lies on the negative flank: it was the motor's last way that moved it.
+    fn engage_negative(&mut self, axis: u8) {
+        if let Some(play) = self.plays.get_mut(usize::from(axis)) {
+            play.set_behind();
+        }
+    }
+
+    /// Homing: off a switch that is closed already, or at once towards it.
+    fn begin_search(&mut self, axis: u8, inputs: &CellInputs) {
+        let lash = self.config.lash_steps.get(usize::from(axis));
+        self.task = if inputs.is_home(axis) {
+            Task::Leave {
+                axis,
+                // At least by the back-off, on whichever flank it begins: two u16.
+                left: u32::from(lash.copied().unwrap_or_default())
+                    .wrapping_add(u32::from(self.config.back_off_steps)),
+            }
+        } else {
+            Task::Home {
+                axis,
+                left: self.config.search_steps,
+            }
+        };
+    }
+
+    /// Homing: off a switch that was closed at the start, so that it closes at the same place as ever.
+    fn leave(&mut self, axis: u8, left: u32, inputs: &CellInputs) -> Option<Due> {
+        let Some(left) = left.checked_sub(1) else {
+            if inputs.is_home(axis) {
+                return self.end(Report::StillClosed { axis });
+            }
+            self.begin_search(axis, inputs);
+            return None;
+        };
+        self.task = Task::Leave { axis, left };
+        let way = Way {
+            motor: axis,
+            forward: true,
+        };
+        self.one_way(way, inputs).map(|(due, _)| due)
+    }
+
     /// Homing: towards the switch.
     fn search(&mut self, axis: u8, left: u32, inputs: &CellInputs) -> Option<Due> {
         if inputs.is_home(axis) {
+            // It was open before, so this way has moved the load, whatever was known of its flank.
+            self.engage_negative(axis);
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
@@ -432,9 +498,8 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             play.set_zero();
         }
         if axis < 2 {
-            self.task = Task::Home {
+            self.task = Task::Look {
                 axis: axis.wrapping_add(1),
-                left: self.config.search_steps,
             };
             return None;
         }

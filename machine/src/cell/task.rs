@@ -24,6 +24,15 @@ pub(super) enum Task {
         way: Way,
         left: u8,
     },
+    /// Homing of an axis begins, one way or the other.
+    Look {
+        axis: u8,
+    },
+    /// Off the switch of an axis that was closed before it was searched: motor steps.
+    Leave {
+        axis: u8,
+        left: u32,
+    },
     /// Towards the switch of an axis.
     Home {
         axis: u8,
@@ -51,10 +60,7 @@ impl Task {
     /// The task that a command begins; `None` for commands that begin none.
     pub(super) fn of(command: ByteCommand, config: &CellConfig) -> Option<Task> {
         Some(match command {
-            ByteCommand::Home => Task::Home {
-                axis: 0,
-                left: config.search_steps,
-            },
+            ByteCommand::Home => Task::Look { axis: 0 },
             ByteCommand::Jog { motor, forward } => Task::Jog {
                 way: Way { motor, forward },
                 left_ticks: config.dead_man_ticks,
