@@ -18,6 +18,10 @@
 //! | `inputs(simulated: u8) -> u8` | up to five switches, 1 for closed |
 //! | `wait(us: u32)` | calls `on_time` so many microseconds after the last time, or at once where that has passed |
 //! | `stop()` | ends the wait |
+//! | `baud(bits_per_s: u32)` | the UART goes on at this rate; `start` sets 9600 |
+//! | `is_sent() -> bool` | the last stop bit of what was sent is out: a half-duplex line may be let go |
+//! | `drive(duty: u8)` | the PWM of a DC motor, where the board has one |
+//! | `counts(simulated: u16) -> u16` | the counter of its encoder |
 //!
 //! and calls `on_time` when a wait is over and `heard` when a byte has come. A firmware has `on_time` and `on_byte`:
 //!
@@ -38,7 +42,7 @@ mod registers;
 mod shared;
 mod steps;
 
-pub use chosen::{inputs, send, start, stop, switch, wait, write};
+pub use chosen::{baud, counts, drive, inputs, is_sent, send, start, stop, switch, wait, write};
 pub use shared::Shared;
 pub use steps::{Step, Steps};
 
@@ -59,6 +63,9 @@ unsafe extern "Rust" {
     safe fn on_time();
     safe fn on_byte(byte: u8);
 }
+
+/// A DC motor and its encoder are at the pins: without, `drive` and `counts` do nothing, and the firmware simulates them.
+pub const HAS_MOTOR: bool = cfg!(feature = "motor");
 
 /// Bytes of the line. A host has a few of them on the way at a time.
 static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());

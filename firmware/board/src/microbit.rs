@@ -39,6 +39,23 @@ const OUTCLR: usize = 0x50c;
 const IN: usize = 0x510;
 const DIRSET: usize = 0x518;
 const PIN_CNF: usize = 0x700;
+const TIMER1: usize = 0x4000_9000;
+const TIMER_STOP: usize = 0x004;
+const TIMER_CLEAR: usize = 0x00c;
+/// Also its first task.
+const GPIOTE: usize = 0x4000_6000;
+const GPIOTE_CONFIG: usize = GPIOTE + 0x510;
+const PPI_ENABLE: usize = 0x4001_f500;
+/// Event and task of each.
+const PPI_CHANNELS: usize = 0x4001_f510;
+const QDEC: usize = 0x4001_2000;
+const QDEC_START: usize = 0x000;
+const QDEC_READCLRACC: usize = 0x008;
+const QDEC_ENABLE: usize = 0x500;
+const QDEC_ACCREAD: usize = 0x518;
+const QDEC_PSELA: usize = 0x520;
+const QDEC_PSELB: usize = 0x524;
+const DIRCLR: usize = 0x51c;
 const COMPARE0_INTERRUPT: u32 = 1 << 16;
 /// P0.01 to P0.06, P0.11 and P0.12, pads 2, 1, 0, 3, 4, 10, 7, 6: the motors, from bit 0.
 const MOTORS: u32 = 0x3f << 1 | 3 << 11;
@@ -47,12 +64,19 @@ const OUTPUTS: u32 = 0xf << 20;
 /// P0.16, P0.17, P0.18, P0.26, P0.10, pads 16, 5, 8, 11, 9: switches to ground.
 const INPUTS: [usize; 5] = [16, 17, 18, 26, 10];
 const PULLED_UP: u32 = 3 << 2;
+/// With the feature `motor`: P0.03, pad 0, the PWM, and P0.01 and P0.02, pads 2 and 1, A and B of the encoder.
+const PWM: u32 = 3;
+const ENCODER: [usize; 2] = [1, 2];
 /// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for.
 const LEAST_US: u32 = 2;
 
 /// When the last wait ended, and whether the transmitter is free.
 static LAST_US: Shared<u32> = Shared::new(0);
 static IS_FREE: Shared<bool> = Shared::new(true);
+
+/// The duty of the PWM, and the counts of the encoder.
+static DUTY: Shared<u8> = Shared::new(0);
+static COUNTS: Shared<u16> = Shared::new(0);
 
 /// Pins, timer, UART, interrupts.
 pub fn start() {
@@ -63,9 +87,10 @@ pub fn start() {
     set(TIMER + BITMODE, 3); // 32 bits
     set(TIMER + PRESCALER, 4); // 16 MHz / 2^4
     set(TIMER + TIMER_START, 1);
+    start_motor();
     set(UART + PSELTXD, 24);
     set(UART + PSELRXD, 25);
-    set(UART + BAUDRATE, 0x0027_5000); // 9600
+    baud(9600);
     set(UART + UART_ENABLE, 4);
     set(UART + STARTRX, 1);
     set(UART + STARTTX, 1);
@@ -85,6 +110,80 @@ pub fn send(byte: u8) -> bool {
         }
         may_send
     })
+}
+
+/// The UART goes on at this rate.
+pub fn baud(bits_per_s: u32) {
+    // 2^32 / 16 MHz a bit/s, in steps of 2^12: 9600 is 0x275000. No rate is beyond 2^20.
+    let steps = (bits_per_s << 12).wrapping_add(31_250) / 62_500;
+    set(UART + BAUDRATE, steps << 12);
+}
+
+/// Whether the last stop bit is out.
+pub fn is_sent() -> bool {
+    IS_FREE.with(|is_free| *is_free || read(UART + TXDRDY) != 0)
+}
+
+/// The PWM at pad 0, 31 kHz, in steps of 1/255: TIMER1 counts 256 at 8 MHz, and each passage of the duty and of 0 toggles the pin.
+pub fn drive(duty: u8) {
+    if cfg!(not(feature = "motor")) {
+        return;
+    }
+    DUTY.with(|last| {
+        if *last == duty {
+            return;
+        }
+        *last = duty;
+        // Begun anew: a duty that changes while it counts might miss a toggle.
+        set(TIMER1 + TIMER_STOP, 1);
+        set(GPIOTE_CONFIG, 0);
+        match duty {
+            0 => set(GPIO + OUTCLR, 1 << PWM),
+            255 => set(GPIO + OUTSET, 1 << PWM),
+            _ => {
+                set(TIMER1 + TIMER_CLEAR, 1);
+                set(TIMER1 + CC0, duty.into());
+                // A task on this pin that toggles it; high at first.
+                set(GPIOTE_CONFIG, 3 | PWM << 8 | 3 << 16 | 1 << 20);
+                set(TIMER1 + TIMER_START, 1);
+            }
+        }
+    });
+}
+
+/// The counter of the encoder at pads 2 and 1, every edge: sampled by the decoder every 128 us.
+pub fn counts(simulated: u16) -> u16 {
+    if cfg!(not(feature = "motor")) {
+        return simulated;
+    }
+    COUNTS.with(|counts| {
+        set(QDEC + QDEC_READCLRACC, 1);
+        *counts = counts.wrapping_add(read(QDEC + QDEC_ACCREAD) as u16);
+        *counts
+    })
+}
+
+/// PWM and decoder.
+fn start_motor() {
+    if cfg!(not(feature = "motor")) {
+        return;
+    }
+    set(GPIO + DIRCLR, ENCODER.map(|pin| 1 << pin).iter().sum());
+    for pin in ENCODER {
+        set(GPIO + PIN_CNF + 4 * pin, PULLED_UP);
+    }
+    set(QDEC + QDEC_PSELA, ENCODER[0] as u32);
+    set(QDEC + QDEC_PSELB, ENCODER[1] as u32);
+    set(QDEC + QDEC_ENABLE, 1);
+    set(QDEC + QDEC_START, 1);
+    set(TIMER1 + BITMODE, 1); // 8 bits
+    set(TIMER1 + PRESCALER, 1); // 16 MHz / 2
+    set(TIMER1 + CC1, 0);
+    for (channel, event) in [COMPARE0, COMPARE0 + 4].into_iter().enumerate() {
+        set(PPI_CHANNELS + 8 * channel, (TIMER1 + event) as u32);
+        set(PPI_CHANNELS + 8 * channel + 4, GPIOTE as u32);
+    }
+    set(PPI_ENABLE, 3);
 }
 
 /// The motors' pins.

@@ -32,6 +32,7 @@ const LOW_BYTE: usize = 0x400 + 4 * 0xff;
 const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
 const CLOCKS_PER_US: u32 = 25;
+const CLOCKS_PER_S: u32 = 25_000_000;
 /// The longest wait the timer takes at once: 60 s.
 const LONGEST_US: u32 = 60_000_000;
 
@@ -46,13 +47,16 @@ static CLOCK: Shared<Clock> = Shared::new(Clock {
     rest_us: 0,
 });
 
+/// When the last byte was given to the UART.
+static SENT_AT: Shared<u32> = Shared::new(0);
+
 /// Pins, timers, UART, interrupts.
 pub fn start() {
     set(GPIO0 + OUTENSET, 0xfff);
     set(TIMER1 + RELOAD, u32::MAX);
     set(TIMER1 + VALUE, u32::MAX);
     set(TIMER1 + CTRL, 1);
-    set(UART0 + BAUDDIV, 25_000_000 / 9600);
+    baud(9600);
     set(UART0 + UART_CTRL, 0b1011); // both ways, interrupt of the receiver
     nvic::unmask(0);
     nvic::unmask(8);
@@ -63,8 +67,28 @@ pub fn send(byte: u8) -> bool {
     let is_free = read(UART0 + STATE) & 1 == 0;
     if is_free {
         set(UART0 + DATA, byte.into());
+        SENT_AT.with(|at| *at = !read(TIMER1 + VALUE));
     }
     is_free
+}
+
+/// The UART goes on at this rate.
+pub fn baud(bits_per_s: u32) {
+    set(UART0 + BAUDDIV, CLOCKS_PER_S / bits_per_s.max(1));
+}
+
+/// Whether the last stop bit is out: the UART tells only that its buffer is empty, one byte before. Two characters later it is.
+pub fn is_sent() -> bool {
+    let since = SENT_AT.with(|at| (!read(TIMER1 + VALUE)).wrapping_sub(*at));
+    read(UART0 + STATE) & 1 == 0 && since > read(UART0 + BAUDDIV).wrapping_mul(20)
+}
+
+/// There is no PWM.
+pub fn drive(_: u8) {}
+
+/// There is no counter.
+pub fn counts(simulated: u16) -> u16 {
+    simulated
 }
 
 /// The motors' pins.

@@ -22,7 +22,9 @@ use crate::{
 
 const UART: usize = 0x1000_0000;
 const INTERRUPTS: usize = 1;
+const LINE_CONTROL: usize = 3;
 const LINE_STATUS: usize = 5;
+const UART_HZ: u32 = 3_686_400;
 const UART_SOURCE: usize = 10;
 const PLIC: usize = 0x0c00_0000;
 const PLIC_ENABLE: usize = PLIC + 0x2000;
@@ -89,6 +91,28 @@ pub fn switch(outputs: u8) {
 
 /// There are no switches.
 pub fn inputs(simulated: u8) -> u8 {
+    simulated
+}
+
+/// The UART goes on at this rate.
+pub fn baud(bits_per_s: u32) {
+    let divisor = UART_HZ / 16 / bits_per_s.max(1);
+    set_byte(UART + LINE_CONTROL, 0x83); // 8 bits, and the first two registers are the divisor
+    set_byte(UART, divisor as u8);
+    set_byte(UART + INTERRUPTS, (divisor >> 8) as u8);
+    set_byte(UART + LINE_CONTROL, 0x03);
+}
+
+/// Whether the last stop bit is out.
+pub fn is_sent() -> bool {
+    read_byte(UART + LINE_STATUS) & 0x40 != 0
+}
+
+/// There is no PWM.
+pub fn drive(_: u8) {}
+
+/// There is no counter.
+pub fn counts(simulated: u16) -> u16 {
     simulated
 }
 

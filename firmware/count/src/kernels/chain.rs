@@ -6,8 +6,10 @@ use husillo_backlash::Backlash;
 use husillo_gcode::{Block, Dialect, Modal};
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, Scale,
+    Axis, AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, Scale, ServoInputs,
+    ServoModule,
 };
+use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopWay, Trajectory};
 
 use crate::Count;
 
@@ -18,6 +20,7 @@ pub fn all(count: Count<'_>) {
     text(count);
     machine(count);
     closed_loop(count);
+    servo_module(count);
 }
 
 #[inline(never)]
@@ -113,4 +116,54 @@ fn closed_loop(count: Count<'_>) {
             event();
         }
     });
+}
+
+/// A servo module on a trapezoid of 4000 counts, a quarter of it ramps, that its motor follows a period late: all that its servo interrupt does but pins.
+#[inline(never)]
+fn servo_module(count: Count<'_>) {
+    let mut module = ServoModule::new(4);
+    module.link().set_enabled(true);
+    let mut inputs = ServoInputs {
+        has_power: true,
+        ..ServoInputs::default()
+    };
+    let gains = Gains {
+        proportional: 2000,
+        integral: 50,
+        derivative: 16_000,
+        integration_limit: 8000,
+        output_limit: 255,
+        error_limit: 400,
+        rate_divisor: 1,
+        ..Gains::default()
+    };
+    let on = Stop {
+        amplifier: true,
+        way: Some(StopWay::Abrupt),
+    };
+    let trajectory = Trajectory {
+        position: Some(4000),
+        velocity: Some(0x0005_0000),     // 5 counts a period
+        acceleration: Some(0x0000_0a3d), // 125 periods to it
+        mode: Mode::Trapezoid,
+        start_now: true,
+        ..Trajectory::default()
+    };
+    for command in [
+        Command::SetGain(gains),
+        Command::StopMotor(on),
+        Command::LoadTrajectory(trajectory),
+    ] {
+        for byte in command.frame(0).bytes() {
+            module.link().push(*byte);
+        }
+        module.tick(&inputs);
+    }
+    count("servo_module_tick", EVENTS, &mut || {
+        for _ in 0..EVENTS {
+            black_box(module.tick(black_box(&inputs)));
+            inputs.counts = module.axis().commanded();
+        }
+    });
+    assert!(module.axis().status().is_done, "the move ends");
 }
