@@ -13,7 +13,7 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 /// | --- | --- |
 /// | when | with the fraction bits of [`fraction_bits_for`](crate::fraction_bits_for) up to R = 2^25, unless its ends lie far apart beside the circle in few steps |
 /// | state | 96 bytes instead of 152 |
-/// | cost | 2 kB of code less on a Cortex-M0, and the choice of the width at every event |
+/// | cost | on a Cortex-M0 2 kB of code less, and no choice of the width at every event |
 /// | else | as [`Arc`](crate::Arc) |
 ///
 /// ```

@@ -1,0 +1,137 @@
+//! What begins when all before it has been made: a move of the queue, an output, a pause.
+
+use husillo_backlash::Lash;
+use husillo_gcode::{Command, SpindleDirection};
+use husillo_interp::Moves;
+use husillo_planner::Timer;
+
+use super::{Machine, Run};
+use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
+
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+    /// Begins the first move of the queue. `None` under a hold, when it is too short for a step.
+    pub(super) fn begin_move(&mut self) -> Option<()> {
+        let (stretch, work) = self.schedule.moves.front()?;
+        let (stretch, events) = (*stretch, work.events);
+        self.segment = Some(work.segment);
+        let heading = work.heading;
+        let ticks = work.tempo.ticks(self.schedule.moves.percent());
+        if self.schedule.has_ramps() && stretch.length_nm != 0 {
+            let sweep = work.sweep.max(1);
+            let largest_sweep = work.largest_sweep.max(1);
+            self.ramp
+                .begin(&stretch, sweep, largest_sweep, work.ticks_q16);
+            if events == 0 {
+                let wait = self.ramp.wait(1, self.schedule.moves.limits())?;
+                self.carried_ticks = self.carried_ticks.saturating_add(wait);
+            }
+        } else if events == 0 {
+            self.ramp.stop();
+            self.carried_ticks = self.carried_ticks.saturating_add(ticks);
+        }
+        let timed = match work.counts_q16 {
+            None => (!self.schedule.has_ramps()).then_some(ticks),
+            counts => counts,
+        };
+        let is_indexed = work.is_indexed;
+        self.run = work.path.clone().map(|path| Run {
+            path,
+            timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep.into())),
+            left: events,
+            next: None,
+            follows: work.counts_q16.is_some(),
+        });
+        if self.is_following() {
+            self.signal([is_indexed.then_some(Event::Index), None]);
+        }
+        self.take_up.turn(&heading, self.load, &self.config);
+        Some(())
+    }
+
+    /// A command that is no move; all moves before it have been made.
+    pub(super) fn begin(&mut self, command: Command<N>) {
+        let from = self.schedule.programmed();
+        self.segment = Some(Segment { from, command });
+        self.ramp.stop();
+        self.schedule.end_thread();
+        match command {
+            Command::Dwell { micros } => {
+                // A dwell of 2^64 us lasts half a million years: saturating is long enough.
+                let ticks =
+                    crate::duration::mul_div(micros, u64::from(self.config.timer_hz), 1_000_000);
+                self.carried_ticks = self.carried_ticks.saturating_add(ticks);
+                self.flush_wait();
+            }
+            Command::Spindle {
+                direction,
+                milli_rpm,
+            } => {
+                self.signal([
+                    Some(Event::Output(Output::Spindle {
+                        direction,
+                        milli_rpm,
+                    })),
+                    None,
+                ]);
+            }
+            Command::Coolant { mist, flood } => {
+                self.signal([Some(Event::Output(Output::Coolant { mist, flood })), None]);
+            }
+            Command::Drill => self.signal([Some(Event::Output(Output::Drill)), None]),
+            Command::Tool { number } => self.signal([
+                Some(Event::Pause(Pause::ToolChange)),
+                Some(Event::Output(Output::Tool { number })),
+            ]),
+            Command::Stop { optional: false } => {
+                self.signal([Some(Event::Pause(Pause::Program)), None])
+            }
+            Command::Stop { optional: true } => {
+                self.signal([Some(Event::Pause(Pause::Optional)), None])
+            }
+            Command::End { rewind } => {
+                self.signals = safe();
+                if let Some(last) = self.signals.last_mut() {
+                    *last = Some(Event::Pause(Pause::End { rewind }));
+                }
+                self.flush_wait();
+            }
+            _ => {}
+        }
+    }
+
+    /// Signals act when all time before them has passed.
+    fn signal(&mut self, [first, second]: [Option<Event<N>>; 2]) {
+        self.signals = [None, first, second, None];
+        self.flush_wait();
+    }
+
+    /// Turns carried time, which is below [`MAX_WAIT_TICKS`] or a dwell's, into a wait of its own.
+    fn flush_wait(&mut self) {
+        let short = self.carried_ticks % u64::from(MAX_WAIT_TICKS);
+        match self.signals.first_mut() {
+            Some(first) if short > 0 => {
+                self.carried_ticks = self.carried_ticks.wrapping_sub(short);
+                *first = Some(Event::Dwell {
+                    wait_ticks: short as u32,
+                });
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Spindle and coolant off.
+pub(super) fn safe<const N: usize>() -> [Option<Event<N>>; 4] {
+    [
+        None,
+        Some(Event::Output(Output::Spindle {
+            direction: SpindleDirection::Off,
+            milli_rpm: 0,
+        })),
+        Some(Event::Output(Output::Coolant {
+            mist: false,
+            flood: false,
+        })),
+        None,
+    ]
+}

@@ -1,0 +1,304 @@
+//! The host's end of the line: one step at a time, with retries that never do harm.
+
+mod exchange;
+mod members;
+
+use self::members::Member;
+use crate::buffer::Buffer;
+
+use super::damage::FLUSH_LENGTH;
+use super::reply::LONGEST_REPLY;
+use super::{Baud, Command, Frame, Group, Items, Outcome, Progress, Refused, Reply, Step, Timing};
+
+/// Highest individual address the host keeps.
+pub const LAST_ADDRESS: u8 = 32;
+
+const ADDRESSES: usize = LAST_ADDRESS as usize + 1;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    /// Reading what repeating will need.
+    Before,
+    /// The command itself.
+    Command,
+    /// Reading whether it was executed.
+    After,
+    /// Filling half-received packets, then this.
+    Flush(Next),
+    /// Silence, then sent.
+    Wait(u32),
+}
+
+/// What follows a flush.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    Before,
+    Command,
+    After,
+    End(Outcome),
+}
+
+/// Why a reply is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bad {
+    Silent,
+    Garbled,
+    /// The module received a damaged packet, and said so.
+    Rejected,
+}
+
+/// The host of a chain: it knows addresses, groups and items in force, sends, waits, retries.
+///
+/// | when | call |
+/// | --- | --- |
+/// | something is to be done | [`start`](Host::start) |
+/// | the port takes bytes | [`transmit`](Host::transmit) until `None` |
+/// | a byte arrives | [`push`](Host::push) |
+/// | after each of these and after the time it names | [`poll`](Host::poll) |
+///
+/// A command that must not be executed twice is preceded by a reading; when its reply is lost the line is flushed, the reading
+/// taken again, and the command repeated only where the two show that nothing happened (see [`Command::repeat`]). Each of these is
+/// taken until two in a row agree, as a byte lost and an equal one doubled in the same reply leave its length and its sum right. So such
+/// a command takes three exchanges and a poll takes one.
+///
+/// `now_us` wraps; calls may be up to 2^31 us apart. 1.6 KB.
+#[derive(Debug, Clone)]
+pub struct Host {
+    timing: Timing,
+    baud: Baud,
+    members: [Member; ADDRESSES],
+    address: u8,
+    command: Command,
+    /// `Some` for a reading that has to be taken twice: how far the positions may be apart.
+    twice_counts: Option<u32>,
+    /// The reading before, of one that is taken twice.
+    first: Option<Reply>,
+    phase: Phase,
+    /// Left for the command, and for the reading.
+    tries: u8,
+    readings: u8,
+    before: Reply,
+    /// Whether any byte of a reply was heard, and of a reading after.
+    has_heard: bool,
+    has_heard_after: bool,
+    out: Buffer<FLUSH_LENGTH>,
+    sent: u8,
+    /// The last command packet on the line, which a module may have half of.
+    last: Frame,
+    input: Buffer<LONGEST_REPLY>,
+    /// More came than fits a reply.
+    is_too_long: bool,
+    /// When the phase ends at the latest; unknown until all is sent.
+    deadline_us: Option<u32>,
+    heard_us: u32,
+    outcome: Option<Outcome>,
+}
+
+impl Host {
+    /// Of a line at 19200 baud whose modules are fresh from reset.
+    pub fn new(timing: Timing) -> Host {
+        Host {
+            timing,
+            baud: Baud::B19200,
+            members: [Member::RESET; ADDRESSES],
+            address: 0,
+            command: Command::NoOperation,
+            twice_counts: None,
+            first: None,
+            phase: Phase::Idle,
+            tries: 0,
+            readings: 0,
+            before: Reply::default(),
+            has_heard: false,
+            has_heard_after: false,
+            out: Buffer::new(),
+            sent: 0,
+            last: Command::NoOperation.frame(0),
+            input: Buffer::new(),
+            is_too_long: false,
+            deadline_us: None,
+            heard_us: 0,
+            outcome: None,
+        }
+    }
+
+    /// Begins a step.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing is sent then.
+    pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
+        if self.phase != Phase::Idle || self.outcome.is_some() {
+            return Err(Refused::Busy);
+        }
+        self.heard_us = now_us;
+        match step {
+            Step::Request { address, command } => self.request(address, command, None)?,
+            Step::ReadTwice {
+                address,
+                items,
+                jitter_counts,
+            } => self.request(address, Command::ReadStatus(items), Some(jitter_counts))?,
+            Step::Flush => self.flush_then(Next::End(Outcome::Sent)),
+            Step::Wait { us } => {
+                self.phase = Phase::Wait(us);
+                self.send(&[]);
+                self.deadline_us = Some(now_us.wrapping_add(us.min(i32::MAX as u32)));
+            }
+            Step::Switch(baud) => {
+                self.baud = baud;
+                self.outcome = Some(Outcome::Sent);
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins a request: [`Step::Request`].
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing is sent then.
+    pub fn send_command(
+        &mut self,
+        address: u8,
+        command: Command,
+        now_us: u32,
+    ) -> Result<(), Refused> {
+        self.start(Step::Request { address, command }, now_us)
+    }
+
+    /// The next byte for the command line; `None` when there is none for now.
+    pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
+        let bytes = self.out.bytes();
+        let byte = bytes.get(usize::from(self.sent)).copied()?;
+        let length = bytes.len();
+        self.sent = self.sent.wrapping_add(1); // it was below 20
+        if usize::from(self.sent) == length {
+            let wait_us = match self.phase {
+                Phase::Flush(_) => self.timing.settle_us,
+                Phase::Wait(us) => us,
+                _ => {
+                    let reply = 2 + self.expected().length() as u32; // 19 at most
+                    let bytes_us = self.timing.per_byte_us.saturating_mul(reply);
+                    self.timing.reply_us.saturating_add(bytes_us)
+                }
+            };
+            // All of it may still be in a buffer; 20 characters at most.
+            let flight_us = self.baud.characters_us(length as u16);
+            let wait_us = wait_us.saturating_add(flight_us).min(i32::MAX as u32);
+            self.deadline_us = Some(now_us.wrapping_add(wait_us));
+        }
+        Some(byte)
+    }
+
+    /// Takes a byte of the status line. What comes before the request is sent, in a pause or after a flush is no reply.
+    pub fn push(&mut self, byte: u8, now_us: u32) {
+        let awaits = matches!(self.phase, Phase::Before | Phase::Command | Phase::After);
+        if !awaits || self.deadline_us.is_none() {
+            return;
+        }
+        self.is_too_long |= self.input.bytes().len() >= LONGEST_REPLY;
+        self.input.push(byte);
+        self.heard_us = now_us;
+        self.has_heard = true;
+        self.has_heard_after |= self.phase == Phase::After;
+    }
+
+    /// Goes on where time or bytes allow it.
+    pub fn poll(&mut self, now_us: u32) -> Progress {
+        if let Some(outcome) = self.outcome.take() {
+            self.phase = Phase::Idle;
+            return Progress::Done(outcome);
+        }
+        if self.phase == Phase::Idle {
+            return Progress::Idle;
+        }
+        let Some(deadline_us) = self.deadline_us else {
+            return Progress::Sending;
+        };
+        let left_us = until(deadline_us, now_us);
+        match self.phase {
+            Phase::Idle => {}
+            Phase::Wait(_) if left_us > 0 => return Progress::Waiting { us: left_us },
+            Phase::Wait(_) => self.end(Outcome::Sent),
+            Phase::Flush(_) if left_us > 0 => return Progress::Waiting { us: left_us },
+            Phase::Flush(next) => match next {
+                Next::Before => self.read_before(),
+                Next::Command => self.send_again(),
+                Next::After => self.read_after(),
+                Next::End(outcome) => self.end(outcome),
+            },
+            Phase::Before | Phase::Command | Phase::After => {
+                if let Some(result) = self.whole() {
+                    let guard_us = self.heard_us.wrapping_add(self.timing.guard_us);
+                    let guard_us = until(guard_us, now_us);
+                    if guard_us > 0 {
+                        return Progress::Waiting { us: guard_us };
+                    }
+                    self.heard(result);
+                } else if left_us > 0 {
+                    return Progress::Waiting { us: left_us };
+                } else if self.input.bytes().is_empty() {
+                    self.heard(Err(Bad::Silent));
+                } else {
+                    self.heard(Err(Bad::Garbled));
+                }
+            }
+        }
+        match self.outcome.take() {
+            Some(outcome) => {
+                self.phase = Phase::Idle;
+                Progress::Done(outcome)
+            }
+            None => Progress::Sending,
+        }
+    }
+
+    /// The rate of the line.
+    pub const fn baud(&self) -> Baud {
+        self.baud
+    }
+
+    /// The waits in force.
+    pub const fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Other waits, from the next step on.
+    pub fn set_timing(&mut self, timing: Timing) {
+        self.timing = timing;
+    }
+
+    /// The modules in a group as bits: bit 0 is address 1. After a group command each has to be asked whether it heard it.
+    pub fn members_of(&self, group: u8) -> u32 {
+        let mut bits = 0;
+        for (bit, member) in (0..32_u32).zip(self.members.iter().skip(1)) {
+            if member.is_present && member.group.address == group {
+                bits |= 1_u32.wrapping_shl(bit); // below 32
+            }
+        }
+        bits
+    }
+
+    /// Takes over a module that was set up before: its address, 1 to 32, the items in force and its group.
+    pub fn adopt(&mut self, address: u8, items: Items, group: Group) {
+        if let Some(member) = self.member_mut(address) {
+            *member = Member {
+                is_present: true,
+                items,
+                group,
+                ..Member::RESET
+            };
+        }
+    }
+}
+
+/// Microseconds from now to then, 0 when it is past.
+fn until(then_us: u32, now_us: u32) -> u32 {
+    // Half of the circle is the past.
+    let left_us = then_us.wrapping_sub(now_us);
+    if left_us > i32::MAX as u32 {
+        0
+    } else {
+        left_us
+    }
+}
