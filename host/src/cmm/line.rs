@@ -65,7 +65,10 @@ impl Line {
             match startup.next(outcome.as_ref()) {
                 Next::Done(chain) if !chain.is_complete => return Err(Trouble::Doubtful),
                 Next::Done(chain) if chain.modules == 0 => return Err(Trouble::NoModules),
-                Next::Done(chain) => return Ok(chain),
+                Next::Done(chain) => {
+                    self.host.set_timing(self.port.timing_of_known(baud));
+                    return Ok(chain);
+                }
                 Next::Step(step) => {
                     outcome = match self.step(step) {
                         Ok(outcome) => Some(outcome),

@@ -17,10 +17,6 @@ pub enum Port {
     Network(TcpStream, Instant),
 }
 
-/// The longest a reply may take to begin, us. The vendor's 50 ms are enough for an adapter; what hands the bytes on, this computer or a simulated chain on it, may be
-/// held up by others for longer, and a reply that comes behind its time costs a flush.
-const LATEST_US: u32 = 250_000;
-
 /// The longest a socket may take to connect.
 const CONNECT: Duration = Duration::from_secs(5);
 
@@ -61,9 +57,18 @@ impl Port {
     pub const fn timing(&self, baud: Baud) -> Timing {
         match self {
             Self::Simulated(..) => Timing::prompt(baud, 512),
+            Self::Serial(..) | Self::Network(..) => Timing::patient(baud),
+        }
+    }
+
+    /// The same once it is known who answers: the vendor's 50 ms until a reply are enough for an adapter, but what hands the bytes on, this computer or a
+    /// simulated chain on it, may be held up for longer, and a reply that comes behind its time costs a flush.
+    pub const fn timing_of_known(&self, baud: Baud) -> Timing {
+        match self {
+            Self::Simulated(..) => self.timing(baud),
             Self::Serial(..) | Self::Network(..) => Timing {
-                reply_us: LATEST_US,
-                ..Timing::patient(baud)
+                reply_us: 250_000,
+                ..self.timing(baud)
             },
         }
     }
