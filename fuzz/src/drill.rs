@@ -17,6 +17,7 @@ pub fn drill(data: &[u8]) {
         ends_when_empty: flags & 2 != 0,
         stops_at_border: flags & 4 != 0,
         zero_is_no_move: flags & 8 != 0,
+        stops_spindle: flags & 64 != 0,
         z_is_depth: flags & 16 != 0,
         has_extras: flags & 32 != 0,
     };
@@ -98,7 +99,7 @@ fn run(
 }
 
 fn step(bytes: &mut Bytes<'_>) -> Step {
-    match bytes.byte() % 20 {
+    match bytes.byte() % 21 {
         0 => Step::Resync,
         1 => Step::Test,
         2 => Step::Clear,
@@ -114,6 +115,7 @@ fn step(bytes: &mut Bytes<'_>) -> Step {
         16 => Step::Spindle(bytes.byte() & 1 != 0),
         17 => Step::Read(u16::from_le_bytes([bytes.byte(), bytes.byte()])),
         18 => Step::Help,
+        19 => Step::ManualKept(bytes.byte()),
         _ => Step::Quit,
     }
 }

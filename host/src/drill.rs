@@ -66,6 +66,12 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     let [port] = &args.port[..] else {
         return Err("a drill is driven alone: one --port".into());
     };
+    if args.figure.is_some() {
+        return Err("--figure is for the microfactory: a drill has no figures".into());
+    }
+    if args.without_answers {
+        return Err("--without-answers is for the microfactory: a drill answers every byte".into());
+    }
     let mut client = open(port, args.baud.unwrap_or(BAUD), false, stop_flag()?)?;
     let tell = |line: &str, out: &mut dyn Write| {
         // A reader that has gone away does not stop a machine.

@@ -24,6 +24,8 @@ struct ShownAxis {
     /// nm a step.
     step_nm: f64,
     travel_mm: Option<[f64; 2]>,
+    /// Programs have no way along it: the machine moves it by itself.
+    is_fixed: bool,
     lash_steps: u32,
     lash_um: f64,
     /// Where the file has a map of it.
@@ -83,13 +85,18 @@ pub fn show(machine: &MachineFile) -> Shown {
 
 fn axis(file: &AxisFile, map: Option<&Map>) -> ShownAxis {
     let step_nm = file.step.num as f64 / file.step.den as f64;
+    let travel = match file.travel {
+        Travel::Range(range) => Some(range.map(|nm| nm as f64)),
+        Travel::Unknown | Travel::Unlimited => None,
+    };
+    let is_fixed = travel.is_some_and(|[low, high]| high - low < step_nm);
     ShownAxis {
         axis: char::from(file.letter),
         step_nm,
-        travel_mm: match file.travel {
-            Travel::Range(range) => Some(range.map(|nm| nm as f64 / 1e6)),
-            Travel::Unknown | Travel::Unlimited => None,
-        },
+        travel_mm: travel
+            .filter(|_| !is_fixed)
+            .map(|range| range.map(|nm| nm / 1e6)),
+        is_fixed,
         lash_steps: file.lash_steps,
         lash_um: f64::from(file.lash_steps) * step_nm / 1e3,
         lash_map: map.map(|map| {
@@ -158,6 +165,9 @@ impl ShownAxis {
         )?;
         if let Some([low, high]) = self.travel_mm {
             write!(out, ", travel {low} to {high} mm")?;
+        }
+        if self.is_fixed {
+            write!(out, ", moved by the machine itself, from sensor to sensor")?;
         }
         if let Some(map) = &self.lash_map {
             let along = map

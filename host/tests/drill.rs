@@ -86,9 +86,6 @@ fn faults_at_the_panel() {
     jog(&device, &["home"]).code(1).stderr(contains("button R"));
     device.type_line("reset", "reset");
     jog(&device, &["home", "x", "10"]).success();
-    // Steps lost: the switch comes too early.
-    device.type_line("push x -60", "pushed");
-    device.type_line("where", "x 10 ");
     device.type_line("unplug", "unplugged");
     jog(&device, &["home"])
         .code(1)
@@ -100,6 +97,59 @@ fn faults_at_the_panel() {
         .stderr(contains("no answer"));
     device.type_line("power on", "on");
     jog(&device, &["home", "x", "10"]).success();
+}
+
+/// Steps lost in the middle of a board: the switch tells on the way home, and the host at once.
+#[test]
+fn lost_steps_are_told() {
+    let Some(mut device) = device("drill-lost", &[]) else {
+        return;
+    };
+    let file = program("lost.nc", THREE);
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .args(["send", &file, "-m", "drill", "--port", device.port()])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    device.read_until("drilled at 1070,535");
+    device.type_line("push x -60", "pushed");
+    device.read_until("steps were lost");
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("stands for a fault"), "{told}");
+    assert!(told.contains("look at the board"), "{told}");
+    let place = device.type_line("where", "lost");
+    assert!(place.contains("spindle off"), "{place}");
+    device.type_line("reset", "reset");
+    device.read_until("homed");
+    jog(&device, &["test"]).success();
+    let _ = std::fs::remove_file(file);
+}
+
+/// Holes are taught in one session and in the next; a third one runs them, with the spindle on, and stops it.
+#[test]
+fn teaching_goes_on_in_another_session() {
+    let Some(mut device) = device("drill-teach", &[]) else {
+        return;
+    };
+    jog(&device, &["run"])
+        .code(1)
+        .stderr(contains("holds no program"));
+    jog(&device, &["x", "300", "teach"]).success();
+    jog(&device, &["y", "25", "teach", "x", "-30"])
+        .success()
+        .stdout(contains("x is at its end"));
+    jog(&device, &["run"])
+        .success()
+        .stdout(contains("2 drillings, with the spindle on"));
+    device.read_until("spindle on");
+    device.read_until("drilled at 300,0");
+    device.read_until("drilled at 0,25");
+    device.read_until("spindle off");
+    let holes = device.type_line("holes", "2 holes:");
+    assert!(!holes.contains("stood"), "{holes}");
+    jog(&device, &["clear", "run"]).code(1);
 }
 
 #[test]
@@ -125,6 +175,18 @@ fn wrong_actions_move_nothing() {
         husillo()
             .args(["jog", "-m", "drill"])
             .args(actions)
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains(reason));
+    }
+    for (option, reason) in [
+        (&["--figure", "a.fig"][..], "no figures"),
+        (&["--without-answers"], "answers every byte"),
+    ] {
+        husillo()
+            .args(["jog", "-m", "drill", "home"])
+            .args(option)
             .assert()
             .code(2)
             .stdout("")
@@ -422,4 +484,15 @@ fn an_emergency_stop_and_a_pulled_cable() {
     send(&device, &file, &[]).success();
     device.type_line("holes", "3 holes: 1070,535");
     let _ = std::fs::remove_file(file);
+}
+
+/// Z has no coordinate, so no travel is said of it.
+#[test]
+fn the_machine_is_shown_without_a_travel_of_z() {
+    husillo()
+        .args(["machines", "show", "drill"])
+        .assert()
+        .success()
+        .stdout(contains("travel 0 to 220 mm").and(contains("Z  9.3458 um a step, moved by")))
+        .stdout(contains("0.001").not());
 }

@@ -64,7 +64,7 @@ fn a_switch_that_does_not_come_is_a_fault() {
         });
         bench.rig.hold(switch, Some(closed));
         let outcome = bench.run(Step::Home);
-        assert_eq!(outcome, Ok(Outcome::Failed(Failure::Silent)), "{fault:?}");
+        assert_eq!(outcome, Ok(Outcome::Failed(Failure::Fault)), "{fault:?}");
         assert_eq!(bench.reports.last(), Some(&DrillReport::Fault(fault)));
         bench.rig.hold(switch, None);
         if switch > 0 {
@@ -82,16 +82,101 @@ fn a_switch_that_does_not_come_is_a_fault() {
     );
 }
 
-/// A motor that was pushed back finds its switch too early: nothing more is drilled.
+/// A motor that was pushed finds its switch too early or too late, by a whole turn of its phases: that is told at zero at the latest, at once.
 #[test]
 fn lost_steps_are_found_at_the_switch() {
+    for push in [-100, -4, 4, 60] {
+        for axis in [0, 1] {
+            let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+            let [there, back] = [[b'D', b'I'], [b'F', b'R']][axis];
+            bench.all(&[Step::Clear, Step::Manual(200), Step::Key(there)]);
+            assert_ne!(bench.rig.push(axis, push), 0);
+            let failed = Ok(Outcome::Failed(Failure::Fault));
+            assert_eq!(bench.run(Step::Key(back)), failed, "{push}");
+            let lost = DrillReport::Fault(DrillFault::LostSteps { axis: axis as u8 });
+            assert_eq!(bench.reports.last(), Some(&lost), "{push}");
+            // It says nothing more until the button is pressed.
+            assert_eq!(
+                bench.run(Step::Resync),
+                Ok(Outcome::Failed(Failure::Silent))
+            );
+            bench.reset();
+            bench.all(&[Step::AwaitBoot, Step::Test]);
+        }
+    }
+}
+
+/// Steps lost under way of a program: the records that lead to zero find it, and the host hears of it then, not after a program's longest time.
+#[test]
+fn a_program_that_lost_steps_ends_at_zero_with_a_fault() {
+    for push in [-8, 8] {
+        let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+        bench.all(&[Step::Clear, Step::Begin]);
+        let program = [records(&[[40, 30], [50, 20]]), b"X\0\0Y\0\0".to_vec()].concat();
+        let bytes: Vec<_> = program.iter().map(|byte| Step::Store(*byte)).collect();
+        bench.all(&bytes);
+        bench.all(&[Step::End]);
+        bench.start(Step::Execute);
+        let mut is_pushed = false;
+        let outcome = loop {
+            if let Some(outcome) = bench.advance() {
+                break outcome;
+            }
+            if !is_pushed && bench.rig.place()[0] == 45 {
+                is_pushed = bench.rig.push(1, push) != 0;
+            }
+        };
+        assert!(is_pushed);
+        assert_eq!(outcome, Outcome::Failed(Failure::Fault), "{push}");
+        let lost = DrillReport::Fault(DrillFault::LostSteps { axis: 1 });
+        assert_eq!(bench.reports.last(), Some(&lost), "{push}");
+        assert!(!bench.rig.spindle_turns());
+    }
+}
+
+/// A motor that stands still leaves its switch closed: that is told after the way that opens it.
+#[test]
+fn a_motor_that_stands_still_is_found_at_its_closed_switch() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
-    bench.all(&[Step::Clear, Step::Manual(200), Step::Key(b'D')]);
-    assert_ne!(bench.rig.push(0, -100), 0);
-    let failed = Ok(Outcome::Failed(Failure::Silent));
-    assert_eq!(bench.run(Step::Key(b'I')), failed);
-    let lost = DrillReport::Fault(DrillFault::LostSteps { axis: 0 });
-    assert_eq!(bench.reports.last(), Some(&lost));
+    bench.rig.hold(0, Some(true));
+    let failed = bench.program(&records(&[[40, 30]]));
+    assert!(failed.is_err());
+    let fault = DrillReport::Fault(DrillFault::StillClosed { axis: 0 });
+    assert_eq!(bench.reports.last(), Some(&fault));
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.all(&[Step::Clear, Step::Manual(40)]);
+    bench.rig.hold(0, Some(true));
+    assert_eq!(
+        bench.run(Step::Key(b'D')),
+        Ok(Outcome::Failed(Failure::Fault))
+    );
+    let fault = DrillReport::Fault(DrillFault::LostSteps { axis: 0 });
+    assert_eq!(bench.reports.last(), Some(&fault));
+}
+
+/// A switch that closes up to three steps late is a switch: zero stays where it was.
+#[test]
+fn a_switch_that_closes_a_little_late_is_no_fault() {
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.all(&[Step::Clear, Step::Manual(10), Step::Key(b'D')]);
+    bench.rig.hold(0, Some(false));
+    bench.start(Step::Key(b'I'));
+    let mut lowest = 0;
+    let outcome = loop {
+        if let Some(outcome) = bench.advance() {
+            break outcome;
+        }
+        let [x, ..] = bench.rig.place();
+        lowest = lowest.min(x);
+        if x == -2 {
+            bench.rig.hold(0, None);
+        }
+    };
+    assert_eq!(outcome, Outcome::Done);
+    // A step that was decided already is made.
+    assert!((-3..=-2).contains(&lowest), "{lowest}");
+    assert_eq!(bench.rig.place()[0], 0);
+    assert_eq!(bench.drill.position_steps()[0], 0);
 }
 
 /// The original drills beyond its table, or tries to.
@@ -108,13 +193,18 @@ fn a_record_beyond_the_table_is_a_fault() {
     assert_eq!(bench.reports.last(), Some(&off));
     // By hand it ends at the table's edge.
     bench.reset();
-    bench.all(&[
-        Step::AwaitBoot,
-        Step::Clear,
-        Step::Manual(60),
-        Step::Key(b'D'),
-        Step::Key(b'F'),
-    ]);
+    bench.all(&[Step::AwaitBoot, Step::Clear, Step::Manual(60)]);
+    for key in [b'D', b'F'] {
+        let outcome = bench.run(Step::Key(key));
+        assert_eq!(outcome, Ok(Outcome::Failed(Failure::NotAll)), "it says so");
+    }
+    assert_eq!(bench.rig.place(), [50, 40, 0]);
+    // `c` off home: the end of the table is where it was.
+    bench.all(&[Step::Advance(20), Step::Key(b'I'), Step::Key(b'c')]);
+    assert_eq!(bench.drill.position_steps(), [0, 0]);
+    bench.all(&[Step::Key(b'D')]);
+    let outcome = bench.run(Step::Key(b'D'));
+    assert_eq!(outcome, Ok(Outcome::Failed(Failure::NotAll)));
     assert_eq!(bench.rig.place(), [50, 40, 0]);
 }
 
@@ -127,22 +217,73 @@ fn places_are_taught_while_jogging() {
     bench.all(&[Step::Key(b'D'), Step::Advance(4), Step::Key(b'R')]);
     bench.all(&[Step::Teach, Step::Key(b'L')]);
     assert_eq!(bench.rig.place(), [20, 6, 4]);
-    bench.all(&[Step::Key(b'L'), Step::Key(b'L')]);
+    let not_all = Ok(Outcome::Failed(Failure::NotAll));
+    for _ in 0..2 {
+        assert_eq!(bench.run(Step::Key(b'L')), not_all);
+    }
     assert_eq!(bench.rig.place(), [20, 6, 6], "the lower sensor");
     bench.all(&[Step::Key(b'O')]);
     assert!(bench.rig.spindle_turns());
-    bench.all(&[Step::Key(b'U'), Step::Key(b'U'), Step::Key(b'S')]);
+    bench.all(&[Step::Key(b'U')]);
+    assert_eq!(bench.run(Step::Key(b'U')), not_all);
+    bench.all(&[Step::Key(b'S')]);
     assert_eq!(bench.rig.place(), [20, 6, 0], "the upper sensor");
-    bench.all(&[Step::Key(b'I'), Step::Advance(200), Step::Key(b'I')]);
+    bench.all(&[Step::Key(b'I'), Step::Advance(200)]);
+    assert_eq!(bench.run(Step::Key(b'I')), not_all);
     assert_eq!(bench.rig.place(), [0, 6, 0], "not below zero");
     bench.all(&[Step::Quit, Step::Spindle(true), Step::Execute]);
+    assert!(!bench.rig.spindle_turns(), "the program has ended");
+    // The program is kept over another time by hand.
+    bench.all(&[Step::ManualKept(7), Step::Key(b'D'), Step::Teach]);
+    bench.all(&[Step::Quit, Step::Spindle(true), Step::Execute]);
     let holes = &bench.rig.holes()[1..];
+    assert_eq!(holes.len(), 5);
+    assert_eq!(holes[4].at, [7, 0]);
+    let holes = &holes[..2];
     let hole = |at| DrilledHole {
         at,
         depth: 6,
         is_clean: true,
     };
     assert_eq!(holes, [hole([10, 10]), hole([20, 6])]);
+}
+
+/// A program that runs says so when it is asked, and at its end the spindle stops.
+#[test]
+fn a_program_that_runs_says_so() {
+    for rules in [Rules::FIXED, Rules::FAITHFUL] {
+        let mut bench = Bench::<64>::new(quick(rules));
+        if rules.has_extras {
+            bench.all(&[Step::Spindle(true)]);
+        }
+        bench.all(&[Step::Clear, Step::Begin]);
+        let bytes: Vec<_> = records(&[[90, 10]])
+            .iter()
+            .map(|byte| Step::Store(*byte))
+            .collect();
+        bench.all(&bytes);
+        bench.all(&[Step::End]);
+        assert_eq!(bench.host.ask_at_work(), None, "nothing was begun");
+        bench.start(Step::Execute);
+        for _ in 0..20 {
+            assert_eq!(bench.advance(), None);
+        }
+        assert!(!bench.host.is_at_work());
+        let byte = bench.host.ask_at_work().expect("it was begun");
+        bench.drill.push(byte);
+        for _ in 0..20 {
+            assert_eq!(bench.advance(), None);
+        }
+        assert_eq!(bench.host.is_at_work(), rules.has_extras);
+        let outcome = loop {
+            if let Some(outcome) = bench.advance() {
+                break outcome;
+            }
+        };
+        assert_eq!(outcome, Outcome::Done);
+        assert!(!bench.rig.spindle_turns());
+        assert_eq!(bench.drilled(), [[90, 10]]);
+    }
 }
 
 /// The Z word as a depth; both sensors stay limits, and 0 is the whole way. The original does not look at it.

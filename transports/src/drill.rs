@@ -22,6 +22,10 @@
 //! | `O`, `S` | the same | spindle on, off |
 //! | `n` lo hi | the same, then three bytes and the complement of their sum | the record of that number; behind the last one `f` 00 00. For ff ff instead how many drillings of programs were done since `c`: `c` lo hi, or `B` lo hi where there was no `c` since the reset |
 //! | `?` | `?`, text, 04 | help |
+//! | `M` | `M`, an advance, `m` when home | as `m`, with no wrong bit that makes `e` of it: the program may be kept |
+//! | `p`, while `e` is carried out | `p` | the program runs |
+//! | a key of the manual mode | `w` | not all of its steps were made: the axis is at its end |
+//! | | `!` | in place of any answer to come: it stands for a fault until a reset |
 //!
 //! The device holds 8192 bytes. The next byte (but `f` at the end) gets `w` instead of its echo: the device does what it holds, begins anew, keeps the
 //! byte and echoes it then; a record may lie across that border. The host has to be silent meanwhile.
@@ -56,6 +60,14 @@ pub use timing::Timing;
 
 /// The number of [`Step::Read`] that asks how many drillings of programs were done since `c`, modulo 2^16.
 pub const COUNT: u16 = u16::MAX;
+/// Asks whether a program runs, and says that it does.
+pub const AT_WORK: u8 = b'p';
+/// Told once by a device that stands for a fault.
+pub const FAULT: u8 = b'!';
+/// The manual mode without clearing the program.
+const KEPT: u8 = b'M';
+/// The answer to a key, or to teach-in, of which not all was done.
+const NOT_ALL: u8 = b'w';
 /// Ends the help text.
 pub const END_OF_TEXT: u8 = 4;
 

@@ -7,7 +7,7 @@ use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
 use husillo_transports::byte_commands::{
-    self, ByteCommands, ByteTable, Report, figure_check, move_bytes,
+    self, ByteCommand, ByteCommands, ByteTable, Report, figure_check, move_bytes,
 };
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
@@ -27,7 +27,9 @@ pub fn keep() {
         Baud::characters_us as *const (),
         Baud::divisor as *const (),
         Baud::from_divisor as *const (),
+        ByteCommand::is_a_motion as *const (),
         ByteCommands::acknowledging as *const (),
+        ByteCommands::leave_mode as *const (),
         ByteCommands::new as *const (),
         ByteCommands::receive as *const (),
         ByteCommands::reset as *const (),
@@ -216,7 +218,9 @@ mod drill {
 
     pub fn keep() {
         black_box([
+            Device::<64>::cut_short as *const (),
             Device::<64>::done as *const (),
+            Device::<64>::fail as *const (),
             Device::<64>::is_working as *const (),
             Device::<64>::new as *const (),
             Device::<64>::push as *const (),
@@ -224,8 +228,11 @@ mod drill {
             Device::<64>::take as *const (),
             Device::<64>::teach as *const (),
             Device::<64>::transmit as *const (),
+            Host::ask_at_work as *const (),
             Host::begun_bytes as *const (),
             Host::done_bytes as *const (),
+            Host::give_up as *const (),
+            Host::is_at_work as *const (),
             Host::new as *const (),
             Host::poll as *const (),
             Host::push as *const (),

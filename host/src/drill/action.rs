@@ -1,8 +1,10 @@
 //! What to do with a drill by hand, one thing after another.
 
 use super::client::{Client, Trouble};
+use super::device::STROKE_STEPS;
 use husillo_gcode::drill_record::{Record, bytes};
-use husillo_transports::drill::Step;
+use husillo_machine::DrillConfig;
+use husillo_transports::drill::{Failure, Step};
 use std::fmt;
 use std::time::Duration;
 
@@ -159,6 +161,8 @@ pub struct Hand {
     client: Client,
     /// The advance of the manual mode, while it is in it.
     advance: Option<u8>,
+    /// The spindle is to turn, as far as was asked for here.
+    spindle: bool,
 }
 
 impl Hand {
@@ -167,6 +171,7 @@ impl Hand {
         Self {
             client,
             advance: None,
+            spindle: false,
         }
     }
 
@@ -181,10 +186,28 @@ impl Hand {
     ///
     /// A sentence.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
-        self.do_it(action).map_err(|failed| match failed {
-            Failed::Link(trouble) => trouble.text(),
-            Failed::Other(sentence) => sentence,
+        self.do_it(action).map_err(|failed| {
+            let sentence = match &failed {
+                Failed::Link(trouble) => trouble.text(),
+                Failed::Other(sentence) => return sentence.clone(),
+            };
+            match self.leave() {
+                Ok(()) => sentence,
+                Err(_) if self.spindle => format!("{sentence}; its spindle may turn"),
+                Err(_) => sentence,
+            }
         })
+    }
+
+    /// After trouble: out of the manual mode, the spindle off.
+    fn leave(&mut self) -> Result<(), Trouble> {
+        self.advance = None;
+        self.client.find_out()?;
+        if self.client.has_extras() {
+            self.client.run(Step::Spindle(false))?;
+            self.spindle = false;
+        }
+        Ok(())
     }
 
     fn do_it(&mut self, action: &Action) -> Result<String, Failed> {
@@ -204,27 +227,34 @@ impl Hand {
         match action {
             Action::Home if self.advance.is_some() => self.key(b'r')?,
             Action::Home => self.client.run_for(Step::Home, KEY, |_| {})?,
-            Action::Steps(axis, steps) => self.steps(*axis, *steps)?,
+            Action::Steps(axis, steps) => {
+                if !self.steps(*axis, *steps)? {
+                    return Ok(at_end(*axis));
+                }
+            }
             Action::Jog(axis, forward, time) => {
                 self.manual(JOG_STEPS)?;
                 let end = self.client.elapsed() + *time;
                 while self.client.elapsed() < end && !self.client.is_stopping() {
-                    self.key(axis.key(*forward))?;
+                    if !self.moved(axis.key(*forward))? {
+                        return Ok(at_end(*axis));
+                    }
                 }
             }
-            Action::Spindle(on) if self.advance.is_some() => {
-                self.key(if *on { b'O' } else { b'S' })?;
+            Action::Spindle(on) => {
+                self.spindle |= *on;
+                match self.advance {
+                    Some(_) => self.key(if *on { b'O' } else { b'S' })?,
+                    None => self.client.run(Step::Spindle(*on))?,
+                }
+                self.spindle = *on;
             }
-            Action::Spindle(on) => self.client.run(Step::Spindle(*on))?,
             Action::Teach => {
                 self.manual(JOG_STEPS)?;
                 self.client.run(Step::Teach)?;
             }
             Action::Save(file) => return self.save(file),
-            Action::Run => {
-                self.idle()?;
-                self.client.run_for(Step::Execute, LONGEST, |_| {})?;
-            }
+            Action::Run => return self.run(),
             Action::Clear if self.advance.is_some() => self.key(b'c')?,
             Action::Clear => self.client.run(Step::Clear)?,
             Action::Test => {
@@ -242,7 +272,25 @@ impl Hand {
         Ok(String::new())
     }
 
-    fn steps(&mut self, axis: Axis, steps: i32) -> Result<(), Failed> {
+    /// The program in the memory, whoever put it there, with the spindle on.
+    fn run(&mut self) -> Result<String, Failed> {
+        if !self.client.has_extras() {
+            return Err(Failed::Other(
+                "this drill is an original one, which does not say what it holds: its programs are run by `husillo send`".into(),
+            ));
+        }
+        self.idle()?;
+        let holes = whole(&self.client.program()?).map_err(Failed::Other)?;
+        self.spindle = true;
+        self.client.run(Step::Spindle(true))?;
+        self.client.run_for(Step::Execute, LONGEST, |_| {})?;
+        self.client.run(Step::Spindle(false))?;
+        self.spindle = false;
+        Ok(format!("{holes} drillings, with the spindle on"))
+    }
+
+    /// `false` where the axis came to its end before.
+    fn steps(&mut self, axis: Axis, steps: i32) -> Result<bool, Failed> {
         let mut left = steps.unsigned_abs();
         while left > 0 {
             let part = u8::try_from(left).unwrap_or(u8::MAX);
@@ -251,13 +299,24 @@ impl Hand {
                 self.client.run(Step::Advance(part))?;
                 self.advance = Some(part);
             }
-            self.key(axis.key(steps > 0))?;
+            if !self.moved(axis.key(steps > 0))? {
+                return Ok(false);
+            }
             left -= u32::from(part);
             if self.client.is_stopping() {
                 break;
             }
         }
-        Ok(())
+        Ok(true)
+    }
+
+    /// A key that moves an axis; `false` where it came to its end before all steps were made.
+    fn moved(&mut self, key: u8) -> Result<bool, Failed> {
+        match self.client.run_for(Step::Key(key), KEY, |_| {}) {
+            Ok(()) => Ok(true),
+            Err(Trouble::Link(Failure::NotAll)) => Ok(false),
+            Err(trouble) => Err(Failed::Link(trouble)),
+        }
     }
 
     fn save(&mut self, file: &str) -> Result<String, Failed> {
@@ -283,9 +342,15 @@ impl Hand {
     /// Into the manual mode, which homes; with this advance where it is entered.
     fn manual(&mut self, advance: u8) -> Result<(), Failed> {
         if self.advance.is_none() {
-            // One wrong bit makes `e` of `m`: there must be nothing to run.
-            self.client.run(Step::Clear)?;
-            self.client.run_for(Step::Manual(advance), KEY, |_| {})?;
+            if self.client.has_extras() {
+                // What was taught before is kept.
+                self.client
+                    .run_for(Step::ManualKept(advance), KEY, |_| {})?;
+            } else {
+                // One wrong bit makes `e` of `m`: there must be nothing to run.
+                self.client.run(Step::Clear)?;
+                self.client.run_for(Step::Manual(advance), KEY, |_| {})?;
+            }
             self.advance = Some(advance);
         }
         Ok(())
@@ -316,6 +381,43 @@ impl Hand {
     }
 }
 
+fn at_end(axis: Axis) -> String {
+    format!("{} is at its end: not all of it was done", axis.name())
+}
+
+/// How many drillings a program that was read back has.
+///
+/// # Errors
+///
+/// It is none, or one that was cut off: a link that failed while it came in.
+fn whole(program: &[[u8; 3]]) -> Result<usize, String> {
+    let [last_x, last_y] = DrillConfig::FIXED.travel_steps;
+    let is_good = |record: &Record| match *record {
+        Record::X(x) => x <= last_x,
+        Record::Y(y) => y <= last_y,
+        Record::Drill(depth) => depth <= STROKE_STEPS,
+    };
+    let records: Option<Vec<_>> = (program.iter())
+        .map(|record| Record::from_bytes(*record).filter(is_good))
+        .collect();
+    let ends_well = |records: &Vec<Record>| {
+        matches!(
+            records[..],
+            [.., Record::Drill(_)] | [.., Record::X(0), Record::Y(0)]
+        )
+    };
+    match records {
+        Some(records) if records.is_empty() => Err(
+            "its memory holds no program (of one that is longer than its memory it holds the end alone)".into(),
+        ),
+        Some(records) if ends_well(&records) => {
+            let is_drilling = |record: &&Record| matches!(record, Record::Drill(_));
+            Ok(records.iter().filter(is_drilling).count())
+        }
+        _ => Err("what it holds is no whole program: `clear` it, or send it again".into()),
+    }
+}
+
 enum Failed {
     Link(Trouble),
     Other(String),
@@ -334,6 +436,22 @@ mod tests {
     fn parse(text: &str) -> Result<Vec<Action>, String> {
         let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         Action::parse(&words)
+    }
+
+    #[test]
+    fn half_a_program_is_not_run() {
+        let hole = [*b"X\x01\0", *b"Y\x02\0", *b"Z\0\0"];
+        assert_eq!(whole(&hole), Ok(1));
+        assert_eq!(whole(&[&hole[..], &[*b"X\0\0", *b"Y\0\0"]].concat()), Ok(1));
+        assert!(whole(&[]).unwrap_err().contains("no program"));
+        // Cut off, and filled up by the `f` that bring a device to rest.
+        for part in [*b"X\x01f", *b"Xff", *b"Z\x01f", *b"Y\x02\0", *b"f\x01\0"] {
+            let program = [&hole[..], &[part]].concat();
+            assert!(
+                whole(&program).unwrap_err().contains("no whole"),
+                "{part:?}"
+            );
+        }
     }
 
     #[test]

@@ -13,8 +13,9 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(20);
 /// What a device does not do in this, it does not do: `Host` is told to wait on until the caller's own limit.
 const RUN_US: u32 = 30_000_000;
-/// Silence after a link test that says: it is at work.
-const SILENCE: Duration = Duration::from_millis(300);
+/// Within this a drill says that it is at work; asked so often.
+const AT_WORK: Duration = Duration::from_millis(400);
+const ASKED: usize = 4;
 
 /// How a step did not go well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +49,12 @@ impl Trouble {
             Trouble::Link(Failure::Restarted) => {
                 "the drill was reset: it has homed, and its program is gone".into()
             }
+            Trouble::Link(Failure::Fault) => {
+                "the drill stands for a fault, which its panel tells: steps were lost, a switch or a sensor does not work, or a place is off \
+                 the table. Mend it, then press its button R"
+                    .into()
+            }
+            Trouble::Link(Failure::NotAll) => "the axis came to its end before all steps were made".into(),
             Trouble::Link(Failure::Full) => {
                 "the drill's memory has no room for another hole".into()
             }
@@ -74,7 +81,7 @@ impl Client {
         let mut timing = Timing::of(bits_per_s, RUN_US);
         if matches!(wire, Wire::Real { .. }) {
             // A computer and its adapter may sleep for longer than a character.
-            timing.echo_us += 30_000;
+            timing.echo_us += 500_000;
             timing.guard_us += 30_000;
         }
         Self {
@@ -259,42 +266,36 @@ impl Client {
         }
     }
 
-    /// Starts the program and makes sure that it runs, without waiting for its end: a device at work does not answer a link test,
-    /// one that did not hear the start does. `false` where the program is done already: nothing is left to itself.
+    /// Starts the program and makes sure that it runs, without waiting for its end: it says so itself. `false` where the program is done
+    /// already: nothing is left to itself.
     ///
     /// # Errors
     ///
-    /// It did not start.
+    /// It did not start, or does not say that it did.
     pub fn start(&mut self) -> Result<bool, Trouble> {
         let now = self.now_us();
         self.host
             .start(Step::Execute, now)
             .map_err(Trouble::Refused)?;
         self.transmit()?;
-        for _ in 0..2 {
-            let end = self.elapsed() + SILENCE;
+        for _ in 0..ASKED {
+            if let Some(byte) = self.host.ask_at_work() {
+                self.put(byte)?;
+            }
+            let end = self.elapsed() + AT_WORK;
             while self.elapsed() < end {
                 self.listen(end - self.elapsed())?;
                 match self.host.poll(self.now_us()) {
                     Progress::Done(Outcome::Done) => return Ok(false),
                     Progress::Done(Outcome::Failed(failure)) => return Err(Trouble::Link(failure)),
                     Progress::Done(Outcome::Stopped) => return Err(Trouble::Stopped),
+                    _ if self.host.is_at_work() => return Ok(true),
                     _ => {}
                 }
             }
-            self.put(b'B')?;
         }
-        let end = self.elapsed() + SILENCE;
-        while self.elapsed() < end {
-            self.listen(end - self.elapsed())?;
-            match self.host.poll(self.now_us()) {
-                Progress::Done(Outcome::Done) => return Ok(false),
-                // The answer to the test: it is idle.
-                Progress::Done(_) => return Err(Trouble::Link(Failure::Silent)),
-                _ => {}
-            }
-        }
-        Ok(true)
+        self.host.give_up();
+        Err(Trouble::Link(Failure::Silent))
     }
 
     fn transmit(&mut self) -> Result<(), Trouble> {

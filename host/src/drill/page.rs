@@ -166,7 +166,7 @@ fn picture(page: &mut String, board: &Board<'_>) {
             "<g class=\"hole\" style=\"fill:var(--t{})\">",
             place % 6
         );
-        for stop in part.stops() {
+        for stop in part.places() {
             number += 1;
             let ([x, y], [x_mm, y_mm]) = (stop.at, stop.at.map(millimetres));
             let _ = writeln!(

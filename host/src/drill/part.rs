@@ -24,10 +24,30 @@ pub struct Stop {
 }
 
 impl Part {
-    /// How many drillings.
+    /// How many holes: a drilling that goes deeper at the same place belongs to the hole of the one before.
     pub fn holes(&self) -> usize {
-        let is_hole = |record: &&Record| matches!(record, Record::Drill(_));
-        self.records.iter().filter(is_hole).count()
+        self.pecks().filter(|is_peck| !is_peck).count()
+    }
+
+    /// Of each drilling: whether it goes on with the hole of the one before.
+    pub fn pecks(&self) -> impl Iterator<Item = bool> {
+        let mut before: Option<u16> = None;
+        self.records.iter().filter_map(move |record| {
+            let Record::Drill(depth) = *record else {
+                before = None;
+                return None;
+            };
+            let is_peck = before.is_some_and(|before| before > 0 && (depth == 0 || depth > before));
+            before = Some(depth);
+            Some(is_peck)
+        })
+    }
+
+    /// The holes in their order, from home, each with its last drilling.
+    pub fn places(&self) -> impl Iterator<Item = Stop> {
+        let next = self.pecks().skip(1).chain([false]);
+        let stops = self.stops().zip(next);
+        stops.filter_map(|(stop, goes_on)| (!goes_on).then_some(stop))
     }
 
     /// The drillings in their order, from home.
@@ -43,8 +63,16 @@ impl Part {
         })
     }
 
-    /// What is left of it behind so many drillings: it begins where the last of them is.
-    pub fn rest_behind(&self, drillings: usize) -> Part {
+    /// What is left of it behind so many holes: it begins where the last of them is.
+    pub fn rest_behind(&self, holes: usize) -> Part {
+        let (mut found, mut drillings) = (0, 0);
+        for is_peck in self.pecks() {
+            found += usize::from(!is_peck);
+            if found > holes {
+                break;
+            }
+            drillings += 1;
+        }
         let (mut at, mut left, mut behind) = ([0; 2], drillings, 0);
         for record in &self.records {
             if left == 0 {
@@ -120,10 +148,30 @@ mod tests {
             ],
         };
         let all: Vec<_> = part.stops().collect();
-        assert_eq!((all.len(), part.holes()), (4, 4));
-        for hole in 0..=4 {
+        // The second is deepened: a peck of the same hole.
+        assert_eq!((all.len(), part.holes()), (4, 3));
+        for (hole, behind) in [0, 1, 3, 4].into_iter().enumerate() {
             let rest: Vec<_> = part.rest_behind(hole).stops().collect();
-            assert_eq!(rest, all[hole..], "{hole}");
+            assert_eq!(rest, all[behind..], "{hole}");
         }
+        let places: Vec<_> = part.places().collect();
+        assert_eq!(places, [all[0], all[2], all[3]]);
+    }
+
+    #[test]
+    fn a_hole_that_is_drilled_twice_is_two() {
+        let holes = |depths: &[u16]| {
+            let records = depths.iter().map(|depth| Record::Drill(*depth)).collect();
+            let part = Part {
+                tool: 0,
+                diameter: None,
+                records,
+            };
+            part.holes()
+        };
+        assert_eq!(holes(&[0, 0]), 2);
+        assert_eq!(holes(&[100, 100]), 2);
+        assert_eq!(holes(&[100, 200, 300, 0]), 1);
+        assert_eq!(holes(&[100, 200, 100]), 2);
     }
 }

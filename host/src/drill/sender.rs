@@ -68,10 +68,26 @@ enum Ended {
 /// A part, as it is sent.
 struct Load {
     bytes: Vec<u8>,
-    /// Seconds of its drillings.
+    /// Seconds of its drillings, and of the way home behind them.
     seconds: Vec<f64>,
+    back_s: f64,
+    /// Of each drilling: whether it goes on with the hole of the one before.
+    pecks: Vec<bool>,
     /// Holes of all parts before its first.
     before: usize,
+}
+
+impl Load {
+    /// How many holes so many drillings have finished, and so many have begun.
+    fn holes(&self, [done, begun]: [usize; 2]) -> [usize; 2] {
+        let starts = |drillings: usize| {
+            let first = self.pecks.iter().take(drillings);
+            first.filter(|is_peck| !**is_peck).count()
+        };
+        // A hole is done when the next one, or nothing, follows.
+        let is_open = self.pecks.get(done) == Some(&true);
+        [starts(done) - usize::from(is_open), starts(begun)]
+    }
 }
 
 /// How far all of it is.
@@ -106,7 +122,11 @@ impl<O: Operator> Sender<'_, O> {
             }
         }
         let all_s: f64 = (loads.iter())
-            .map(|load| load.seconds.iter().sum::<f64>() + self.byte_s * load.bytes.len() as f64)
+            .map(|load| {
+                load.seconds.iter().sum::<f64>()
+                    + load.back_s
+                    + self.byte_s * load.bytes.len() as f64
+            })
             .sum();
         let mut reckoning = Reckoning {
             behind_s: 0.0,
@@ -118,6 +138,10 @@ impl<O: Operator> Sender<'_, O> {
             return Ok(self.failed(why, self.from, self.from));
         }
         if !self.client.has_extras() {
+            if detach {
+                let why = "this drill is an original one: it does not say that it has started, so it cannot be left to itself";
+                return Ok(self.failed(why.into(), self.from, self.from));
+            }
             if self.has_depths() {
                 let why = "this drill is an original one: it knows no depths, and would drill each hole through";
                 return Ok(self.failed(why.into(), self.from, self.from));
@@ -148,13 +172,13 @@ impl<O: Operator> Sender<'_, O> {
             self.operator.tell(&format!(
                 "{}: {} holes drilled",
                 part.name(),
-                load.seconds.len()
+                load.holes([load.seconds.len(); 2])[0]
             ));
         }
         Ok(End::Drilled)
     }
 
-    /// The parts that are left, each ending at home where another follows: so `c` leaves zero where it is.
+    /// The parts that are left, each ending at home: so `c` leaves zero where it is, and steps that were lost are found at the switches.
     fn loads(&self) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
@@ -162,18 +186,20 @@ impl<O: Operator> Sender<'_, O> {
         }
         let mut before = 0;
         let mut loads = Vec::new();
-        for (place, part) in self.parts.iter().enumerate() {
+        for part in self.parts {
             let behind = before + part.holes();
             if self.from < behind {
                 let skipped = self.from.saturating_sub(before);
                 let mut rest = part.rest_behind(skipped);
                 let seconds = seconds(&rest, [0; 2]);
-                if place + 1 < self.parts.len() {
-                    rest.records.extend([Record::X(0), Record::Y(0)]);
-                }
+                let pecks = rest.pecks().collect();
+                let last = rest.stops().last().map_or([0; 2], |stop| stop.at);
+                rest.records.extend([Record::X(0), Record::Y(0)]);
                 loads.push(Load {
                     bytes: rest.bytes(),
                     seconds,
+                    back_s: way_s(last, [0; 2]),
+                    pecks,
                     before: before + skipped,
                 });
             }
@@ -248,7 +274,7 @@ impl<O: Operator> Sender<'_, O> {
         if detach {
             return self.client.start();
         }
-        let rest_s = load.seconds.iter().sum::<f64>() - run_s + way_s([0; 2], [0; 2]);
+        let rest_s = load.seconds.iter().sum::<f64>() - run_s + load.back_s;
         self.step(Step::Execute, rest_s, reckoning)?;
         self.spindle(false)?;
         Ok(false)
@@ -308,7 +334,9 @@ impl<O: Operator> Sender<'_, O> {
         let all = load.seconds.len();
         let (mut done, mut begun) = (done.min(all), begun.min(all));
         let is_reset = trouble == Trouble::Link(husillo_transports::drill::Failure::Restarted);
-        if !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok() {
+        let is_reached = !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok();
+        let stands = trouble == Trouble::Link(husillo_transports::drill::Failure::Fault);
+        if is_reached {
             // A count of before a reset is gone.
             if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {
                 let count = usize::from(count);
@@ -321,7 +349,11 @@ impl<O: Operator> Sender<'_, O> {
             }
             // It stands: what it says to this is not what went wrong.
             let _ = self.spindle(false);
+        } else if !stands && !is_reset {
+            self.operator
+                .tell("the drill is not reached: it may be at work, and its spindle may turn");
         }
+        let [done, begun] = load.holes([done, begun]);
         self.failed(trouble.text(), load.before + done, load.before + begun)
     }
 

@@ -246,18 +246,120 @@ fn a_start_that_was_lost_is_told() {
     let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
     assert_eq!(end, Ok(End::Detached));
     let carried = device(&mut good).line().carried;
-    let mut unheard = 0;
-    for place in carried - 6..carried {
-        let mut client = client(false);
-        device(&mut client).line().fault = Some((place, Fault::Lost));
-        let (end, mut client) = send(client, &parts, 0, true, &mut Script::default());
-        rest(&mut client);
-        let has_drilled = !drilled(&mut client).is_empty();
-        let says_so = end == Ok(End::Detached);
-        assert_eq!(has_drilled, says_so, "{place}: {end:?}");
-        unheard += u32::from(!says_so);
+    let (mut unheard, mut unknown) = (0, 0);
+    for fault in [Fault::Lost, Fault::Unplugged] {
+        for place in carried - 6..carried {
+            let mut client = client(false);
+            device(&mut client).line().fault = Some((place, fault));
+            let mut operator = Script::default();
+            let (end, mut client) = send(client, &parts, 0, true, &mut operator);
+            rest(&mut client);
+            let has_drilled = !drilled(&mut client).is_empty();
+            let says_so = end == Ok(End::Detached);
+            let context = format!("{fault:?} at {place}: {end:?}");
+            assert!(has_drilled || !says_so, "{context}");
+            unheard += u32::from(!says_so);
+            if fault == Fault::Lost {
+                assert_eq!(has_drilled, says_so, "{context}");
+                assert!(!device(&mut client).rig().spindle_turns(), "{context}");
+                continue;
+            }
+            // Whoever does not know whether it drills says that.
+            unknown += u32::from(has_drilled && !says_so);
+            if !says_so {
+                let told = operator.told.last().map_or("", String::as_str);
+                assert!(told.contains("its spindle may turn"), "{context}: {told}");
+            }
+            // What has run stops its spindle by itself.
+            assert!(
+                !has_drilled || !device(&mut client).rig().spindle_turns(),
+                "{context}"
+            );
+        }
     }
-    assert!(unheard >= 1);
+    assert!(unheard >= 3 && unknown >= 1, "{unheard}, {unknown}");
+}
+
+/// An original one does not say that it has started: it is not left to itself, and nothing moves but homing of it.
+#[test]
+fn an_original_is_not_left_to_itself() {
+    let parts = [part(1, &[[20, 10]])];
+    let (end, mut client) = send(client(true), &parts, 0, true, &mut Script::default());
+    let Ok(End::Failed(failed)) = end else {
+        panic!("{end:?}")
+    };
+    assert!(failed.why.contains("cannot be left to itself"));
+    rest(&mut client);
+    assert!(drilled(&mut client).is_empty());
+}
+
+/// A fault is told when it happens, not after the longest time of the board: here the lower sensor does not work.
+#[test]
+fn a_fault_is_told_at_once() {
+    let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
+    let mut client = client(false);
+    device(&mut client).control("open down");
+    let start = client.elapsed();
+    let (end, client) = send(client, &[part(1, &holes)], 0, false, &mut Script::default());
+    let Ok(End::Failed(Failed { why, done, .. })) = end else {
+        panic!("{end:?}")
+    };
+    assert!(why.contains("stands for a fault"), "{why}");
+    assert_eq!(done, 0);
+    // 1.8 kB at 2400 baud are 17 s with their echoes, and the host looks for the device afterwards.
+    let took = client.elapsed() - start;
+    assert!(took.as_secs() < 30, "{took:?}");
+}
+
+/// Holes drilled in pecks: each counts once, and going on begins with a whole one.
+#[test]
+fn pecks_are_one_hole() {
+    let hole = |[x, y]: [u16; 2]| {
+        let pecks = [4, 5, 0].map(Record::Drill);
+        [Record::X(x), Record::Y(y)].into_iter().chain(pecks)
+    };
+    let parts = [Part {
+        tool: 1,
+        diameter: None,
+        records: [[3, 3], [9, 4], [5, 8]]
+            .into_iter()
+            .flat_map(hole)
+            .collect(),
+    }];
+    assert_eq!(parts[0].holes(), 3);
+    let mut operator = Script::default();
+    let (end, mut one) = send(client(false), &parts, 1, false, &mut operator);
+    assert_eq!(end, Ok(End::Drilled));
+    assert!(operator.told.contains(&"T1: 2 holes drilled".into()));
+    let depths = |client: &mut Client| -> Vec<([i32; 2], i32)> {
+        let holes = device(client).rig().holes().iter();
+        holes.map(|hole| (hole.at, hole.depth)).collect()
+    };
+    let pecks = |at| [(at, 4), (at, 5), (at, 6)];
+    assert_eq!(depths(&mut one), [pecks([9, 4]), pecks([5, 8])].concat());
+    // Stopped anywhere: what is said to be done is done to its last peck.
+    for fault_at in 0..60 {
+        let mut client = client(false);
+        let (_, mut good) = send(
+            self::client(false),
+            &parts,
+            0,
+            false,
+            &mut Script::default(),
+        );
+        let carried = device(&mut good).line().carried;
+        device(&mut client).line().fault = Some((carried - 60 + fault_at, Fault::Reset));
+        let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+        rest(&mut client);
+        let whole = drilled(&mut client).len();
+        match end {
+            Ok(End::Drilled) => assert_eq!(whole, 3),
+            Ok(End::Failed(Failed { done, begun, .. })) => {
+                assert!((done..=begun).contains(&whole), "{done} {whole} {begun}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
 }
 
 fn faults() -> impl Iterator<Item = Fault> {

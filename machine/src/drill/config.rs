@@ -17,8 +17,8 @@ pub struct DrillConfig {
     pub stroke_steps: u16,
     /// The last step of X and Y: jogging ends there, and a record beyond it is a fault. `u16::MAX` is none, as in the original.
     pub travel_steps: [u16; 2],
-    /// A switch of X or Y that closes further than this from zero is a fault, as steps were lost: nothing is drilled in a wrong place.
-    /// `None` does not look, as in the original.
+    /// A switch of X or Y that closes further than this from zero, on either side of it, or that is closed beyond, is a fault, as steps were
+    /// lost: nothing is drilled in a wrong place. `None` does not look, as in the original.
     pub switch_play_steps: Option<u16>,
     /// Z goes up to its sensor before a program moves X or Y: after it was jogged down, and not in the original.
     pub raises_first: bool,
@@ -47,7 +47,8 @@ impl DrillConfig {
     /// The same machine, with all that was wrong or missing put right.
     pub const FIXED: DrillConfig = DrillConfig {
         travel_steps: [23_540, 4_815],
-        switch_play_steps: Some(10),
+        // A motor of four phases loses steps by fours.
+        switch_play_steps: Some(3),
         raises_first: true,
         rules: Rules::FIXED,
         ..DrillConfig::ORIGINAL

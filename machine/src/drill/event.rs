@@ -67,7 +67,7 @@ pub enum DrillFault {
     NotUp,
     /// The lower one.
     NotDown,
-    /// A home switch closed too far from zero: steps were lost.
+    /// A home switch closed too far from zero, or did not at zero: steps were lost.
     LostSteps {
         /// 0 for X, 1 for Y.
         axis: u8,

@@ -25,8 +25,8 @@ const Z: usize = 2;
 /// | the button R is pressed, or power comes back | [`reset`](Drill::reset) |
 ///
 /// After a reset it homes Z, Y and X and says `B`. Places are steps from home; X moves, then Y, then Z drills from the upper sensor to the
-/// lower one and back. A switch that does not come on the longest way, or comes too early, is a [`DrillFault`]: the
-/// spindle stops, the link is silent and nothing moves until a reset, so that the host reports it.
+/// lower one and back. A switch that does not come on the longest way, comes too early, or is open at zero is a [`DrillFault`]: the
+/// spindle stops, the link says `!` where it has extras and is silent then, and nothing moves until a reset.
 ///
 /// Cost: an event takes some comparisons; a record of the program two copies of bytes more. Its size is `N` + 0.1 kB.
 ///
@@ -53,7 +53,11 @@ pub struct Drill<const N: usize> {
     link: Device<N>,
     task: Task,
     place: [u16; 2],
+    /// Steps from the switches to zero: 0 but after `c` off home.
+    zero: [u16; 2],
     is_homed: bool,
+    /// Switches of X and Y that were open when they were looked at last.
+    were_open: [bool; 2],
     /// The spindle, as it is and as it should be.
     spindle: [bool; 2],
     report: Option<DrillReport>,
@@ -67,7 +71,9 @@ impl<const N: usize> Drill<N> {
             config,
             task: Task::Idle,
             place: [0; 2],
+            zero: [0; 2],
             is_homed: false,
+            were_open: [false; 2],
             // Whatever it was, it is switched off first.
             spindle: [true, false],
             report: None,
@@ -153,6 +159,9 @@ impl<const N: usize> Drill<N> {
                 self.raise(Next::Home)
             }
             Order::Zero => {
+                for (zero, place) in self.zero.iter_mut().zip(self.place) {
+                    *zero = zero.saturating_add(place);
+                }
                 self.place = [0; 2];
                 Task::Settle
             }
@@ -190,8 +199,7 @@ impl<const N: usize> Drill<N> {
 
     /// A move of the program.
     fn record(&mut self, axis: u8, to: u16) -> Task {
-        let last = self.config.travel_steps.get(usize::from(axis));
-        if last.is_some_and(|last| to > *last) {
+        if to > self.last_step(axis) {
             return self.fault(DrillFault::OffTable { axis });
         }
         if self.config.raises_first {
@@ -201,15 +209,25 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// A move by hand ends at zero and at the end of the table.
-    fn jog(&self, axis: u8, steps: i16) -> Task {
+    /// The last step of the table, from zero.
+    fn last_step(&self, axis: u8) -> u16 {
         let index = usize::from(axis);
-        let from = self.place.get(index).copied().unwrap_or_default();
-        let last = self.config.travel_steps.get(index).copied();
-        let to = from
-            .saturating_add_signed(steps)
-            // `c` off home may have made it lower than where it is: never backwards then.
-            .min(last.unwrap_or(u16::MAX).max(from));
+        match (self.config.travel_steps.get(index), self.zero.get(index)) {
+            (Some(&u16::MAX), _) | (None, _) => u16::MAX,
+            (Some(last), zero) => last.saturating_sub(zero.copied().unwrap_or_default()),
+        }
+    }
+
+    /// A move by hand ends at zero and at the end of the table, and says so.
+    fn jog(&mut self, axis: u8, steps: i16) -> Task {
+        let from = self.place.get(usize::from(axis));
+        let from = from.copied().unwrap_or_default();
+        // Not homed it may stand beyond the table's end: never backwards then.
+        let last = self.last_step(axis).max(from);
+        let to = from.saturating_add_signed(steps).min(last);
+        if i32::from(to) != i32::from(from).wrapping_add(i32::from(steps)) {
+            self.link.cut_short();
+        }
         Task::Go { axis, to }
     }
 
@@ -228,6 +246,15 @@ impl<const N: usize> Drill<N> {
             Task::Leave { axis, left } => self.leave(axis, left, inputs),
             Task::Search { axis, left } => self.search(axis, left, inputs),
             Task::Go { axis, to } => self.walk(axis, to, inputs),
+            Task::Beyond { axis, gone } => self.look_beyond(axis, gone, inputs),
+            Task::Return { axis, left } => {
+                let Some(left) = left.checked_sub(1) else {
+                    self.task = Task::Settle;
+                    return None;
+                };
+                self.task = Task::Return { axis, left };
+                self.step(usize::from(axis), 1)
+            }
             Task::Down { left, is_whole } => self.lower(left, is_whole, inputs),
             Task::Up { left, next } => self.lift(left, next, inputs),
             Task::JogZ { left } => self.jog_z(left, inputs),
@@ -253,8 +280,13 @@ impl<const N: usize> Drill<N> {
 
     fn search(&mut self, axis: u8, left: u32, inputs: &DrillInputs) -> Option<DrillEvent> {
         if is_home(inputs, axis) {
-            if let Some(place) = self.place.get_mut(usize::from(axis)) {
-                *place = 0;
+            let index = usize::from(axis);
+            if let (Some(place), Some(zero)) = (self.place.get_mut(index), self.zero.get_mut(index))
+            {
+                (*place, *zero) = (0, 0);
+            }
+            if let Some(was_open) = self.were_open.get_mut(index) {
+                *was_open = false;
             }
             if axis > 0 {
                 self.begin_search(0, inputs);
@@ -289,23 +321,60 @@ impl<const N: usize> Drill<N> {
 
     fn walk(&mut self, axis: u8, to: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         let index = usize::from(axis);
+        let zero = self.zero.get(index).copied()?;
         let place = self.place.get_mut(index)?;
         let at = *place;
-        if at == to {
-            self.task = Task::Settle;
-            return None;
-        }
-        if at < to {
-            *place = at.wrapping_add(1); // at most `to`
-            return self.step(index, 1);
-        }
-        let too_early = self.config.switch_play_steps.is_some_and(|play| at > play);
-        if too_early && self.is_homed && is_home(inputs, axis) {
+        let play = self.config.switch_play_steps.filter(|_| self.is_homed);
+        let was_open = self.were_open.get_mut(index)?;
+        let is_closed = is_home(inputs, axis);
+        let has_closed = core::mem::replace(was_open, !is_closed) && is_closed;
+        // Where a switch closes is sure; where it opens again on the way off it is not.
+        let is_lost = play.is_some_and(|play| {
+            let limit = if has_closed {
+                play
+            } else {
+                self.config.back_off_steps.max(play)
+            };
+            is_closed && at.saturating_add(zero) > limit
+        });
+        if is_lost {
             self.task = self.fault(DrillFault::LostSteps { axis });
             return None;
         }
-        *place = at.wrapping_sub(1); // at least `to`
-        self.step(index, -1)
+        if at == to {
+            let is_at_switch = to == 0 && zero == 0 && play.is_some();
+            self.task = if is_at_switch && !is_closed {
+                Task::Beyond { axis, gone: 0 }
+            } else {
+                Task::Settle
+            };
+            return None;
+        }
+        let is_forward = at < to;
+        // Towards `to`.
+        *place = if is_forward {
+            at.wrapping_add(1)
+        } else {
+            at.wrapping_sub(1)
+        };
+        self.step(index, if is_forward { 1 } else { -1 })
+    }
+
+    /// A switch that closes a little later than ever is a switch; one that is farther away says that steps were lost. The place stays zero.
+    fn look_beyond(&mut self, axis: u8, gone: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if is_home(inputs, axis) {
+            self.task = Task::Return { axis, left: gone };
+            return None;
+        }
+        if gone >= self.config.switch_play_steps.unwrap_or_default() {
+            self.task = self.fault(DrillFault::LostSteps { axis });
+            return None;
+        }
+        self.task = Task::Beyond {
+            axis,
+            gone: gone.wrapping_add(1), // below the play
+        };
+        self.step(usize::from(axis), -1)
     }
 
     /// Down to the depth or the lower sensor, whichever comes first.
@@ -351,6 +420,9 @@ impl<const N: usize> Drill<N> {
             _ => true,
         };
         if is_at_end {
+            if left != 0 {
+                self.link.cut_short();
+            }
             self.task = Task::Settle;
             return None;
         }
@@ -377,6 +449,7 @@ impl<const N: usize> Drill<N> {
         self.spindle = [is_on, false];
         // Where the axes are is not known for sure.
         self.is_homed = false;
+        self.link.fail();
         Task::Fault
     }
 }

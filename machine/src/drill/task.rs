@@ -18,6 +18,16 @@ pub(super) enum Task {
         axis: u8,
         to: u16,
     },
+    /// At zero, with the switch open: so many steps beyond, to where it closes.
+    Beyond {
+        axis: u8,
+        gone: u16,
+    },
+    /// Back from there.
+    Return {
+        axis: u8,
+        left: u16,
+    },
     /// Z down, so many steps at most; to the sensor where `is_whole`.
     Down {
         left: u16,

@@ -2,11 +2,11 @@
 
 use crate::buffer::Buffer;
 
-use super::{Axis, COUNT, END_OF_TEXT, Order, Rules};
+use super::{AT_WORK, Axis, COUNT, END_OF_TEXT, FAULT, KEPT, NOT_ALL, Order, Rules};
 
 /// What `?` says.
 const HELP: &[u8] = b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
-    program: X lo hi, Y lo hi, Z lo hi; f ends it. E stops a run\r\n\
+    M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops a run\r\n\
     manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q quit\r\n";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +72,8 @@ pub struct Device<const N: usize> {
     help: &'static [u8],
     /// The order under way is a drilling of a program.
     is_drilling: bool,
+    /// What is in the memory is the end of a longer program.
+    is_tail: bool,
     /// Drillings done since `c`, modulo 2^16, and whether there was a `c` since the reset.
     drillings: u16,
     was_cleared: bool,
@@ -94,6 +96,7 @@ impl<const N: usize> Device<N> {
             sent: 0,
             help: &[],
             is_drilling: false,
+            is_tail: false,
             drillings: 0,
             was_cleared: false,
         }
@@ -103,6 +106,9 @@ impl<const N: usize> Device<N> {
     pub fn push(&mut self, byte: u8) {
         match self.work {
             Work::None => self.hear(byte),
+            Work::Program(_, After::Answer(_)) if byte == AT_WORK && self.rules.has_extras => {
+                self.out.push(AT_WORK);
+            }
             Work::Program(_, After::Answer(_)) => self.stops |= byte == b'E',
             Work::Program(..) if self.rules.stops_at_border => self.stops |= byte == b'E',
             Work::Program(..) | Work::Orders(..) => {
@@ -150,15 +156,33 @@ impl<const N: usize> Device<N> {
     pub fn teach(&mut self, [x, y]: [u16; 2]) {
         let stored = self.memory.bytes().len();
         let is_whole = self.carried.bytes().is_empty() && stored.checked_rem(3) == Some(0);
-        if !is_whole || N.saturating_sub(stored) < 9 {
-            if let Work::Orders(orders, Some(_)) = self.work {
-                self.work = Work::Orders(orders, Some(b'w'));
-            }
-            return;
+        if !is_whole || self.is_tail || N.saturating_sub(stored) < 9 {
+            return self.cut_short();
         }
         let ([x_low, x_high], [y_low, y_high]) = (x.to_le_bytes(), y.to_le_bytes());
         let hole = [b'X', x_low, x_high, b'Y', y_low, y_high, b'Z', 0, 0];
         self.memory.extend(&hole);
+    }
+
+    /// Not all of the order under way is done, which was given by hand: the answer to it says so, where the device has extras.
+    pub fn cut_short(&mut self) {
+        if let (Work::Orders(orders, Some(_)), true) = (self.work, self.rules.has_extras) {
+            self.work = Work::Orders(orders, Some(NOT_ALL));
+        }
+    }
+
+    /// The machine stands for a fault: what is under way is never answered. A device with extras says [`FAULT`] once, but where that
+    /// would be taken for an echo.
+    pub fn fail(&mut self) {
+        let answer = match self.work {
+            Work::None => None,
+            Work::Orders(_, answer) => answer,
+            Work::Program(_, After::Answer(byte) | After::Store(byte)) => Some(byte),
+            Work::Program(_, After::Begin) => Some(b'b'),
+        };
+        if self.rules.has_extras && answer != Some(FAULT) {
+            self.out.push(FAULT);
+        }
     }
 
     /// The program runs, or an order that was given by hand.
@@ -218,6 +242,10 @@ impl<const N: usize> Device<N> {
             b'B' => self.out.push(byte),
             b'c' => self.clear(),
             b'r' => self.work = Work::Orders([Some(Order::Home), None], Some(byte)),
+            KEPT if self.rules.has_extras => {
+                self.mode = Mode::Advance { homes: true };
+                self.out.push(byte);
+            }
             b'e' => self.run(After::Answer(byte)),
             b'b' if self.is_full() => {
                 self.out.push(b'w');
@@ -260,6 +288,8 @@ impl<const N: usize> Device<N> {
         let stored = self.memory.bytes().get(at..).unwrap_or_default();
         let record = match stored.first_chunk() {
             _ if number == COUNT => [letter, low, high],
+            // Records cut off from those before them are no program.
+            _ if self.is_tail => [b'f', 0, 0],
             Some(record) => *record,
             None => [b'f', 0, 0],
         };
@@ -324,6 +354,7 @@ impl<const N: usize> Device<N> {
     fn clear(&mut self) {
         self.memory.clear();
         self.carried.clear();
+        self.is_tail = false;
         (self.drillings, self.was_cleared) = (0, true);
         self.work = Work::Orders([Some(Order::Zero), None], Some(b'c'));
     }
@@ -366,6 +397,9 @@ impl<const N: usize> Device<N> {
         let work = core::mem::replace(&mut self.work, Work::None);
         match work {
             Work::None => {}
+            Work::Program(_, After::Answer(byte)) if self.rules.stops_spindle => {
+                self.work = Work::Orders([Some(Order::Spindle(false)), None], Some(byte));
+            }
             Work::Orders(_, answer) => answer.into_iter().for_each(|byte| self.out.push(byte)),
             Work::Program(_, After::Answer(byte)) => self.out.push(byte),
             Work::Program(_, After::Begin) => {
@@ -401,6 +435,7 @@ impl<const N: usize> Device<N> {
         carried.extend(bytes.get(from..).unwrap_or_default());
         self.carried = carried;
         self.memory.clear();
+        self.is_tail = true;
     }
 }
 

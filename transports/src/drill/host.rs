@@ -1,7 +1,9 @@
 //! The host's end of the line.
 
 use super::device::check;
-use super::{END_OF_TEXT, Failure, Outcome, Progress, Refused, Step, Timing};
+use super::{
+    AT_WORK, END_OF_TEXT, FAULT, Failure, KEPT, NOT_ALL, Outcome, Progress, Refused, Step, Timing,
+};
 
 /// Bytes that bring any device to rest: four `f` close any record and meet the place where `f` ends a program, `Q` leaves the manual mode,
 /// and an idle device ignores all of them. `B` is the test, which a device that takes a program echoes as well - one wrong bit makes
@@ -84,6 +86,9 @@ pub struct Host {
     done: u32,
     begun: u32,
     stops: bool,
+    /// Whether it was asked if a program runs, and has said so.
+    asks_at_work: bool,
+    is_at_work: bool,
     /// Came while nothing was awaited.
     unasked: Option<u8>,
     heard: Option<u8>,
@@ -112,6 +117,8 @@ impl Host {
             done: 0,
             begun: 0,
             stops: false,
+            asks_at_work: false,
+            is_at_work: false,
             unasked: None,
             heard: None,
         }
@@ -128,9 +135,12 @@ impl Host {
         let byte = self.first_byte(step)?;
         self.step = step;
         (self.stops, self.repeats) = (false, 0);
+        (self.asks_at_work, self.is_at_work) = (false, false);
         self.answer = if step == Step::Quit { b'm' } else { byte };
         (self.then, self.last) = match step {
-            Step::Manual(advance) => ([Some(advance), None], Some(b'm')),
+            Step::Manual(advance) | Step::ManualKept(advance) => {
+                ([Some(advance), None], Some(b'm'))
+            }
             Step::Advance(advance) => ([Some(advance), None], None),
             Step::Read(number) => (number.to_le_bytes().map(Some), None),
             _ => ([None; 2], None),
@@ -154,6 +164,7 @@ impl Host {
             }
             _ => match unasked {
                 Some(b'B') => self.fail(Failure::Restarted),
+                Some(FAULT) => self.fail(Failure::Fault),
                 Some(byte) => self.fail(Failure::Unasked(byte)),
                 None => self.phase = Phase::Send(byte),
             },
@@ -171,6 +182,27 @@ impl Host {
         };
         self.stops |= runs;
         runs.then_some(b'E')
+    }
+
+    /// Asks a device with extras whether the program runs, which it says at once: see [`is_at_work`](Self::is_at_work). The byte that is to be
+    /// sent; `None` where none was begun, or it has ended.
+    pub fn ask_at_work(&mut self) -> Option<u8> {
+        let waits = matches!(self.phase, Phase::Answer(_) | Phase::Late);
+        self.asks_at_work = waits && self.step == Step::Execute;
+        self.asks_at_work.then_some(AT_WORK)
+    }
+
+    /// Whether the device has said that the program runs, since it was begun.
+    pub const fn is_at_work(&self) -> bool {
+        self.is_at_work
+    }
+
+    /// Waits for the step under way no longer: the device is in an unknown state, as after a failure.
+    pub fn give_up(&mut self) {
+        if self.phase != Phase::Idle {
+            self.lose();
+            self.phase = Phase::Idle;
+        }
     }
 
     /// The wait that is under way begins anew: for work that takes longer than 2^31 us, which a caller knows of.
@@ -195,6 +227,7 @@ impl Host {
                     // The answer to the test, or none.
                     match self.heard {
                         Some(b'B') => {}
+                        Some(FAULT) => return self.end_resync(Failure::Fault),
                         Some(other) => return self.end_resync(Failure::Wrong(other)),
                         None => return self.end_resync(Failure::Silent),
                     }
@@ -226,6 +259,7 @@ impl Host {
             Phase::Text if byte == END_OF_TEXT => self.conclude(now_us),
             Phase::Text => self.wait(Phase::Text, self.pause_us(), now_us),
             Phase::Border | Phase::Guard if byte == b'B' => self.fail(Failure::Restarted),
+            Phase::Border | Phase::Boot if byte == FAULT => self.fail(Failure::Fault),
             Phase::Border => self.fail(Failure::Wrong(byte)),
             Phase::Guard => self.fail(Failure::Unasked(byte)),
             Phase::Boot if byte == b'B' => {
@@ -256,6 +290,7 @@ impl Host {
                     self.phase = Phase::Over(Outcome::Done);
                 }
                 Some(b'B') => self.fail(Failure::Restarted),
+                Some(FAULT) => self.fail(Failure::Fault),
                 Some(other) => self.fail(Failure::Wrong(other)),
             },
             Phase::Guard => self.phase = Phase::Over(Outcome::Done),
@@ -316,6 +351,7 @@ impl Host {
             Step::Begin => (b'b', Mode::Idle),
             Step::Execute => (b'e', Mode::Idle),
             Step::Manual(_) => (b'm', Mode::Idle),
+            Step::ManualKept(_) => (KEPT, Mode::Idle),
             Step::Key(byte) => (byte, Mode::Manual),
             Step::Advance(_) => (b'a', Mode::Manual),
             Step::Teach => (b'T', Mode::Manual),
@@ -368,11 +404,25 @@ impl Host {
             self.settle(now_us);
         } else if byte == b'B' {
             self.fail(Failure::Restarted);
-        } else if byte == b'w' && self.step == Step::Teach {
+        } else if byte == AT_WORK && self.asks_at_work {
+            self.is_at_work = true;
+        } else if byte == FAULT && self.moves() {
+            self.fail(Failure::Fault);
+        } else if byte == NOT_ALL && self.step == Step::Teach {
             self.phase = Phase::Over(Outcome::Failed(Failure::Full));
+        } else if byte == NOT_ALL && matches!(self.step, Step::Key(_)) {
+            self.phase = Phase::Over(Outcome::Failed(Failure::NotAll));
         } else {
             self.fail(Failure::Wrong(byte));
         }
+    }
+
+    /// Whether the step moves the machine, which may fail at it.
+    const fn moves(&self) -> bool {
+        matches!(
+            self.step,
+            Step::Home | Step::Execute | Step::Key(_) | Step::Manual(_) | Step::ManualKept(_)
+        )
     }
 
     /// A byte of a record, the fourth being its check.
@@ -384,7 +434,14 @@ impl Host {
                 let next = Phase::Record(count.wrapping_add(1)); // 3 at most
                 self.wait(next, self.pause_us(), now_us);
             }
-            None if byte == wanted => self.conclude(now_us),
+            None if byte == wanted => {
+                let [letter, ..] = self.record;
+                if self.step == Step::Read(0) && matches!(letter, b'X' | b'Y' | b'Z') {
+                    // There is a program; whether it is all of one is the caller's to see.
+                    (self.is_whole, self.is_clear) = (true, false);
+                }
+                self.conclude(now_us);
+            }
             None => self.fail(Failure::Wrong(byte)),
         }
     }
@@ -431,7 +488,7 @@ impl Host {
             }
             Step::End => (self.mode, self.is_whole) = (Mode::Idle, true),
             Step::Quit => self.mode = Mode::Idle,
-            Step::Manual(_) => self.mode = Mode::Manual,
+            Step::Manual(_) | Step::ManualKept(_) => self.mode = Mode::Manual,
             Step::Execute if self.stops => {
                 self.phase = Phase::Over(Outcome::Stopped);
                 return;

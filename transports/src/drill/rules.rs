@@ -17,8 +17,11 @@ pub struct Rules {
     pub zero_is_no_move: bool,
     /// The Z word of a record is a depth in steps, 0 being the whole way. The original ignores it.
     pub z_is_depth: bool,
-    /// What the original reserved or lacked: teach-in by `T` in the manual mode, help by `?`, records read back and counted by `n`, and the
-    /// spindle by `O` and `S` outside of the manual mode, which homes. The original does not answer such bytes, or only echoes them.
+    /// The spindle stops when a program has ended, so that one that is left to itself does not leave it turning. The original's turns on.
+    pub stops_spindle: bool,
+    /// What the original reserved or lacked: teach-in by `T` in the manual mode, help by `?`, records read back and counted by `n`, the
+    /// spindle by `O` and `S` outside of the manual mode, which homes, the manual mode with the program kept by `M`, whether a program runs by
+    /// `p`; a fault and a jog that ends early are told. The original does not answer such bytes, or only echoes them.
     pub has_extras: bool,
 }
 
@@ -30,6 +33,7 @@ impl Rules {
         stops_at_border: false,
         zero_is_no_move: false,
         z_is_depth: false,
+        stops_spindle: false,
         has_extras: false,
     };
 
@@ -40,6 +44,7 @@ impl Rules {
         stops_at_border: true,
         zero_is_no_move: true,
         z_is_depth: true,
+        stops_spindle: true,
         has_extras: true,
     };
 }

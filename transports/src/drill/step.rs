@@ -24,6 +24,8 @@ pub enum Step {
     Execute,
     /// The manual mode, with an advance in steps; homes first.
     Manual(u8),
+    /// The same on a device with extras, whose program is kept.
+    ManualKept(u8),
     /// A key of the manual mode.
     Key(u8),
     /// A new advance in the manual mode.
@@ -91,8 +93,12 @@ pub enum Failure {
     Unasked(u8),
     /// The device says that it was reset.
     Restarted,
-    /// The device's memory has no room for another hole; this alone leaves it in a known state.
+    /// The device says that it stands for a fault: a switch, a sensor, lost steps, a place off the table. Until a reset it does nothing.
+    Fault,
+    /// The device's memory has no room for another hole; this and the next one alone leave it in a known state.
     Full,
+    /// The axis came to its end before all steps of a key were made.
+    NotAll,
 }
 
 impl fmt::Display for Failure {
@@ -102,6 +108,8 @@ impl fmt::Display for Failure {
             Failure::Wrong(byte) => write!(out, "a wrong answer, {byte:02x}"),
             Failure::Unasked(byte) => write!(out, "a byte that nothing was sent for, {byte:02x}"),
             Failure::Restarted => out.write_str("the device was reset"),
+            Failure::Fault => out.write_str("the device stands for a fault"),
+            Failure::NotAll => out.write_str("the axis came to its end"),
             Failure::Full => out.write_str("the device's memory is full"),
         }
     }
