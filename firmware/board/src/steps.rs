@@ -1,7 +1,5 @@
 //! The queue between the foreground and the step interrupt.
 
-use heapless::spsc::Queue;
-
 /// A step that waits for its time; `D` is what the foreground wants back of one that is dropped.
 #[derive(Clone, Copy)]
 pub struct Step<D> {
@@ -13,30 +11,45 @@ pub struct Step<D> {
     pub delta: D,
 }
 
-/// Steps that wait, one less than `PLACES`. The foreground fills it; the interrupt pops and writes.
+/// `PLACES` steps that wait, a power of two up to 128. The foreground fills it; the interrupt writes and pops.
+///
+/// Of `heapless` the same queue takes twice the instructions in the interrupt.
 pub struct Steps<D, const PLACES: usize> {
-    queue: Queue<Step<D>, PLACES>,
-    /// Its wait runs.
-    due: Option<Step<D>>,
+    places: [Step<D>; PLACES],
+    /// Steps queued and made, wrapping: where they are, too.
+    queued: u8,
     made: u8,
+    /// The wait of the next one runs.
+    is_due: bool,
 }
 
-impl<D, const PLACES: usize> Steps<D, PLACES> {
-    /// None.
-    #[expect(clippy::new_without_default, reason = "a static")]
-    pub const fn new() -> Self {
+impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
+    /// None; `delta` fills the places.
+    pub const fn new(delta: D) -> Self {
+        const {
+            assert!(
+                PLACES.is_power_of_two() && PLACES <= 128,
+                "they wrap with the counters"
+            )
+        };
+        let blank = Step {
+            wait_us: 0,
+            levels: 0,
+            delta,
+        };
         Steps {
-            queue: Queue::new(),
-            due: None,
+            places: [blank; PLACES],
+            queued: 0,
             made: 0,
+            is_due: false,
         }
     }
 
     /// The step interrupt: a wait is over.
     #[inline]
     pub fn on_time(&mut self) {
-        if let Some(step) = self.due.take() {
-            crate::write(step.levels);
+        if self.is_due {
+            crate::write(self.place(self.made).levels);
             self.made = self.made.wrapping_add(1);
         }
         self.next();
@@ -45,17 +58,18 @@ impl<D, const PLACES: usize> Steps<D, PLACES> {
     /// Begins the wait of the next step.
     #[inline]
     fn next(&mut self) {
-        self.due = self.queue.dequeue();
-        if let Some(step) = &self.due {
-            crate::wait(step.wait_us);
+        self.is_due = self.made != self.queued;
+        if self.is_due {
+            crate::wait(self.place(self.made).wait_us);
         }
     }
 
     /// Queues a step; where none waits its wait begins now. The foreground counts: there is room.
     #[inline]
     pub fn push(&mut self, step: Step<D>) {
-        let _ = self.queue.enqueue(step);
-        if self.due.is_none() {
+        *self.place(self.queued) = step;
+        self.queued = self.queued.wrapping_add(1);
+        if !self.is_due {
             self.next();
         }
     }
@@ -66,12 +80,21 @@ impl<D, const PLACES: usize> Steps<D, PLACES> {
         self.made
     }
 
-    /// No step is made any more: those that waited, in their order.
-    #[inline]
+    /// No step is made any more: those that waited, the last one first.
     pub fn stop(&mut self) -> impl Iterator<Item = Step<D>> {
         crate::stop();
-        let due = self.due.take();
-        due.into_iter()
-            .chain(core::iter::from_fn(|| self.queue.dequeue()))
+        self.is_due = false;
+        core::iter::from_fn(|| {
+            if self.queued == self.made {
+                return None;
+            }
+            self.queued = self.queued.wrapping_sub(1);
+            Some(*self.place(self.queued))
+        })
+    }
+
+    #[inline]
+    fn place(&mut self, number: u8) -> &mut Step<D> {
+        &mut self.places[usize::from(number) % PLACES]
     }
 }

@@ -9,19 +9,23 @@
 #![no_std]
 #![no_main]
 
+mod motors;
+
 use board::{Shared, Step, Steps};
 use husillo_gcode::SpindleDirection;
-use husillo_machine::{Idle, Mill, MillConfig, MillEvent, MillInputs, Motors, StepEvent};
-use husillo_stepper::{Driver, Levels, Mode, Sequencer};
+use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, StepEvent};
+use husillo_stepper::{Driver, Mode, Sequencer};
+use motors::Motors;
 
 /// The machine: another one is another constant.
 static CONFIG: MillConfig = MillConfig::MICROMILL;
 
-/// Events that may wait for their time, and one place that the queue keeps free.
+/// Events that may wait for their time.
 const AHEAD: usize = 8;
-const PLACES: usize = AHEAD + 1;
 
-static STEPS: Shared<Steps<[i8; 3], PLACES>> = Shared::new(Steps::new());
+type Micromill = Mill<'static, 16, AHEAD, 64>;
+
+static STEPS: Shared<Steps<[i8; 3], AHEAD>> = Shared::new(Steps::new([0; 3]));
 
 /// The wait of a step is over.
 #[unsafe(no_mangle)]
@@ -43,69 +47,73 @@ fn main() -> ! {
             core::hint::spin_loop();
         }
     };
-    let mut motors = Motors::new([motor; 3], Idle::Hold);
-    board::write(phases(motors.levels()));
+    let mut motors = Motors::new(motor);
+    board::write(motors.levels());
     let mut mill = Mill::new(&CONFIG);
     run(&mut mill, &mut motors)
 }
 
 /// What `main` keeps on the stack while this runs is only its arguments.
 #[inline(never)]
-fn run(mill: &mut Mill<'_, 16, AHEAD, 64>, motors: &mut Motors<3, Sequencer>) -> ! {
+fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
     let mut told = 0_u8;
     let mut unsent = None;
     loop {
-        let mut is_idle = true;
-        let made = STEPS.with(|steps| steps.made());
-        while told != made {
-            mill.made();
-            told = told.wrapping_add(1);
-        }
+        tell(mill, &mut told, STEPS.with(|steps| steps.made()));
         while let Some(byte) = board::received() {
             if mill.receive(byte) {
                 halt(mill, motors, &mut told);
             }
-            is_idle = false;
         }
+        send(mill, &mut unsent);
         let inputs = MillInputs {
             home: home(mill.position_steps()),
         };
-        match mill.next_event(&inputs) {
-            Some(MillEvent::Step(step)) => {
-                push(&step, motors);
-                is_idle = false;
+        while let Some(event) = mill.next_event(&inputs) {
+            match event {
+                MillEvent::Step(step) => push(&step, motors),
+                // Its speed is set by hand.
+                MillEvent::Spindle { direction, .. } => board::switch(spindle(direction)),
+                // The operator changes it: the host asks for it and waits.
+                MillEvent::Tool { .. } => {}
             }
-            // Its speed is set by hand.
-            Some(MillEvent::Spindle { direction, .. }) => {
-                board::switch(spindle(direction));
-                is_idle = false;
-            }
-            // The operator changes it: the host asks for it and waits.
-            Some(MillEvent::Tool { .. }) => is_idle = false,
-            None => {}
         }
         // Behind the events: a line that ends without one is told too before it sleeps.
-        unsent = unsent.or_else(|| mill.transmit());
-        if let Some(byte) = unsent {
-            if board::send(byte) {
-                unsent = None;
-            }
-            is_idle = false;
+        if unsent.is_none() {
+            unsent = mill.transmit();
         }
-        if is_idle {
+        if unsent.is_none() {
             board::sleep(|| STEPS.with(|steps| steps.made() == told));
         }
     }
 }
 
+/// Tells what was made.
+#[inline]
+fn tell(mill: &mut Micromill, told: &mut u8, made: u8) {
+    while *told != made {
+        mill.made();
+        *told = told.wrapping_add(1);
+    }
+}
+
+/// Sends what the transmitter takes.
+#[inline]
+fn send(mill: &mut Micromill, unsent: &mut Option<u8>) {
+    while let Some(byte) = unsent.take().or_else(|| mill.transmit()) {
+        if !board::send(byte) {
+            *unsent = Some(byte);
+            return;
+        }
+    }
+}
+
 /// The home switches. A simulated machine's close at 400 steps below where it was switched on.
+#[inline]
 fn home(position_steps: [i32; 3]) -> [bool; 3] {
-    let simulated = position_steps
-        .iter()
-        .rev()
-        .fold(0, |bits, steps| bits << 1 | u8::from(*steps <= -400));
-    let bits = board::inputs(simulated);
-    [0, 1, 2].map(|axis| bits >> axis & 1 == 1)
+    let [x, y, z] = position_steps.map(|steps| u8::from(steps <= -400));
+    let bits = board::inputs(x | y << 1 | z << 2);
+    [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]
 }
 
 /// Forwards and backwards.
@@ -118,33 +126,23 @@ fn spindle(direction: SpindleDirection) -> u8 {
 }
 
 /// Queues a step: `Mill` gives no more than the queue holds.
-fn push(step: &StepEvent<3>, motors: &mut Motors<3, Sequencer>) {
+fn push(step: &StepEvent<3>, motors: &mut Motors) {
     let step = Step {
         wait_us: step.wait_ticks,
         delta: step.delta,
-        levels: phases(motors.step(&step.delta)),
+        levels: motors.step(&step.delta),
     };
     STEPS.with(|steps| steps.push(step));
 }
 
 /// Stops: what has not been made will not be, and the motors' phases are those of what has.
-fn halt(mill: &mut Mill<'_, 16, AHEAD, 64>, motors: &mut Motors<3, Sequencer>, told: &mut u8) {
+fn halt(mill: &mut Micromill, motors: &mut Motors, told: &mut u8) {
     let made = STEPS.with(|steps| {
         steps.stop().for_each(|step| {
             motors.step(&step.delta.map(i8::wrapping_neg));
         });
         steps.made()
     });
-    while *told != made {
-        mill.made();
-        *told = told.wrapping_add(1);
-    }
+    tell(mill, told, made);
     mill.halted();
-}
-
-/// The levels of PH: in full steps both I0 and I1 stay low.
-fn phases(levels: &[Levels; 3]) -> u8 {
-    levels.iter().rev().fold(0, |word, levels| {
-        word << 2 | (levels.0 & 1) | (levels.0 >> 2 & 2)
-    })
 }

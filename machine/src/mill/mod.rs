@@ -168,11 +168,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         let Some(given) = self.ahead.pop() else {
             return;
         };
-        let axes = self.made.iter_mut().zip(Axis::ALL);
-        for ((play, axis), delta) in axes.zip(given.delta) {
-            if delta != 0 {
-                play.step(delta);
-                self.link.step(axis, delta > 0);
+        // By reference, here and in `follow`: arrays that are iterated by value are copied first.
+        let axes = self.made.iter_mut().zip(&Axis::ALL);
+        for ((play, axis), delta) in axes.zip(&given.delta) {
+            if *delta != 0 {
+                play.step(*delta);
+                self.link.step(*axis, *delta > 0);
             }
         }
         for _ in 0..given.ends {
@@ -537,50 +538,37 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         let (Some(path), course) = (&mut self.path, &mut self.course) else {
             return Next::Again;
         };
-        if course.next.is_none() {
-            let Some(step) = path.next() else {
-                self.path = None;
-                self.task = Task::Idle;
-                self.end_line();
-                return Next::Again;
-            };
-            let wait = course.timer.wait(step.sweep.into());
-            let wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
-            course.next = Some((step.deltas(), wait));
-        }
-        let Some((delta, wait)) = course.next else {
-            return Next::Again;
-        };
-        // A straight move takes up all its axes before it begins, an arc each where it turns round.
-        let heading = course.heading;
-        let owes = |ways: [i8; 3]| {
-            let mut axes = (0..3_u8).zip(self.plays.iter().zip(ways));
-            axes.find(|(_, (play, way))| play.owes(*way))
-                .map(|(axis, (_, way))| (axis, way))
-        };
-        if let Some((number, way)) = owes(heading).or_else(|| owes(delta)) {
-            let axis = self.config.machine.axes.get(usize::from(number));
-            let hz = axis.map_or(1, |axis| axis.max_rate_hz);
-            let wait_ticks = course.pace(number, self.config.machine.timer_hz, hz);
-            let mut delta = [0; 3];
-            if let Some(delta) = delta.get_mut(usize::from(number)) {
-                *delta = way;
+        let (delta, wait) = match course.next.take() {
+            Some(next) => next,
+            None => {
+                let Some(step) = path.next() else {
+                    self.path = None;
+                    self.task = Task::Idle;
+                    self.end_line();
+                    return Next::Again;
+                };
+                let wait = course.timer.wait(step.sweep.into());
+                let wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
+                course.turns(step);
+                (step.deltas(), wait)
             }
-            return self.give(wait_ticks, delta);
+        };
+        if course.may_owe {
+            // A straight move takes up all its axes before it begins, an arc each where it turns round.
+            let owed = owed(&self.plays, &course.heading);
+            if let Some((number, way)) = owed.or_else(|| self::owed(&self.plays, &delta)) {
+                course.next = Some((delta, wait));
+                return self.take_up(number, way);
+            }
+            course.is_even();
         }
-        course.heading = [0; 3];
-        course.is_even();
         if wait > u64::from(MAX_WAIT_TICKS) {
             course.next = Some((delta, wait.wrapping_sub(MAX_WAIT_TICKS.into())));
             return self.give(MAX_WAIT_TICKS, [0; 3]);
         }
-        course.next = None;
         let is_last = path.remaining() == 0;
-        let into_switch = delta.iter().zip(inputs.home);
-        if into_switch
-            .into_iter()
-            .any(|(way, is_closed)| *way < 0 && is_closed)
-        {
+        let mut into_switch = delta.iter().zip(&inputs.home);
+        if into_switch.any(|(way, is_closed)| *way < 0 && *is_closed) {
             // Within the travel no switch closes: steps were lost.
             self.is_homed = false;
             self.cut();
@@ -595,6 +583,20 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         next
     }
 
+    /// A step of an axis that moves no load.
+    #[inline(never)]
+    fn take_up(&mut self, number: u8, way: i8) -> Next {
+        let number = usize::from(number);
+        let axis = self.config.machine.axes.get(number);
+        let hz = axis.map_or(1, |axis| axis.max_rate_hz);
+        let wait_ticks = self.course.pace(number, self.config.machine.timer_hz, hz);
+        let mut delta = [0; 3];
+        if let Some(delta) = delta.get_mut(number) {
+            *delta = way;
+        }
+        self.give(wait_ticks, delta)
+    }
+
     /// Ends everything where it is; what was given is still made.
     fn cut(&mut self) {
         self.queue.clear();
@@ -607,9 +609,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     }
 
     fn give(&mut self, wait_ticks: u32, delta: [i8; 3]) -> Next {
-        for (play, delta) in self.plays.iter_mut().zip(delta) {
-            if delta != 0 {
-                play.step(delta);
+        for (play, delta) in self.plays.iter_mut().zip(&delta) {
+            if *delta != 0 {
+                play.step(*delta);
             }
         }
         self.ahead.push(Given { delta, ends: 0 });
@@ -649,6 +651,13 @@ fn lay(
 #[inline(never)]
 fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Flat) -> u64 {
     machine.tempo(segment, path).ticks(100)
+}
+
+/// The first axis that goes a way which it takes up lash for.
+fn owed(plays: &[Play; 3], ways: &[i8; 3]) -> Option<(u8, i8)> {
+    let mut axes = (0..3).zip(plays.iter().zip(ways));
+    axes.find(|(_, (play, way))| play.owes(**way))
+        .map(|(axis, (_, way))| (axis, *way))
 }
 
 /// One axis, one way.

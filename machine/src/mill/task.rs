@@ -1,6 +1,7 @@
 //! What is under way: a line, or one of the modes that decide step by step.
 
 use husillo_gcode::Nm;
+use husillo_interp::Step;
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis};
 
@@ -61,8 +62,13 @@ pub(super) struct Course {
     pub(super) heading: [i8; 3],
     /// The next step of the path, and its wait: an axis is taken up before it.
     pub(super) next: Option<([i8; 3], u64)>,
+    /// Whether an axis steps the other way than before, or for the first time: only then it can owe lash.
+    pub(super) may_owe: bool,
+    /// Axes that have stepped forwards last, and backwards.
+    forwards: u8,
+    backwards: u8,
     /// The axis that is taken up, and its tempo.
-    pace: Option<(u8, Timer)>,
+    pace: Option<(usize, Timer)>,
 }
 
 impl Course {
@@ -71,12 +77,26 @@ impl Course {
             timer,
             heading,
             next: None,
+            may_owe: true,
+            forwards: 0,
+            backwards: 0,
             pace: None,
         }
     }
 
+    /// The next step of the path is known.
+    #[inline]
+    pub(super) const fn turns(&mut self, step: Step) {
+        let (forwards, backwards) = (step.axes & !step.negative, step.negative);
+        if forwards & !self.forwards | backwards & !self.backwards != 0 {
+            self.may_owe = true;
+            self.forwards = self.forwards & !backwards | forwards;
+            self.backwards = self.backwards & !forwards | backwards;
+        }
+    }
+
     /// Ticks before the next step of take-up of an axis.
-    pub(super) fn pace(&mut self, axis: u8, timer_hz: u32, hz: u32) -> u32 {
+    pub(super) fn pace(&mut self, axis: usize, timer_hz: u32, hz: u32) -> u32 {
         let pace = match &mut self.pace {
             Some((other, pace)) if *other == axis => pace,
             pace => {
@@ -88,7 +108,10 @@ impl Course {
     }
 
     /// Nothing is taken up any more.
+    #[inline]
     pub(super) const fn is_even(&mut self) {
+        self.may_owe = false;
+        self.heading = [0; 3];
         self.pace = None;
     }
 }

@@ -150,15 +150,15 @@ impl<const OUT: usize> Device<OUT> {
 
     /// Tells a motor step, or counts it where only one in so many is told.
     pub fn step(&mut self, axis: Axis, forward: bool) {
-        let untold = self.untold.iter_mut().zip(Axis::ALL);
-        for (untold, other) in untold {
-            if other == axis && self.every != 0 {
-                // Below 1000 either way.
-                *untold = untold.wrapping_add(if forward { 1 } else { -1 });
-                if untold.unsigned_abs() >= self.every {
-                    *untold = 0;
-                    return self.answer(Answer::Step { axis, forward });
-                }
+        let Some(untold) = self.untold.get_mut(axis as usize) else {
+            return; // there is no other axis
+        };
+        if self.every != 0 {
+            // Below 1000 either way.
+            *untold = untold.wrapping_add(if forward { 1 } else { -1 });
+            if untold.unsigned_abs() >= self.every {
+                *untold = 0;
+                self.answer(Answer::Step { axis, forward });
             }
         }
     }

@@ -1,0 +1,99 @@
+"""A firmware in QEMU: started, talked to at its UART, looked into at QEMU's monitor."""
+import os
+import socket
+import struct
+import subprocess
+import time
+
+TARGETS = {
+    "microbit": "thumbv6m-none-eabi",
+    "mps2-an386": "thumbv7em-none-eabihf",
+    "virt": "riscv32imac-unknown-none-elf",
+}
+
+
+def elf(program, board):
+    """The path of the program."""
+    return os.path.join(os.environ.get("CARGO_TARGET_DIR", "target"), TARGETS[board], "release", program)
+
+
+class Elf:
+    """Sections of a program of 32 bits, read from its headers: no tool for the target is needed."""
+
+    def __init__(self, path):
+        self.data = data = open(path, "rb").read()
+        offset, = struct.unpack_from("<I", data, 0x20)
+        size, count, names = struct.unpack_from("<HHH", data, 0x2E)
+        raw = [struct.unpack_from("<10I", data, offset + index * size) for index in range(count)]
+
+        def text(place):
+            return data[place:data.index(b"\0", place)].decode()
+
+        # Name to kind, flags, address, offset, length.
+        self.sections = {text(raw[names][4] + section[0]): section[1:6] for section in raw}
+
+    def flash(self):
+        """Bytes that are loaded."""
+        return sum(length for kind, flags, _, _, length in self.sections.values() if flags & 2 and kind != 8)
+
+    def static(self, start):
+        """Bytes from the start of RAM to the end of what is there from the start."""
+        ends = [self.sections[name] for name in (".data", ".bss", ".uninit") if name in self.sections]
+        return max(address + length for _, _, address, _, length in ends) - start
+
+    def halfword(self, address):
+        """The code there."""
+        for kind, flags, begin, place, length in self.sections.values():
+            if kind == 1 and flags & 2 and begin <= address < begin + length:
+                return struct.unpack_from("<H", self.data, place + address - begin)[0]
+        return 0
+
+
+class Bench:
+    """A firmware that runs, its UART as a socket."""
+
+    def __init__(self, program, board, *arguments):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.qemu = subprocess.Popen(
+            ["./qemu", program, board, str(self.port), *arguments],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "MONITOR": "1"})
+        assert self.qemu.stdout.readline().startswith(b"husillo")
+        self.line = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.line:
+            self.line.close()
+        self.qemu.kill()
+        self.qemu.wait()
+
+    def connect(self):
+        """Opens the line; the firmware may be booting still."""
+        for _ in range(100):
+            try:
+                self.line = socket.create_connection(("127.0.0.1", self.port))
+                self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                return
+            except ConnectionRefusedError:
+                time.sleep(0.1)
+        raise SystemExit("QEMU does not listen")
+
+    def receive(self, seconds):
+        """What comes within that time, at least a byte; nothing then is an empty string."""
+        self.line.settimeout(seconds)
+        try:
+            return self.line.recv(65536)
+        except TimeoutError:
+            return b""
+
+    def monitor(self, command):
+        """A command to QEMU's monitor, carried out when this returns."""
+        self.qemu.stdin.write(command.encode() + b"\nprint 1234567\n")
+        self.qemu.stdin.flush()
+        # The prompt repeats what is typed: only the answer, in hexadecimal, is a line of its own.
+        while self.qemu.stdout.readline().strip() != b"0x12d687":
+            pass
