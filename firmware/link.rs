@@ -1,19 +1,24 @@
-//! Hands the linker scripts to the linker.
-use std::{env, fs, path::PathBuf};
+//! Hands the linker scripts to the linker: those in `memory/` of the program, or else those of all.
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+};
 
-fn main() {
-    println!("cargo:rerun-if-changed=../memory");
+/// The build script of programs that need no other.
+pub fn main() {
+    let folder = ["memory", "../memory"]
+        .into_iter()
+        .map(Path::new)
+        .find(|folder| folder.exists())
+        .expect("the folder of all");
+    println!("cargo:rerun-if-changed={}", folder.display());
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
     let is_arm = env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("arm");
-    let memory = if is_arm {
-        "../memory/arm.x"
-    } else {
-        "../memory/riscv-virt.x"
-    };
+    let memory = if is_arm { "arm.x" } else { "riscv-virt.x" };
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
-    fs::copy(memory, out.join("memory.x")).expect("memory.x copied to OUT_DIR");
+    fs::copy(folder.join(memory), out.join("memory.x")).expect("memory.x copied to OUT_DIR");
     println!("cargo:rustc-link-search={}", out.display());
     if is_arm {
         println!("cargo:rustc-link-arg-bins=--nmagic");

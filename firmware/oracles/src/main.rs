@@ -1,0 +1,89 @@
+//! Runs the crates' oracle tests on a chip: the same files as `cargo test`, made callable by the build script.
+#![no_std]
+#![no_main]
+
+extern crate alloc;
+
+// Its critical sections are those of the heap.
+#[cfg(target_arch = "arm")]
+use cortex_m as _;
+use embedded_alloc::LlffHeap;
+use semihosting::println;
+
+/// What the tests find around them on a host.
+mod surroundings {
+    pub use alloc::format;
+    pub use alloc::string::String;
+    pub use alloc::vec;
+    pub use alloc::vec::Vec;
+
+    /// Functions of numbers that `core` has not.
+    pub trait Real {
+        /// The square root.
+        fn sqrt(self) -> Self;
+        /// The sine of an angle in radians.
+        fn sin(self) -> Self;
+        /// The cosine of an angle in radians.
+        fn cos(self) -> Self;
+        /// The length of a vector.
+        fn hypot(self, other: Self) -> Self;
+        /// The angle of a vector, in radians.
+        fn atan2(self, other: Self) -> Self;
+        /// What is left of a division, never negative.
+        fn rem_euclid(self, divisor: Self) -> Self;
+    }
+
+    impl Real for f64 {
+        fn sqrt(self) -> f64 {
+            libm::sqrt(self)
+        }
+
+        fn sin(self) -> f64 {
+            libm::sin(self)
+        }
+
+        fn cos(self) -> f64 {
+            libm::cos(self)
+        }
+
+        fn hypot(self, other: f64) -> f64 {
+            libm::hypot(self, other)
+        }
+
+        fn atan2(self, other: f64) -> f64 {
+            libm::atan2(self, other)
+        }
+
+        fn rem_euclid(self, divisor: f64) -> f64 {
+            let rest = libm::fmod(self, divisor);
+            if rest < 0.0 {
+                rest + libm::fabs(divisor)
+            } else {
+                rest
+            }
+        }
+    }
+}
+
+include!(concat!(env!("OUT_DIR"), "/tests.rs"));
+
+#[global_allocator]
+static HEAP: LlffHeap = LlffHeap::empty();
+
+/// Enough for the largest oracle as a tree of JSON values.
+const HEAP_BYTES: usize = 3 << 20;
+
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+fn main() -> ! {
+    // SAFETY: once, before anything is allocated.
+    unsafe {
+        embedded_alloc::init!(HEAP, HEAP_BYTES);
+    }
+    for (name, test) in TESTS {
+        test();
+        println!("{name} ok");
+    }
+    println!("{} oracle tests passed", TESTS.len());
+    semihosting::process::exit(0)
+}
