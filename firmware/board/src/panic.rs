@@ -1,5 +1,6 @@
-//! There is no panic: whatever could, does not link.
+//! There is no panic: whatever could, does not link. The USB crates can: then the motors' steps end, and the host hears nothing more.
 
+#[cfg(not(feature = "usb"))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe extern "C" {
@@ -7,4 +8,14 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     }
     // Safety: nobody defines this function, so no program that contains this call links.
     unsafe { a_panic_is_left_in_the_firmware() }
+}
+
+#[cfg(feature = "usb")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    crate::chosen::switch(0);
+    loop {
+        cortex_m::asm::wfi();
+    }
 }

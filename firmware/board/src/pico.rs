@@ -1,0 +1,243 @@
+//! The Raspberry Pi Pico: an RP2040 with two Cortex-M0+, one of them used, 125 MHz. Its line is USB: a serial port of the class CDC-ACM,
+//! `/dev/ttyACM0` at the host.
+//!
+//! `BOARD=src/pico.rs cargo build --release -p micromill --features board/usb --target thumbv6m-none-eabi`
+//!
+//! The timer counts microseconds freely and compares, as the micro:bit's. Clocks and USB are those of `rp2040-hal`, which may panic: then
+//! all stands still. There is no QEMU for this chip: it is built, not run.
+//: MEMORY
+//: {
+//:   BOOT2 : ORIGIN = 0x10000000, LENGTH = 256
+//:   FLASH : ORIGIN = 0x10000100, LENGTH = 2M - 256
+//:   RAM   : ORIGIN = 0x20000000, LENGTH = 256K
+//: }
+//: SECTIONS
+//: {
+//:   .boot2 ORIGIN(BOOT2) : { KEEP(*(.boot2)); } > BOOT2
+//: } INSERT BEFORE .text;
+
+use crate::{
+    Shared, nvic,
+    registers::{read, set},
+};
+use rp2040_hal::clocks::{ClocksManager, InitError, init_clocks_and_plls};
+use rp2040_hal::usb::UsbBus;
+use rp2040_hal::{Watchdog, pac};
+use usb_device::class_prelude::UsbBusAllocator;
+use usb_device::device::{StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbVidPid};
+use usbd_serial::{SerialPort, USB_CLASS_CDC};
+
+const CRYSTAL_HZ: u32 = 12_000_000;
+const IO_BANK: usize = 0x4001_4000;
+const PADS: usize = 0x4001_c000;
+const TIMER: usize = 0x4005_4000;
+const ALARM: usize = 0x10;
+const ARMED: usize = 0x20;
+const NOW_US: usize = 0x28;
+const INTR: usize = 0x34;
+const INTE: usize = 0x38;
+const SIO: usize = 0xd000_0000;
+const GPIO_IN: usize = 0x04;
+const OUT_SET: usize = 0x14;
+const OUT_CLR: usize = 0x18;
+const OE_SET: usize = 0x24;
+/// A pin of the SIO's; a pad with input, 4 mA and pull-up.
+const BY_SIO: u32 = 5;
+const PULLED_UP: u32 = 1 << 6 | 1 << 4 | 1 << 3;
+/// GP2 to GP9: the motors, from bit 0.
+const MOTORS: u32 = 0xff << 2;
+/// GP10 to GP13: other outputs.
+const OUTPUTS: u32 = 0xf << 10;
+/// GP14 to GP18: switches to ground.
+const INPUTS: usize = 14;
+/// The shortest wait: what setting it takes.
+const LEAST_US: u32 = 2;
+/// Numbers of the interrupts.
+const TIMER_0: u16 = 0;
+const USB: u16 = 5;
+/// For tests and examples in a laboratory: <https://pid.codes/1209/0001/>. A product has its own.
+const IDENTITY: UsbVidPid = UsbVidPid(0x1209, 0x0001);
+
+/// The second stage of the boot loader: the chip runs it before the program.
+#[used]
+#[unsafe(link_section = ".boot2")]
+static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_W25Q080;
+
+/// The port and its device.
+struct Line {
+    device: UsbDevice<'static, UsbBus>,
+    port: SerialPort<'static, UsbBus>,
+}
+
+static LINE: Shared<Option<Line>> = Shared::new(None);
+
+/// When the last wait ended.
+static LAST_US: Shared<u32> = Shared::new(0);
+
+/// Pins, timer, USB, interrupts.
+pub fn start() {
+    // Without its clocks the chip can do nothing: it stays without a line.
+    LINE.with(|line| *line = open().ok().flatten());
+    for pin in 2..INPUTS + 5 {
+        set(IO_BANK + 8 * pin + 4, BY_SIO);
+    }
+    for pin in INPUTS..INPUTS + 5 {
+        set(PADS + 4 + 4 * pin, PULLED_UP);
+    }
+    set(SIO + OE_SET, MOTORS | OUTPUTS);
+    LAST_US.with(|last| *last = read(TIMER + NOW_US));
+    nvic::unmask(TIMER_0);
+    nvic::unmask(USB);
+}
+
+/// Clocks, resets, and the serial port.
+fn open() -> Result<Option<Line>, InitError> {
+    // Safety: `start` is called once, and nobody else has them.
+    let mut chip = unsafe { pac::Peripherals::steal() };
+    let mut watchdog = Watchdog::new(chip.WATCHDOG);
+    let ClocksManager { usb_clock, .. } = init_clocks_and_plls(
+        CRYSTAL_HZ,
+        chip.XOSC,
+        chip.CLOCKS,
+        chip.PLL_SYS,
+        chip.PLL_USB,
+        &mut chip.RESETS,
+        &mut watchdog,
+    )?;
+    // The timer's microseconds.
+    watchdog.enable_tick_generation((CRYSTAL_HZ / 1_000_000) as u8);
+    chip.RESETS.reset().modify(|_, resets| {
+        resets.io_bank0().clear_bit();
+        resets.pads_bank0().clear_bit();
+        resets.timer().clear_bit()
+    });
+    while !chip.RESETS.reset_done().read().timer().bit() {}
+    let bus = UsbBus::new(
+        chip.USBCTRL_REGS,
+        chip.USBCTRL_DPRAM,
+        usb_clock,
+        true,
+        &mut chip.RESETS,
+    );
+    let allocator = cortex_m::singleton!(: UsbBusAllocator<UsbBus> = UsbBusAllocator::new(bus));
+    Ok(allocator.and_then(|allocator| {
+        let port = SerialPort::new(allocator);
+        let strings = [StringDescriptors::default().product("husillo")];
+        let device = UsbDeviceBuilder::new(allocator, IDENTITY)
+            .strings(&strings)
+            .ok()?
+            .device_class(USB_CLASS_CDC)
+            .build();
+        Some(Line { device, port })
+    }))
+}
+
+/// Sends a byte, if the port has room for it. Without a host nobody reads: it is said to be sent.
+pub fn send(byte: u8) -> bool {
+    LINE.with(|line| match line {
+        Some(line) if line.port.dtr() => {
+            let is_taken = line.port.write(&[byte]) == Ok(1);
+            // What does not go at once goes with the next interrupt of the port.
+            line.port.flush().ok();
+            is_taken
+        }
+        _ => true,
+    })
+}
+
+/// USB has no rate.
+pub fn baud(_: u32) {}
+
+/// What was sent is on its way.
+pub fn is_sent() -> bool {
+    true
+}
+
+/// There is no DC motor.
+pub fn drive(_: u8) {}
+
+/// Nor its encoder.
+pub fn counts(simulated: u16) -> u16 {
+    simulated
+}
+
+/// The motors' pins.
+#[inline]
+pub fn write(levels: u8) {
+    let high = u32::from(levels) << 2;
+    set(SIO + OUT_CLR, MOTORS & !high);
+    set(SIO + OUT_SET, high);
+}
+
+/// The other outputs.
+pub fn switch(outputs: u8) {
+    let high = u32::from(outputs) << 10 & OUTPUTS;
+    set(SIO + OUT_CLR, OUTPUTS & !high);
+    set(SIO + OUT_SET, high);
+}
+
+/// The switches: 1 where one is closed.
+pub fn inputs(simulated: u8) -> u8 {
+    if cfg!(not(feature = "switches")) {
+        return simulated;
+    }
+    (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
+}
+
+/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+pub fn wait(us: u32) {
+    LAST_US.with(|last| {
+        *last = last.wrapping_add(us);
+        loop {
+            // What has passed wraps to the upper half; waits are 2^31 at most.
+            let now = read(TIMER + NOW_US);
+            let left = last.wrapping_sub(now);
+            if left.wrapping_sub(LEAST_US) > (1 << 31) - LEAST_US {
+                *last = now.wrapping_add(LEAST_US);
+            }
+            set(TIMER + INTR, 1);
+            set(TIMER + ALARM, *last);
+            // It may have passed in between: then the alarm would come after 2^32 us.
+            let left = last.wrapping_sub(read(TIMER + NOW_US));
+            if left.wrapping_sub(1) < 1 << 31 || read(TIMER + ARMED) & 1 == 0 {
+                break;
+            }
+        }
+        set(TIMER + INTE, 1);
+    });
+}
+
+/// Ends the wait.
+pub fn stop() {
+    set(TIMER + INTE, 0);
+    set(TIMER + ARMED, 1);
+    set(TIMER + INTR, 1);
+    nvic::unpend(TIMER_0);
+}
+
+/// Takes what the host has sent: at most a packet, of which a protocol with echoes fills a few bytes.
+fn on_usb() {
+    let mut bytes = [0; 64];
+    let count = LINE.with(|line| {
+        let line = line.as_mut()?;
+        if !line.device.poll(&mut [&mut line.port]) {
+            return None;
+        }
+        line.port.read(&mut bytes).ok()
+    });
+    let heard = bytes.iter().take(count.unwrap_or_default());
+    heard.for_each(|byte| crate::heard(*byte));
+}
+
+#[cortex_m_rt::exception]
+unsafe fn DefaultHandler(number: i16) {
+    match number as u16 {
+        TIMER_0 => {
+            set(TIMER + INTE, 0);
+            set(TIMER + INTR, 1);
+            crate::on_time();
+        }
+        USB => on_usb(),
+        _ => {}
+    }
+}
