@@ -53,13 +53,21 @@ impl Line {
         self.port.elapsed_us()
     }
 
-    /// Flush, reset, addresses, versions, rate.
+    /// Flush, reset, addresses, versions, rate. Where nobody answers, once more with a reset of every address.
     ///
     /// # Errors
     ///
     /// The port fails, nobody answers, or not clearly.
     pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Trouble> {
-        let mut startup = Startup::new(baud);
+        match self.start_by(baud, Startup::new(baud)) {
+            // An earlier session may have left them in groups that do not hear the reset of all.
+            Err(Trouble::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
+            other => other,
+        }
+    }
+
+    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Chain, Trouble> {
+        self.host.set_timing(self.port.timing(Baud::default()));
         let mut outcome = None;
         loop {
             match startup.next(outcome.as_ref()) {
@@ -159,5 +167,42 @@ impl Line {
             }
             eprintln!("{text}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cmm::emulated::Emulated;
+    use husillo_transports::nmc::Group;
+
+    /// As any program may leave them: other addresses, another group.
+    #[test]
+    fn modules_in_other_groups_are_found() {
+        let emulated = Emulated::new(&[4; 2], &[], None).unwrap();
+        let mut line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
+        let group = Group {
+            address: 0x90,
+            is_leader: false,
+        };
+        for (old, address) in [(1, 17), (2, 32)] {
+            let moved = Command::SetAddress { address, group };
+            let port = &mut line.port;
+            port.send(moved.frame(old).bytes()).unwrap();
+            port.receive(100_000).unwrap();
+        }
+        assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
+        line.command(2, Command::NoOperation).unwrap();
+    }
+
+    #[test]
+    fn a_line_without_modules_is_told() {
+        let emulated = Emulated::new(&[], &[], None).unwrap();
+        let mut line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        assert!(matches!(
+            line.start_up(Baud::B19200),
+            Err(Trouble::NoModules)
+        ));
     }
 }

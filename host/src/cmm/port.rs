@@ -68,6 +68,7 @@ impl Port {
             Self::Simulated(..) => self.timing(baud),
             Self::Serial(..) | Self::Network(..) => Timing {
                 reply_us: 250_000,
+                tries: 5,
                 ..self.timing(baud)
             },
         }

@@ -81,7 +81,7 @@ impl Trouble {
     pub const fn help(&self) -> Option<&'static str> {
         Some(match self {
             Self::Link(nmc::Failure::Silent) | Self::NoModules => {
-                "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? --raw shows the bytes"
+                "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? Switching them off and on makes them hear again what all are told. --raw shows the bytes"
             }
             Self::NoModule { .. } => {
                 "`module` of an axis in the machine file is its address; 1 is the far end"

@@ -94,7 +94,7 @@ impl Startup {
         }
     }
 
-    /// Resets every individual address too, 32 times [`Timing::reset_us`](super::Timing::reset_us) more. A module that an earlier
+    /// Resets every individual address too, 32 times [`Timing::reset_us`](super::Timing::reset_us) more, the last one first: a reset makes all behind it deaf. A module that an earlier
     /// session left in another group than 0xFF does not hear the reset of all; it keeps its address, and another one may get the same.
     #[must_use]
     pub const fn resetting_each(mut self) -> Startup {
@@ -117,10 +117,8 @@ impl Startup {
         match self.phase {
             Phase::Flush if outcome.is_none() => Phase::Flush,
             Phase::Flush => Phase::Reset,
-            Phase::Reset if self.resets_each => Phase::ResetEach(1),
-            Phase::ResetEach(address) if address < LAST_ADDRESS => {
-                Phase::ResetEach(address + 1) // below 32
-            }
+            Phase::Reset if self.resets_each => Phase::ResetEach(LAST_ADDRESS),
+            Phase::ResetEach(address) if address > 1 => Phase::ResetEach(address.saturating_sub(1)),
             Phase::Reset | Phase::ResetEach(_) => Phase::Settle,
             Phase::Settle => Phase::Address(1),
             Phase::Address(address) if reply.is_some() => {
