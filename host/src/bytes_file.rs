@@ -6,6 +6,7 @@ use husillo_transports::byte_commands::ByteTable;
 /// Reads `[bytes]`: a character each, two a motor; what is not there is as in the table of our own.
 pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
     let mut bytes = ByteTable::DEFAULT;
+    let [first, second] = &mut bytes.machines;
     for (key, byte) in [
         ("home", &mut bytes.home),
         ("manual", &mut bytes.manual),
@@ -18,6 +19,8 @@ pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
         ("line", &mut bytes.line),
         ("keep", &mut bytes.keep),
         ("ask", &mut bytes.ask),
+        ("first", first),
+        ("second", second),
     ] {
         if let Some([one]) = characters(table, key, "one ASCII character") {
             *byte = one;

@@ -45,19 +45,35 @@ struct Links<'a> {
 }
 
 impl Links<'_> {
+    /// A port, or a machine behind it as in `/dev/ttyUSB0#2`.
     fn open(&self, port: &str) -> Result<Client, String> {
+        let (port, machine) = match port.rsplit_once('#') {
+            Some((port, "1")) => (port, Some(0)),
+            Some((port, "2")) => (port, Some(1)),
+            Some((_, number)) => {
+                return Err(format!(
+                    "{port}: machine {number}: a controller drives one or two, as in PORT#2"
+                ));
+            }
+            None => (port, None),
+        };
         let wire = if port == "sim" {
             let figure = figure_of(self.figure, self.settings)?;
-            Wire::simulated(Device::new(self.settings, figure, self.answers, self.baud))
+            let device = Device::new(self.settings, figure, self.answers, self.baud);
+            Wire::simulated(match machine {
+                Some(_) => device.with_two_machines(),
+                None => device,
+            })
         } else {
             Wire::open(port, self.baud).map_err(|error| format!("{port}: {error}"))?
         };
-        Ok(Client::new(
+        let client = Client::new(
             wire,
             self.settings.table,
             self.answers,
             Arc::clone(&self.stop),
-        ))
+        );
+        Ok(client.of_machine(machine.unwrap_or(0)))
     }
 
     /// A machine a port, with its share of the actions.
@@ -177,6 +193,9 @@ pub fn emulate(
         !args.faithful,
         BAUD,
     );
+    if args.machines > 1 {
+        device = device.with_two_machines();
+    }
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),

@@ -6,7 +6,7 @@ use serialport::{SerialPort, TTYPort};
 use std::io::{self, BufRead, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
@@ -153,7 +153,18 @@ fn panel() -> Receiver<String> {
 pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
-    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
-        .map_err(|error| error.to_string())?;
+    ctrlc::set_handler(move || {
+        STOPS_ASKED.fetch_add(1, Ordering::Relaxed);
+        set.store(true, Ordering::Relaxed);
+    })
+    .map_err(|error| error.to_string())?;
     Ok(flag)
+}
+
+/// How often that was asked for.
+static STOPS_ASKED: AtomicU32 = AtomicU32::new(0);
+
+/// How often Ctrl-C was pressed, or the end was asked for.
+pub fn stops_asked() -> u32 {
+    STOPS_ASKED.load(Ordering::Relaxed)
 }

@@ -124,3 +124,11 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
     #[cfg(not(unix))]
     Ok(Arc::new(AtomicBool::new(false)))
 }
+
+/// How often Ctrl-C was pressed.
+pub fn stops_asked() -> u32 {
+    #[cfg(unix)]
+    return crate::terminal::stops_asked();
+    #[cfg(not(unix))]
+    0
+}

@@ -101,6 +101,43 @@ fn a_switch_and_an_emergency_at_the_panel() {
         .stderr(contains("no answer"));
 }
 
+/// A controller of two machines: `#2` behind the port is the second one.
+#[test]
+fn two_machines_of_one_controller() {
+    let Some(mut device) = device("pair", &["--machines", "2"]) else {
+        return;
+    };
+    let second = format!("{}#2", device.port());
+    let jog = |port: &str, actions: &[&str]| {
+        let all = [&["jog", "--port", port], actions].concat();
+        husillo().args(all).assert()
+    };
+    let first = device.port().to_owned();
+    jog(&first, &["home", "x", "40"]).success();
+    jog(&second, &["home", "z", "7"]).success();
+    jog(&first, &["y", "3"]).success();
+    let place = device.type_line("where", "lost");
+    assert!(place.starts_with("x 40 y 3 z 0 "), "{place}");
+    let place = device.type_line("2: where", "lost");
+    assert!(place.starts_with("x 0 y 0 z 7 "), "{place}");
+    husillo()
+        .args(["send", "../examples/microfactory/zigzag.fig"])
+        .args(["-m", "microfactory", "--port", &second])
+        .assert()
+        .success();
+    device.read_until("2: the tool touches");
+    let place = device.type_line("where", "lost");
+    assert!(place.starts_with("x 40 y 3 z 0 "), "{place}");
+    jog(&first, &["emergency"]).success();
+    device.type_line("2: where", "lost");
+    jog(&second, &["x", "4"])
+        .code(1)
+        .stderr(contains("emergency stop"));
+    jog(&format!("{first}#3"), &["x", "4"])
+        .code(2)
+        .stderr(contains("PORT#2"));
+}
+
 #[test]
 fn the_original_does_not_answer() {
     let Some(mut device) = device("faithful", &["--faithful"]) else {

@@ -36,7 +36,7 @@ mod drill;
 mod mill;
 
 pub use axis::{Axis, AxisRamp, Config};
-pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs};
+pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellPair, PAIR};
 pub use closed_loop::{ClosedLoop, Followed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};

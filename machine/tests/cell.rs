@@ -1,7 +1,7 @@
 //! The desktop microfactory against a small model of its mechanics: screws with play, switches, a work piece.
 
 use husillo_machine::{
-    CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellReport, StepEvent,
+    CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellPair, CellReport, StepEvent,
 };
 use husillo_transports::byte_commands::ByteCommand;
 use proptest::prelude::*;
@@ -438,6 +438,41 @@ proptest! {
                 prop_assert_eq!(&cell.position_steps()[..3], &loads);
             }
         }
+    }
+
+    /// Two machines of one controller do, each, what they would do alone, however their events are mixed; an emergency stop is for both.
+    #[test]
+    fn a_pair_is_two_machines(
+        commands in [command(), command()],
+        turns in prop::collection::vec(any::<bool>(), 0..3000),
+    ) {
+        let config = CellConfig::ORIGINAL;
+        let mut pair = CellPair::new(config, [SQUARE, SQUARE]);
+        let mut alone = [Cell::new(config, SQUARE), Cell::new(config, SQUARE)];
+        let mut model = Model::new(&config, [400, 300, 200]);
+        model.face = 100;
+        let mut models = [model.clone(), model];
+        for (machine, command) in (0..).zip(commands) {
+            let taken = pair.command(machine, command);
+            prop_assert_eq!(taken, alone[usize::from(machine)].command(command));
+        }
+        for turn in turns {
+            let machine = usize::from(turn);
+            let inputs = models[machine].inputs();
+            let event = pair.next_event(machine as u8, &inputs);
+            prop_assert_eq!(event, alone[machine].next_event(&inputs));
+            match event {
+                CellEvent::Step(step) => models[machine].apply(step),
+                CellEvent::Enable(on) => models[machine].has_current = on,
+                _ => {}
+            }
+        }
+        prop_assert!(pair.command(0, ByteCommand::Emergency));
+        prop_assert!(!pair.is_moving(0) && !pair.is_moving(1));
+        prop_assert!(!pair.command(1, ByteCommand::Home));
+        pair.reset();
+        prop_assert!(pair.command(1, ByteCommand::Home) && !pair.is_moving(0));
+        prop_assert!(pair.cell(2).is_none() && !pair.command(2, ByteCommand::Home));
     }
 
     /// An emergency stop acts on the next event, in every task, and holds until a reset.

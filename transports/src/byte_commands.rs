@@ -10,7 +10,8 @@
 //! [`ByteTable`]. A count may be any byte from 1 to 255, letters among them, so what a byte means depends on the mode.
 //!
 //! Its figure was built in. Ours may take others ([`ByteCommands::storing`]): `<`, then `3` and four bytes a move, then `6` with their number and a check.
-//! Only when that is right there is a figure again, so a damaged one is never cut. Five bytes [`ByteTable::stop`] bring the link out of
+//! Only when that is right there is a figure again, so a damaged one is never cut. A controller of two machines ([`ByteCommands::of_two_machines`])
+//! obeys `o` and `t`: what follows is for machine one, or two. Five bytes [`ByteTable::stop`] bring the link out of
 //! any half command, as four at most of them are its data.
 
 mod figure;
@@ -122,6 +123,9 @@ pub struct ByteCommands {
     acknowledges: bool,
     /// Moves that there is room for.
     room: u16,
+    /// Whether there are two machines, and for which one commands are.
+    is_pair: bool,
+    machine: u8,
     loading: Option<Loading>,
 }
 
@@ -143,6 +147,8 @@ impl ByteCommands {
             mode: Mode::None,
             acknowledges: false,
             room: 0,
+            is_pair: false,
+            machine: 0,
             loading: None,
         }
     }
@@ -159,10 +165,23 @@ impl ByteCommands {
         self
     }
 
+    /// The same of a controller of two machines: commands are for the first one until a byte of [`ByteTable::machines`] chooses.
+    pub const fn of_two_machines(mut self) -> Self {
+        self.is_pair = true;
+        self
+    }
+
+    /// The machine that commands are for, 0 or 1; what [`receive`](Self::receive) is told of motion is of that one. An emergency stop is for
+    /// both.
+    pub const fn machine(&self) -> u8 {
+        self.machine
+    }
+
     /// The state after power up or reset: the only way out of an emergency stop.
     pub const fn reset(&mut self) {
         self.mode = Mode::None;
         self.loading = None;
+        self.machine = 0;
     }
 
     /// A home switch has ended what moved: a mode has to be chosen anew, so that a host that has not seen it does not send the axis there again.
@@ -211,6 +230,16 @@ impl ByteCommands {
         // Without answers nothing could be told.
         if byte == table.ask && self.acknowledges {
             return Some(Some(ByteCommand::Ask));
+        }
+        if self.is_pair && table.machines.contains(&byte) {
+            let [_, second] = table.machines;
+            self.machine = u8::from(byte == second);
+            // The mode, and a figure that was coming in, were the other one's. An emergency stop is of both.
+            if self.mode != Mode::Emergency {
+                self.mode = Mode::None;
+            }
+            self.loading = None;
+            return Some(None);
         }
         if self.mode == Mode::Emergency {
             return None;
@@ -400,6 +429,39 @@ mod tests {
         link.receive(b'!', false);
         link.leave_mode();
         assert_eq!(link.receive(b'H', false).reply, Some(REJECTED));
+    }
+
+    #[test]
+    fn a_byte_chooses_between_two_machines() {
+        let mut one = ByteCommands::new(ByteTable::DEFAULT).acknowledging();
+        assert_eq!(one.receive(b't', false).reply, Some(REJECTED));
+        let mut link = ByteCommands::new(ByteTable::DEFAULT)
+            .acknowledging()
+            .of_two_machines();
+        link.receive(b'J', false);
+        assert_eq!(link.receive(b'X', false).reply, Some(b'X'));
+        // While that one moves, too; the mode was its own.
+        assert_eq!(link.receive(b't', true).reply, Some(b't'));
+        assert_eq!(link.machine(), 1);
+        assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
+        // As a count it is one.
+        for byte in *b"NYo" {
+            assert_eq!(link.receive(byte, false).reply, Some(byte));
+        }
+        let expected = ByteCommand::Steps {
+            motor: 1,
+            forward: true,
+            count: b'o',
+        };
+        assert_eq!(link.receive(b'E', false).command, Some(expected));
+        assert_eq!(link.machine(), 1);
+        // An emergency stop is for both.
+        link.receive(b'!', true);
+        assert_eq!(link.receive(b'o', false).reply, Some(b'o'));
+        assert_eq!(link.receive(b'H', false).reply, Some(REJECTED));
+        link.receive(b't', false);
+        link.reset();
+        assert_eq!(link.machine(), 0);
     }
 
     #[test]

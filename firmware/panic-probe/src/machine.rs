@@ -5,15 +5,16 @@ use core::hint::black_box;
 use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, Cell as AnyCell, ClosedLoop as AnyClosedLoop, Config, Drill as AnyDrill,
-    Machine as AnyMachine, Means, Mill as AnyMill, Motors, Scale, ServoAxis, ServoModule,
-    servo_law,
+    Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
+    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, Motors, Scale, ServoAxis,
+    ServoModule, servo_law,
 };
 use husillo_stepper::Sequencer;
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 type Cell = AnyCell<&'static [[i16; 2]]>;
+type CellPair = AnyCellPair<&'static [[i16; 2]]>;
 type Drill = AnyDrill<64>;
 type Mill = AnyMill<'static>;
 
@@ -66,6 +67,13 @@ pub fn keep() {
         Cell::figure as *const (),
         Cell::set_figure as *const (),
         Cell::next_event as *const (),
+        CellPair::new as *const (),
+        CellPair::command as *const (),
+        CellPair::next_event as *const (),
+        CellPair::is_moving as *const (),
+        CellPair::reset as *const (),
+        CellPair::cell as *const (),
+        CellPair::cell_mut as *const (),
         Mill::halted as *const (),
         Mill::homed as *const (),
         Mill::is_homed as *const (),

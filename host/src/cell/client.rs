@@ -39,6 +39,8 @@ pub struct Client {
     waits: Waits,
     table: ByteTable,
     answers: bool,
+    /// The machine of the controller, 0 or 1.
+    machine: u8,
     stop: Arc<AtomicBool>,
     is_reached: bool,
     /// It was homed since: what is not homed any more was reset.
@@ -65,12 +67,7 @@ enum Answer {
 
 impl Client {
     /// On a wire to a device that answers, or to one that does not; stops when the flag is set.
-    pub const fn new(
-        wire: Wire<Device>,
-        table: ByteTable,
-        answers: bool,
-        stop: Arc<AtomicBool>,
-    ) -> Self {
+    pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: Arc<AtomicBool>) -> Self {
         let waits = match wire {
             Wire::Simulated { .. } => IN_SIMULATED_TIME,
             Wire::Real { .. } => IN_REAL_TIME,
@@ -80,12 +77,19 @@ impl Client {
             waits,
             table,
             answers,
+            machine: 0,
             stop,
             is_reached: false,
             is_homed: false,
             figure_end: None,
             figure_time: FIGURE,
         }
+    }
+
+    /// The same for a machine of a controller of two, 0 or 1.
+    pub const fn of_machine(mut self, machine: u8) -> Self {
+        self.machine = machine;
+        self
     }
 
     /// What a simulated device told.
@@ -125,11 +129,30 @@ impl Client {
             if !self.answers || *action == Action::Emergency {
                 return trouble;
             }
-            match self.rest().and_then(|()| self.ask()) {
+            let rest = self.rest().and_then(|()| self.ask());
+            if self.wants_emergency() {
+                return match self.emergency() {
+                    Ok(how) => format!("{trouble}; emergency stop: {how}"),
+                    Err(why) => format!("{trouble}; {why}"),
+                };
+            }
+            match rest {
                 Ok(status) => format!("{trouble}; it stands at {}", place(&status)),
                 Err(_) => trouble,
             }
         })
+    }
+
+    /// Whether Ctrl-C is pressed again, within a second of the first time.
+    fn wants_emergency(&self) -> bool {
+        if !self.stop.load(Ordering::Relaxed) || !matches!(self.wire, Wire::Real { .. }) {
+            return false;
+        }
+        let end = std::time::Instant::now() + Duration::from_secs(1);
+        while crate::wire::stops_asked() < 2 && std::time::Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        crate::wire::stops_asked() >= 2
     }
 
     fn done(&mut self, action: &Action) -> Result<String, String> {
@@ -173,9 +196,13 @@ impl Client {
             for _ in 0..STOPS {
                 self.send(self.table.stop)?;
             }
+            self.choose()?;
             self.is_reached = true;
             return Ok(());
         }
+        self.rest()?;
+        self.choose()?;
+        // What moved was another's, perhaps.
         self.rest()?;
         let status = self.ask()?;
         if status.report == Some(Report::Emergency) {
@@ -184,6 +211,16 @@ impl Client {
             );
         }
         self.is_reached = true;
+        Ok(())
+    }
+
+    /// Chooses the machine. A controller of one refuses that, which is as well for the first.
+    fn choose(&mut self) -> Result<(), String> {
+        let [first, second] = self.table.machines;
+        let letter = if self.machine > 0 { second } else { first };
+        if self.send(letter)? == Answer::Rejected && self.machine > 0 {
+            return Err("the controller there drives one machine: there is no second one".into());
+        }
         Ok(())
     }
 

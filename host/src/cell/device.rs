@@ -3,7 +3,7 @@
 use super::settings::Settings;
 use crate::emulation::Emulation;
 use crate::line::Line;
-use husillo_machine::{Cell, CellConfig, CellEvent, CellInputs, CellReport};
+use husillo_machine::{CellConfig, CellEvent, CellInputs, CellPair, CellReport};
 use husillo_sim::CellRig;
 use husillo_transports::byte_commands::{ByteCommand, ByteCommands, REJECTED};
 
@@ -18,21 +18,26 @@ const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
 const FACE_STEPS: i32 = 1200;
 
 /// What may be typed at the panel.
-pub const PANEL: &str =
-    "where, reset, close x|y|z|contact, open x|y|z|contact, power off|on, unplug, plug";
+pub const PANEL: &str = "where, reset, close x|y|z|contact, open x|y|z|contact, power off|on, unplug, plug; 2: before it for the second machine";
 
-/// The device.
-pub struct Device {
-    link: ByteCommands,
-    cell: Cell<Vec<[i16; 2]>>,
+/// A machine: its mechanics, and what is under way there.
+struct Bay {
     rig: CellRig,
     /// A figure that is coming in.
     loading: Vec<[i16; 2]>,
-    line: Line,
-    now: u64,
     /// The event that waits for its time.
     due: Option<(u64, CellEvent)>,
     held: CellInputs,
+}
+
+/// The device: a controller of one machine, or of two.
+pub struct Device {
+    link: ByteCommands,
+    cells: CellPair<Vec<[i16; 2]>>,
+    /// One, or two.
+    bays: Vec<Bay>,
+    line: Line,
+    now: u64,
     has_power: bool,
     told: Vec<String>,
 }
@@ -45,22 +50,40 @@ impl Device {
             ..settings.config
         };
         let link = ByteCommands::new(settings.table);
+        let bay = Bay {
+            rig: CellRig::new(&config, ABOVE_SWITCHES, FACE_STEPS),
+            loading: Vec::new(),
+            due: None,
+            held: CellInputs::default(),
+        };
         Self {
             link: if answers {
                 link.acknowledging().storing(ROOM)
             } else {
                 link
             },
-            cell: Cell::new(config, figure),
-            rig: CellRig::new(&config, ABOVE_SWITCHES, FACE_STEPS),
-            loading: Vec::new(),
+            cells: CellPair::new(config, [figure.clone(), figure]),
+            bays: vec![bay],
             line: Line::new(bits_per_s),
             now: 0,
-            due: None,
-            held: CellInputs::default(),
             has_power: true,
             told: Vec::new(),
         }
+    }
+
+    /// The same with a second machine like the first one.
+    pub fn with_two_machines(mut self) -> Self {
+        self.link = self.link.of_two_machines();
+        if let [Bay { rig, .. }] = &self.bays[..] {
+            let second = Bay {
+                rig: rig.clone(),
+                loading: Vec::new(),
+                due: None,
+                held: CellInputs::default(),
+            };
+            self.bays.push(second);
+        }
+        self
     }
 
     /// The line.
@@ -69,10 +92,16 @@ impl Device {
         &mut self.line
     }
 
-    /// The mechanics.
+    /// The mechanics of the first machine.
     #[cfg(test)]
     pub fn rig(&self) -> &CellRig {
-        &self.rig
+        self.rig_of(0)
+    }
+
+    /// The mechanics of a machine.
+    #[cfg(test)]
+    pub fn rig_of(&self, machine: usize) -> &CellRig {
+        &self.bays[machine].rig
     }
 
     /// Bytes that are complete, in order.
@@ -81,35 +110,58 @@ impl Device {
             if !self.has_power {
                 continue;
             }
-            let received = self.link.receive(byte, self.cell.is_moving());
+            let is_moving = self.cells.is_moving(self.link.machine());
+            let received = self.link.receive(byte, is_moving);
+            let machine = self.link.machine();
             let is_taken = match received.command {
-                Some(command) if command.is_a_motion() => self.cell.command(command),
+                Some(command) if command.is_a_motion() => self.cells.command(machine, command),
                 _ => true,
             };
             let reply = received.reply;
             self.answer(reply.map(|reply| if is_taken { reply } else { REJECTED }));
-            match received.command {
-                Some(ByteCommand::Ask) => self.answer(self.cell.status().bytes()),
-                Some(ByteCommand::Clear) => {
-                    self.loading.clear();
-                    self.store(Vec::new());
-                }
-                Some(ByteCommand::Line(way)) => self.loading.push(way),
-                Some(ByteCommand::Keep) => {
-                    let figure = std::mem::take(&mut self.loading);
-                    self.told
-                        .push(format!("a figure of {} moves", figure.len()));
-                    self.store(figure);
-                }
-                // Begun above, or refused.
-                _ => {}
+            if let Some(command) = received.command {
+                self.keep(machine, command);
             }
         }
     }
 
-    /// Nothing moves while a figure comes in, so the cell takes it.
-    fn store(&mut self, figure: Vec<[i16; 2]>) {
-        let _ = self.cell.set_figure(figure);
+    /// What does not concern the controller of a machine: its figure, and what is asked.
+    fn keep(&mut self, machine: u8, command: ByteCommand) {
+        let (Some(bay), Some(cell)) = (
+            self.bays.get_mut(usize::from(machine)),
+            self.cells.cell_mut(machine),
+        ) else {
+            return;
+        };
+        // Nothing moves while a figure comes in, so the cell takes it.
+        match command {
+            ByteCommand::Ask => {
+                let status = cell.status();
+                self.answer(status.bytes());
+            }
+            ByteCommand::Clear => {
+                bay.loading.clear();
+                let _ = cell.set_figure(Vec::new());
+            }
+            ByteCommand::Line(way) => bay.loading.push(way),
+            ByteCommand::Keep => {
+                let figure = std::mem::take(&mut bay.loading);
+                let moves = figure.len();
+                let _ = cell.set_figure(figure);
+                self.tell_of(machine, format!("a figure of {moves} moves"));
+            }
+            // Begun, or refused.
+            _ => {}
+        }
+    }
+
+    /// With the number of the machine, where there are two.
+    fn tell_of(&mut self, machine: u8, what: String) {
+        self.told.push(if self.bays.len() > 1 {
+            format!("{}: {what}", machine + 1)
+        } else {
+            what
+        });
     }
 
     fn answer(&mut self, bytes: impl IntoIterator<Item = u8>) {
@@ -122,18 +174,20 @@ impl Device {
 
     /// The button at the panel, or power that comes back.
     fn reset(&mut self) {
-        self.cell.reset();
+        self.cells.reset();
         self.link.reset();
-        self.due = None;
-        self.rig.apply(&CellEvent::Enable(false));
+        for bay in &mut self.bays {
+            bay.due = None;
+            bay.rig.apply(&CellEvent::Enable(false));
+        }
     }
 
-    /// Events whose time has come.
-    fn happen(&mut self) {
+    /// Events of a machine whose time has come.
+    fn happen(&mut self, machine: u8) {
         let mut from = self.now - PERIOD_TICKS;
-        loop {
-            if self.due.is_none() {
-                let event = self.cell.next_event(&self.rig.inputs());
+        while let Some(bay) = self.bays.get_mut(usize::from(machine)) {
+            if bay.due.is_none() {
+                let event = self.cells.next_event(machine, &bay.rig.inputs());
                 let wait = match event {
                     CellEvent::Idle => return,
                     CellEvent::Step(step) => step.wait_ticks,
@@ -141,44 +195,53 @@ impl Device {
                     CellEvent::Reset { ticks } => ticks,
                     CellEvent::Enable(_) | CellEvent::Report(_) => 0,
                 };
-                self.due = Some((from + u64::from(wait), event));
+                bay.due = Some((from + u64::from(wait), event));
             }
-            let Some((at, event)) = self.due.take_if(|(at, _)| *at <= self.now) else {
+            let Some((at, event)) = bay.due.take_if(|(at, _)| *at <= self.now) else {
                 return;
             };
             from = at;
-            self.rig.apply(&event);
+            bay.rig.apply(&event);
             if let CellEvent::Report(report) = event {
-                if let CellReport::Switch { .. } = report {
+                if matches!(report, CellReport::Switch { .. }) && self.link.machine() == machine {
                     self.link.leave_mode();
                 }
-                self.told.push(text(report));
+                self.tell_of(machine, text(report));
             }
         }
     }
 
-    fn place(&self) -> String {
-        let [x, y, z, spindle] = self.cell.position_steps();
-        let frame = if self.cell.is_homed() {
+    fn place(&self, machine: u8) -> String {
+        let (Some(bay), Some(cell)) = (
+            self.bays.get(usize::from(machine)),
+            self.cells.cell(machine),
+        ) else {
+            return format!("there is no machine {}", machine + 1);
+        };
+        let [x, y, z, spindle] = cell.position_steps();
+        let frame = if cell.is_homed() {
             "from home"
         } else {
             "not homed"
         };
-        let lost: u64 = self.rig.lost_steps().iter().sum();
+        let lost: u64 = bay.rig.lost_steps().iter().sum();
         format!("x {x} y {y} z {z} spindle {spindle} steps, {frame}; {lost} lost")
     }
 
-    fn hold(&mut self, switch: &str, closed: bool) -> String {
-        let [x, y, z] = &mut self.held.home;
+    fn hold(&mut self, machine: u8, switch: &str, closed: bool) -> String {
+        let Some(bay) = self.bays.get_mut(usize::from(machine)) else {
+            return format!("there is no machine {}", machine + 1);
+        };
+        let [x, y, z] = &mut bay.held.home;
         let place = match switch {
             "x" => x,
             "y" => y,
             "z" => z,
-            "contact" => &mut self.held.contact,
+            "contact" => &mut bay.held.contact,
             _ => return format!("no switch `{switch}`: there are x, y, z and contact"),
         };
         *place = closed;
-        self.rig.hold(self.held);
+        bay.rig.hold(bay.held);
         format!("{switch} is {}", if closed { "closed" } else { "let go" })
     }
 }
@@ -226,20 +289,28 @@ impl Emulation for Device {
         self.now += PERIOD_TICKS;
         self.receive();
         if self.has_power {
-            self.happen();
+            for machine in (0..).take(self.bays.len()) {
+                self.happen(machine);
+            }
         }
         std::iter::from_fn(|| self.line.answered(self.now)).collect()
     }
 
     fn control(&mut self, line: &str) -> String {
-        match line.split_whitespace().collect::<Vec<_>>()[..] {
-            ["where"] => self.place(),
+        let words: Vec<_> = line.split_whitespace().collect();
+        let (machine, words) = match words[..] {
+            ["2:", ..] => (1, &words[1..]),
+            ["1:", ..] => (0, &words[1..]),
+            _ => (0, &words[..]),
+        };
+        match *words {
+            ["where"] => self.place(machine),
             ["reset"] => {
                 self.reset();
                 "reset".into()
             }
-            ["close", switch] => self.hold(switch, true),
-            ["open", switch] => self.hold(switch, false),
+            ["close", switch] => self.hold(machine, switch, true),
+            ["open", switch] => self.hold(machine, switch, false),
             ["power", "off"] => {
                 self.has_power = false;
                 self.reset();

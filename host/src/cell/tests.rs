@@ -310,3 +310,85 @@ fn what_is_refused_is_not_acknowledged() {
     assert_eq!(say(&mut device, b'<'), b"<");
     assert_eq!(say(&mut device, b'G'), b"?");
 }
+
+/// A controller of two machines: what is sent to one does not move the other, and each has its own figure and place.
+#[test]
+fn two_machines_of_one_controller() {
+    let settings = settings();
+    let device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let mut wire = Wire::simulated(device);
+    let stop = Arc::new(AtomicBool::new(false));
+    let on = |wire, machine| {
+        Client::new(wire, settings.table, true, Arc::clone(&stop)).of_machine(machine)
+    };
+    let figure = |moves: &[[i16; 2]]| {
+        Action::Load(Figure {
+            name: "test".into(),
+            moves: moves.to_vec(),
+        })
+    };
+    for (machine, moves) in [(1, [[30, -7]]), (0, [[-20, 50]])] {
+        let mut client = on(wire, machine);
+        client.carry_out(&Action::Home).unwrap();
+        client.carry_out(&figure(&moves)).unwrap();
+        wire = client.into_wire();
+    }
+    // The second one's figure is not the one that was loaded last.
+    let mut second = on(wire, 1);
+    second.carry_out(&Action::Figure).unwrap();
+    let places = |client: &mut Client| {
+        [0, 1].map(|machine| {
+            let [x, _, z, _] = client.device().rig_of(machine).tool();
+            [x - ZERO[0], z - ZERO[1]]
+        })
+    };
+    assert_eq!(places(&mut second), [[0, 0], [30, -7]]);
+    let mut first = on(second.into_wire(), 0);
+    first.carry_out(&Action::Figure).unwrap();
+    assert_eq!(places(&mut first), [[-20, 50], [30, -7]]);
+    // An emergency stop is for both.
+    first.carry_out(&Action::Emergency).unwrap();
+    let mut second = on(first.into_wire(), 1);
+    let trouble = second.carry_out(&jog(0, true, 1)).unwrap_err();
+    assert!(trouble.contains("emergency stop"), "{trouble}");
+}
+
+/// Both move at once: a jog of one goes on while the other is commanded.
+#[test]
+fn two_machines_move_at_once() {
+    let settings = settings();
+    let mut device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let said: Vec<u8> = b"JYtJX"
+        .iter()
+        .flat_map(|byte| {
+            device.send(*byte);
+            (0..5).flat_map(|_| device.tick()).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(said, b"JYtJX");
+    for _ in 0..200 {
+        device.tick();
+    }
+    let (first, second) = (device.rig_of(0).tool(), device.rig_of(1).tool());
+    assert!(first[1] > 100 && first[0] == 0, "{first:?}");
+    assert!(second[0] > 100 && second[1] == 0, "{second:?}");
+    // Nobody says it again: both stand after their dead-man's time.
+    for _ in 0..1000 {
+        device.tick();
+    }
+    assert!(
+        device
+            .tell()
+            .iter()
+            .filter(|line| line.contains("not said again"))
+            .count()
+            == 2
+    );
+}
+
+#[test]
+fn a_controller_of_one_machine_has_no_second() {
+    let mut client = client().of_machine(1);
+    let trouble = client.carry_out(&Action::Home).unwrap_err();
+    assert!(trouble.contains("no second one"), "{trouble}");
+}

@@ -79,6 +79,9 @@ pub struct Emulate {
     /// Figure of a microfactory: a G-code program of straight moves in X and Z
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
+    /// Machines that the controller of a microfactory drives
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub machines: u8,
     /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
     #[arg(long)]
     pub faithful: bool,

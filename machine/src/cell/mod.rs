@@ -3,11 +3,13 @@
 mod config;
 mod event;
 mod figure;
+mod pair;
 pub(crate) mod play;
 mod task;
 
 pub use config::CellConfig;
 pub use event::{CellEvent, CellInputs};
+pub use pair::{CellPair, PAIR};
 
 use husillo_transports::byte_commands::{ByteCommand, Report, Status};
 

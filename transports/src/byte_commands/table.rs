@@ -30,11 +30,13 @@ pub struct ByteTable {
     pub keep: u8,
     /// Tell where the axes are and how the last task ended.
     pub ask: u8,
+    /// What follows is for the first machine of the controller, or for the second.
+    pub machines: [u8; 2],
 }
 
 impl ByteTable {
-    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and what the original has not: `< 3 6 5`, of which no flipped bit makes another
-    /// command.
+    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and what the original has not: `< 3 6 5` and `o t`, one and two, of which no flipped bit makes
+    /// another command.
     pub const DEFAULT: ByteTable = ByteTable {
         home: b'H',
         manual: b'J',
@@ -48,11 +50,13 @@ impl ByteTable {
         line: b'3',
         keep: b'6',
         ask: b'5',
+        machines: *b"ot",
     };
 
     /// Whether every byte means one thing only; `?` is the answer to what is not taken.
     pub fn is_unambiguous(&self) -> bool {
         let [[x, x_back], [y, y_back], [z, z_back], [c, c_back]] = self.motors;
+        let [first, second] = self.machines;
         let mut bytes = [
             self.home,
             self.manual,
@@ -73,6 +77,8 @@ impl ByteTable {
             self.line,
             self.keep,
             self.ask,
+            first,
+            second,
             super::REJECTED,
         ];
         bytes.sort_unstable();
@@ -99,9 +105,17 @@ mod tests {
     #[test]
     fn no_flipped_bit_makes_another_command_of_ours() {
         let table = ByteTable::DEFAULT;
-        let ours = [table.clear, table.line, table.keep, table.ask];
+        let [first, second] = table.machines;
+        let ours = [
+            table.clear,
+            table.line,
+            table.keep,
+            table.ask,
+            first,
+            second,
+        ];
         for byte in ours {
-            for other in *b"HJNGXxYyZzCcAE!?<365" {
+            for other in *b"HJNGXxYyZzCcAE!?<365ot" {
                 assert_ne!((byte ^ other).count_ones(), 1, "{byte} {other}");
             }
         }
