@@ -21,6 +21,7 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 /// # Ok::<(), husillo_backlash::TableError>(())
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration<T> {
     /// Errors of X, Y and Z, each along itself.
     pub axes: [ErrorTable<T>; 3],

@@ -18,6 +18,7 @@ use crate::Lash;
 /// assert!(stage.is_straight_on(0b01, 0b01)); // X on in the negative direction
 /// ```
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Compensator<const N: usize, L: Lash<N>> {
     lash: [L; N],
     /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is the first axis.

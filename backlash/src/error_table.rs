@@ -21,6 +21,7 @@ const PASSES: u8 = 16;
 
 /// What to add to a reading at one place of the travel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Knot {
     /// What the scale says there, nanometres.
     pub reading_nm: i64,
@@ -32,6 +33,7 @@ pub struct Knot {
 
 /// Why a table is none.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
     /// The scale is off by more than 1 %.
     Scale,
@@ -80,6 +82,7 @@ impl core::error::Error for TableError {}
 /// # Ok::<(), husillo_backlash::TableError>(())
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ErrorTable<T> {
     scale_ppb: i32,
     knots: T,

@@ -2,6 +2,7 @@
 
 /// Which flank of the screw's thread carries the nut: the direction of the last motion.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flank {
     /// Not known: the axis has not moved since power-up.
     #[default]

@@ -29,6 +29,7 @@ const MOST_WAY: u32 = 1 << 22;
 /// # Ok::<(), husillo_backlash::MapError>(())
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LashMap<K, V> {
     axes: [usize; 2],
     places: [K; 2],
@@ -37,6 +38,7 @@ pub struct LashMap<K, V> {
 
 /// Why a map is none.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MapError {
     /// There is no entry, or not one for every place of the grid.
     Entries,

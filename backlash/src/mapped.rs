@@ -24,6 +24,7 @@ use crate::{Flank, Lash, LashMap};
 /// # Ok::<(), husillo_backlash::MapError>(())
 /// ```
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MappedBacklash<K, V> {
     map: LashMap<K, V>,
     flank: Flank,

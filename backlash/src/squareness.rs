@@ -19,6 +19,7 @@ use crate::error_table::REACH_NM;
 /// assert_eq!(frame.reading_nm([20_000, 200_000_000, 0]), [0, 200_000_000, 0]);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Squareness {
     /// Lean of Y towards X. All three are taken as 1 % where they are beyond it.
     pub xy_ppb: i32,

@@ -7,6 +7,7 @@ use crate::{Flank, Lash};
 /// On the positive flank the motor stands at the load's position, on the negative flank `lash_steps` before it.
 /// Arithmetic wraps at the ends of `i32`, and stays exact there.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Backlash {
     lash_steps: u32,
     flank: Flank,

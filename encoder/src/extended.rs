@@ -15,6 +15,7 @@
 /// assert_eq!(position.position(), 4);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Extended<const BITS: u32> {
     position: i64,
     reading: u32,

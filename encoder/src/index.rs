@@ -4,6 +4,7 @@ use core::num::NonZeroU32;
 
 /// The encoder passed its index.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Passage {
     /// Where, in counts: the lower edge of the mark, from whichever side.
     pub position: i32,
@@ -33,6 +34,7 @@ pub struct Passage {
 /// assert_eq!((second.position, second.error_counts), (500, 0));
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Index {
     counts_per_mark: Option<NonZeroU32>,
     level: bool,

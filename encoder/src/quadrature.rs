@@ -16,6 +16,7 @@ use core::fmt;
 /// Backwards the same edges count down, so that a disc that trembles about an edge never gathers counts: with `X2` and `X1` the
 /// position is that of `X4` divided by 2 and 4 and rounded down, whatever the way there.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Scale {
     /// One count a line.
     X1,
@@ -56,6 +57,7 @@ const X4: u32 = Scale::X4.table();
 
 /// Both levels changed between two samples: two edges passed, and nobody knows which way.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Skipped;
 
 impl fmt::Display for Skipped {
@@ -68,6 +70,7 @@ impl core::error::Error for Skipped {}
 
 /// Which way the counts go.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
     /// Counts grow: A comes before B.
     Forward,
@@ -93,6 +96,7 @@ pub enum Direction {
 /// assert_eq!((encoder.position(), encoder.skipped()), (2, 1));
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Quadrature {
     table: u32,
     /// The last levels times 8: they choose the row of the table.

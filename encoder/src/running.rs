@@ -2,6 +2,7 @@
 
 /// A byte of a counter of 16 bits.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Byte {
     /// Bits 8 to 15.
     High,

@@ -13,6 +13,7 @@
 /// assert_eq!(last, Some(0x2_8000)); // 2.5 counts a sample
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityByCount<const WINDOW: usize> {
     /// Positions of the last samples; `oldest` is the place of the oldest one.
     positions: [i32; WINDOW],

@@ -8,6 +8,7 @@ use crate::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};
 
 /// A plane of arcs.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plane {
     /// G17.
     #[default]
@@ -86,6 +87,7 @@ impl Plane {
 
 /// The sense of an arc, seen from the positive end of the axis across its plane.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
     /// G2.
     Clockwise,
@@ -95,6 +97,7 @@ pub enum Direction {
 
 /// An arc or a helix from the position before it. Start and end equal in the plane mean one full turn.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Arc<const N: usize> {
     /// The end, machine frame.
     pub to: [Nm; N],

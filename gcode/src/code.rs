@@ -7,6 +7,7 @@ use crate::number::of_number;
 
 /// The side of the contour on which the tool is, seen along the move.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Side {
     /// G41.
     Left,

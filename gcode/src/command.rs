@@ -8,6 +8,7 @@ use core::fmt;
 
 /// How fast a move is.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Feed {
     /// G94: nanometres of path a minute, above zero.
     PerMinute(Nm),
@@ -22,6 +23,7 @@ pub enum Feed {
 
 /// What the spindle does.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SpindleDirection {
     /// M5.
     #[default]
@@ -55,6 +57,7 @@ impl SpindleDirection {
 
 /// How moves may be joined.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathMode {
     /// G61: on the path, slowing only where it must.
     #[default]
@@ -70,6 +73,7 @@ pub enum PathMode {
 
 /// A cubic curve in the XY plane: G5, or G5.1 raised to the third degree.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spline<const N: usize> {
     /// The end, machine frame.
     pub to: [Nm; N],
@@ -80,6 +84,7 @@ pub struct Spline<const N: usize> {
 
 /// What M66 waits on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Input {
     /// `P`: a digital input.
     Digital(u8),
@@ -89,6 +94,7 @@ pub enum Input {
 
 /// How M66 waits: its `L`.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitFor {
     /// L0: only read it.
     #[default]
@@ -105,6 +111,7 @@ pub enum WaitFor {
 
 /// What M48 to M53 switch.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Switch {
     /// M48 and M49: overrides of feed and spindle.
     Overrides,
@@ -120,6 +127,7 @@ pub enum Switch {
 
 /// One command. Positions are machine frame; each prints as one line, lengths in millimetres.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Command<const N: usize> {
     /// As fast as the machine goes, in a straight line.

@@ -8,6 +8,7 @@ use fixed::traits::Fixed;
 /// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5` (but both are the
 /// same length), because the last printed digit says how exact a program's author was.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
     digits: i64,
     places: u8,

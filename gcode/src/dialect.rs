@@ -6,12 +6,14 @@ use crate::letters::Letters;
 
 /// A dialect of G-code: plain data, compared and copied freely.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Dialect {
     pub(crate) flavour: Flavour,
     block_delete: bool,
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub(crate) enum Flavour {
     Rs274,

@@ -39,6 +39,7 @@ pub const END: u8 = b'f';
 
 /// One record.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Record {
     /// To this place in X, steps from home.
     X(u16),
@@ -87,6 +88,7 @@ impl fmt::Display for Record {
 
 /// How far the table goes, in steps from home.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Table {
     /// The last step of X.
     pub x: u16,
@@ -184,6 +186,7 @@ const fn steps(at: Nm, last: u16) -> Option<u16> {
 
 /// A place that is not on the table.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OffTable {
     /// `X` or `Y`.
     pub letter: u8,
@@ -269,6 +272,7 @@ impl<R: Iterator<Item = Record>> FusedIterator for Bytes<R> {}
 
 /// What is wrong with bytes that should be a program.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// A record begins with this byte, which is none of `X`, `Y`, `Z` and `f`.
@@ -285,6 +289,7 @@ pub enum ErrorKind {
 
 /// Where bytes stop to be a program, and why.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
     /// What is wrong.
     pub kind: ErrorKind,

@@ -8,6 +8,7 @@ use core::fmt;
 
 /// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text given.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
     /// What is wrong.
     pub kind: ErrorKind,
@@ -19,6 +20,7 @@ pub struct Error {
 
 /// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// A byte that cannot start a word.

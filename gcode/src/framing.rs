@@ -6,6 +6,7 @@ use crate::word::words;
 
 /// What is asked of a line: plain data. The default asks for nothing.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Framing {
     /// `*` and the exclusive or of all bytes before it, in decimal, at the end of a line: `N3 G1 X1*98`.
     pub checksum: Rule,
@@ -29,6 +30,7 @@ impl Framing {
 
 /// Whether something is checked.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
     /// It is not looked at: a `*` stays in the line, for the parser to refuse.
     #[default]
@@ -41,6 +43,7 @@ pub enum Rule {
 
 /// Why a line was refused. The answer to the sender is to send again from [`Receiver::expected`] on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FramingError {
     /// A line without its checksum.
     NoChecksum,
@@ -95,6 +98,7 @@ impl core::error::Error for FramingError {}
 /// assert_eq!(receiver.expected(), 2); // the sender is asked for this line again
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Receiver {
     framing: Framing,
     expected: u32,

@@ -4,6 +4,7 @@ use crate::letters::Letters;
 
 /// Which cycle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Kind {
     /// G73: peck, with a short retract that breaks the chip.

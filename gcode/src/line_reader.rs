@@ -34,6 +34,7 @@ pub struct LineReader<const CAPACITY: usize> {
 
 /// A line longer than the buffer. `at..end` are its bytes that found no place, 0-based.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineTooLong {
     /// The first byte without a place: the capacity of the buffer.
     pub at: usize,

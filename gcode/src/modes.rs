@@ -11,6 +11,7 @@ use crate::nm::Nm;
 
 /// The motion mode: what axis words alone do.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Motion {
     /// G0.
@@ -40,6 +41,7 @@ pub enum Motion {
 
 /// The unit of lengths.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Units {
     /// G21.
     Millimetres,
@@ -81,6 +83,7 @@ impl Units {
 
 /// How coordinates (G90, G91) or arc centres (G90.1, G91.1) are meant.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Distance {
     /// In the work frame.
     Absolute,
@@ -90,6 +93,7 @@ pub enum Distance {
 
 /// What `F` means.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FeedMode {
     /// G94: length a minute.
     PerMinute,

@@ -4,6 +4,7 @@ use core::fmt;
 
 /// A length or a position in nanometres; prints as millimetres without trailing zeros.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nm(pub i64);
 
 impl Nm {
@@ -27,6 +28,7 @@ impl Nm {
 
 /// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes eight.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measure(u32);
 
 impl Measure {

@@ -5,6 +5,7 @@ use crate::nm::Nm;
 
 /// One tool.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tool<const N: usize> {
     /// What G43 adds to the work frame, by axis.
     pub offset: [Nm; N],

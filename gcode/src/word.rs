@@ -6,6 +6,7 @@ use crate::scanner::Scanner;
 
 /// A letter and its number. `at..end` are the bytes of the text, 0-based, from the letter to the last digit.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Word {
     /// Upper-case letter.
     pub letter: u8,
@@ -63,6 +64,7 @@ impl core::iter::FusedIterator for Words<'_> {}
 
 /// What a program consists of.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Token {
     /// A word; its places are those in the whole text.
     Word(Word),

@@ -22,6 +22,7 @@ const MAX_STATE: u64 = 2_140_000_000;
 
 /// Turning sense, seen with the first axis to the right and the second one up.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
     /// G2.
     Clockwise,
@@ -31,6 +32,7 @@ pub enum Direction {
 
 /// What the arc's ends, which are whole steps, are to its circle.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rim {
     /// The curve goes exactly through both ends; their distances from the centre may differ.
     Spiral,
@@ -48,6 +50,7 @@ pub enum Rim {
 
 /// An arc to make. All positions are absolute in the plane.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ArcMove {
     /// First point, in BLU.
     pub from: [i32; 2],
@@ -67,6 +70,7 @@ pub struct ArcMove {
 
 /// Why an arc cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ArcError {
     /// An end is within a step of the centre: the arc has no direction there. Make a line of it.
     Degenerate,

@@ -21,6 +21,7 @@ const ONE: u64 = 1 << 32;
 
 /// Why a curve cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BezierError {
     /// More than 20 fraction bits.
     FractionBits,

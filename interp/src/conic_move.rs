@@ -11,6 +11,7 @@ const MAX_SECOND: u64 = 1 << 40;
 
 /// An arc of an ellipse with axes parallel to those of the plane.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EllipseMove {
     /// First point, in BLU: the rounded one beside the ellipse.
     pub from: [i32; 2],
@@ -31,6 +32,7 @@ pub struct EllipseMove {
 
 /// An arc of the curve F(x, y) = A x^2 + B x y + C y^2 + D x + E y + G = 0, x and y in BLU.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConicMove {
     /// First point, in BLU: the rounded one beside the curve.
     pub from: [i32; 2],
@@ -47,6 +49,7 @@ pub struct ConicMove {
 
 /// Why an arc of a conic cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConicError {
     /// Not a curve (a point, lines, nothing), or an end is at its centre; a semi-axis below one BLU.
     Degenerate,

@@ -41,6 +41,7 @@ pub struct ArcDda {
 
 /// How the registers of a DDA run.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DdaRegisters {
     /// What they begin a quadrant with, in BLU; more than R is R.
     pub start: u32,

@@ -5,6 +5,7 @@
 /// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`: an interrupt writes them to its step and
 /// direction pins as they are. Eight axes at most.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step {
     /// The axes that make a step. Empty only in the idle passes of a DDA, which take their time and move nothing.
     pub axes: u8,

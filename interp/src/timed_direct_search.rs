@@ -7,6 +7,7 @@ use crate::{DirectSearch, Step};
 
 /// An event and the time to the next.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TimedStep {
     /// The axes that step.
     pub step: Step,

@@ -11,10 +11,12 @@ pub trait Derivative {
 
 /// The derivative is of the error: a step of the target kicks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OfError;
 
 /// The derivative is of the measurement, negated: a step of the target does not kick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OfMeasurement;
 
 impl Derivative for OfError {

@@ -158,6 +158,7 @@ impl Word for i32 {
 
 /// From `low` to `low + width`. Both ends are within 2^61.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Span {
     low: i64,
     width: u64,

@@ -41,6 +41,7 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 /// # Ok::<(), husillo_pid::SettingsError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pid<S: Number, G: Number<Word = S::Word> = S, A = Clamp, D = OfError> {
     /// What the error is multiplied by in the same sample: Kp + w Ki T, doubled, as are the others.
     at_once: S::Word,
@@ -54,6 +55,7 @@ pub struct Pid<S: Number, G: Number<Word = S::Word> = S, A = Clamp, D = OfError>
 
 /// What one channel remembers from sample to sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct State<S: Number> {
     /// `2 Ki T * sum(e)`.
     sum: Wide<S>,
@@ -63,6 +65,7 @@ pub struct State<S: Number> {
 
 /// Something added to the output before its limits and its only rounding: a derivative, a feed-forward. At most 2^61 of its last digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Term<S: Number, G: Number<Word = S::Word> = S> {
     pub(crate) wide: Wide<S>,
     gain: PhantomData<G>,

@@ -20,6 +20,7 @@ pub struct PwmDirection<P, D> {
 
 /// The peripheral that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DriveError<P, D> {
     /// The PWM channel.
     Pwm(P),

@@ -2,6 +2,7 @@
 
 /// The gains and limits of a module, as its Set Gain command gives them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoGains {
     /// Kp, 0 to 0x7FFF.
     pub proportional: u16,
@@ -25,6 +26,7 @@ pub struct ServoGains {
 
 /// What the servo-rate divisor divides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RateRule {
     /// The whole loop, profile included: a module of version 4.
     #[default]
@@ -35,6 +37,7 @@ pub enum RateRule {
 
 /// Where the integration limit bounds the total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TotalLimit {
     /// The total itself, as the description says.
     #[default]
@@ -45,6 +48,7 @@ pub enum TotalLimit {
 
 /// PWM and direction of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Drive {
     /// The duty, 0 to 255.
     pub pwm: u8,
@@ -86,6 +90,7 @@ impl Drive {
 /// assert_eq!(law.tick(&mut axis, 100, 0, 0), Drive { pwm: 39, is_reverse: false });
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoLaw {
     proportional: i32,
     derivative: i32,
@@ -101,6 +106,7 @@ pub struct ServoLaw {
 
 /// What an axis remembers from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoState {
     is_on: bool,
     is_over_current: bool,

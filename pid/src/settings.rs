@@ -7,6 +7,7 @@ use core::fmt;
 /// From gains per second and the period T in seconds: `integral = Ki T`, `derivative = Kd / T`. Units: last digits of the output per last
 /// digit of the error, as signal and output have one type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gains<G> {
     /// Kp.
     pub proportional: G,
@@ -29,6 +30,7 @@ pub struct Gains<G> {
 /// assert_eq!(Integration::Bilinear.formula(), "T/2 (z+1)/(z-1)");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Integration {
     /// Euler forward, T/(z-1): `I[k] = I[k-1] + Ki T e[k-1]`. The error counts from the next sample on.
     Forward,
@@ -65,6 +67,7 @@ impl fmt::Display for Integration {
 
 /// The lowest and the highest value of an output, in the output's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits<S> {
     /// The lowest.
     pub low: S,
@@ -74,6 +77,7 @@ pub struct Limits<S> {
 
 /// Why there is no such controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsError {
     /// The magnitudes of the gains, in units of their last digit, add up to more than 2^29 (`f32`: a gain is not finite).
     GainsTooLarge,

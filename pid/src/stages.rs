@@ -21,6 +21,7 @@ pub fn error<S: Number>(target: S, measured: S) -> S {
 /// assert_eq!([-5, -2, 1, 3].map(|error| band.apply(I32F0::from_num(error)).to_num::<i32>()), [-3, 0, 0, 1]);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DeadBand<S: Number> {
     width: S::Word,
 }
@@ -56,6 +57,7 @@ impl<S: Number> DeadBand<S> {
 ///
 /// Gains are per sample as all gains are: output per digit of velocity (counts per sample) and of acceleration (counts per sample^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedForward<G: Number> {
     velocity: G::Word,
     acceleration: G::Word,
@@ -104,12 +106,14 @@ impl<G: Number> FeedForward<G> {
 /// # Ok::<(), husillo_pid::SettingsError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Filter {
     weight: u16,
 }
 
 /// What a [`Filter`] remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FilterState<S: Number, G: Number<Word = S::Word> = S> {
     output: Term<S, G>,
 }

@@ -7,6 +7,7 @@ use crate::settings::Gains;
 
 /// What a step response looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepResponse {
     /// Time from 10 % to 90 % of the step, in seconds.
     pub rise_s: f64,
@@ -70,6 +71,7 @@ pub fn step_response(
 ///
 /// Source: Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase and amplitude margins*, Automatica 20 (1984).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Relay {
     amplitude: f64,
     hysteresis: f64,
@@ -128,6 +130,7 @@ fn square_root(square: f64) -> f64 {
 
 /// A steady oscillation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Oscillation {
     /// Half the distance from the lowest to the highest value.
     pub amplitude: f64,
@@ -173,6 +176,7 @@ pub fn oscillation(samples: &[f64], period_s: f64, middle: f64) -> Option<Oscill
 
 /// Where an axis under proportional control alone oscillates for ever.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ultimate {
     /// Ku, the proportional gain.
     pub gain: f64,
@@ -182,6 +186,7 @@ pub struct Ultimate {
 
 /// A rule that makes gains of an ultimate point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
     /// `0.5 Ku`. Ziegler and Nichols, *Optimum settings for automatic controllers*, Trans. ASME 64 (1942).
     ZieglerNicholsP,

@@ -17,6 +17,7 @@ pub trait AntiWindup<W: Word> {
 /// One step of the integral.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sum<W: Word> {
     pub(crate) before: W::Wide,
     pub(crate) step: W::Wide,
@@ -35,6 +36,7 @@ impl<W: Word> Sum<W> {
 
 /// The integral stops at its limits. The cheapest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Clamp;
 
 impl<W: Word> AntiWindup<W> for Clamp {
@@ -48,6 +50,7 @@ impl<W: Word> AntiWindup<W> for Clamp {
 ///
 /// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, conditional integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Conditional;
 
 impl<W: Word> AntiWindup<W> for Conditional {
@@ -63,6 +66,7 @@ impl<W: Word> AntiWindup<W> for Conditional {
 ///
 /// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, back-calculation and tracking; the gain is T/Tt, with Tt the tracking time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BackCalculation<W: Word = i32> {
     /// Doubled, as all gains.
     gain: W,

@@ -4,6 +4,7 @@ use core::iter::FusedIterator;
 
 /// `count` intervals, the first of `interval_ticks`, each next one longer by `add_ticks`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Burst {
     /// Ticks before the first event.
     pub interval_ticks: u32,

@@ -15,6 +15,7 @@ pub(crate) const ONE: u32 = 1 << 30;
 /// assert_eq!(Direction::<2>::new([0, 0]), None);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Direction<const N: usize>([i32; N]);
 
 impl<const N: usize> Direction<N> {

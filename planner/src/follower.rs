@@ -2,6 +2,7 @@
 
 /// When the next event of a move that follows an encoder is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Due {
     /// Now, or already passed: make it and call [`Follower::advance`].
     Now,

@@ -29,6 +29,7 @@ const ROUNDING: u32 = 4;
 /// assert_eq!(corner.speed(&east, &east.reversed()), 500_000);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Junction<const N: usize> {
     /// Speed by which each axis may jump; `None`: not looked at.
     pub jump_nm_per_s: Option<[u32; N]>,

@@ -21,6 +21,7 @@ use crate::{Stretch, ring::Ring, stretch::square};
 
 /// How fast the executing move may be and end, at this moment.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
     /// Speed of the move with the override, at most the machine's.
     pub top_nm_per_s: u32,

@@ -8,6 +8,7 @@ use crate::wide::{FRACTION_BITS, divide};
 ///
 /// A rate in Hz is that of the events: steps a second.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rates {
     /// Ticks a second, at least 1.
     pub timer_hz: u32,
@@ -23,6 +24,7 @@ pub struct Rates {
 
 /// Why a profile cannot be made.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RatesError {
     /// The timer, the top rate, the acceleration or the jerk is 0.

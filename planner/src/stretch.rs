@@ -10,6 +10,7 @@ const MAX_ACCELERATION: u64 = 1 << 40;
 /// Speeds are along the path in nm/s, up to 4.29 m/s. A length above 2^44 nm and an acceleration above 2^40 nm/s^2 are
 /// taken as these; an acceleration of 0 as 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stretch {
     /// Length of the path in nm.
     pub length_nm: u64,

@@ -7,6 +7,7 @@ use crate::{FitError, PreTravel, Residuals, Tip, Touch, UnitVector};
 
 /// A body of known size.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reference {
     /// A ball, touched from outside.
     Sphere {
@@ -24,6 +25,7 @@ pub enum Reference {
 
 /// A calibrated probe, and how the reference was found.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration<const K: usize> {
     /// Radius and pre-travel, ready for use.
     pub tip: Tip<K>,

@@ -2,6 +2,7 @@
 
 /// What a contact did.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Edge {
     /// It closed: the stylus touches.
     Made,
@@ -23,6 +24,7 @@ impl Edge {
 /// The price is a delay of `samples - 1` samples, the same for every edge: [`Latch`](crate::Latch) takes it back.
 /// One compare and one count a sample.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Debounce {
     samples: u8,
     run: u8,

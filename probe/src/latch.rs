@@ -4,6 +4,7 @@ use crate::{Debounce, Edge};
 
 /// A reported edge and where the axes were at it.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Latched<P> {
     /// What the contact did.
     pub edge: Edge,
@@ -13,6 +14,7 @@ pub struct Latched<P> {
 
 /// A look back that the history does not reach.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TooFarBack;
 
 impl core::fmt::Display for TooFarBack {
@@ -38,6 +40,7 @@ impl core::error::Error for TooFarBack {}
 ///
 /// What is left is the way travelled in one sample period.
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Latch<P, const DEPTH: usize> {
     contact: Debounce,
     positions: [P; DEPTH],

@@ -14,6 +14,7 @@ use crate::{Edge, UnitVector};
 ///                                            └────────► contact   slowly, `touches` times
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     /// Where the search begins.
     pub approach: [i64; 3],
@@ -41,6 +42,7 @@ pub struct Plan {
 
 /// A plan that cannot be carried out.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
     /// There is no way to search.
     NoSearch,

@@ -12,6 +12,7 @@ use crate::UnitVector;
 /// directions, continuous, never outside its smallest and largest entry, the same whatever the order of the entries. It needs
 /// no grid: one entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PreTravel<const K: usize> {
     /// Behind `used` all the same, so that tables of the same entries are equal.
     entries: [(UnitVector, i32); K],

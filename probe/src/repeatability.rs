@@ -14,6 +14,7 @@
 /// assert_eq!(readings.standard_deviation(), Some(2)); // of the sample: sqrt(8 / 3) = 1.63
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Repeatability {
     readings: u32,
     first: i64,

@@ -4,6 +4,7 @@ use crate::UnitVector;
 
 /// What the machine tells the cycle each tick.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input {
     /// Where the axes are.
     pub position: [i64; 3],
@@ -20,6 +21,7 @@ pub struct Input {
 
 /// What the cycle wants of the machine.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
     /// Begin to move in a straight line to `target`, in place of what was requested before.
     Move {
@@ -40,6 +42,7 @@ pub enum Request {
 
 /// The result of a probing cycle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurement {
     /// The latched position, mean of the slow touches, each coordinate to the nearest; not compensated.
     pub touch: Touch,
@@ -53,6 +56,7 @@ pub struct Measurement {
 
 /// A latched position and how the probe came there: what compensation and calibration want to know.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Touch {
     /// Where the axes were at the instant of contact.
     pub position: [i64; 3],
@@ -64,6 +68,7 @@ pub struct Touch {
 ///
 /// After each of them but [`ContactAtStart`](Failure::ContactAtStart) the probe has backed off where the plan has it.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
     /// In contact before the cycle has moved (or not in contact, when the plan looks for the end of one).
     ContactAtStart,

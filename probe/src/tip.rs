@@ -20,6 +20,7 @@ use crate::{PreTravel, UnitVector};
 /// assert_eq!(surface, [19_005_000, 0, 0]);
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tip<const K: usize> {
     /// Radius of the ball in nm, up to 2.1 m.
     pub radius_nm: i32,

@@ -7,7 +7,8 @@ use fixed::types::I2F30;
 /// Each component is within 0.63 x 2^-30 (5.9e-10) of the true one when made of integers below 2^31 in magnitude, and
 /// within 2 x 2^-30 for larger ones. Over a tip radius of 10 mm that is less than 0.01 nm, over 1 m it is 0.6 nm.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
-pub struct UnitVector([I2F30; 3]);
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct UnitVector(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] [I2F30; 3]);
 
 const ONE: I2F30 = I2F30::from_bits(1 << 30);
 const ZERO: I2F30 = I2F30::from_bits(0);

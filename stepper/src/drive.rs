@@ -4,6 +4,7 @@ use crate::{CoilDriver, Levels, Sequencer, StepToggle};
 
 /// A motor's output stage when it is known at run time only.
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Drive {
     /// Coil levels.
     Coils(Sequencer),

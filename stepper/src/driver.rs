@@ -7,6 +7,7 @@ pub const FULL_CURRENT: i16 = 1000;
 
 /// The power stage of one two-phase motor.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Driver {
     /// Two PBL3717A, one a phase: 100, 60, 20 and 0 % by I1 and I0 (data sheet: 420, 250 and 80 mV at the comparator).
     Pbl3717a,

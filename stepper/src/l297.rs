@@ -4,6 +4,7 @@ use crate::{CoilDriver, Levels, Mode, PulseTiming, Sequencer};
 
 /// The levels at the inputs of an [`L297`].
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct L297Inputs {
     /// CLOCK: a rising edge is a step.
     pub clock: bool,
@@ -48,6 +49,7 @@ impl L297Inputs {
 /// assert_eq!(chip.set(L297Inputs::HIGH), Levels(0b10_1000)); // state 2: D alone
 /// ```
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct L297 {
     states: Sequencer,
     inputs: L297Inputs,

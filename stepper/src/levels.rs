@@ -14,6 +14,7 @@
 ///
 /// [`Driver::pins`](crate::Driver::pins) gives the names in this order.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Levels(pub u8);
 
 impl Levels {

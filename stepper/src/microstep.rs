@@ -20,6 +20,7 @@ use crate::sine::sine;
 /// assert_eq!(motor.currents(), [0, 32767]); // half a full step on: coil B alone
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Microstep<const PER_FULL: u16> {
     /// 1024ths of the electrical cycle, 0 to 1023.
     angle: u16,

@@ -7,6 +7,7 @@ use crate::{CoilDriver, Driver, Levels};
 
 /// How far one step goes, and through which states.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
     /// Full step, one phase on.
     Wave,
@@ -56,6 +57,7 @@ impl Mode {
 
 /// The driver cannot do this step mode.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unsupported {
     /// The driver that was asked.
     pub driver: Driver,
@@ -77,6 +79,7 @@ impl core::error::Error for Unsupported {}
 /// unipolar 3, the micro mill's (A, not B) for PBL3717A and `PhasePair`, (A, B) for the A3988; one state further in
 /// [`Mode::Wave`].
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequencer {
     cycle: &'static Cycle,
     /// Position in the cycle, 0 to 15.

@@ -11,6 +11,7 @@ use crate::Levels;
 ///                   │<──── hold (from the rising edge) ──>│ before DIR may change
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PulseTiming {
     /// DIR stable before STEP rises.
     pub setup_ticks: u32,
@@ -24,6 +25,7 @@ pub struct PulseTiming {
 
 /// Levels to put on the pins now, and how long they stay.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Present {
     /// STEP, DIR and ENABLE.
     pub levels: Levels,

@@ -15,6 +15,7 @@ use crate::{CoilDriver, Levels};
 /// assert_eq!(drive.step(0), Levels(0b100));
 /// ```
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepToggle {
     levels: Levels,
 }

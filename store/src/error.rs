@@ -4,6 +4,7 @@ use core::fmt;
 
 /// Why a content was not stored or read. What was stored before is as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
     /// The area is empty, beyond the flash, or not a multiple of two erase sizes, or it begins within a sector.
     Area,

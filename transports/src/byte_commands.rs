@@ -26,6 +26,7 @@ use figure::{checked, move_of};
 
 /// What the bytes ask for.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ByteCommand {
     /// Home X, Y and Z.
     Home,
@@ -94,6 +95,7 @@ enum Mode {
 
 /// What to do after a byte.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Received {
     /// The command that is complete now.
     pub command: Option<ByteCommand>,

@@ -58,6 +58,7 @@ pub const WINDOW_FRAMES: usize = 7;
 
 /// Why a link is down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Lost {
     /// The other end did not answer, however often it was asked.
     NoAnswer,

@@ -4,6 +4,7 @@ use core::fmt;
 
 /// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the line.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
     /// What is wrong.
     pub kind: ErrorKind,
@@ -15,6 +16,7 @@ pub struct Error {
 
 /// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// A byte that cannot start a word.
@@ -149,6 +151,7 @@ impl core::error::Error for Error {}
 
 /// Something in a line that does not keep it from being read: what it is and the bytes it is about.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Warning {
     /// What is worth saying.
     pub kind: WarningKind,
@@ -160,6 +163,7 @@ pub struct Warning {
 
 /// The kinds of warning; [`WarningKind::code`] is the number of the host's message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum WarningKind {
     /// A code that says nothing about holes.

@@ -6,6 +6,7 @@ use crate::nm::Nm;
 
 /// A hole or a slot.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Feature {
     /// A drilled hole.
     Hole(Hole),
@@ -15,6 +16,7 @@ pub enum Feature {
 
 /// A drilled hole.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hole {
     /// X and Y of its middle.
     pub at: [Nm; 2],
@@ -24,6 +26,7 @@ pub struct Hole {
 
 /// A slot, or one piece of a longer rout: as wide as its tool, which goes from end to end.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Slot {
     /// X and Y of one end.
     pub from: [Nm; 2],
@@ -37,6 +40,7 @@ pub struct Slot {
 
 /// The way of a slot.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Path {
     /// Straight: `G85`, or `G01` of a rout.
     Straight,

@@ -4,6 +4,7 @@ use core::fmt;
 
 /// The unit of a drill file.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Units {
     /// `INCH`, M72; exactly 25.4 mm.
     Inches,
@@ -38,6 +39,7 @@ impl fmt::Display for Units {
 
 /// Which zeros of a number without a point are written; the others are left out.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Zeros {
     /// `LZ`: leading zeros are kept, trailing ones left out. Digits count from the left.
     Leading,
@@ -56,6 +58,7 @@ impl fmt::Display for Zeros {
 
 /// Digits before and behind the point that is not written, as `2.4`.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Digits {
     whole: u8,
     places: u8,
@@ -95,6 +98,7 @@ impl fmt::Display for Digits {
 
 /// All that a number needs besides its digits to be a length.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Format {
     /// Unit of all numbers.
     pub units: Units,

@@ -8,6 +8,7 @@ use super::statement::Statement;
 
 /// The kind of file, for what it does not say itself.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Profile {
     /// Excellon: inches 2.4 or millimetres 3.3, `TZ`.
     #[default]
@@ -19,6 +20,7 @@ pub enum Profile {
 
 /// What the caller knows better than the file.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrides {
     /// The unit, whatever the file says.
     pub units: Option<Units>,
@@ -32,6 +34,7 @@ pub struct Overrides {
 
 /// Why a setting is what it is. Lines count from 1.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The caller says so.
     Given,
@@ -49,6 +52,7 @@ pub enum Reason {
 
 /// A setting with its reason.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settled<T> {
     /// The setting.
     pub value: T,
@@ -58,6 +62,7 @@ pub struct Settled<T> {
 
 /// What makes the settings doubtful.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Doubt {
     /// A number without a point has more digits than the format: its line and its digits.
     LongNumber(u32, u8),
@@ -67,6 +72,7 @@ pub enum Doubt {
 
 /// How the coordinates of a file are to be read.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
     /// The unit at the beginning.
     pub units: Settled<Units>,

@@ -6,6 +6,7 @@ use crate::nm::Nm;
 
 /// A number with the digits that were written, not yet a length.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Number {
     /// Below 10^18.
     digits: i64,

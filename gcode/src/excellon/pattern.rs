@@ -9,6 +9,7 @@ use crate::nm::Nm;
 
 /// What a line says about step and repeat.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pattern {
     /// `M25`: the features from here on are the set.
     Begin,
@@ -23,6 +24,7 @@ pub enum Pattern {
 
 /// Copies of a set of features.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Repeat {
     /// How many, 1 to 9999: `R3M02` makes three.
     pub count: u16,

@@ -4,6 +4,7 @@ use crate::nm::Nm;
 
 /// A tool.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tool {
     /// Its number, as in `T1`.
     pub number: u16,

@@ -4,6 +4,7 @@ use core::fmt;
 
 /// The faults of programs with parameters; [`Fault::code`] is the number of the host's message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Fault {
     /// No number, parameter, bracket or function where a value belongs.

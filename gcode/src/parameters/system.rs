@@ -30,6 +30,7 @@ pub trait System {
 
 /// Answers nothing: for lines without a machine.
 #[derive(Copy, Clone, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoMachine;
 
 impl System for NoMachine {

@@ -11,6 +11,7 @@ use core::cmp::Ordering;
 /// other are equal to the operators `EQ` to `LE`, and one within 10^-9 of a whole number counts as that number where a
 /// whole one is asked for (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared exactly.
 #[derive(Copy, Clone, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Value {
     /// Never `i64::MIN`.
     digits: i64,

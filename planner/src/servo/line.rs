@@ -33,6 +33,7 @@ const LARGEST: u32 = i32::MAX as u32;
 /// assert_eq!(line.duration_ticks, 5505);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoLine<const N: usize> {
     /// Velocity of each axis, 2^-16 counts a period; 0 where it has no way.
     pub velocities: [u32; N],

@@ -7,6 +7,7 @@
 /// For a disc of 2000 counts a turn and 1953.125 periods a second, a turn a second is 67109 and 4 turns/s^2 are 137
 /// (PIC-SERVO data sheet, "Load trajectory"; J. R. Kerr, 1999).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ServoMotion {
     /// To a goal with a trapezoidal profile, at rest at both ends.
     Trapezoid {

@@ -8,6 +8,7 @@ const LARGEST: u32 = i32::MAX as u32;
 
 /// What the servo of a module is to hold in one period.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoSetPoint {
     /// Commanded position in counts: the upper 32 bits of an accumulator of 48, so rounded down.
     pub position: i32,

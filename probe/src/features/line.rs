@@ -7,6 +7,7 @@ use crate::UnitVector;
 
 /// A straight line in space.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line {
     /// A point of it, in nm: the centroid of the points it was fitted to.
     pub point_nm: [i64; 3],

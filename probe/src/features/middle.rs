@@ -5,6 +5,7 @@ use crate::unit_vector::{minus, plus};
 
 /// The middle and the width of a web or a pocket, of two opposite points.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Middle {
     /// Halfway between the points, in nm, halves towards the first.
     pub centre_nm: [i64; 3],

@@ -10,6 +10,7 @@ use crate::unit_vector::{minus, plus};
 ///
 /// Fitted to compensated points, or to centres of the ball and then [`moved`](Plane::moved_nm) by the tip radius.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plane {
     /// A point of it, in nm: the centroid of the points, where it was fitted.
     pub point_nm: [i64; 3],

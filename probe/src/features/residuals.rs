@@ -2,6 +2,7 @@
 
 /// What is left between points and the feature fitted to them, to the nearest nm.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Residuals {
     /// How many points there were.
     pub points: u32,
@@ -16,6 +17,7 @@ pub struct Residuals {
 
 /// Why points make no feature.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FitError {
     /// Fewer points than the feature has unknowns.
     TooFewPoints,

@@ -7,6 +7,7 @@ use crate::UnitVector;
 
 /// A sphere.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sphere {
     /// Its centre, in nm.
     pub centre_nm: [i64; 3],
@@ -18,6 +19,7 @@ pub struct Sphere {
 
 /// A circle: a bore or a boss.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Circle {
     /// Its centre, in nm, as high along `axis` as the points are on average.
     pub centre_nm: [i64; 3],

@@ -4,6 +4,7 @@ use super::figure::checked;
 
 /// What has happened.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
     /// All axes stand off their switches, at zero.
     Homed,
@@ -89,6 +90,7 @@ const NOTHING: u8 = b'-';
 
 /// Where a device is.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
     /// How the last task ended, or what has happened in the present one.
     pub report: Option<Report>,

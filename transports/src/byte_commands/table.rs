@@ -5,6 +5,7 @@ pub const MOTORS: usize = 4;
 
 /// The byte of each command.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ByteTable {
     /// Home all axes.
     pub home: u8,

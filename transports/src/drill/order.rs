@@ -2,6 +2,7 @@
 
 /// An axis of the drill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Axis {
     /// Along the board.
     X,
@@ -13,6 +14,7 @@ pub enum Axis {
 
 /// One thing to do; the next one is asked for when it is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// Z, then Y, then X to their switches; X and Y are 0 there.
     Home,

@@ -4,6 +4,7 @@
 ///
 /// Sources: the original's assembly text, which its description contradicts in places; the text of the program wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rules {
     /// `b` while the memory is full: what is in it is run first, and `b` begins a program. The original stores the `b` as data as well, so
     /// that every record after it is off by a byte.

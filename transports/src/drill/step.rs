@@ -4,6 +4,7 @@ use core::fmt;
 
 /// One thing to do on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
     /// Bring a device in an unknown state to rest: ends any record, any program and the manual mode, and tests the link. Runs nothing, but
     /// where a full memory waits for its next byte the device does what it holds.
@@ -47,6 +48,7 @@ pub enum Step {
 
 /// Why a [`Step`] cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The step before is not done.
     Busy,
@@ -73,6 +75,7 @@ impl core::error::Error for Refused {}
 
 /// What came of a [`Step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Done.
     Done,
@@ -84,6 +87,7 @@ pub enum Outcome {
 
 /// How a [`Step`] failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
     /// No answer in time.
     Silent,
@@ -119,6 +123,7 @@ impl core::error::Error for Failure {}
 
 /// How far the host is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// Nothing to do.
     Idle,

@@ -5,6 +5,7 @@ use crate::buffer::Buffer;
 
 /// Why a payload was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The other end was not called yet, or is down.
     NotUp,

@@ -21,6 +21,7 @@ const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 
 /// What a frame is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kind {
     /// A numbered payload.
     Data,
@@ -55,6 +56,7 @@ impl Kind {
 
 /// A frame, without what the line needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame<'a> {
     /// Of the station that speaks or is spoken to, or [`BROADCAST`](super::BROADCAST).
     pub address: u8,

@@ -7,6 +7,7 @@ use crate::buffer::Buffer;
 
 /// What happened; `station` counts from 0 in the order of the addresses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event<'a> {
     /// The station has answered its call.
     Up {

@@ -6,6 +6,7 @@ use super::{BROADCAST, Lost, Refused, Timing};
 
 /// What a frame brought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Received<'a> {
     /// The link is up, and everything is counted anew: what was queued before is gone.
     Up,

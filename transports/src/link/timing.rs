@@ -2,6 +2,7 @@
 
 /// Waits in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
     /// Time of a character on the line.
     pub character_us: u32,

@@ -4,6 +4,7 @@ use super::Axis;
 
 /// A byte of the controller that is no echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Answer {
     /// `80` to `85`: one motor step, `80 | axis << 1 | forward`.
     Step {

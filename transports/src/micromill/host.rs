@@ -4,6 +4,7 @@ use super::{Answer, Axis, Order, Text};
 
 /// Waits in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HostTiming {
     /// From a byte to its echo.
     pub echo_us: u32,
@@ -41,6 +42,7 @@ impl HostTiming {
 
 /// What came of a string.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Obeyed; a streamed line: in the queue.
     Done,
@@ -62,6 +64,7 @@ pub enum Outcome {
 
 /// What the controller says beside the outcome of a string.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
     /// A motor step; of so many where [`Order::Every`] says so.
     Step {
@@ -82,6 +85,7 @@ pub enum Report {
 
 /// How far the host is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// Nothing to do.
     Idle,

@@ -7,6 +7,7 @@ pub type XyPoint = [Option<i32>; 2];
 
 /// Where a straight move goes: X and Y (one of them at least), or Z alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Point {
     /// X and Y.
     Xy(XyPoint),
@@ -18,6 +19,7 @@ pub enum Point {
 ///
 /// Words are `X` `Y` `Z` `I` `J`, a sign or none, one to five digits of micrometres and up to two decimals; feeds are tenths of mm/min.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Line {
     /// `G00X01000Y00500;`, `G00Z00100.50;`: as fast as it goes.
     Rapid(Point),

@@ -4,6 +4,7 @@ use super::{Line, Text, reader::Reader};
 
 /// An axis of the mill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Axis {
     /// Interpolates with Y.
@@ -30,6 +31,7 @@ impl Axis {
 
 /// One string.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// `JX+;`, `&X+Y-Z+;`: these axes, 1, -1 or 0 each, until something stops them.
     Jog([i8; 3]),

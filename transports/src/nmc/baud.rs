@@ -2,6 +2,7 @@
 
 /// Rate of the line in bits a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Baud {
     /// 9600.
     B9600,

@@ -15,6 +15,7 @@ pub(super) const fn is_group(address: u8) -> bool {
 
 /// The group of a module and its part in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Group {
     /// 0x80 to 0xFF; the upper bit is taken as set.
     pub address: u8,
@@ -32,6 +33,7 @@ impl Group {
 
 /// What Reset Position sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reset {
     /// The present position becomes 0.
     Zero,
@@ -43,6 +45,7 @@ pub enum Reset {
 
 /// A command of the servo module, versions 4, 5 and 10.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
     /// 0: counter and command position are set, without a jump. Not during a trapezoid.
     ResetPosition(Reset),

@@ -2,6 +2,7 @@
 
 /// Status byte, the first one of every reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status(pub u8);
 
 impl Status {
@@ -30,6 +31,7 @@ impl Status {
 
 /// Auxiliary status byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Auxiliary(pub u8);
 
 impl Auxiliary {
@@ -56,6 +58,7 @@ impl Auxiliary {
 
 /// Which items a reply carries after its status byte, in the order of their bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Items(pub u8);
 
 impl Items {
@@ -116,6 +119,7 @@ impl Items {
 
 /// Which events end homing, and how the motor then stops; without an event homing is cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Homing(pub u8);
 
 impl Homing {

@@ -46,6 +46,7 @@ pub(crate) fn sum(bytes: &[u8], start: u8) -> u8 {
 
 /// What a complete packet is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Its sum is right.
     Sound,

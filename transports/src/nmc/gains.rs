@@ -6,6 +6,7 @@ use super::frame::LONGEST_DATA;
 
 /// Data of Set Gain: the servo law `kp e + kd (e - e_before) + ki sum(e) / 256` and its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gains {
     /// Proportional gain, 0 to 0x7FFF.
     pub proportional: u16,

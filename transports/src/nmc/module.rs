@@ -8,6 +8,7 @@ use super::{Baud, Command, Group, Items, Readings, Receiver, Reply, Status, Verd
 
 /// What the owner of a [`Module`] has to do. Addresses, groups and status items are not the owner's affair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// For the servo: all but addressing, status, rate and reset.
     Servo(Command),

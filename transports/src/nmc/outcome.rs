@@ -6,6 +6,7 @@ use super::{Baud, Command, Items, Reply};
 
 /// One thing to do on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
     /// Send a command and await its reply.
     Request {
@@ -37,6 +38,7 @@ pub enum Step {
 
 /// Why a [`Step`] cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The step before is not done.
     Busy,
@@ -67,6 +69,7 @@ impl core::error::Error for Refused {}
 
 /// What came of a [`Step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Executed once; for a group: by its leader, the others have to be asked.
     Answered(Reply),
@@ -90,6 +93,7 @@ impl Outcome {
 
 /// How a [`Step`] failed, after all its tries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
     /// Nothing was ever heard: a dead module, the end of the chain, a broken line. A command that may be repeated may have been executed.
     Silent,
@@ -120,6 +124,7 @@ impl core::error::Error for Failure {}
 
 /// How far the host is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// Nothing to do.
     Idle,

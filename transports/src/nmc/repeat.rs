@@ -10,6 +10,7 @@ const STILL_COUNTS: u32 = 64;
 
 /// When a command may be sent again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Repeat {
     /// At any time: twice is as good as once.
     Free,
@@ -23,6 +24,7 @@ pub enum Repeat {
 
 /// What two readings say about a command between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Finding {
     /// It was executed.
     Executed,

@@ -15,6 +15,7 @@ pub const LONGEST_REPLY: usize = 19;
 
 /// All that a module can tell. A reply carries some of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Readings {
     /// Counts.
     pub position: i32,
@@ -44,6 +45,7 @@ pub const fn reported_velocity(velocity: i32) -> i16 {
 
 /// A status packet that arrived whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reply {
     /// The status byte.
     pub status: Status,

@@ -7,6 +7,7 @@ const RESTARTS: u8 = 3;
 
 /// What there is on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Chain {
     /// Modules, with the addresses 1 to this; 1 is the far end.
     pub modules: u8,
@@ -29,6 +30,7 @@ impl Chain {
 
 /// What a [`Startup`] wants next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Next {
     /// This from the [`Host`](super::Host); its outcome is the next call's argument.
     Step(Step),

@@ -7,6 +7,7 @@ pub const CYCLE_US: u32 = 512;
 
 /// How long the host waits, in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
     /// From the last bit of a command to the first byte of its reply.
     pub reply_us: u32,
@@ -56,6 +57,7 @@ impl Timing {
 
 /// Asking every module of a line in turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Polling {
     /// Modules, 1 to 32.
     pub modules: u8,

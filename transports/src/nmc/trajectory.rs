@@ -6,6 +6,7 @@ use super::frame::LONGEST_DATA;
 
 /// What the servo follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
     /// Trapezoidal profile to a position; only from standstill (version 4).
     Trapezoid,
@@ -25,6 +26,7 @@ pub enum Mode {
 /// | 2 | acceleration `u32` follows | | 6 | reverse; relative for a trapezoid of version 10 |
 /// | 3 | PWM `u8` follows | | 7 | start now, 0 = at Start Motion |
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Trajectory {
     /// Goal in counts, above `i32::MIN`; at most 2^31 - 1 from the present position.
     pub position: Option<i32>,
@@ -119,6 +121,7 @@ impl Trajectory {
 
 /// How Stop Motor stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StopWay {
     /// Servo off, PWM 0.
     Off,
@@ -132,6 +135,7 @@ pub enum StopWay {
 
 /// Data of Stop Motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stop {
     /// Level of the amplifier's enable output, always applied.
     pub amplifier: bool,
@@ -184,6 +188,7 @@ impl Stop {
 ///
 /// A point is |delta| times 4, 8 or 16 (30, 60, 120 Hz) with bit 0 = reverse and bit 1 = slow rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PathPoints {
     points: [u16; 7],
     /// At most 7.

@@ -2,6 +2,7 @@
 
 /// What a received byte is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heard {
     /// One's own: drop it.
     Echo,
@@ -16,6 +17,7 @@ pub enum Heard {
 ///
 /// Where the receiver is off while the driver is on (/RE tied to DE), nothing is heard back: [`silence`](Echo::silence) finds that out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Echo<const N: usize> {
     sent: [u8; N],
     /// Below `N`, or 0.

@@ -9,6 +9,7 @@ use super::{Echo, EnablePin, Heard};
 
 /// What went wrong on a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum IoError<S, P> {
     /// The serial port's error.
     Serial(S),

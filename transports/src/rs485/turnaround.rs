@@ -13,6 +13,7 @@
 /// assert!(!line.is_driving());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turnaround {
     silence_us: u32,
     /// When the line was last heard or let go; `None` long ago.
