@@ -1,94 +1,15 @@
 """count.py BOARD: prints how many instructions the firmware takes for what it does, counted in QEMU's log of every instruction."""
-import collections
 import os
-import re
 import sys
 import tempfile
 import time
 
 from link import STEPS, Mill
 from bench import Elf, elf
+from log import Count
 
 board = sys.argv[1]
-# The number of the step interrupt as the log has it; the UART's is the other one.
-STEP = {"microbit": "24", "mps2-an386": "24", "virt": "7"}[board]
 program = Elf(elf("micromill", board))
-
-
-def is_return(address):
-    """mret: the ARM boards log it themselves."""
-    return board == "virt" and program.halfword(address) == 0x0073 and program.halfword(address + 2) == 0x3020
-
-
-def holds(address):
-    """Whether interrupts are held back from there on (True), let in (False), or neither."""
-    code = program.halfword(address)
-    if board == "virt":
-        code |= program.halfword(address + 2) << 16
-        # csrrci and csrrsi of mstatus, bit 3
-        return {0x30047073: True, 0x30046073: False}.get(code & ~0xF80)
-    return {0xB672: True, 0xB662: False}.get(code)
-
-
-def sleeps(address):
-    """wfi."""
-    code = program.halfword(address)
-    return code == 0xBF30 if board != "virt" else code == 0x0073 and program.halfword(address + 2) == 0x1050
-
-
-class Count:
-    """What a log says; up to the first sleep or all of it."""
-
-    def __init__(self, path, to_sleep=False):
-        self.foreground = 0
-        # Instructions of each step interrupt, and of each other one.
-        self.step, self.byte = [], []
-        # The longest stretch in which no step interrupt comes.
-        self.held = 0
-        inside, stretch, is_held = None, 0, False
-        first = {}
-        for line in open(path, errors="replace"):
-            if line.startswith("Trace"):
-                at = line.index("[")
-                address = int(line[at + 10:at + 18], 16)
-                if inside is None:
-                    self.foreground += 1
-                else:
-                    inside[-1] += 1
-                if address not in first:
-                    first[address] = holds(address), is_return(address)
-                held, returns = first[address]
-                if inside is not self.step:
-                    stretch += 1
-                    if inside is None and held is not None:
-                        if held and not is_held:
-                            stretch = 1
-                        elif not held and is_held:
-                            self.held = max(self.held, stretch)
-                        is_held = held
-                if to_sleep and sleeps(address):
-                    break
-                if returns:
-                    inside = self.leave(inside, stretch)
-            # It was not executed yet: it comes again.
-            elif line.startswith(("Stopped", "cpu_io_recompile")):
-                if inside is None:
-                    self.foreground -= 1
-                else:
-                    inside[-1] -= 1
-                stretch -= 1
-            elif "taking pending" in line or "riscv_cpu_do_interrupt" in line:
-                number = re.search(r"exception (\d+)|cause:(\w+)", line)
-                inside = self.step if (number[1] or str(int(number[2], 16))) == STEP else self.byte
-                inside.append(0)
-                stretch = 0
-            elif "successful exception return" in line:
-                inside = self.leave(inside, stretch)
-
-    def leave(self, inside, stretch):
-        if inside is self.byte:
-            self.held = max(self.held, stretch)
-        return None
 
 
 def say(name, value):
@@ -108,7 +29,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert said == b"\x88", said
         time.sleep(0.5)
         mill.monitor("log none")
-        say("start", Count(log, to_sleep=True).foreground)
+        say("start", Count(board, program, log, to_sleep=True).foreground)
     os.truncate(log, 0)
 
     with Mill(board, "-singlestep", "-D", log) as mill:
@@ -117,7 +38,7 @@ with tempfile.TemporaryDirectory() as folder:
             said = mill.ask(string)
             time.sleep(0.2)
             mill.monitor("log none")
-            counted = Count(log)
+            counted = Count(board, program, log)
             os.truncate(log, 0)
             return counted, said
 
