@@ -1,0 +1,155 @@
+//! An axis homed on its index, and told over a link, as tasks: one is the servo's clock, one the far end of the link, and the
+//! rest waits for them with `.await`.
+//!
+//! The crates know nothing of tasks: [`ready`] makes a future of whatever polls. A board of your own has its timer in the place of
+//! [`servo`]'s loop and a UART in the place of [`WIRES`].
+#![no_std]
+#![no_main]
+
+#[path = "../../block/src/motor.rs"]
+mod motor;
+
+use core::cell::RefCell;
+#[cfg(target_arch = "arm")]
+use cortex_m as _;
+use embassy_executor::Spawner;
+use embassy_futures::yield_now;
+use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+use embassy_sync::channel::Channel;
+use husillo_machine::{ServoAxis, ServoEvents, ServoStop};
+use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
+use husillo_planner::ServoMotion;
+use husillo_transports::link::{Peer, Received, Timing};
+use motor::{INDEX, Motor};
+use semihosting::println;
+
+const GAINS: ServoGains = ServoGains {
+    proportional: 2_000,
+    derivative: 0,
+    integral: 0,
+    integral_limit: 0,
+    output_limit: 255,
+    current_limit: 0,
+    error_limit: 2_000,
+    rate_divisor: 1,
+    dead_band: 0,
+};
+
+/// What two tasks work on.
+type Held<T> = Mutex<CriticalSectionRawMutex, RefCell<Option<T>>>;
+
+static AXIS: Held<ServoAxis> = Mutex::new(RefCell::new(None));
+
+/// Bytes from here to the far end, and back.
+static WIRES: [Channel<CriticalSectionRawMutex, u8, 4>; 2] = [Channel::new(), Channel::new()];
+
+/// A byte at 115 200 bits a second.
+const BYTE_US: u32 = 87;
+
+/// Waits until it would not block any more.
+async fn ready<T, E>(mut poll: impl FnMut() -> nb::Result<T, E>) -> Result<T, E> {
+    loop {
+        match poll() {
+            Ok(value) => return Ok(value),
+            Err(nb::Error::Other(error)) => return Err(error),
+            Err(nb::Error::WouldBlock) => yield_now().await,
+        }
+    }
+}
+
+/// Works on the axis.
+fn axis<R>(work: impl FnOnce(&mut ServoAxis) -> R) -> R {
+    AXIS.lock(|axis| {
+        let mut axis = axis.borrow_mut();
+        let law = || ServoLaw::new(&GAINS, RateRule::Loop, TotalLimit::BeforeScaling);
+        work(axis.get_or_insert_with(|| ServoAxis::new(law())))
+    })
+}
+
+/// The servo's period, each time that all others have had their turn.
+#[embassy_executor::task]
+async fn servo() {
+    let mut motor = Motor::default();
+    loop {
+        motor.turn(axis(|axis| axis.tick(&motor.read())));
+        yield_now().await;
+    }
+}
+
+/// One turn of an end of the link: what it says goes out, what has come goes in.
+fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[u8; 4]> {
+    let [out, back] = [&WIRES[out], &WIRES[back]];
+    if !out.is_full() {
+        if let Some(byte) = end.transmit(now_us) {
+            out.try_send(byte).ok();
+        }
+    }
+    let byte = back.try_receive().ok()?;
+    match end.push(byte, now_us)? {
+        Received::Data(payload) => <[u8; 4]>::try_from(payload).ok(),
+        _ => None,
+    }
+}
+
+/// The far end: it prints what it is told, and ends the program.
+#[embassy_executor::task]
+async fn far_end() {
+    let mut end = Peer::<2>::station(1, Timing::of(115_200));
+    let mut now_us = 0;
+    loop {
+        if let Some(payload) = exchange(&mut end, [1, 0], now_us) {
+            let home = i32::from_le_bytes(payload);
+            println!("told: {home}");
+            assert!((INDEX..INDEX + 2).contains(&home));
+            semihosting::process::exit(0);
+        }
+        now_us += BYTE_US;
+        yield_now().await;
+    }
+}
+
+#[cfg_attr(
+    target_arch = "riscv32",
+    embassy_executor::main(entry = "riscv_rt::entry")
+)]
+#[cfg_attr(target_arch = "arm", embassy_executor::main)]
+async fn main(spawner: Spawner) {
+    spawner.spawn(servo()).expect("there is one");
+    spawner.spawn(far_end()).expect("there is one");
+    let events = ServoEvents {
+        index: true,
+        ..ServoEvents::default()
+    };
+    axis(|axis| {
+        axis.search(events, Some(ServoStop::Smooth));
+        axis.load(ServoMotion::Trapezoid {
+            goal: 5_000,
+            velocity: 1 << 16,
+            acceleration: 1 << 10,
+        });
+        axis.start();
+    });
+    let home = ready(|| axis(|axis| axis.poll_search())).await;
+    println!("home: {home:?}");
+    let Ok(home) = home else {
+        panic!("the index was not found")
+    };
+    let mut end = Peer::<2>::caller(1, Timing::of(115_200));
+    let mut now_us = 0;
+    end.call();
+    let sent = ready(|| {
+        now_us += BYTE_US;
+        exchange(&mut end, [0, 1], now_us);
+        if end.is_up() {
+            end.poll_send(&home.to_le_bytes())
+        } else {
+            Err(nb::Error::WouldBlock)
+        }
+    });
+    assert!(sent.await.is_ok());
+    loop {
+        now_us += BYTE_US;
+        exchange(&mut end, [0, 1], now_us);
+        yield_now().await;
+    }
+}
