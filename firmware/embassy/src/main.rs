@@ -79,10 +79,13 @@ async fn servo() {
 /// One turn of an end of the link: what it says goes out, what has come goes in.
 fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[u8; 4]> {
     let [out, back] = [&WIRES[out], &WIRES[back]];
-    if !out.is_full() {
-        if let Some(byte) = end.transmit(now_us) {
-            out.try_send(byte).ok();
-        }
+    let says = if out.is_full() {
+        None
+    } else {
+        end.transmit(now_us)
+    };
+    if let Some(byte) = says {
+        out.try_send(byte).ok();
     }
     let byte = back.try_receive().ok()?;
     match end.push(byte, now_us)? {
