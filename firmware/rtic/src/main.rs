@@ -1,0 +1,86 @@
+//! An axis homed on its index with RTIC: the servo's period is a hardware task, the foreground is `idle`, and the axis is a resource
+//! that both lock. The crates know nothing of it.
+#![no_std]
+#![no_main]
+
+use cortex_m_rt as _;
+
+#[path = "../../block/src/motor.rs"]
+mod motor;
+mod mps2;
+
+#[rtic::app(device = crate::mps2, peripherals = false)]
+mod app {
+    use crate::motor::{INDEX, Motor};
+    use crate::mps2;
+    use husillo_machine::{ServoAxis, ServoEvents, ServoStop};
+    use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
+    use husillo_planner::ServoMotion;
+    use semihosting::println;
+
+    const GAINS: ServoGains = ServoGains {
+        proportional: 2_000,
+        derivative: 0,
+        integral: 0,
+        integral_limit: 0,
+        output_limit: 255,
+        current_limit: 0,
+        error_limit: 2_000,
+        rate_divisor: 1,
+        dead_band: 0,
+    };
+
+    /// The period of a PIC-SERVO module.
+    const PERIOD_US: u32 = 512;
+
+    #[shared]
+    struct Shared {
+        axis: ServoAxis,
+    }
+
+    #[local]
+    struct Local {
+        motor: Motor,
+    }
+
+    #[init]
+    fn init(_: init::Context) -> (Shared, Local) {
+        let mut axis = ServoAxis::new(ServoLaw::new(
+            &GAINS,
+            RateRule::Loop,
+            TotalLimit::BeforeScaling,
+        ));
+        let motor = Motor::default();
+        // One period before anything moves: the axis knows its inputs.
+        axis.tick(&motor.read());
+        let events = ServoEvents {
+            index: true,
+            ..ServoEvents::default()
+        };
+        axis.search(events, Some(ServoStop::Smooth));
+        axis.load(ServoMotion::Trapezoid {
+            goal: 5_000,
+            velocity: 1 << 16,
+            acceleration: 1 << 10,
+        });
+        axis.start();
+        mps2::start(PERIOD_US);
+        (Shared { axis }, Local { motor })
+    }
+
+    #[idle(shared = [axis])]
+    fn idle(mut context: idle::Context) -> ! {
+        let home = nb::block!(context.shared.axis.lock(|axis| axis.poll_search()));
+        println!("home: {home:?}");
+        assert!(home.is_ok_and(|home| (INDEX..INDEX + 2).contains(&home)));
+        semihosting::process::exit(0)
+    }
+
+    #[task(binds = TIMER0, priority = 2, shared = [axis], local = [motor])]
+    fn period(mut context: period::Context) {
+        mps2::acknowledge();
+        let motor = context.local.motor;
+        let drive = context.shared.axis.lock(|axis| axis.tick(&motor.read()));
+        motor.turn(drive);
+    }
+}

@@ -1,0 +1,52 @@
+//! What RTIC asks of a chip's crate, of the `mps2-an386` that QEMU has: priorities and interrupts, here its first timer alone.
+
+use cortex_m::interrupt::InterruptNumber;
+
+/// Bits of a priority.
+pub const NVIC_PRIO_BITS: u8 = 3;
+
+/// The interrupts by their number.
+#[derive(Clone, Copy)]
+#[repr(u16)]
+pub enum Interrupt {
+    /// The first timer.
+    TIMER0 = 8,
+}
+
+/// The name that crates of chips have for it, too.
+pub use Interrupt as interrupt;
+
+// Safety: the numbers are the chip's.
+unsafe impl InterruptNumber for Interrupt {
+    fn number(self) -> u16 {
+        self as u16
+    }
+}
+
+unsafe extern "C" {
+    fn TIMER0();
+}
+
+/// Where they go to: nowhere but the timer.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [Option<unsafe extern "C" fn()>; 9] =
+    [None, None, None, None, None, None, None, None, Some(TIMER0)];
+
+const TIMER: *mut u32 = 0x4000_0000 as *mut u32;
+const HZ: u32 = 25_000_000;
+
+/// The timer's interrupt comes at this period.
+pub fn start(period_us: u32) {
+    // Safety: these are the timer's registers: reload, and control with interrupt and count.
+    unsafe {
+        TIMER.add(2).write_volatile(HZ / 1_000_000 * period_us - 1);
+        TIMER.write_volatile(0b1001);
+    }
+}
+
+/// It has come.
+pub fn acknowledge() {
+    // Safety: as above.
+    unsafe { TIMER.add(3).write_volatile(1) };
+}
