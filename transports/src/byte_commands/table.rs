@@ -58,7 +58,7 @@ impl ByteTable {
     pub fn is_unambiguous(&self) -> bool {
         let [[x, x_back], [y, y_back], [z, z_back], [c, c_back]] = self.motors;
         let [first, second] = self.machines;
-        let mut bytes = [
+        let bytes = [
             self.home,
             self.manual,
             self.steps,
@@ -82,9 +82,17 @@ impl ByteTable {
             second,
             super::REJECTED,
         ];
-        bytes.sort_unstable();
-        let next = bytes.iter().skip(1);
-        bytes.iter().zip(next).all(|(one, other)| one != other)
+        // A bit for each byte that was seen. Sorting more than 20 would bring a panic of the library's along.
+        let mut seen = [0_u32; 8];
+        bytes.iter().all(|byte| {
+            let bit = 1_u32.wrapping_shl(u32::from(*byte)); // modulo 32
+            let Some(word) = seen.get_mut(usize::from(byte >> 5)) else {
+                return false; // there are eight
+            };
+            let is_new = *word & bit == 0;
+            *word |= bit;
+            is_new
+        })
     }
 
     /// Motor and whether forward.
