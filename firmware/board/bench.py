@@ -1,8 +1,10 @@
 """A firmware in QEMU: started, talked to at its UART, looked into at QEMU's monitor."""
 import os
+import re
 import socket
 import struct
 import subprocess
+import tempfile
 import time
 
 TARGETS = {
@@ -10,6 +12,9 @@ TARGETS = {
     "mps2-an386": "thumbv7em-none-eabihf",
     "virt": "riscv32imac-unknown-none-elf",
 }
+
+# Of every board.
+RAM = 16384
 
 
 def elf(program, board):
@@ -49,6 +54,12 @@ class Elf:
         return 0
 
 
+def deepest_stack(program, bench, ram):
+    """RAM is zero when QEMU starts: the stack came down to the lowest byte above the statics that is not."""
+    static = program.static(bench.start)
+    return RAM - next((place for place in range(static, RAM) if ram[place]), RAM)
+
+
 class Bench:
     """A firmware that runs, its UART as a socket."""
 
@@ -61,6 +72,7 @@ class Bench:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "MONITOR": "1"})
         assert self.qemu.stdout.readline().startswith(b"husillo")
         self.line = None
+        self.start = 0x8010_0000 if board == "virt" else 0x2000_0000
 
     def __enter__(self):
         return self
@@ -70,6 +82,18 @@ class Bench:
             self.line.close()
         self.qemu.kill()
         self.qemu.wait()
+
+    def booted(self):
+        """Waits until it listens and the firmware has begun."""
+        self.monitor("info status")
+        time.sleep(1)
+
+    def ram(self):
+        """What is in it, as the processor sees it: the microbit's is on no other bus."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "ram")
+            self.monitor(f'memsave {self.start:#x} {RAM} "{path}"')
+            return open(path, "rb").read()
 
     def connect(self):
         """Opens the line; the firmware may be booting still."""
@@ -91,9 +115,18 @@ class Bench:
             return b""
 
     def monitor(self, command):
-        """A command to QEMU's monitor, carried out when this returns."""
+        """A command to QEMU's monitor, carried out when this returns: the lines it says."""
         self.qemu.stdin.write(command.encode() + b"\nprint 1234567\n")
         self.qemu.stdin.flush()
+        lines = []
         # The prompt repeats what is typed: only the answer, in hexadecimal, is a line of its own.
-        while self.qemu.stdout.readline().strip() != b"0x12d687":
-            pass
+        while (line := self.qemu.stdout.readline().strip()) != b"0x12d687":
+            lines.append(line.decode())
+        return lines
+
+    def word(self, address):
+        """What the processor reads there."""
+        for line in self.monitor(f"x /1xw {address:#x}"):
+            if found := re.fullmatch(r"[0-9a-f]+: 0x([0-9a-f]+)", line):
+                return int(found[1], 16)
+        raise SystemExit(f"nothing at {address:#x}")

@@ -10,7 +10,7 @@ from bench import Bench, Elf, elf
 
 firmware, board, husillo, program = sys.argv[1:5]
 START = 0x8010_0000 if board == "virt" else 0x2000_0000
-RAM = 3840
+RAM = 16384
 
 with Bench(firmware, board) as bench:
     for _ in range(5):

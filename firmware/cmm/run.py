@@ -11,7 +11,7 @@ from bench import Bench, Elf, elf  # noqa: E402
 
 board, husillo = sys.argv[1:3]
 START = 0x8010_0000 if board == "virt" else 0x2000_0000
-RAM = 3840
+RAM = 16384
 # Home on the index, trapezoids, the probe both ways, a jog, the state at the end.
 ACTIONS = "home x goto 1200 goto -777 goto 3 touch + touch - --repeat 3 goto 0 zero goto 250 jog -x 1s slow status".split()
 

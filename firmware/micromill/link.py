@@ -17,12 +17,12 @@ class Mill(Bench):
         self.connect()
 
     def ask(self, string, answers=(DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED)):
-        """Sends a string and gives all that is said until one of the answers, which comes last."""
+        """Sends a string and gives all that is said until there is one of the answers."""
         said = b""
         for byte in string:
             self.line.send(bytes([byte]))
             said += self.receive(10)
-        while not said or said[-1] not in answers:
+        while not any(byte in answers for byte in said):
             more = self.receive(20)
             if not more:
                 sys.exit(f"{string}: silent after {said[-20:]}")

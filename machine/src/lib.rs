@@ -41,6 +41,7 @@ pub use closed_loop::{ClosedLoop, Followed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use husillo_transports::byte_commands::Report as CellReport;
+pub use husillo_transports::micromill::Stops as MillStops;
 pub use machine::{Machine, Origin};
 pub use mill::{Mill, MillConfig, MillEvent, MillInputs};
 pub use motors::{Idle, Motors};

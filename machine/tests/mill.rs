@@ -472,7 +472,9 @@ proptest! {
         bench.switches = [-400, -400, -400];
         for string in strings {
             for byte in string {
+                let stops = bench.mill.stops();
                 if bench.mill.receive(byte) {
+                    prop_assert!(stops.takes(byte) || b"WVL;".contains(&byte), "{:?} {}", stops, byte);
                     bench.mill.halted();
                 }
                 bench.hear();
@@ -493,5 +495,40 @@ proptest! {
         prop_assert_eq!(answers.last(), Some(&0x8f));
         prop_assert_eq!(bench.loads, [0; 3]);
         prop_assert_eq!(bench.told, bench.motors);
+    }
+
+    /// Eight events wait when a byte that stops comes. The interrupt that hears it holds them back, the foreground is late: none is made any more,
+    /// and where the loads are is what the mill says.
+    #[test]
+    fn a_stop_acts_before_the_next_event(is_streaming in any::<bool>(), made in 1..560_usize, late in 0..4_usize) {
+        let mut bench = Bench::homed();
+        if is_streaming {
+            bench.does("S1;");
+        }
+        bench.say("G01X00080Y00050F14;");
+        let inputs = MillInputs::default();
+        let mut waiting = std::collections::VecDeque::new();
+        let (mut motors, mut is_held) = ([0; 3], false);
+        for count in 0..made + late {
+            while let Some(MillEvent::Step(step)) = bench.mill.next_event(&inputs) {
+                waiting.push_back(step.delta);
+            }
+            prop_assert_eq!(waiting.len(), 8, "the line has 571 events");
+            is_held |= count >= made && bench.mill.stops().takes(b'A');
+            if !is_held {
+                let delta = waiting.pop_front().unwrap_or_default();
+                motors = std::array::from_fn(|axis| motors[axis] + i32::from(delta[axis]));
+                bench.mill.made();
+            }
+            bench.hear();
+        }
+        let before = motors;
+        prop_assert!(bench.mill.receive(b'A'));
+        bench.mill.halted();
+        bench.hear();
+        prop_assert_eq!(bench.told, before);
+        prop_assert_eq!(bench.mill.position_steps(), motors, "no lash was taken up");
+        prop_assert!(bench.mill.next_event(&inputs).is_none());
+        prop_assert_eq!(bench.answers.last(), Some(&0x8d));
     }
 }

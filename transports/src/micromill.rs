@@ -43,6 +43,7 @@ mod host;
 mod line;
 mod order;
 mod reader;
+mod stops;
 mod text;
 
 pub use answer::Answer;
@@ -50,6 +51,7 @@ pub use device::Device;
 pub use host::{Host, HostTiming, Outcome, Progress, Report};
 pub use line::{Line, Point, XyPoint};
 pub use order::{Axis, Order};
+pub use stops::Stops;
 pub use text::Text;
 
 /// The longest string, its `;` counted.

@@ -82,10 +82,15 @@ pub fn received() -> Option<u8> {
     HEARD.with(|heard| heard.dequeue())
 }
 
+/// Whether a byte has come that was not taken yet.
+pub fn has_heard() -> bool {
+    HEARD.with(|heard| !heard.is_empty())
+}
+
 /// Sleeps until an interrupt, unless a byte has come or something else has happened.
 pub fn sleep(nothing: impl Fn() -> bool) {
     critical_section::with(|_| {
-        if HEARD.with(|heard| heard.is_empty()) && nothing() {
+        if !has_heard() && nothing() {
             wfi();
         }
     });

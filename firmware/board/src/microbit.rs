@@ -4,7 +4,7 @@
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
-//:   RAM   : ORIGIN = 0x20000000, LENGTH = 3840
+//:   RAM   : ORIGIN = 0x20000000, LENGTH = 16K
 //: }
 
 use crate::{
@@ -67,7 +67,7 @@ const PULLED_UP: u32 = 3 << 2;
 /// With the feature `motor`: P0.03, pad 0, the PWM, and P0.01 and P0.02, pads 2 and 1, A and B of the encoder.
 const PWM: u32 = 3;
 const ENCODER: [usize; 2] = [1, 2];
-/// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for.
+/// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for. Where it passes all the same, twice as long.
 const LEAST_US: u32 = 2;
 
 /// When the last wait ended, and whether the transmitter is free.
@@ -223,12 +223,14 @@ fn now_us() -> u32 {
 pub fn wait(us: u32) {
     LAST_US.with(|last| {
         *last = last.wrapping_add(us);
+        let mut least_us = LEAST_US;
         loop {
             // What has passed wraps to the upper half; waits are 2^31 at most.
             let now = now_us();
             let left = last.wrapping_sub(now);
-            if left.wrapping_sub(LEAST_US) > (1 << 31) - LEAST_US {
-                *last = now.wrapping_add(LEAST_US);
+            if left.wrapping_sub(least_us) > 1 << 31 {
+                *last = now.wrapping_add(least_us);
+                least_us = least_us.wrapping_mul(2);
             }
             set(TIMER + CC0, *last);
             // Only now: QEMU sets it again while the counter stands on the old value.

@@ -5,7 +5,7 @@
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
-//:   RAM   : ORIGIN = 0x20000000, LENGTH = 3840
+//:   RAM   : ORIGIN = 0x20000000, LENGTH = 16K
 //: }
 
 use crate::{

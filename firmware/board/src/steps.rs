@@ -21,6 +21,8 @@ pub struct Steps<D, const PLACES: usize> {
     made: u8,
     /// The wait of the next one runs.
     is_due: bool,
+    /// None begins.
+    is_held: bool,
 }
 
 impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
@@ -42,6 +44,7 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
             queued: 0,
             made: 0,
             is_due: false,
+            is_held: false,
         }
     }
 
@@ -51,8 +54,8 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         if self.is_due {
             crate::write(self.place(self.made).levels);
             self.made = self.made.wrapping_add(1);
+            self.next();
         }
-        self.next();
     }
 
     /// Begins the wait of the next step.
@@ -69,7 +72,24 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     pub fn push(&mut self, step: Step<D>) {
         *self.place(self.queued) = step;
         self.queued = self.queued.wrapping_add(1);
-        if !self.is_due {
+        if !self.is_due && !self.is_held {
+            self.next();
+        }
+    }
+
+    /// For an interrupt: no step is made any more until [`release`](Steps::release), or [`stop`](Steps::stop).
+    #[inline]
+    pub fn hold(&mut self) {
+        crate::stop();
+        self.is_due = false;
+        self.is_held = true;
+    }
+
+    /// They go on; the next one with its whole wait.
+    #[inline]
+    pub fn release(&mut self) {
+        if self.is_held {
+            self.is_held = false;
             self.next();
         }
     }
@@ -80,10 +100,10 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         self.made
     }
 
-    /// No step is made any more: those that waited, the last one first.
+    /// None of those that wait is made: they are given back, the last one first.
     pub fn stop(&mut self) -> impl Iterator<Item = Step<D>> {
-        crate::stop();
-        self.is_due = false;
+        self.hold();
+        self.is_held = false;
         core::iter::from_fn(|| {
             if self.queued == self.made {
                 return None;

@@ -13,7 +13,7 @@ mod motors;
 
 use board::{Shared, Step, Steps};
 use husillo_gcode::SpindleDirection;
-use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, StepEvent};
+use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, MillStops, StepEvent};
 use husillo_stepper::{Driver, Mode, Sequencer};
 use motors::Motors;
 
@@ -27,15 +27,22 @@ type Micromill = Mill<'static, 16, AHEAD, 64>;
 
 static STEPS: Shared<Steps<[i8; 3], AHEAD>> = Shared::new(Steps::new([0; 3]));
 
+/// Bytes that stop what moves.
+static STOPS: Shared<MillStops> = Shared::new(MillStops::Nothing);
+
 /// The wait of a step is over.
 #[unsafe(no_mangle)]
 fn on_time() {
     STEPS.with(Steps::on_time);
 }
 
-/// The foreground takes them all.
+/// What stops acts at once: the foreground may be busy for some steps.
 #[unsafe(no_mangle)]
-fn on_byte(_: u8) {}
+fn on_byte(byte: u8) {
+    if STOPS.with(|stops| stops.takes(byte)) {
+        STEPS.with(Steps::hold);
+    }
+}
 
 /// Everything else.
 #[board::entry]
@@ -65,6 +72,13 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
                 halt(mill, motors, &mut told);
             }
         }
+        STOPS.with(|stops| *stops = mill.stops());
+        STEPS.with(|steps| {
+            // It was none of those that stop.
+            if !board::has_heard() {
+                steps.release();
+            }
+        });
         send(mill, &mut unsent);
         let inputs = MillInputs {
             home: home(mill.position_steps()),

@@ -83,6 +83,7 @@ pub fn keep() {
         Mill::next_event as *const (),
         Mill::position_steps as *const (),
         Mill::receive as *const (),
+        Mill::stops as *const (),
         Mill::transmit as *const (),
         Drill::new as *const (),
         Drill::reset as *const (),

@@ -254,7 +254,7 @@ mod micromill {
     use core::hint::black_box;
 
     use husillo_transports::micromill::{
-        Answer, Axis, Device, Host, HostTiming, Line, Order, Text,
+        Answer, Axis, Device, Host, HostTiming, Line, Order, Stops, Text,
     };
 
     pub fn keep() {
@@ -270,6 +270,7 @@ mod micromill {
             Device::<64>::push as *const (),
             Device::<64>::set_motion as *const (),
             Device::<64>::step as *const (),
+            Device::<64>::stops as *const (),
             Device::<64>::transmit as *const (),
             Host::is_streaming as *const (),
             Host::lines as *const (),
@@ -283,6 +284,7 @@ mod micromill {
             Order::is_answered as *const (),
             Order::read as *const (),
             Order::text as *const (),
+            Stops::takes as *const (),
             Text::bytes as *const (),
         ]);
     }

@@ -13,7 +13,7 @@ pub use event::{MillEvent, MillInputs};
 use husillo_gcode::SpindleDirection;
 use husillo_interp::{Interpolator, Moves};
 use husillo_planner::Timer;
-use husillo_transports::micromill::{Answer, Axis, Device, Line, Order};
+use husillo_transports::micromill::{Answer, Axis, Device, Line, Order, Stops};
 
 use crate::{Config, MAX_WAIT_TICKS, Segment, StepEvent, cell::play::Play, segment::lattice};
 use entry::{Entry, Kind, Place, nm};
@@ -147,6 +147,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         }
         self.tell_motion();
         false
+    }
+
+    /// Which bytes stop what moves now. Where the foreground may be late, the interrupt that hears one of them holds the events back at once;
+    /// when it is taken, [`receive`](Mill::receive) says that it stops, or they go on.
+    pub const fn stops(&self) -> Stops {
+        self.link.stops()
     }
 
     /// The motors have stopped: what was queued is dropped, and the events that were not made have not been.

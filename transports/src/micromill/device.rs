@@ -1,6 +1,6 @@
 //! The controller's end of the line.
 
-use super::{Answer, Axis, Order, STRING_BYTES};
+use super::{Answer, Axis, Order, STRING_BYTES, Stops};
 use crate::buffer::Buffer;
 
 /// Room that echoes and answers keep beside the steps.
@@ -136,6 +136,16 @@ impl<const OUT: usize> Device<OUT> {
             (true, true) => Motion::Jog,
             (true, false) => Motion::Other,
         };
+    }
+
+    /// Which bytes stop what moves now.
+    pub const fn stops(&self) -> Stops {
+        match (self.motion, self.is_streaming) {
+            (Motion::None, _) => Stops::Nothing,
+            (_, true) => Stops::Letter,
+            (Motion::Jog, false) => Stops::Jog,
+            (Motion::Other, false) => Stops::Anything,
+        }
     }
 
     /// Whether lines are streamed.

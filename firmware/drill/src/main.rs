@@ -1,0 +1,107 @@
+//! The circuit-board drill's firmware: bytes come in by the UART, steps go out by a timer's interrupt, one at a time with the switches as they are.
+//!
+//! ```text
+//! UART interrupt ──bytes──► foreground: Drill ──one event──► step interrupt ──► pins
+//!                               ▲  ▲                               │
+//!                  switches ────┘  └──────────── it was made ──────┘
+//! ```
+//!
+//! All that belongs to a board is one file in `board`.
+#![no_std]
+#![no_main]
+
+mod switches;
+
+use board::{Shared, Step, Steps};
+use husillo_machine::{Drill, DrillConfig, DrillEvent, Idle, Motors};
+use husillo_stepper::{Driver, Levels, Mode, Sequencer};
+use husillo_transports::drill::MEMORY_BYTES;
+use switches::Switches;
+
+/// In its place from the start: on the stack there is no room to make it.
+static DRILL: Shared<Drill<MEMORY_BYTES>> = Shared::new(Drill::new(DrillConfig::FIXED));
+
+static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
+
+/// The wait of a step is over.
+#[unsafe(no_mangle)]
+fn on_time() {
+    STEPS.with(Steps::on_time);
+}
+
+/// The foreground takes them all: what stops this machine is its button R, which is the chip's reset.
+#[unsafe(no_mangle)]
+fn on_byte(_: u8) {}
+
+/// Everything else.
+#[board::entry]
+fn main() -> ! {
+    board::start();
+    let Ok(motor) = Sequencer::new(Driver::Unipolar, Mode::Full) else {
+        // This driver has that mode.
+        loop {
+            core::hint::spin_loop();
+        }
+    };
+    let mut motors = Motors::new([motor; 3], Idle::Hold);
+    let mut levels = pins(motors.levels());
+    board::write(levels);
+    let mut switches = Switches::new();
+    let (mut given, mut unsent) = (0_u8, None);
+    loop {
+        while let Some(byte) = board::received() {
+            DRILL.with(|drill| drill.push(byte));
+        }
+        let mut is_idle = true;
+        let made = STEPS.with(|steps| steps.made());
+        if made == given {
+            let wait_us = match DRILL.with(|drill| drill.next_event(&switches.inputs())) {
+                DrillEvent::Step(step) => {
+                    switches.moved(&step.delta);
+                    levels = pins(motors.step(&step.delta));
+                    Some(step.wait_ticks)
+                }
+                DrillEvent::Dwell { wait_ticks } => Some(wait_ticks),
+                DrillEvent::Spindle(on) => {
+                    board::switch(on.into());
+                    is_idle = false;
+                    None
+                }
+                // There is no panel.
+                DrillEvent::Report(_) => {
+                    is_idle = false;
+                    None
+                }
+                DrillEvent::Idle => None,
+            };
+            if let Some(wait_us) = wait_us {
+                given = given.wrapping_add(1);
+                STEPS.with(|steps| {
+                    steps.push(Step {
+                        wait_us,
+                        levels,
+                        delta: (),
+                    });
+                });
+            }
+        }
+        unsent = unsent.or_else(|| DRILL.with(Drill::transmit));
+        if let Some(byte) = unsent {
+            if board::send(byte) {
+                unsent = None;
+            }
+            is_idle = false;
+        }
+        if is_idle {
+            board::sleep(|| STEPS.with(|steps| steps.made() == made));
+        }
+    }
+}
+
+/// The first two of four wires of each motor, from bit 0: with two phases on the others are their opposites, by inverters.
+fn pins(levels: &[Levels; 3]) -> u8 {
+    levels
+        .iter()
+        .rev()
+        .fold(0, |word, levels| word << 2 | levels.0 & 0b11)
+}
