@@ -266,3 +266,20 @@ fn places_of_motions_without_a_code() {
     assert_eq!(place("Z1 X1 Y2"), Some("Z1"));
     assert_eq!(place("Y2 Z1 X1"), Some("Y2"));
 }
+
+/// The dialects of mills differ in what stands around words: they know the same codes.
+#[test]
+fn mills_have_the_same_codes() {
+    let mut known = 0;
+    for line in ["G", "M"].into_iter().flat_map(|letter| {
+        (0..1_000).map(move |tenths| format!("{letter}{}.{} P1 L2", tenths / 10, tenths % 10))
+    }) {
+        let [first, others @ ..] = [Dialect::RS274, Dialect::ISO, Dialect::PRINTER]
+            .map(|dialect| Block::parse(line.as_bytes(), &dialect).map_err(|error| error.kind));
+        known += usize::from(first.is_ok());
+        for other in others {
+            assert_eq!(first.is_ok(), other.is_ok(), "{line}");
+        }
+    }
+    assert!(known > 30, "{known}");
+}

@@ -297,12 +297,15 @@ proptest! {
         prop_assert_eq!(plan(&once).1, plan(&often).1);
     }
 
-    /// After G10 L20 the position reads what was given, in whatever frame, shift and tool length.
+    /// After G10 L20 and after G92 the position reads what was given, in whatever frame, shift and tool length.
     #[test]
-    fn frames_read_what_they_were_told(x in -999i64..999, zero in -999i64..999, shift in -99i64..99, length in -99i64..99, wanted in -999i64..999) {
+    fn frames_read_what_they_were_told(
+        x in -999i64..999, zero in -999i64..999, shift in -99i64..99, length in -99i64..99, wanted in -999i64..999,
+        telling in prop::sample::select(vec!["G10 L20 P1", "G92"]),
+    ) {
         let (modal, _) = plan(&[
             format!("G21 G0 X{x}"), format!("G10 L2 P1 X{zero}"), format!("G92 X{shift}"), format!("G43.1 X{length}"),
-            format!("G10 L20 P1 X{wanted}"),
+            format!("{telling} X{wanted}"),
         ]);
         let reads = modal.position()[0].0 - modal.work_offset()[0].0 - modal.tool_length()[0].0;
         prop_assert_eq!(reads, wanted * 1_000_000);
