@@ -69,3 +69,15 @@ fn the_other_codes_are_known_and_refused() {
         Err(ErrorKind::UnknownCode(b'G', Some(2990)))
     );
 }
+
+/// No dialect has a code that Grbl has not, but M6, which the micro mill's has.
+#[test]
+fn nothing_beyond_grbl_is_taken() {
+    for line in ["G", "M"].into_iter().flat_map(|letter| {
+        (0..1_000).map(move |tenths| format!("{letter}{}.{} P1", tenths / 10, tenths % 10))
+    }) {
+        let [all, grbl] = [Dialect::RS274, Dialect::GRBL]
+            .map(|dialect| Block::parse(line.as_bytes(), &dialect).is_ok());
+        assert!(grbl || !all || line.starts_with("M6.0"), "{line}");
+    }
+}
