@@ -1,0 +1,88 @@
+//! The cell behind its link, and a figure that comes in.
+
+use heapless::{Vec, spsc::Queue};
+use husillo_machine::{Cell, CellConfig};
+use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable, REJECTED};
+
+/// Moves of a figure that there is room for.
+const ROOM: usize = 500;
+type Figure = Vec<[i16; 2], ROOM, u16>;
+
+/// As the simulated one of `husillo` is: a jog ends half a second after it was said last.
+const CONFIG: CellConfig = CellConfig {
+    dead_man_ticks: Some(500_000),
+    ..CellConfig::ORIGINAL
+};
+
+/// The link's end of the controller.
+pub struct Link {
+    bytes: ByteCommands,
+    /// The controller.
+    pub cell: Cell<Figure>,
+    loading: Figure,
+    /// Answers; a status is the longest.
+    out: Queue<u8, 64>,
+}
+
+impl Link {
+    /// Without a figure.
+    pub fn new() -> Self {
+        Link {
+            bytes: ByteCommands::new(ByteTable::DEFAULT)
+                .acknowledging()
+                .storing(ROOM as u16),
+            cell: Cell::new(CONFIG, Vec::new()),
+            loading: Vec::new(),
+            out: Queue::new(),
+        }
+    }
+
+    /// Takes a byte of the line.
+    pub fn receive(&mut self, byte: u8) {
+        let received = self.bytes.receive(byte, self.cell.is_moving());
+        let is_taken = match received.command {
+            Some(command) if command.is_a_motion() => self.cell.command(command),
+            _ => true,
+        };
+        if let Some(reply) = received.reply {
+            self.answer(&[if is_taken { reply } else { REJECTED }]);
+        }
+        // Nothing moves while a figure comes in, so the cell takes it; the link counts its moves.
+        match received.command {
+            Some(ByteCommand::Ask) => {
+                let status = self.cell.status();
+                self.answer(&status.bytes());
+            }
+            Some(ByteCommand::Clear) => {
+                self.loading.clear();
+                self.cell.set_figure(Vec::new()).ok();
+            }
+            Some(ByteCommand::Line(way)) => {
+                self.loading.push(way).ok();
+            }
+            Some(ByteCommand::Keep) => {
+                self.cell
+                    .set_figure(core::mem::take(&mut self.loading))
+                    .ok();
+            }
+            _ => {}
+        }
+    }
+
+    /// An axis has closed its switch.
+    pub fn leave_mode(&mut self) {
+        self.bytes.leave_mode();
+    }
+
+    /// The next byte for the line.
+    pub fn transmit(&mut self) -> Option<u8> {
+        self.out.dequeue()
+    }
+
+    /// What finds no room is lost: the host asks again.
+    fn answer(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.out.enqueue(*byte).ok();
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The microfactory's firmware: commands come in by the UART, steps go out by a timer's interrupt, one at a time with the switches as they are.
+//!
+//! ```text
+//! UART interrupt ──bytes──► foreground: Cell ──one event──► step interrupt ──► CLOCK, CW/CCW of four L297
+//!                               ▲  ▲                              │
+//!                  switches ────┘  └──────────── it was made ─────┘
+//! ```
+//!
+//! All that belongs to a board is one file in `board`.
+#![no_std]
+#![no_main]
+
+mod link;
+mod switches;
+
+use board::{Shared, Step, Steps};
+use husillo_machine::{CELL_MOTORS, CellEvent, CellReport};
+use link::Link;
+use switches::Switches;
+
+static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
+/// CW/CCW of the motors, bits 4 to 7; their CLOCKs are bits 0 to 3.
+static WAYS: Shared<u8> = Shared::new(0);
+/// Outputs: ENABLE of all motors, and their RESET, which acts low.
+const ENABLE: u8 = 0b01;
+const NOT_RESET: u8 = 0b10;
+
+/// The wait of a step is over: its CLOCKs rise, and fall when all is done.
+#[unsafe(no_mangle)]
+fn on_time() {
+    STEPS.with(Steps::on_time);
+    WAYS.with(|ways| board::write(*ways));
+}
+
+/// The foreground takes them all: a step that waits is the last one.
+#[unsafe(no_mangle)]
+fn on_byte(_: u8) {}
+
+/// Everything else.
+#[board::entry]
+fn main() -> ! {
+    board::start();
+    let mut outputs = NOT_RESET;
+    board::switch(outputs);
+    let mut link = Link::new();
+    let mut switches = Switches::new();
+    let (mut given, mut unsent) = (0_u8, None);
+    loop {
+        while let Some(byte) = board::received() {
+            link.receive(byte);
+        }
+        let mut is_idle = true;
+        let made = STEPS.with(|steps| steps.made());
+        if made == given {
+            outputs |= NOT_RESET;
+            let event = link.cell.next_event(&switches.inputs());
+            let (wait_us, clocks) = match event {
+                CellEvent::Step(step) => {
+                    switches.moved(&step.delta);
+                    (Some(step.wait_ticks), clocks(&step.delta))
+                }
+                CellEvent::Dwell { wait_ticks } => (Some(wait_ticks), 0),
+                CellEvent::Reset { ticks } => {
+                    outputs &= !NOT_RESET;
+                    (Some(ticks), 0)
+                }
+                CellEvent::Enable(on) => {
+                    outputs = if on {
+                        outputs | ENABLE
+                    } else {
+                        outputs & !ENABLE
+                    };
+                    (None, 0)
+                }
+                CellEvent::Report(report) => {
+                    if matches!(report, CellReport::Switch { .. }) {
+                        link.leave_mode();
+                    }
+                    (None, 0)
+                }
+                CellEvent::Idle => (None, 0),
+            };
+            board::switch(outputs);
+            is_idle = event == CellEvent::Idle;
+            if let Some(wait_us) = wait_us {
+                let levels = WAYS.with(|ways| *ways) | clocks;
+                given = given.wrapping_add(1);
+                STEPS.with(|steps| {
+                    steps.push(Step {
+                        wait_us,
+                        levels,
+                        delta: (),
+                    });
+                });
+            }
+        }
+        unsent = unsent.or_else(|| link.transmit());
+        if let Some(byte) = unsent {
+            if board::send(byte) {
+                unsent = None;
+            }
+            is_idle = false;
+        }
+        if is_idle {
+            board::sleep(|| STEPS.with(|steps| steps.made() == made));
+        }
+    }
+}
+
+/// CLOCKs of a step; its CW/CCW are written now, long before.
+fn clocks(delta: &[i8; CELL_MOTORS]) -> u8 {
+    let clocks = delta
+        .iter()
+        .rev()
+        .fold(0, |word, delta| word << 1 | u8::from(*delta != 0));
+    let forwards = delta
+        .iter()
+        .rev()
+        .fold(0, |word, delta| word << 1 | u8::from(*delta > 0));
+    WAYS.with(|ways| {
+        *ways = *ways & !(clocks << 4) | forwards << 4;
+        board::write(*ways);
+    });
+    clocks
+}
