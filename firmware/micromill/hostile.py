@@ -100,10 +100,13 @@ with Mill(board) as mill:
             mill.line.send(burst[place:place + 256])
             watch.hear(mill.receive(0.002))
         sent += len(burst)
-        if random.randrange(24) == 0:
-            # Whatever moves goes on for a while.
-            for _ in range(10):
+        if random.randrange(4) == 0:
+            # Something moves for a while: in virtual time that is long, and all of its steps come.
+            mill.line.send(b"A;" + random.choice((b"JX+;", b"&X+Y+;", b"FY+390;", b"JX-;", b"G28X0Y0;")))
+            end = time.time() + 0.02
+            while time.time() < end:
                 watch.hear(mill.receive(0.002))
+            mill.line.send(b"A;")
         if random.randrange(40) == 0:
             # In the middle of whatever it is.
             mill.monitor("system_reset")
