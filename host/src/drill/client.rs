@@ -16,6 +16,9 @@ const RUN_US: u32 = 30_000_000;
 /// Within this a drill says that it is at work; asked so often.
 const AT_WORK: Duration = Duration::from_millis(400);
 const ASKED: usize = 4;
+/// A drill that runs a program is asked so often; one that does not answer three times is not there any more.
+const ASK: Duration = Duration::from_secs(2);
+const UNANSWERED: u32 = 3;
 
 /// How a step did not go well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -239,6 +242,7 @@ impl Client {
         let now = self.now_us();
         self.host.start(step, now).map_err(Trouble::Refused)?;
         let mut has_stopped = false;
+        let (mut ask_at, mut unanswered) = (start + ASK, 0);
         loop {
             self.transmit()?;
             match self.host.poll(self.now_us()) {
@@ -258,6 +262,21 @@ impl Client {
                         if let Some(byte) = self.host.stop() {
                             self.put(byte)?;
                         }
+                    }
+                    if step == Step::Execute && self.has_extras && self.elapsed() >= ask_at {
+                        unanswered = if self.host.is_at_work() {
+                            0
+                        } else {
+                            unanswered + 1
+                        };
+                        if unanswered > UNANSWERED {
+                            self.host.give_up();
+                            return Err(Trouble::Link(Failure::Silent));
+                        }
+                        if let Some(byte) = self.host.ask_at_work() {
+                            self.put(byte)?;
+                        }
+                        ask_at = self.elapsed() + ASK;
                     }
                     self.listen(Duration::from_micros(u64::from(us)).min(LOOK))?;
                     tell(passed);

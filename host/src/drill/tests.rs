@@ -311,6 +311,34 @@ fn a_fault_is_told_at_once() {
     assert!(took.as_secs() < 30, "{took:?}");
 }
 
+/// A cable that is pulled while the drill is at work is noticed in seconds: the drill is asked now and then whether it is.
+#[test]
+fn a_pulled_cable_is_noticed_soon() {
+    let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
+    let parts = [part(1, &holes)];
+    let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    // Behind the start there are two bytes here: asked, and answered.
+    let place = device(&mut good).line().carried - 2;
+    let mut client = client(false);
+    device(&mut client).line().fault = Some((place, Fault::Unplugged));
+    let start = client.elapsed();
+    let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+    let Ok(End::Failed(Failed { why, done, begun })) = end else {
+        panic!("{end:?}")
+    };
+    assert!(why.contains("no answer"), "{why}");
+    let took = client.elapsed() - start;
+    assert!(took.as_secs() < 45, "{took:?}");
+    rest(&mut client);
+    for _ in 0..60 {
+        rest(&mut client);
+    }
+    let count = drilled(&mut client).len();
+    assert!((done..=begun).contains(&count), "{done} {count} {begun}");
+    assert!(!device(&mut client).rig().spindle_turns(), "it has ended");
+}
+
 /// Holes drilled in pecks: each counts once, and going on begins with a whole one.
 #[test]
 fn pecks_are_one_hole() {

@@ -189,10 +189,11 @@ impl Host {
     pub fn ask_at_work(&mut self) -> Option<u8> {
         let waits = matches!(self.phase, Phase::Answer(_) | Phase::Late);
         self.asks_at_work = waits && self.step == Step::Execute;
+        self.is_at_work = false;
         self.asks_at_work.then_some(AT_WORK)
     }
 
-    /// Whether the device has said that the program runs, since it was begun.
+    /// Whether the device has said that the program runs, since it was asked last.
     pub const fn is_at_work(&self) -> bool {
         self.is_at_work
     }
