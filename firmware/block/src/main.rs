@@ -8,24 +8,12 @@
 mod motor;
 
 use husillo_machine::{ServoAxis, ServoEvents, ServoStop};
-use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
+use husillo_pid::{RateRule, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
 use husillo_probe::{Cycle, Edge, Input, Plan, Request, UnitVector};
 use husillo_transports::link::{Peer, Received, Timing};
-use motor::{INDEX, Motor, PIECE};
+use motor::{GAINS, INDEX, Motor, PIECE};
 use semihosting::{print, println};
-
-const GAINS: ServoGains = ServoGains {
-    proportional: 2_000,
-    derivative: 0,
-    integral: 0,
-    integral_limit: 0,
-    output_limit: 255,
-    current_limit: 0,
-    error_limit: 2_000,
-    rate_divisor: 1,
-    dead_band: 0,
-};
 
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]

@@ -1,7 +1,20 @@
 //! What a board has in this place: a motor, its encoder, and a probe against a work piece.
 
 use husillo_machine::ServoInputs;
-use husillo_pid::Drive;
+use husillo_pid::{Drive, ServoGains};
+
+/// Gains of a PIC-SERVO for this motor: proportional action alone.
+pub const GAINS: ServoGains = ServoGains {
+    proportional: 2_000,
+    derivative: 0,
+    integral: 0,
+    integral_limit: 0,
+    output_limit: 255,
+    current_limit: 0,
+    error_limit: 2_000,
+    rate_divisor: 1,
+    dead_band: 0,
+};
 
 /// Where the index and the work piece are, counts.
 pub const INDEX: i32 = 730;

@@ -17,23 +17,11 @@ use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use embassy_sync::channel::Channel;
 use husillo_machine::{ServoAxis, ServoEvents, ServoStop};
-use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
+use husillo_pid::{RateRule, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
 use husillo_transports::link::{Peer, Received, Timing};
-use motor::{INDEX, Motor};
+use motor::{GAINS, INDEX, Motor};
 use semihosting::println;
-
-const GAINS: ServoGains = ServoGains {
-    proportional: 2_000,
-    derivative: 0,
-    integral: 0,
-    integral_limit: 0,
-    output_limit: 255,
-    current_limit: 0,
-    error_limit: 2_000,
-    rate_divisor: 1,
-    dead_band: 0,
-};
 
 /// What two tasks work on.
 type Held<T> = Mutex<CriticalSectionRawMutex, RefCell<Option<T>>>;
@@ -117,8 +105,8 @@ async fn far_end() {
 )]
 #[cfg_attr(target_arch = "arm", embassy_executor::main)]
 async fn main(spawner: Spawner) {
-    spawner.spawn(servo()).expect("there is one");
-    spawner.spawn(far_end()).expect("there is one");
+    spawner.spawn(servo()).expect("it is spawned once");
+    spawner.spawn(far_end()).expect("it is spawned once");
     let events = ServoEvents {
         index: true,
         ..ServoEvents::default()

@@ -11,24 +11,12 @@ mod mps2;
 
 #[rtic::app(device = crate::mps2, peripherals = false)]
 mod app {
-    use crate::motor::{INDEX, Motor};
+    use crate::motor::{GAINS, INDEX, Motor};
     use crate::mps2;
     use husillo_machine::{ServoAxis, ServoEvents, ServoStop};
-    use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
+    use husillo_pid::{RateRule, ServoLaw, TotalLimit};
     use husillo_planner::ServoMotion;
     use semihosting::println;
-
-    const GAINS: ServoGains = ServoGains {
-        proportional: 2_000,
-        derivative: 0,
-        integral: 0,
-        integral_limit: 0,
-        output_limit: 255,
-        current_limit: 0,
-        error_limit: 2_000,
-        rate_divisor: 1,
-        dead_band: 0,
-    };
 
     /// The period of a PIC-SERVO module.
     const PERIOD_US: u32 = 512;
