@@ -99,6 +99,17 @@ fn faults_at_the_panel() {
     jog(&device, &["home", "x", "10"]).success();
 }
 
+/// A board under way, with its first hole drilled.
+fn drilling(file: &str, device: &mut Emulated) -> std::process::Child {
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .args(["send", file, "-m", "drill", "--port", device.port()])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    device.read_until("drilled at 1070,535");
+    child
+}
+
 /// Steps lost in the middle of a board: the switch tells on the way home, and the host at once.
 #[test]
 fn lost_steps_are_told() {
@@ -106,12 +117,7 @@ fn lost_steps_are_told() {
         return;
     };
     let file = program("lost.nc", THREE);
-    let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .args(["send", &file, "-m", "drill", "--port", device.port()])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    device.read_until("drilled at 1070,535");
+    let child = drilling(&file, &mut device);
     device.type_line("push x -60", "pushed");
     device.read_until("steps were lost");
     let output = child.wait_with_output().unwrap();
@@ -410,12 +416,7 @@ fn a_run_is_stopped() {
         return;
     };
     let file = program("stop.nc", THREE);
-    let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .args(["send", &file, "-m", "drill", "--port", device.port()])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    device.read_until("drilled at 1070,535");
+    let child = drilling(&file, &mut device);
     let interrupted = std::process::Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();

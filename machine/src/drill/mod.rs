@@ -351,7 +351,6 @@ impl<const N: usize> Drill<N> {
             return None;
         }
         let is_forward = at < to;
-        // Towards `to`.
         *place = if is_forward {
             at.wrapping_add(1)
         } else {

@@ -2,6 +2,7 @@
 
 /// Bytes that stop what moves, for an interrupt that does not wait until they are taken in their turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stops {
     /// None: nothing moves.
     Nothing,
