@@ -475,6 +475,49 @@ proptest! {
         prop_assert!(pair.cell(2).is_none() && !pair.command(2, ByteCommand::Home));
     }
 
+    /// A move of any slope: no step is more than half a step beside the line, all of them share the time that its length takes at the
+    /// rate of an axis, and it ends where it should. The original knew whole slopes only, each slower than the last.
+    #[test]
+    fn a_line_of_any_slope_is_straight_and_at_one_speed(x in any::<i16>(), z in any::<i16>()) {
+        prop_assume!((x, z) != (0, 0));
+        let config = CellConfig {
+            lash_steps: [0; 3],
+            spindle_turns_in_figures: false,
+            ..CellConfig::ORIGINAL
+        };
+        let mut cell = Cell::new(config, [[x, z]]);
+        let mut model = Model::new(&config, [40_000; 3]);
+        model.face = 0;
+        prop_assert!(cell.command(ByteCommand::Figure));
+        let (x, z) = (f64::from(x), f64::from(z));
+        let (mut begins, mut steps) = (None, 0_u32);
+        let length = x.hypot(z);
+        let events = x.abs().max(z.abs());
+        loop {
+            match cell.next_event(&model.inputs()) {
+                CellEvent::Idle => break,
+                CellEvent::Enable(on) => model.has_current = on,
+                CellEvent::Step(step) => {
+                    let begins = *begins.get_or_insert(model.time_ticks);
+                    model.apply(step);
+                    steps += 1;
+                    let [at_x, _, at_z] = model.nut.map(f64::from);
+                    let share = f64::from(steps) / events;
+                    let beside = (at_x - share * x).abs().max((at_z - share * z).abs());
+                    prop_assert!(beside < 0.5 + 1e-9, "{beside}");
+                    let ticks = (model.time_ticks - begins) as f64;
+                    let expected = share * length / 100.0 * 1e6;
+                    // A 256th of a step in the length, rounded once for all of its events, and a tick.
+                    prop_assert!((ticks - expected).abs() <= 1.0 + share * (40.0 + events / 256.0), "{ticks} {expected}");
+                }
+                _ => {}
+            }
+        }
+        prop_assert_eq!(f64::from(steps), events);
+        let [at_x, _, at_z] = model.nut.map(f64::from);
+        prop_assert_eq!([at_x, at_z], [x, z]);
+    }
+
     /// An emergency stop acts on the next event, in every task, and holds until a reset.
     #[test]
     fn an_emergency_stop_is_for_good(first in command(), events in 0..2000_usize, then in command()) {
