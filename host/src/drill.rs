@@ -186,7 +186,8 @@ pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), St
     use std::path::Path;
     use std::time::Duration;
 
-    let mut device = Device::new(args.baud, args.faithful);
+    let baud = args.baud.unwrap_or(BAUD);
+    let mut device = Device::new(baud, args.faithful);
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),
@@ -197,8 +198,7 @@ pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), St
         .and_then(|mut terminal| {
             writeln!(
                 out,
-                "Drill at {link}, {} baud; Ctrl-C ends it\nConnect: husillo send board.drl -m drill --port {link}\nPanel: {}",
-                args.baud,
+                "Drill at {link}, {baud} baud; Ctrl-C ends it\nConnect: husillo send board.drl -m drill --port {link}\nPanel: {}",
                 device::PANEL
             )?;
             out.flush()?;

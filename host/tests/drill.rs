@@ -274,6 +274,10 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
     assert!(manifest.contains("diameter_mm = 3.2\nfile = \"b.T3.cod\"\nholes = 2"));
     let page = std::fs::read_to_string(page).unwrap();
     assert_eq!(page.matches("<circle").count(), 29);
+    // A way for each tool, and one back to zero, which the travel has in it; a bar of 10 mm.
+    assert_eq!(page.matches("class=\"way\"").count(), 4);
+    assert_eq!(page.matches("class=\"way back\"").count(), 4);
+    assert!(page.contains(">10 mm</text>"));
     assert!(page.contains("Travel in X and Y") && !page.contains("<script"));
     let manifest = folder.join("b.toml");
     husillo()

@@ -16,9 +16,11 @@ const RUN_US: u32 = 30_000_000;
 /// Within this a drill says that it is at work; asked so often.
 const AT_WORK: Duration = Duration::from_millis(400);
 const ASKED: usize = 4;
-/// A drill that runs a program is asked so often; one that does not answer three times is not there any more.
-const ASK: Duration = Duration::from_secs(2);
-const UNANSWERED: u32 = 3;
+/// A drill that runs a program is asked so often; one that has not answered so many times is not there any more.
+const ASK: Duration = Duration::from_secs(1);
+const UNANSWERED: u32 = 5;
+/// A drill that is told to stop ends the record it is at: the way along the table, or a drilling.
+const RECORD: Duration = Duration::from_secs(180);
 
 /// How a step did not go well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,7 +237,7 @@ impl Client {
     pub fn run_for(
         &mut self,
         step: Step,
-        longest: Duration,
+        mut longest: Duration,
         mut tell: impl FnMut(Duration),
     ) -> Result<(), Trouble> {
         let start = self.elapsed();
@@ -262,19 +264,21 @@ impl Client {
                         if let Some(byte) = self.host.stop() {
                             self.put(byte)?;
                         }
+                        if step == Step::Execute {
+                            longest = longest.min(passed + RECORD);
+                        }
                     }
                     if step == Step::Execute && self.has_extras && self.elapsed() >= ask_at {
-                        unanswered = if self.host.is_at_work() {
-                            0
-                        } else {
-                            unanswered + 1
-                        };
-                        if unanswered > UNANSWERED {
+                        if self.host.is_at_work() {
+                            unanswered = 0;
+                        }
+                        if unanswered == UNANSWERED {
                             self.host.give_up();
                             return Err(Trouble::Link(Failure::Silent));
                         }
                         if let Some(byte) = self.host.ask_at_work() {
                             self.put(byte)?;
+                            unanswered += 1;
                         }
                         ask_at = self.elapsed() + ASK;
                     }

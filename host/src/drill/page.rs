@@ -11,7 +11,7 @@ const COLOURS: &str = "\
 :root{--t0:#0b5cad;--t1:#b3261e;--t2:#1b7f3b;--t3:#8a4fbf;--t4:#9a6700;--t5:#00767f}\
 @media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;--t4:#f0c419;--t5:#4dd0d8}}\
 .way{stroke-width:1;stroke-opacity:.55;stroke-linejoin:round}.hole{fill-opacity:.75;stroke:none}\
-.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
+.back{stroke-dasharray:1 3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
 /// Diameter drawn where it is not known, mm.
 const UNKNOWN_MM: f64 = 0.8;
 /// Most numbers written beside holes.
@@ -51,7 +51,8 @@ pub fn html(board: &Board<'_>) -> String {
     page.push_str("</dl>\n<section><h2>Board</h2>\n");
     picture(&mut page, board);
     page.push_str(
-        "<p>The numbers are the order; a hole tells its place. The frame of dashes is the board's extent, the red one the table.</p></section>\n",
+        "<p>The numbers are the order; a hole tells its place. The lines are the way, X before Y: of each tool from zero and, dotted, back there. \
+         The frame of dashes is the board's extent, the red one the table.</p></section>\n",
     );
     table(&mut page, board);
     page.push_str("</main>\n</body>\n</html>\n");
@@ -149,15 +150,25 @@ fn picture(page: &mut String, board: &Board<'_>) {
             place % 6,
             y_of(0)
         );
+        let mut last = [0; 2];
         for stop in part.stops() {
             let [x, y] = stop.at;
             let _ = write!(page, "H{:.3}V{:.3}", to_mm(x), y_of(y));
+            last = stop.at;
         }
-        page.push_str("\"/>\n");
+        let _ = writeln!(
+            page,
+            "\"/>\n<path class=\"way back\" style=\"stroke:var(--t{})\" d=\"M{:.3} {:.3}H0V{:.3}\"/>",
+            place % 6,
+            to_mm(last[0]),
+            y_of(last[1]),
+            y_of(0)
+        );
     }
     let count: usize = board.parts.iter().map(Part::holes).sum();
     let every = count.div_ceil(MOST_NUMBERS).max(1);
     let size = 0.012 * width;
+    scale_bar(page, [width, up + 0.5 * margin, 0.3 * margin, size]);
     let mut number = 0;
     for (place, part) in board.parts.iter().enumerate() {
         let diameter = part.diameter.map_or(UNKNOWN_MM, |nm| nm.0 as f64 / 1e6);
@@ -189,6 +200,21 @@ fn picture(page: &mut String, board: &Board<'_>) {
         page.push_str("</g>\n");
     }
     page.push_str("</svg>\n");
+}
+
+/// A bar of a round length below zero: width of the picture, place, height and size of the letters, mm.
+fn scale_bar(page: &mut String, [width, y, height, size]: [f64; 4]) {
+    let mut length = 0.1;
+    while 10.0 * length < 0.4 * width {
+        length *= 10.0;
+    }
+    let _ = writeln!(
+        page,
+        "<path class=\"thin\" d=\"M0 {y:.3}v{height:.3}h{length}v-{height:.3}\"/>\
+         <text x=\"{:.3}\" y=\"{:.3}\" style=\"font-size:{size:.3}px\">{length} mm</text>",
+        length + 0.5 * size,
+        y + height
+    );
 }
 
 fn table(page: &mut String, board: &Board<'_>) {

@@ -287,10 +287,17 @@ impl<O: Operator> Sender<'_, O> {
         }
         let start = self.client.elapsed();
         // Twice that, as nobody knows how quick its motors are.
-        let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s);
+        let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s * reckoning.pace.max(1.0));
+        // An original says nothing while it drills: whether it is there still the operator sees.
+        let mut is_watched = self.client.has_extras();
+        let overdue_s = 30.0 + 1.25 * run_s * reckoning.pace;
         let operator = &mut *self.operator;
         let seen = &*reckoning;
         self.client.run_for(step, longest, |passed| {
+            if !is_watched && passed.as_secs_f64() > overdue_s {
+                is_watched = true;
+                operator.tell("it takes longer than reckoned, and an original drill says nothing meanwhile: if it stands, press Ctrl-C");
+            }
             // Never more than was reckoned: the rest is told as it is.
             let passed_s = (passed.as_secs_f64() / seen.pace).min(run_s);
             operator.progress(
