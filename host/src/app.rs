@@ -179,14 +179,17 @@ fn tune_servo(args: &Tune) -> Result<u8, Failure> {
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
     if let Some(settings) = microfactory(&args.machine)? {
+        args.expect_cell()?;
         cell::emulate(args, &settings, &mut io::stdout().lock())?;
         return Ok(OK);
     }
     #[cfg(unix)]
     if args.machine == "drill" {
+        args.expect_drill()?;
         drill::emulate(args, &mut io::stdout().lock())?;
         return Ok(OK);
     }
+    args.expect_chain()?;
     ended(cmm::emulate(args, &mut io::stdout().lock()))
 }
 
@@ -323,7 +326,7 @@ struct Job {
     machine: MachineFile,
     dialect: Dialect,
     config: Config<3>,
-    /// Standard input is read once and kept, as a run reads its program twice.
+    /// Standard input is read once and kept, as a run reads its program twice; of a list of moves the program.
     input: Option<Vec<u8>>,
 }
 
@@ -333,12 +336,20 @@ impl Job {
         let machine = load(name)?;
         let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
         let config = setup::config(&machine, dialect)?;
+        let input = match cell::Settings::of(&machine) {
+            Some(settings) => cell::program(file, &settings)?,
+            None if cell::is_list(file) => {
+                let message = format!("{file}: a list of moves is for -m microfactory");
+                return Err(Failure::Usage(message));
+            }
+            None => None,
+        };
         Ok(Self {
             file: file.to_owned(),
             machine,
             dialect,
             config,
-            input: None,
+            input: input.map(String::into_bytes),
         })
     }
 

@@ -17,6 +17,7 @@ mod settings;
 mod tests;
 
 pub use args::Jog;
+pub use figure::{is_list, program};
 pub use settings::Settings;
 
 use crate::wire::Wire;
@@ -45,22 +46,13 @@ struct Links<'a> {
 }
 
 impl Links<'_> {
-    /// A port, or a machine behind it as in `/dev/ttyUSB0#2`.
-    fn open(&self, port: &str) -> Result<Client, String> {
-        let (port, machine) = match port.rsplit_once('#') {
-            Some((port, "1")) => (port, Some(0)),
-            Some((port, "2")) => (port, Some(1)),
-            Some((_, number)) => {
-                return Err(format!(
-                    "{port}: machine {number}: a controller drives one or two, as in PORT#2"
-                ));
-            }
-            None => (port, None),
-        };
-        let wire = if port == "sim" {
+    /// A client of a machine of the controller at a port.
+    fn open(&self, place: &Place<'_>) -> Result<Client, String> {
+        let port = place.port;
+        let wire = if place.is_simulated() {
             let figure = figure_of(self.figure, self.settings)?;
             let device = Device::new(self.settings, figure, self.answers, self.baud);
-            Wire::simulated(match machine {
+            Wire::simulated(match place.machine {
                 Some(_) => device.with_two_machines(),
                 None => device,
             })
@@ -73,19 +65,73 @@ impl Links<'_> {
             self.answers,
             Arc::clone(&self.stop),
         );
-        Ok(client.of_machine(machine.unwrap_or(0)))
+        Ok(client.of_machine(place.number()))
     }
 
-    /// A machine a port, with its share of the actions.
+    /// A machine a port, with its share of the actions. Two machines of one controller share its link.
     fn crew(&self, ports: &[String], shares: Vec<Vec<Action>>) -> Result<Vec<Worker>, String> {
-        let worker = |(port, actions): (&String, Vec<Action>)| {
-            Ok(Worker {
+        let places = ports.iter().map(|port| Place::parse(port));
+        let places = places.collect::<Result<Vec<_>, _>>()?;
+        let mut crew: Vec<Worker> = Vec::new();
+        for ((place, port), actions) in places.iter().zip(ports).zip(shares) {
+            let before = &places[..crew.len()];
+            if before.iter().any(|other| other.is_same_machine(place)) {
+                return Err(format!("{port}: this machine is named twice"));
+            }
+            let shared = before.iter().position(|other| other.is_same_link(place));
+            let client = match shared.and_then(|number| crew.get_mut(number)) {
+                Some(Worker { client, .. }) => client
+                    .beside(place.number())
+                    .map_err(|error| format!("{port}: {error}"))?,
+                None => self.open(place)?,
+            };
+            crew.push(Worker {
                 port: port.clone(),
-                client: self.open(port)?,
+                client,
                 actions,
-            })
+            });
+        }
+        Ok(crew)
+    }
+}
+
+/// A machine: a port, or a number behind it as in `/dev/ttyUSB0#2`.
+struct Place<'a> {
+    port: &'a str,
+    /// Of a controller of two: 0 or 1.
+    machine: Option<u8>,
+}
+
+impl<'a> Place<'a> {
+    fn parse(text: &'a str) -> Result<Self, String> {
+        let (port, machine) = match text.rsplit_once('#') {
+            Some((port, "1")) => (port, Some(0)),
+            Some((port, "2")) => (port, Some(1)),
+            Some((port, number)) => {
+                return Err(format!(
+                    "{port}: machine {number}: a controller drives one or two, as in PORT#2"
+                ));
+            }
+            None => (text, None),
         };
-        ports.iter().zip(shares).map(worker).collect()
+        Ok(Self { port, machine })
+    }
+
+    fn number(&self) -> u8 {
+        self.machine.unwrap_or(0)
+    }
+
+    /// Each of these is a device of its own.
+    fn is_simulated(&self) -> bool {
+        self.port == "sim"
+    }
+
+    fn is_same_link(&self, other: &Self) -> bool {
+        self.port == other.port && !self.is_simulated()
+    }
+
+    fn is_same_machine(&self, other: &Self) -> bool {
+        self.is_same_link(other) && self.number() == other.number()
     }
 }
 
@@ -191,7 +237,7 @@ pub fn emulate(
         settings,
         figure_of(args.figure.as_deref(), settings)?,
         !args.faithful,
-        BAUD,
+        args.baud.unwrap_or(BAUD),
     );
     if args.machines > 1 {
         device = device.with_two_machines();

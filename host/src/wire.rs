@@ -42,6 +42,21 @@ impl<E: Emulation> Wire<E> {
         })
     }
 
+    /// The same wire to the same device once more; bytes come to whoever reads them first.
+    ///
+    /// # Errors
+    ///
+    /// The port cannot be shared; a simulated one is not.
+    pub fn try_clone(&self) -> io::Result<Self> {
+        match self {
+            Self::Simulated { .. } => Err(io::ErrorKind::Unsupported.into()),
+            Self::Real { port, .. } => Ok(Self::Real {
+                port: port.try_clone()?,
+                answers: VecDeque::new(),
+            }),
+        }
+    }
+
     /// Time since it was opened.
     pub fn elapsed(&self) -> Duration {
         match self {

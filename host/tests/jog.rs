@@ -138,6 +138,134 @@ fn two_machines_of_one_controller() {
         .stderr(contains("PORT#2"));
 }
 
+/// One host drives both machines of a controller: on one link, each with its own figure, in turns.
+#[test]
+fn one_host_drives_both_machines_of_a_controller() {
+    let Some(mut device) = device("both", &["--machines", "2"]) else {
+        return;
+    };
+    let first = device.port().to_owned();
+    let second = format!("{first}#2");
+    let both = ["--port", &first, "--port", &second];
+    husillo()
+        .args(["send", "../examples/microfactory/triangle.nc"])
+        .args(["../examples/microfactory/zigzag.fig", "-m", "microfactory"])
+        .args(both)
+        .assert()
+        .success()
+        .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
+        .stdout(contains(": 3 of 3 actions").count(2))
+        .stdout(contains("2 of 2 machines did all they had to"));
+    for machine in ["", "2: "] {
+        let place = device.type_line(&format!("{machine}where"), "lost");
+        assert!(place.starts_with("x 0 y 1380 z 0 "), "{place}");
+        assert!(place.contains("from home; 0 lost"), "{place}");
+    }
+    let jog = |actions: &[&str]| husillo().arg("jog").args(both).args(actions).assert();
+    jog(&[
+        "x", "30", "1:", "y", "-5", "z+", "0.2s", "2:", "c", "9", "z+", "0.2s",
+    ])
+    .success()
+    .stdout(contains(": 3 of 3 actions").count(2));
+    let place = device.type_line("where", "lost");
+    assert!(place.starts_with("x 30 y 1375 z "), "{place}");
+    let place = device.type_line("2: where", "lost");
+    assert!(place.starts_with("x 30 y 1380 z "), "{place}");
+    // A machine in trouble does not stop the other one.
+    device.type_line("2: close y", "y is closed");
+    jog(&["y", "-10"])
+        .code(1)
+        .stdout(contains("home switch y").and(contains("1 of 2 machines")));
+    device.type_line("2: open y", "let go");
+    let place = device.type_line("where", "lost");
+    assert!(place.starts_with("x 30 y 1365 z "), "{place}");
+    jog(&["1:", "emergency"]).success();
+    jog(&["x", "4"])
+        .code(1)
+        .stdout(contains("0 of 2 machines").and(contains("emergency stop")));
+    // The same machine twice, with and without its number.
+    let first_again = format!("{first}#1");
+    husillo()
+        .args(["jog", "--port", &first, "--port", &first_again, "home"])
+        .assert()
+        .code(2)
+        .stdout("")
+        .stderr(contains("named twice"));
+}
+
+/// Ctrl-C stops what moves; pressed twice it is an emergency stop.
+#[cfg(unix)]
+#[test]
+fn an_interruption_stops_what_moves() {
+    let Some(mut device) = Emulated::new("microfactory", "interrupted-cell", &[]) else {
+        return;
+    };
+    let where_ = |device: &mut Emulated| device.type_line("where", "lost");
+    let y = |place: &str| -> i32 {
+        let (_, rest) = place.split_once(" y ").unwrap();
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    for (times, told) in [
+        (1, "stopped; it stands at x 0 y "),
+        (2, "stopped; emergency stop: stopped for good"),
+    ] {
+        let before = y(&where_(&mut device));
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(["jog", "--port", device.port(), "y+", "100s"])
+            .stderr(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        while y(&where_(&mut device)) < before + 5 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            assert_eq!(child.try_wait().unwrap(), None);
+        }
+        jog(&device, &["where"])
+            .code(2)
+            .stderr(contains("another program has this port open"));
+        for _ in 0..times {
+            let interrupted = std::process::Command::new("kill")
+                .args(["-INT", &child.id().to_string()])
+                .status();
+            assert!(interrupted.unwrap().success());
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        let output = child.wait_with_output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert!(errors.contains(told), "{errors}");
+        let after = where_(&mut device);
+        assert_eq!(after, where_(&mut device));
+        assert!(y(&after) < before + 9000, "{after}");
+    }
+    jog(&device, &["y", "1"])
+        .code(1)
+        .stderr(contains("emergency stop"));
+}
+
+/// Power that goes and comes back at the panel, and a contact that is closed there.
+#[test]
+fn power_and_contact_at_the_panel() {
+    let Some(mut device) = device("power", &[]) else {
+        return;
+    };
+    jog(&device, &["home", "x", "5"]).success();
+    device.type_line("power off", "power is off");
+    jog(&device, &["x", "5"])
+        .code(1)
+        .stderr(contains("no answer"));
+    device.type_line("power on", "power is on");
+    // Where it stands it does not know any more.
+    jog(&device, &["figure"])
+        .code(1)
+        .stderr(contains("not homed"));
+    device.type_line("close contact", "contact is closed");
+    jog(&device, &["home", "figure"]).success();
+    let place = device.type_line("where", "lost");
+    // The square and its diagonal, from where the tool has touched at once.
+    assert!(place.starts_with("x 1000 y 0 z 1000 "), "{place}");
+}
+
 #[test]
 fn the_original_does_not_answer() {
     let Some(mut device) = device("faithful", &["--faithful"]) else {
@@ -216,6 +344,21 @@ fn a_figure_becomes_a_list_that_can_be_edited() {
         ["1000 0", "0 1000", "-1000 0", "0 -1000", "1000 1000"]
     );
     common::printed(&["send", list, "-m", "microfactory"]);
+    // And is drawn as the program is.
+    let run = |file: &str| {
+        let mut run = common::json(&["run", file, "-m", "microfactory", "--format", "json"]);
+        (
+            run["events"].take(),
+            run["end_nm"].take(),
+            run["max_nm"].take(),
+        )
+    };
+    assert_eq!(run(list), run(square));
+    husillo()
+        .args(["run", list])
+        .assert()
+        .code(2)
+        .stderr(contains("-m microfactory"));
 }
 
 #[test]

@@ -6,8 +6,8 @@ use crate::wire::Wire;
 use husillo_transports::byte_commands::{
     ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
 };
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Longest wait for an answer of two bytes, 2.08 ms, and the silence after which nothing of one is on the way any more.
@@ -32,6 +32,11 @@ const FIGURE: Duration = Duration::from_secs(250);
 const STOPS: usize = 6;
 /// A question, a figure or bringing to rest is tried so often: done twice they do no more than once.
 const TRIES: usize = 3;
+/// What comes without an end is noise.
+const NOISE: usize = 1000;
+
+/// Who has it has the link to a controller of two machines. Whether all was well there the last time.
+type Turn = Arc<Mutex<bool>>;
 
 /// The host's side.
 pub struct Client {
@@ -41,6 +46,9 @@ pub struct Client {
     answers: bool,
     /// The machine of the controller, 0 or 1.
     machine: u8,
+    /// Where the controller's other machine has a client, too.
+    turn: Option<Turn>,
+    has_turn: bool,
     stop: Arc<AtomicBool>,
     is_reached: bool,
     /// It was homed since: what is not homed any more was reset.
@@ -78,6 +86,8 @@ impl Client {
             table,
             answers,
             machine: 0,
+            turn: None,
+            has_turn: false,
             stop,
             is_reached: false,
             is_homed: false,
@@ -90,6 +100,22 @@ impl Client {
     pub const fn of_machine(mut self, machine: u8) -> Self {
         self.machine = machine;
         self
+    }
+
+    /// A client of another machine of the same controller, on the same link: the two take turns.
+    ///
+    /// # Errors
+    ///
+    /// The port cannot be shared.
+    pub fn beside(&mut self, machine: u8) -> std::io::Result<Self> {
+        let turn = self.turn.get_or_insert_default();
+        Ok(Self {
+            wire: self.wire.try_clone()?,
+            turn: Some(Arc::clone(turn)),
+            stop: Arc::clone(&self.stop),
+            machine,
+            ..*self
+        })
     }
 
     /// What a simulated device told.
@@ -129,7 +155,7 @@ impl Client {
             if !self.answers || *action == Action::Emergency {
                 return trouble;
             }
-            let rest = self.rest().and_then(|()| self.ask());
+            let rest = self.talk(|client| client.rest().and_then(|()| client.ask()));
             if self.wants_emergency() {
                 return match self.emergency() {
                     Ok(how) => format!("{trouble}; emergency stop: {how}"),
@@ -175,14 +201,14 @@ impl Client {
                 motor,
                 forward,
                 time,
-            } => self.jog(*motor, *forward, *time),
+            } => self.talk(|client| client.jog(*motor, *forward, *time)),
             Action::Where => Ok(match self.answers {
                 true => place(&self.ask()?),
                 false => "it does not answer".into(),
             }),
             // It stands since it was reached.
             Action::Stop => {
-                self.rest()?;
+                self.talk(Self::rest)?;
                 self.finished(Duration::ZERO, Report::Stopped)
                     .or(Ok("stands".into()))
             }
@@ -190,21 +216,55 @@ impl Client {
         }
     }
 
+    /// Has the link to itself while it talks, with its machine chosen: each time anew, as behind a reset the controller listens for the first
+    /// one. After trouble nobody knows what the device has understood, so whoever comes next brings the link to rest before.
+    fn talk<T>(
+        &mut self,
+        exchange: impl FnOnce(&mut Self) -> Result<T, String>,
+    ) -> Result<T, String> {
+        if self.has_turn || (self.turn.is_none() && self.machine == 0) {
+            return exchange(self);
+        }
+        let turn = self.turn.clone();
+        let mut is_well = turn.as_ref().map(locked);
+        let is_known = is_well.as_deref().map_or(self.is_reached, |well| *well);
+        self.has_turn = true;
+        let rest = if is_known || !self.answers {
+            Ok(())
+        } else {
+            self.rest()
+        };
+        let result = rest
+            .and_then(|()| self.choose())
+            .and_then(|()| exchange(self));
+        self.has_turn = false;
+        if let Some(well) = &mut is_well {
+            **well = result.is_ok();
+        }
+        result
+    }
+
     /// Brings the device to rest and looks whether it can be driven.
     fn reach(&mut self) -> Result<(), String> {
         if !self.answers {
-            for _ in 0..STOPS {
-                self.send(self.table.stop)?;
-            }
-            self.choose()?;
+            self.talk(|client| {
+                for _ in 0..STOPS {
+                    client.send(client.table.stop)?;
+                }
+                client.choose()
+            })?;
             self.is_reached = true;
             return Ok(());
         }
-        self.rest()?;
-        self.choose()?;
-        // What moved was another's, perhaps.
-        self.rest()?;
-        let status = self.ask()?;
+        let status = self.talk(|client| {
+            if !client.has_turn {
+                client.rest()?;
+                client.choose()?;
+            }
+            // What moved was another's, perhaps.
+            client.rest()?;
+            client.ask()
+        })?;
         if status.report == Some(Report::Emergency) {
             return Err(
                 "the device was stopped by an emergency stop: look why, then reset it".into(),
@@ -231,9 +291,7 @@ impl Client {
             for _ in 0..STOPS {
                 self.put(self.table.stop)?;
             }
-            while let Some(byte) = self.get(self.waits.quiet)? {
-                last = Some(byte);
-            }
+            last = self.answers_to(STOPS)?.or(last);
             // After an emergency stop not even a stop is taken.
             if last.is_some_and(|last| last == self.table.stop || last == REJECTED) {
                 return Ok(());
@@ -246,22 +304,39 @@ impl Client {
         .into())
     }
 
+    /// The last answer to so many bytes: each is waited for, and then what is on the way still.
+    fn answers_to(&mut self, bytes: usize) -> Result<Option<u8>, String> {
+        let mut last = None;
+        for number in 0..NOISE {
+            let within = if number < bytes {
+                self.waits.answer
+            } else {
+                self.waits.quiet
+            };
+            match self.get(within)? {
+                Some(byte) => last = Some(byte),
+                None => break,
+            }
+        }
+        Ok(last)
+    }
+
     fn emergency(&mut self) -> Result<String, String> {
-        // More often than a half command has data, which the first ones would be.
+        // More often than a half command has data, which the first ones would be. It waits for nobody's turn.
         for _ in 0..STOPS {
             self.put(self.table.emergency)?;
         }
         if !self.answers {
             return Ok("sent".into());
         }
-        let mut has_answered = false;
-        while self.get(self.waits.quiet)?.is_some() {
-            has_answered = true;
+        let unheard = "no answer to the emergency stop: use the button at the machine";
+        if let Some(turn) = &self.turn {
+            // The answers are anywhere: who asks brings the link to rest first.
+            *locked(turn) = false;
+        } else if self.answers_to(STOPS)?.is_none() {
+            return Err(unheard.into());
         }
-        if !has_answered {
-            return Err("no answer to the emergency stop: use the button at the machine".into());
-        }
-        let status = self.ask()?;
+        let status = self.ask().map_err(|_| unheard)?;
         match status.report {
             Some(Report::Emergency) => Ok(format!("stopped for good, {}", place(&status))),
             _ => Err("the emergency stop was not taken: use the button at the machine".into()),
@@ -282,7 +357,7 @@ impl Client {
             if self.stop.load(Ordering::Relaxed) {
                 return Err("stopped".into());
             }
-            match self.load_once(moves) {
+            match self.talk(|client| client.load_once(moves)) {
                 Ok(()) => {
                     self.note(moves);
                     let again = if attempt > 1 {
@@ -297,7 +372,7 @@ impl Client {
             if !self.answers {
                 break;
             }
-            self.rest()?;
+            self.talk(Self::rest)?;
         }
         Err(format!("the figure is not stored: {trouble}"))
     }
@@ -336,7 +411,9 @@ impl Client {
     fn cut(&mut self) -> Result<String, String> {
         let from = self.position()?;
         if self.answers && !self.is_homed {
-            return Err("not homed: on which side its lash lies is not known".into());
+            return Err(
+                "not homed, so nobody knows on which side its lash lies: home it first".into(),
+            );
         }
         if let Err(refused) = self.command(&[self.table.figure]) {
             return Err(match self.ask() {
@@ -422,15 +499,17 @@ impl Client {
 
     /// Bytes that must all be taken.
     fn command(&mut self, bytes: &[u8]) -> Result<(), String> {
-        for byte in bytes {
-            if self.send(*byte)? == Answer::Rejected {
-                return Err(format!(
-                    "the device does not take {}",
-                    char::from(*byte).escape_default()
-                ));
+        self.talk(|client| {
+            for byte in bytes {
+                if client.send(*byte)? == Answer::Rejected {
+                    return Err(format!(
+                        "the device does not take {}",
+                        char::from(*byte).escape_default()
+                    ));
+                }
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// Waits until nothing moves, and looks how it ended. A device that does not answer is given all of the time.
@@ -438,9 +517,7 @@ impl Client {
         if !self.answers {
             self.pause(longest)?;
             if self.stop.load(Ordering::Relaxed) {
-                for _ in 0..STOPS {
-                    self.put(self.table.stop)?;
-                }
+                self.talk(|client| (0..STOPS).try_for_each(|_| client.put(client.table.stop)))?;
                 return Err("stopped".into());
             }
             return Ok("sent, not confirmed".into());
@@ -471,21 +548,22 @@ impl Client {
 
     /// Asks where it is; a question may be put again.
     fn ask(&mut self) -> Result<Status, String> {
-        let mut trouble = String::new();
-        for _ in 0..TRIES {
-            match self.ask_once() {
-                Ok(status) => {
-                    let was_homed = std::mem::replace(&mut self.is_homed, status.is_homed);
-                    if was_homed && !status.is_homed && status.report != Some(Report::Emergency) {
-                        return Err("the device was reset: it has to be homed again".into());
-                    }
-                    return Ok(status);
+        let status = self.talk(|client| {
+            let mut trouble = String::new();
+            for _ in 0..TRIES {
+                match client.ask_once() {
+                    Ok(status) => return Ok(status),
+                    Err(error) => trouble = error,
                 }
-                Err(error) => trouble = error,
+                client.answers_to(0)?;
             }
-            while self.get(self.waits.quiet)?.is_some() {}
+            Err(trouble)
+        })?;
+        let was_homed = std::mem::replace(&mut self.is_homed, status.is_homed);
+        if was_homed && !status.is_homed && status.report != Some(Report::Emergency) {
+            return Err("the device was reset: it has to be homed again".into());
         }
-        Err(trouble)
+        Ok(status)
     }
 
     fn ask_once(&mut self) -> Result<Status, String> {
@@ -524,7 +602,12 @@ impl Client {
         let end = self.wire.elapsed() + time;
         while self.wire.elapsed() < end && (self.answers || !self.stop.load(Ordering::Relaxed)) {
             // A device that does not answer may be waited for long: Ctrl-C is looked for now and then.
-            let left = (end - self.wire.elapsed()).min(AGAIN);
+            let left = end.saturating_sub(self.wire.elapsed()).min(AGAIN);
+            if self.turn.is_some() && !self.has_turn {
+                // What comes now is for the other client.
+                std::thread::sleep(left);
+                continue;
+            }
             if let Some(byte) = self.get(left)? {
                 return Err(format!("{byte:#04x} came without being asked for"));
             }
@@ -539,6 +622,11 @@ impl Client {
     fn get(&mut self, within: Duration) -> Result<Option<u8>, String> {
         self.wire.receive(within).map_err(|error| error.to_string())
     }
+}
+
+/// Nothing is left half done in it by a thread that broke.
+fn locked(turn: &Turn) -> MutexGuard<'_, bool> {
+    turn.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn letter(table: &ByteTable, motor: u8, forward: bool) -> u8 {

@@ -27,7 +27,7 @@ impl Figure {
     pub fn load(file: &str, settings: &Settings) -> Result<Self, String> {
         let path = std::path::Path::new(file);
         let name = path.file_name().map(|name| name.to_string_lossy());
-        let moves = if file.to_ascii_lowercase().ends_with(LIST) {
+        let moves = if is_list(file) {
             let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
             listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
         } else {
@@ -47,6 +47,34 @@ impl Figure {
         let lines = self.moves.iter().map(|[x, z]| format!("{x} {z}\n"));
         format!("; {}: X and Z in steps, a move a line\n", self.name) + &lines.collect::<String>()
     }
+}
+
+/// A list as a program of the same moves, which can be drawn; `None` where the file is none.
+///
+/// # Errors
+///
+/// See [`listed`].
+pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String> {
+    if !is_list(file) {
+        return Ok(None);
+    }
+    let mut at = [0; 2];
+    let places = Figure::load(file, settings)?.moves.into_iter().map(|way| {
+        for (at, steps) in at.iter_mut().zip(way) {
+            *at += i64::from(steps);
+        }
+        let [x, z] = settings.place(at);
+        format!("X{x} Z{z}\n")
+    });
+    // Along an axis at its rate.
+    let [feed, _] = settings.place([60 * i64::from(settings.config.axis_rate_hz); 2]);
+    let places: String = places.collect();
+    Ok(Some(format!("G21 G90 G94 G1 F{feed}\n{places}M2\n")))
+}
+
+/// Whether a file is a list of moves, by its name.
+pub fn is_list(file: &str) -> bool {
+    file.to_ascii_lowercase().ends_with(LIST)
 }
 
 /// The moves of a list; otherwise the line that is none, and why.

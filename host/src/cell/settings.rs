@@ -46,4 +46,14 @@ impl Settings {
         }
         steps
     }
+
+    /// Where so many steps of X and Z lead, to the nearest nanometre.
+    pub fn place(&self, steps: [i64; 2]) -> [Nm; 2] {
+        let mut place = [Nm(0); 2];
+        for ((nm, steps), [num, den]) in place.iter_mut().zip(steps).zip(self.steps) {
+            let rounded = (2 * i128::from(steps) * num + den).div_euclid(2 * den);
+            *nm = Nm(i64::try_from(rounded).unwrap_or(i64::MAX));
+        }
+        place
+    }
 }

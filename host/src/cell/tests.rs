@@ -228,7 +228,7 @@ fn a_table_of_its_own_is_used_at_both_ends() {
 }
 
 #[test]
-fn ctrl_c_stops_what_moves() {
+fn behind_ctrl_c_nothing_begins() {
     let settings = settings();
     let device = Device::new(&settings, vec![[5, 5]], true, 9600);
     let stop = Arc::new(AtomicBool::new(true));
@@ -384,6 +384,23 @@ fn two_machines_move_at_once() {
             .count()
             == 2
     );
+}
+
+/// Behind a reset a controller of two listens for the first one: what is for the second does not move that.
+#[test]
+fn a_reset_does_not_exchange_the_machines() {
+    let settings = settings();
+    let device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let stop = Arc::new(AtomicBool::new(false));
+    let wire = Wire::simulated(device);
+    let mut client = Client::new(wire, settings.table, true, stop).of_machine(1);
+    let steps = |steps| Action::Steps { motor: 1, steps };
+    // Whole electrical cycles, so that RESET turns no rotor.
+    client.carry_out(&steps(8)).unwrap();
+    client.device().control("reset");
+    client.carry_out(&steps(4)).unwrap();
+    let y = [0, 1].map(|machine| client.device().rig_of(machine).tool()[1]);
+    assert_eq!(y, [0, 12]);
 }
 
 #[test]

@@ -85,9 +85,9 @@ pub struct Emulate {
     /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
     #[arg(long)]
     pub faithful: bool,
-    /// Bits a second of the link of a drill
-    #[arg(long, value_name = "N", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(300..=115_200))]
-    pub baud: u32,
+    /// Bits a second of the link of a drill or a microfactory [default: 2400, 9600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    pub baud: Option<u32>,
     /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
     #[arg(long, value_name = "servo:V,..")]
     pub modules: Option<String>,
@@ -109,6 +109,57 @@ pub struct Emulate {
     /// Multiple of real time, that of the wire too
     #[arg(long, value_name = "N", default_value = "1", value_parser = positive)]
     pub speed: f64,
+}
+
+impl Emulate {
+    /// Whether nothing is said that a drill has not.
+    ///
+    /// # Errors
+    ///
+    /// The option.
+    pub fn expect_drill(&self) -> Result<(), String> {
+        self.of_cell()?;
+        self.of_chain()
+    }
+
+    /// Whether nothing is said that a microfactory has not.
+    ///
+    /// # Errors
+    ///
+    /// The option.
+    pub fn expect_cell(&self) -> Result<(), String> {
+        self.of_chain()
+    }
+
+    /// Whether nothing is said that a chain of servo modules has not.
+    ///
+    /// # Errors
+    ///
+    /// The option.
+    pub fn expect_chain(&self) -> Result<(), String> {
+        self.of_cell()?;
+        self.not_given("--faithful", self.faithful)?;
+        self.not_given("--baud", self.baud.is_some())
+    }
+
+    fn of_cell(&self) -> Result<(), String> {
+        self.not_given("--figure", self.figure.is_some())?;
+        self.not_given("--machines", self.machines > 1)
+    }
+
+    fn of_chain(&self) -> Result<(), String> {
+        self.not_given("--modules", self.modules.is_some())?;
+        self.not_given("--contact", !self.contact.is_empty())?;
+        self.not_given("--piece", self.piece.is_some())?;
+        self.not_given("--noise", self.noise > 0.0)
+    }
+
+    fn not_given(&self, option: &str, is_given: bool) -> Result<(), String> {
+        if is_given {
+            return Err(format!("{option} is not for {}", self.machine));
+        }
+        Ok(())
+    }
 }
 
 /// `husillo tune`.

@@ -49,8 +49,28 @@ impl Port {
             }
             return Err(last);
         }
-        let port = serialport::new(name, bits_per_s).open()?;
-        Ok(Self::Serial(port, Instant::now()))
+        match serialport::new(name, bits_per_s).open() {
+            Ok(port) => Ok(Self::Serial(port, Instant::now())),
+            // The library says it of its lock, the system of its own.
+            Err(error) if error.description.contains("exclusive lock") => Err(taken()),
+            Err(error) => match io::Error::from(error) {
+                error if error.kind() == ErrorKind::ResourceBusy => Err(taken()),
+                error => Err(error),
+            },
+        }
+    }
+
+    /// The same port once more, with the same time.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses; simulated modules have one port.
+    pub fn try_clone(&self) -> io::Result<Self> {
+        match self {
+            Self::Simulated(..) => Err(ErrorKind::Unsupported.into()),
+            Self::Serial(port, start) => Ok(Self::Serial(port.try_clone()?, *start)),
+            Self::Network(socket, start) => Ok(Self::Network(socket.try_clone()?, *start)),
+        }
     }
 
     /// The waits that suit the port at a rate.
@@ -143,6 +163,13 @@ impl Port {
             }
         }
     }
+}
+
+fn taken() -> io::Error {
+    io::Error::new(
+        ErrorKind::ResourceBusy,
+        "another program has this port open",
+    )
 }
 
 /// What has come; nothing where the time ran out.
