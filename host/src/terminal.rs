@@ -3,11 +3,10 @@
 use crate::cmm::read_port;
 use crate::emulation::Emulation;
 use serialport::{SerialPort, TTYPort};
-use std::io::{self, BufRead, ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
@@ -67,7 +66,7 @@ impl Terminal {
         pace: &Pace,
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        let panel = panel();
+        let panel = crate::wire::typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
         let mut is_plugged = true;
         let is_over = || {
@@ -130,19 +129,6 @@ impl Drop for Terminal {
         // Somebody may have removed it already.
         let _ = std::fs::remove_file(&self.link);
     }
-}
-
-/// The lines of standard input as they are typed; none any more where it has ended.
-fn panel() -> Receiver<String> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        for line in io::stdin().lock().lines().map_while(Result::ok) {
-            if sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
 }
 
 /// A flag that Ctrl-C and a request to end set.

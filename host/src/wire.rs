@@ -3,9 +3,10 @@
 use crate::cmm::Port;
 use crate::emulation::Emulation;
 use std::collections::VecDeque;
-use std::io;
+use std::io::{self, BufRead};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{self, Receiver};
 use std::time::Duration;
 
 /// A wire to a device or to a simulated one, with the time that passes on it.
@@ -146,4 +147,17 @@ pub fn stops_asked() -> u32 {
     return crate::terminal::stops_asked();
     #[cfg(not(unix))]
     0
+}
+
+/// The lines of standard input as they are typed; none any more where it has ended.
+pub fn typed_lines() -> Receiver<String> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        for line in io::stdin().lock().lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
 }

@@ -394,9 +394,14 @@ fn the_original_over_a_pseudo_terminal() {
         return;
     };
     let file = program("original.nc", THREE);
-    send(&device, &file, &["--baud", "9600"])
+    husillo()
+        .args(["send", &file, "-m", "drill", "--baud", "9600"])
+        .args(["--port", device.port()])
+        .write_stdin("\n")
+        .assert()
         .success()
-        .stdout(contains("switch the spindle on by hand").and(contains("3 holes drilled")));
+        .stdout(contains("switch the spindle on by hand, then press Enter"))
+        .stdout(contains("3 holes drilled"));
     device.type_line(
         "holes",
         "3 holes: 1070,535 depth 3745 with a spindle that stood",
@@ -405,7 +410,7 @@ fn the_original_over_a_pseudo_terminal() {
     device.type_line("board", "without holes");
     let deep = program("deep.nc", "G21 G90\nG0 Z2\nG81 X1 Y2 Z-3 R1 F60\nG80\n");
     send(&device, &deep, &["--baud", "9600", "--fixed"])
-        .code(1)
+        .code(2)
         .stderr(contains("it knows no depths"));
     device.type_line("holes", "0 holes");
     let _ = std::fs::remove_file(deep);
@@ -449,6 +454,40 @@ fn a_run_is_stopped() {
     let _ = std::fs::remove_file(file);
 }
 
+/// Ctrl-C while a tool is asked for ends it there.
+#[cfg(unix)]
+#[test]
+fn a_tool_change_is_interrupted() {
+    use std::io::BufRead;
+
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["send", "../examples/board.drl", "-m", "drill"])
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
+    let asked = lines.next().unwrap().unwrap();
+    assert!(asked.contains("type its diameter"), "{asked}");
+    let interrupted = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupted.is_ok_and(|status| status.success()));
+    // Its input stays open until it has ended.
+    let input = child.stdin.take();
+    let output = child.wait_with_output().unwrap();
+    drop(input);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("T1 (0.8 mm) was not put in"), "{told}");
+    assert!(
+        told.contains("0 of 29 holes are drilled; begin again with"),
+        "{told}"
+    );
+}
+
 /// The button, and the cable, in the middle of a run.
 #[test]
 fn an_emergency_stop_and_a_pulled_cable() {
@@ -482,7 +521,7 @@ fn an_emergency_stop_and_a_pulled_cable() {
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("no answer"), "{told}");
     assert!(
-        told.contains("0 of 3 holes are drilled; go on with"),
+        told.contains("0 of 3 holes are drilled; begin again with"),
         "{told}"
     );
     device.type_line("plug", "plugged");

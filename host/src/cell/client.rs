@@ -287,7 +287,7 @@ impl Client {
     /// Ends any half command and any motion; what is on the way is dropped.
     fn rest(&mut self) -> Result<(), String> {
         let mut last = None;
-        for _ in 0..TRIES {
+        for attempt in 1..=TRIES {
             for _ in 0..STOPS {
                 self.put(self.table.stop)?;
             }
@@ -295,6 +295,10 @@ impl Client {
             // After an emergency stop not even a stop is taken.
             if last.is_some_and(|last| last == self.table.stop || last == REJECTED) {
                 return Ok(());
+            }
+            // Not one of so many bytes: nobody is there.
+            if last.is_none() && attempt > 1 {
+                break;
             }
         }
         Err(match last {

@@ -16,6 +16,9 @@ pub trait Operator {
     /// The spindle stands: the next tool, and what its diameter should be. What is in it now, mm; `None` ends.
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
 
+    /// Something to be done by hand; `false` ends.
+    fn confirm(&mut self, what: &str) -> bool;
+
     /// How far it is: a share of all, and seconds that are left, as reckoned.
     fn progress(&mut self, share: f64, left_s: f64);
 }
@@ -139,12 +142,10 @@ impl<O: Operator> Sender<'_, O> {
         }
         if !self.client.has_extras() {
             if detach {
-                let why = "this drill is an original one: it does not say that it has started, so it cannot be left to itself";
-                return Ok(self.failed(why.into(), self.from, self.from));
+                return Err("this drill is an original one: it does not say that it has started, so it cannot be left to itself".into());
             }
             if self.has_depths() {
-                let why = "this drill is an original one: it knows no depths, and would drill each hole through";
-                return Ok(self.failed(why.into(), self.from, self.from));
+                return Err("this drill is an original one: it knows no depths, and would drill each hole through".into());
             }
             self.operator.tell(
                 "this drill is an original one: it cannot say how far it is, and its spindle is switched by hand",
@@ -323,12 +324,23 @@ impl<O: Operator> Sender<'_, O> {
 
     fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
         if self.client.has_extras() {
-            self.client.run(Step::Spindle(on))
-        } else {
-            let what = if on { "on" } else { "off" };
-            self.operator
-                .tell(&format!("switch the spindle {what} by hand"));
+            return self.client.run(Step::Spindle(on));
+        }
+        let switched = match on {
+            true if self.is_sure => {
+                self.operator.tell("switch the spindle on by hand");
+                true
+            }
+            true => self.operator.confirm("switch the spindle on by hand"),
+            false => {
+                self.operator.tell("switch the spindle off by hand");
+                true
+            }
+        };
+        if switched {
             Ok(())
+        } else {
+            Err(Trouble::Stopped)
         }
     }
 
@@ -415,6 +427,8 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
             };
             let go_on = if *done == all {
                 "nothing is left to do".into()
+            } else if *begun == 0 {
+                format!("begin again with: {again}")
             } else if done == begun {
                 format!("go on with: {again} --from {next}")
             } else {
