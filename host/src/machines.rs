@@ -283,7 +283,7 @@ mod tests {
     fn chopper_and_filter_by_hand() {
         let machine = MachineFile::load("micromill").unwrap();
         let text = show(&machine).text();
-        for part in ["T_off 31.7 us, I_peak 0.415 A", "L 1000 uH, C 400.0 nF"] {
+        for part in ["T_off 31.7 us, I_peak 0.415 A", "L 1800 uH, C 222.2 nF"] {
             assert!(text.contains(part), "{part} in {text}");
         }
     }
