@@ -121,7 +121,7 @@ fn jog(args: &cell::Jog) -> Result<u8, Failure> {
 }
 
 fn compile(args: &Compile) -> Result<u8, Failure> {
-    if let Some(settings) = (args.target.machine.as_deref()).map_or(Ok(None), microfactory)? {
+    if let Some(settings) = figures(&args.target, &args.file)? {
         let text = cell::list(&args.file, &settings)?;
         match args.output.as_deref() {
             None | Some("-") => io::stdout().write_all(text.as_bytes())?,
@@ -137,7 +137,8 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
 }
 
 fn send(args: &Send) -> Result<u8, Failure> {
-    if let Some(settings) = (args.target.machine.as_deref()).map_or(Ok(None), microfactory)? {
+    let first = args.files.first().map_or("", String::as_str);
+    if let Some(settings) = figures(&args.target, first)? {
         let is_well = cell::send(args, &settings, &mut io::stdout().lock())?;
         return Ok(if is_well { OK } else { ERRORS });
     }
@@ -147,6 +148,21 @@ fn send(args: &Send) -> Result<u8, Failure> {
     } else {
         drilling::send(args)
     }
+}
+
+/// The settings of the microfactory that a file is for; `None` where it is for another machine. A list of moves is for no other.
+fn figures(target: &Target, file: &str) -> Result<Option<cell::Settings>, Failure> {
+    let is_list = cell::is_list(file);
+    let machine = target.machine.as_deref();
+    let machine = machine.or(is_list.then_some("microfactory"));
+    match machine.map_or(Ok(None), microfactory)? {
+        None if is_list => Err(only_microfactory(file)),
+        settings => Ok(settings),
+    }
+}
+
+fn only_microfactory(file: &str) -> Failure {
+    Failure::Usage(format!("{file}: a list of moves is for -m microfactory"))
 }
 
 /// The settings of a microfactory; `None` where a machine is another one.
@@ -338,10 +354,7 @@ impl Job {
         let config = setup::config(&machine, dialect)?;
         let input = match cell::Settings::of(&machine) {
             Some(settings) => cell::program(file, &settings)?,
-            None if cell::is_list(file) => {
-                let message = format!("{file}: a list of moves is for -m microfactory");
-                return Err(Failure::Usage(message));
-            }
+            None if cell::is_list(file) => return Err(only_microfactory(file)),
             None => None,
         };
         Ok(Self {

@@ -168,7 +168,7 @@ pub enum Command {
 /// Which machine and which language.
 #[derive(Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, router, lathe, drill, or a TOML file
+    /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer [default: that of the machine, or rs274;

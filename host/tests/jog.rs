@@ -354,11 +354,16 @@ fn a_figure_becomes_a_list_that_can_be_edited() {
         )
     };
     assert_eq!(run(list), run(square));
-    husillo()
-        .args(["run", list])
-        .assert()
-        .code(2)
-        .stderr(contains("-m microfactory"));
+    // A list is for no other machine.
+    husillo().args(["send", list]).assert().success();
+    for command in [&["run"][..], &["send", "-m", "drill"]] {
+        husillo()
+            .args(command)
+            .arg(list)
+            .assert()
+            .code(2)
+            .stderr(contains("-m microfactory"));
+    }
 }
 
 #[test]

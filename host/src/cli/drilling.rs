@@ -103,7 +103,7 @@ pub struct Layout {
 /// `husillo compile`.
 #[derive(Debug, Args)]
 pub struct Compile {
-    /// Program in the drill's language, or drill file (Excellon, TANGO)
+    /// Program in the drill's language, drill file (Excellon, TANGO), or figure of a microfactory
     pub file: String,
     /// Machine and language.
     #[command(flatten)]
@@ -128,7 +128,7 @@ pub struct Send {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at once
+    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at once, PORT#2 for the second one of a controller
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
     /// Bits a second of the link [default: 2400, of the micro mill and the microfactory 9600]
