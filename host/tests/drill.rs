@@ -333,6 +333,18 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
         .stderr(contains(
             "husillo send ../examples/board.drl -m drill --shift corner --from 1",
         ));
+    // Turned over, by a right angle, and laid on two holes that were measured.
+    husillo()
+        .args(board)
+        .args(["--mirror", "x", "--turn", "90", "--report"])
+        .arg(folder.join("c.html"))
+        .args(["--reference", "10,10=30.02,37"])
+        .args(["--reference", "27.78,10=30.03,19.21"])
+        .assert()
+        .success()
+        .stderr(contains(
+            "turned by 0.0322 degrees; longer than the file by 563 um/m",
+        ));
     // With a depth for all of them, and off the table.
     husillo()
         .args(board)
