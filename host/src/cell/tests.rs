@@ -24,10 +24,19 @@ fn settings() -> Settings {
 }
 
 fn client() -> Client {
+    client_of(0)
+}
+
+/// Of a machine alone on its controller, or of the second one of two.
+fn client_of(machine: u8) -> Client {
     let settings = settings();
     let device = Device::new(&settings, vec![[500, 500]], true, 9600);
+    let device = match machine {
+        0 => device,
+        _ => device.with_two_machines(),
+    };
     let stop = Arc::new(AtomicBool::new(false));
-    Client::new(Wire::simulated(device), settings.table, true, stop)
+    Client::new(Wire::simulated(device), settings.table, true, stop).of_machine(machine)
 }
 
 /// A figure with bytes in it that are commands.
@@ -64,8 +73,13 @@ fn run(client: &mut Client) -> Result<(), (usize, String)> {
 
 /// Where the tool is in X and Z from where it is after homing, and how often a figure was begun.
 fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
+    outcome_of(client, 0, zero)
+}
+
+/// The same of another machine.
+fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
-    let [x, _, z, _] = device.rig().tool();
+    let [x, _, z, _] = device.rig_of(machine.into()).tool();
     let told = device.tell();
     let figures = told.iter().filter(|line| line.contains("the tool touches"));
     ([x - zero[0], z - zero[1]], figures.count())
@@ -96,60 +110,71 @@ fn faults() -> impl Iterator<Item = Fault> {
 
 /// The whole session with a fault. Where nothing is reported everything is as asked; where something is, nothing turns any more but what a pulled
 /// cable left to itself, and the operator goes on after plugging in, a reset and homing. Whether it was reported.
-fn survives(place: u64, fault: Fault) -> bool {
-    let context = format!("{fault:?} at byte {place}");
-    let mut client = client();
+fn survives(machine: u8, place: u64, fault: Fault) -> bool {
+    let context = format!("{fault:?} at byte {place} to machine {machine}");
+    let mut client = client_of(machine);
     client.device().line().fault = Some((place, fault));
     let result = run(&mut client);
     let Err((_, trouble)) = result else {
-        assert_eq!(outcome(&mut client, ZERO), GOOD, "{context}");
+        assert_eq!(outcome_of(&mut client, machine, ZERO), GOOD, "{context}");
+        if machine > 0 {
+            assert_eq!(client.device().rig().tool(), [0; 4], "{context}");
+        }
         return false;
     };
     let device = client.device();
+    let tools = |device: &Device| match machine {
+        0 => [device.rig().tool(); 2],
+        _ => [device.rig_of(0).tool(), device.rig_of(1).tool()],
+    };
     if fault != Fault::Unplugged {
-        let before = device.rig().tool();
+        let before = tools(device);
         for _ in 0..500 {
             device.tick();
         }
-        assert_eq!(
-            device.rig().tool(),
-            before,
-            "{context}: {trouble}, and it moves"
-        );
+        assert_eq!(tools(device), before, "{context}: {trouble}, and it moves");
     }
     device.control("plug");
     device.control("reset");
     device.tell();
+    let first = device.rig().tool();
     client = Client::new(
         client.into_wire(),
         settings().table,
         true,
         Arc::new(AtomicBool::new(false)),
-    );
+    )
+    .of_machine(machine);
     let again = run(&mut client);
     assert_eq!(again, Ok(()), "{context}: {trouble}");
-    assert_eq!(outcome(&mut client, ZERO), GOOD, "{context}: {trouble}");
+    if machine > 0 {
+        assert_eq!(client.device().rig().tool(), first, "{context}");
+    }
+    let outcome = outcome_of(&mut client, machine, ZERO);
+    assert_eq!(outcome, GOOD, "{context}: {trouble}");
     true
 }
 
-/// Every fault at every byte of a session, both ways.
+/// Every fault at every byte of a session, both ways; with a machine alone on its controller, and with the second one of two.
 #[test]
 fn any_fault_at_any_byte_is_survived_or_reported() {
-    let mut good = client();
-    assert_eq!(run(&mut good), Ok(()));
-    let carried = good.device().line().carried;
-    let (mut reported, mut unharmed) = (0, 0);
-    for place in 0..carried {
-        for fault in faults() {
-            if survives(place, fault) {
-                reported += 1;
-            } else {
-                unharmed += 1;
+    for machine in [0, 1] {
+        let mut good = client_of(machine);
+        assert_eq!(run(&mut good), Ok(()));
+        let carried = good.device().line().carried;
+        let (mut reported, mut unharmed) = (0, 0);
+        for place in 0..carried {
+            for fault in faults() {
+                if survives(machine, place, fault) {
+                    reported += 1;
+                } else {
+                    unharmed += 1;
+                }
             }
         }
+        println!("{carried} bytes: {reported} reported, {unharmed} without harm");
+        assert!(reported > 500 && unharmed > 500, "{reported}, {unharmed}");
     }
-    println!("{carried} bytes: {reported} reported, {unharmed} without harm");
-    assert!(reported > 500 && unharmed > 500, "{reported}, {unharmed}");
 }
 
 /// The same at random in a long one: a figure of 400 moves, and long counted steps.
