@@ -25,8 +25,8 @@ use crate::order::Metric;
 use crate::setup::Mill;
 use crate::source::Source;
 use crate::{
-    cell, commands, compare_page, compare_text, drill, grid, interpolate, machines, setup, steps,
-    tune,
+    cell, commands, compare_page, compare_text, drill, grid, interpolate, machines, mill, setup,
+    steps, tune,
 };
 use husillo_gcode::Dialect;
 use husillo_machine::Config;
@@ -110,9 +110,10 @@ fn jog(args: &cell::Jog) -> Result<u8, Failure> {
     let out = &mut io::stdout().lock();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
+        "micromill" => mill::jog(args, out)?,
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
-                format!("{machine} cannot be jogged: there are microfactory and drill, and files with [bytes]")
+                format!("{machine} cannot be jogged: there are microfactory, drill and micromill, and files with [bytes]")
             })?;
             cell::jog(args, &settings, out)?
         }
@@ -608,13 +609,17 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
     }
     let mut source = job.open()?;
     let mut machine = job.new_machine(!args.no_compensation)?;
+    let motors = args
+        .levels
+        .then(|| setup::motors(&job.machine))
+        .transpose()?;
     if args.output == "-" {
         let mut out = BufWriter::with_capacity(1 << 18, io::stdout().lock());
-        steps::write(&mut source, &mut machine, &mut out)?;
+        steps::write(&mut source, &mut machine, motors, &mut out)?;
         out.flush()?;
     } else {
         let mut out = BufWriter::with_capacity(1 << 18, create(&args.output)?);
-        let count = steps::write(&mut source, &mut machine, &mut out)?;
+        let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
         out.flush()?;
         eprintln!("{}: {count} step events", args.output);
     }

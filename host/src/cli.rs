@@ -121,6 +121,11 @@ pub enum Command {
         where        tell where the axes are\n  \
         stop, emergency\n  \
         2: ACTION..  for the second --port alone; all: for all again\n\n\
+        The micro mill (-m micromill) has home, where, steps, and\n  \
+        x+y- 2s      jog one axis or several; it ends by itself within half a second when the host is gone\n  \
+        faster 1s    go on with the jog by 10 steps a second faster; slower 1s\n  \
+        run x -250 2s  an axis at so many steps a second\n  \
+        backlash x 204, zero\n\n\
         Examples:\n  \
         husillo jog home x 400 figure\n  \
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
@@ -307,6 +312,9 @@ pub struct Steps {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
+    /// The inputs of the motors' drivers after each event, too: a number an axis, bit 0 is the first input
+    #[arg(long)]
+    pub levels: bool,
 }
 
 /// Text for people, JSON for programs, or a page with pictures.

@@ -255,6 +255,24 @@ fn steps_as_csv() {
     );
     // The lash of X is taken up, then one step is made.
     assert_eq!(rows.len(), 4 + 1457 + 1);
+    // With the inputs of the drivers, PH of phase A in bit 0, of B in bit 3: X goes on by a quarter of its cycle a step.
+    let output = husillo()
+        .arg("steps")
+        .arg(&program)
+        .args(["--levels", "-o", "-"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let rows: Vec<_> = text.lines().take(4).collect();
+    assert_eq!(
+        rows,
+        [
+            "event,wait_ticks,dx,dy,dz,lx,ly,lz",
+            "1,7000,1,0,0,9,1,1",
+            "2,7000,1,0,0,8,1,1",
+            "2,1000000,0,0,0,8,1,1"
+        ]
+    );
 }
 
 #[test]

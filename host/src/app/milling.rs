@@ -11,9 +11,6 @@ use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use std::io::{self, BufRead, Write};
 
-/// The original's link.
-const BAUD: u32 = 9600;
-
 /// Whether it is the micro mill that is meant.
 pub(super) fn is_for(target: &Target, file: &str) -> bool {
     match target.machine.as_deref() {
@@ -48,7 +45,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         let message = "the micro mill needs a --port; without one `husillo run` simulates it";
         return Err(Failure::Usage(message.into()));
     }
-    let baud = args.baud.unwrap_or(BAUD);
+    let baud = args.baud.unwrap_or(mill::BAUD);
     let port =
         Port::open_at(port, baud).map_err(|error| Failure::Usage(format!("{port}: {error}")))?;
     let sending = Sending {

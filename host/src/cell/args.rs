@@ -8,7 +8,7 @@ pub struct Jog {
     /// Actions, done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
-    /// Machine: drill, microfactory, or the file of one like it
+    /// Machine: drill, micromill, microfactory, or the file of one like it
     #[arg(short, long, value_name = "NAME|FILE", default_value = "microfactory")]
     pub machine: String,
     /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once; PORT#2 for the second machine of a controller

@@ -1,0 +1,150 @@
+//! A mill moved by hand.
+
+use super::action::{Action, Leg, Pace};
+use super::session::{Session, why};
+use crate::cmm::Port;
+use husillo_transports::micromill::{Axis, Order, Outcome};
+use std::time::Duration;
+
+/// A jog ends by itself so long after the host was heard last, ms.
+const LEASE_MS: u16 = 500;
+/// How often the host is heard, us.
+const RENEWAL_US: u32 = 150_000;
+/// Most steps of one string.
+const MOST_STEPS: i32 = 9999;
+
+/// A session, and where the motors are by the steps they tell.
+pub struct Hand {
+    session: Session,
+    place: [i64; 3],
+}
+
+impl Hand {
+    /// Stops what moves; jogs end by themselves where the host is not heard any more.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port or the controller.
+    pub fn new(port: Port, bits_per_s: u32) -> Result<Self, String> {
+        let mut session = Session::new(port, bits_per_s);
+        session.order(Order::Stop, "stop")?;
+        session.order(Order::Stream(false), "no streaming")?;
+        session.order(Order::Every(1), "report of steps")?;
+        session.order(Order::Lease(LEASE_MS), "lease of jogs")?;
+        session.steps.clear();
+        Ok(Self {
+            session,
+            place: [0; 3],
+        })
+    }
+
+    /// Does it; what is worth telling.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about why it did not end well.
+    pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
+        let made = match action {
+            Action::Home => self.ordered(Order::Home),
+            Action::Steps(axis, steps) => self.steps(*axis, *steps),
+            Action::Jog(ways, legs) => self.moves(Order::Jog(*ways), legs),
+            Action::Run(axis, hz, time) => {
+                let pace = Pace::Same;
+                self.moves(Order::Run(*axis, *hz), &[Leg { pace, time: *time }])
+            }
+            Action::Backlash(axis, um) => self.ordered(Order::Backlash(*axis, *um)),
+            Action::Zero => self.ordered(Order::Zero),
+            Action::Where => Ok(()),
+        };
+        let told = self.session.steps.len();
+        for (axis, forward) in self.session.steps.drain(..) {
+            self.place[usize::from(axis)] += if forward { 1 } else { -1 };
+        }
+        made?;
+        if *action == Action::Home {
+            self.place = [0; 3];
+            return Ok("homed".into());
+        }
+        let [x, y, z] = self.place;
+        Ok(format!("{told} steps; motors at x {x} y {y} z {z}"))
+    }
+
+    fn ordered(&mut self, order: Order) -> Result<(), String> {
+        let text = order.text();
+        self.session
+            .order(order, &String::from_utf8_lossy(text.bytes()))
+    }
+
+    fn steps(&mut self, axis: Axis, steps: i32) -> Result<(), String> {
+        let mut left = steps;
+        while left != 0 {
+            let part = left.clamp(-MOST_STEPS, MOST_STEPS);
+            self.ordered(Order::Steps(axis, part as i16))?; // four digits
+            left -= part;
+        }
+        Ok(())
+    }
+
+    /// What goes on until it is stopped: for some times, with changes of speed between them.
+    fn moves(&mut self, order: Order, legs: &[Leg]) -> Result<(), String> {
+        if !self.session.start(order) {
+            return Err("the string before it has not ended".into());
+        }
+        let is_jog = matches!(order, Order::Jog(_));
+        for leg in legs {
+            match leg.pace {
+                Pace::Same => {}
+                Pace::Faster => self.say(Order::Faster)?,
+                Pace::Slower => self.say(Order::Slower)?,
+            }
+            self.wait(leg.time, is_jog)?;
+        }
+        self.say(Order::Stop)?;
+        loop {
+            match self.session.turn(RENEWAL_US)? {
+                None => {}
+                Some(Outcome::Done) => return Ok(()),
+                Some(outcome) => return Err(why(outcome).into()),
+            }
+        }
+    }
+
+    /// Lets it move, heard by it all the time.
+    fn wait(&mut self, time: Duration, is_jog: bool) -> Result<(), String> {
+        let mut left_us = time.as_micros() as u64; // an hour at most
+        let (mut last, mut renewed) = (self.session.now(), self.session.now());
+        while left_us > 0 {
+            if is_jog
+                && last.wrapping_sub(renewed) >= RENEWAL_US
+                && self.session.start(Order::Renew)
+            {
+                renewed = last;
+            }
+            let turn_us = left_us.min(u64::from(RENEWAL_US) / 3) as u32;
+            over(self.session.turn(turn_us)?)?;
+            let now = self.session.now();
+            left_us = left_us.saturating_sub(u64::from(now.wrapping_sub(last)));
+            last = now;
+        }
+        Ok(())
+    }
+
+    /// Says something to what moves, as soon as the string before it was heard.
+    fn say(&mut self, order: Order) -> Result<(), String> {
+        while !self.session.start(order) {
+            over(self.session.turn(RENEWAL_US)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// A motion that ended while it should go on.
+fn over(outcome: Option<Outcome>) -> Result<(), String> {
+    match outcome {
+        None => Ok(()),
+        Some(Outcome::Stopped) => {
+            Err("it stopped by itself: the end of the travel, a switch, or the host was not heard in time".into())
+        }
+        Some(outcome) => Err(why(outcome).into()),
+    }
+}
