@@ -73,7 +73,10 @@ impl Action {
                 "run" => {
                     let axis = words.next().and_then(axis);
                     let hz = words.next().and_then(|hz| hz.parse().ok());
-                    match (axis, hz.filter(|hz| *hz != 0 && i16::abs(*hz) <= 999)) {
+                    match (
+                        axis,
+                        hz.filter(|hz: &i16| *hz != 0 && hz.unsigned_abs() <= 999),
+                    ) {
                         (Some(axis), Some(hz)) => Self::Run(axis, hz, time(word, words.next())?),
                         _ => return Err(
                             "`run` which axis at how many steps a second? As in `run x -250 2s`"
@@ -232,6 +235,7 @@ mod tests {
             "x+ 1s faster",
             "run x 0 1s",
             "run x 1000 1s",
+            "run x -32768 1s",
             "run x 9",
             "backlash x 1000",
             "backlash x",
