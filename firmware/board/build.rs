@@ -20,6 +20,8 @@ fn main() {
     let module = format!("#[path = {path:?}]\nmod chosen;\n");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::write(out.join("memory.x"), map).expect("memory.x written to OUT_DIR");
+    // The vector table is the board's own.
+    fs::write(out.join("device.x"), "").expect("device.x written to OUT_DIR");
     fs::write(out.join("chosen.rs"), module).expect("chosen.rs written to OUT_DIR");
     // For the firmware, too.
     println!("cargo:rustc-link-search={}", out.display());

@@ -2,6 +2,10 @@
 import re
 
 
+# A foreground that sleeps again after fewer instructions has only looked whether there is something to do.
+IDLE = 32
+
+
 class Count:
     """What a log of a program on a board says; up to the first sleep or all of it."""
 
@@ -16,6 +20,8 @@ class Count:
         # The longest stretch in which no interrupt of the timer comes.
         self.held = 0
         inside, stretch, is_held = None, 0, False
+        # Instructions of the foreground since it slept last.
+        awake = IDLE
         first = {}
         for line in open(path, errors="replace"):
             if line.startswith("Trace"):
@@ -23,11 +29,12 @@ class Count:
                 address = int(line[at + 10:at + 18], 16)
                 if inside is None:
                     self.foreground += 1
+                    awake += 1
                 else:
                     inside[-1] += 1
                 if address not in first:
-                    first[address] = self.holds(address), self.is_return(address)
-                held, returns = first[address]
+                    first[address] = self.holds(address), self.is_return(address), self.sleeps(address)
+                held, returns, sleeps = first[address]
                 if inside is not self.step:
                     stretch += 1
                     if inside is None and held is not None:
@@ -36,8 +43,13 @@ class Count:
                         elif not held and is_held:
                             self.held = max(self.held, stretch)
                         is_held = held
-                if to_sleep and self.sleeps(address):
-                    break
+                if inside is None and sleeps:
+                    if to_sleep:
+                        break
+                    # Woken by an interrupt that it need not follow yet: it is idle.
+                    if awake < IDLE:
+                        self.foreground -= awake
+                    awake = 0
                 if returns:
                     inside = self.leave(inside, stretch)
             # It was not executed yet: it comes again.

@@ -126,7 +126,7 @@ fn run(
                 device.set_motion(*moves_left > 0, matches!(heard, Order::Jog(_)));
             }
         }
-        if *moves_left > 0 && device.room() > 0 {
+        if *moves_left > 0 && device.has_room(1) {
             device.step(husillo_transports::micromill::Axis::Z, false);
             *moves_left -= 1;
             if *moves_left == 0 {

@@ -43,7 +43,7 @@ pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
 pub use husillo_transports::byte_commands::Report as CellReport;
 pub use husillo_transports::micromill::Stops as MillStops;
 pub use machine::{Machine, Origin};
-pub use mill::{Mill, MillConfig, MillEvent, MillInputs};
+pub use mill::{Mill, MillConfig, MillEvent, MillInputs, MillStep};
 pub use motors::{Idle, Motors};
 #[cfg(feature = "nb")]
 pub use poll::NotFound;

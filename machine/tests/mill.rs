@@ -76,7 +76,9 @@ impl Bench {
     /// One event, if there is one; it is made at once.
     fn go(&mut self) -> bool {
         let inputs = MillInputs {
-            home: std::array::from_fn(|axis| self.loads[axis] <= self.switches[axis]),
+            home: (0..3).fold(0, |home, axis| {
+                home | u8::from(self.loads[axis] <= self.switches[axis]) << axis
+            }),
         };
         let Some(event) = self.mill.next_event(&inputs) else {
             self.hear();
@@ -85,7 +87,7 @@ impl Bench {
         match event {
             MillEvent::Step(step) => {
                 self.now_ticks += u64::from(step.wait_ticks);
-                for (axis, delta) in step.delta.into_iter().enumerate() {
+                for (axis, delta) in step.deltas().into_iter().enumerate() {
                     let delta = i32::from(delta);
                     self.motors[axis] += delta;
                     let ahead = self.ahead[axis] + delta;
@@ -95,8 +97,8 @@ impl Bench {
                         self.loads[axis] += delta;
                     }
                 }
-                if step.delta != [0; 3] {
-                    self.steps.push((self.now_ticks, step.delta));
+                if step.axes != 0 {
+                    self.steps.push((self.now_ticks, step.deltas()));
                 }
                 self.mill.made();
             }
@@ -511,7 +513,7 @@ proptest! {
         let (mut motors, mut is_held) = ([0; 3], false);
         for count in 0..made + late {
             while let Some(MillEvent::Step(step)) = bench.mill.next_event(&inputs) {
-                waiting.push_back(step.delta);
+                waiting.push_back(step.deltas());
             }
             prop_assert_eq!(waiting.len(), 8, "the line has 571 events");
             is_held |= count >= made && bench.mill.stops().takes(b'A');

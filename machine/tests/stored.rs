@@ -17,7 +17,7 @@ fn take(mill: &mut Mill, byte: u8, steps: &mut Vec<[i8; 3]>) {
     }
     while let Some(event) = mill.next_event(&MillInputs::default()) {
         if let MillEvent::Step(step) = event {
-            steps.push(step.delta);
+            steps.push(step.deltas());
             mill.made();
         }
         while mill.transmit().is_some() {}

@@ -97,9 +97,35 @@ impl Timer {
     #[inline]
     pub fn wait(&mut self, sweep: u64) -> u64 {
         // At most 2^62 + 2^32, and owed < 2^61.
-        let sum = self.owed.wrapping_add(self.product(sweep));
-        let ticks = sum.wrapping_shr(self.fraction_bits.into());
-        self.owed = sum.wrapping_sub(ticks.wrapping_shl(self.fraction_bits.into()));
+        let product = self.product(sweep);
+        self.owe(product)
+    }
+
+    /// [`wait`](Timer::wait) of an event of sweep 1, as all of a [line](https://docs.rs/husillo-interp) have: without its multiplications, which take a
+    /// Cortex-M0 75 instructions.
+    #[inline]
+    pub fn wait_one(&mut self) -> u64 {
+        // Both below 2^32.
+        let low = u64::from(self.rate_low).wrapping_add(self.owed_low.into());
+        self.owed_low = low as u32;
+        self.owe(self.rate.wrapping_add(low >> 32))
+    }
+
+    /// Whole ticks of a product and of what was owed before it.
+    #[inline]
+    fn owe(&mut self, product: u64) -> u64 {
+        let sum = self.owed.wrapping_add(product);
+        let bits = u32::from(self.fraction_bits);
+        if cfg!(target_pointer_width = "32") && bits >= 32 {
+            // As it is where waits are below 2^30: all shifts within the upper word.
+            let upper = (sum >> 32) as u32;
+            let ticks = upper.wrapping_shr(bits); // by bits - 32: shifts count modulo 32
+            let owed = upper.wrapping_sub(ticks.wrapping_shl(bits));
+            self.owed = u64::from(owed) << 32 | sum & 0xffff_ffff;
+            return ticks.into();
+        }
+        let ticks = sum.wrapping_shr(bits);
+        self.owed = sum.wrapping_sub(ticks.wrapping_shl(bits));
         ticks
     }
 

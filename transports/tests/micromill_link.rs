@@ -214,7 +214,7 @@ fn one_step_in_so_many_is_told() {
     let told = |device: &mut Device<64>, steps: i32| {
         let mut out = Vec::new();
         for _ in 0..steps.abs() {
-            assert!(device.room() > 0);
+            assert!(device.has_room(1));
             device.step(Axis::Y, steps > 0);
             out.extend(device.transmit());
         }
@@ -235,7 +235,7 @@ fn one_step_in_so_many_is_told() {
 fn steps_wait_for_room() {
     let mut device = ready();
     let mut steps = 0;
-    while device.room() > 0 {
+    while device.has_room(1) {
         device.step(Axis::X, true);
         steps += 1;
     }
@@ -328,7 +328,7 @@ impl<F: FnMut(bool, u8) -> Vec<u8>> Bench<F> {
                 }
             }
         }
-        if self.left > 0 && self.device.room() > 0 {
+        if self.left > 0 && self.device.has_room(1) {
             self.device.step(Axis::X, true);
             self.left -= 1;
             if self.left.is_multiple_of(10) && self.queue > 0 {

@@ -16,21 +16,23 @@
 //! | `write(levels: u8)` | the motors' pins; called by the step interrupt |
 //! | `switch(outputs: u8)` | up to four other outputs: spindle, current |
 //! | `inputs(simulated: u8) -> u8` | up to five switches, 1 for closed |
-//! | `wait(us: u32)` | calls `on_time` so many microseconds after the last time, or at once where that has passed |
+//! | `wait(us: u32, section)` | calls `on_time` so many microseconds after the last time, or at once where that has passed |
+//! | `LONGEST_US` | the longest wait that `wait` takes: longer ones are made of several |
 //! | `stop()` | ends the wait |
 //! | `baud(bits_per_s: u32)` | the UART goes on at this rate; `start` sets 9600 |
 //! | `is_sent() -> bool` | the last stop bit of what was sent is out: a half-duplex line may be let go |
 //! | `drive(duty: u8)` | the PWM of a DC motor, where the board has one |
 //! | `counts(simulated: u16) -> u16` | the counter of its encoder |
 //!
-//! and calls `on_time` when a wait is over and `heard` when a byte has come. A firmware has `on_time` and `on_byte`:
+//! and in its interrupts, all of one priority, it calls `on_time` when a wait is over and `heard` when a byte has come. A firmware has `on_time`, which calls
+//! `wait` or `stop`, and `on_byte`:
 //!
 //! ```ignore
 //! #[unsafe(no_mangle)]
-//! fn on_time() { /* a wait is over */ }
+//! fn on_time(section: CriticalSection<'_>) { /* a wait is over */ }
 //!
 //! #[unsafe(no_mangle)]
-//! fn on_byte(byte: u8) { /* what cannot wait until the foreground asks for it */ }
+//! fn on_byte(byte: u8, section: CriticalSection<'_>) { /* what cannot wait until the foreground asks for it */ }
 //! ```
 #![no_std]
 
@@ -43,6 +45,7 @@ mod shared;
 mod steps;
 
 pub use chosen::{baud, counts, drive, inputs, is_sent, send, start, stop, switch, wait, write};
+pub use critical_section::{CriticalSection, with as uninterrupted};
 pub use shared::Shared;
 pub use steps::{Step, Steps};
 
@@ -60,8 +63,14 @@ use heapless::spsc::Queue;
 
 // Safety: the firmware defines them so.
 unsafe extern "Rust" {
-    safe fn on_time();
-    safe fn on_byte(byte: u8);
+    safe fn on_time(section: CriticalSection<'_>);
+    safe fn on_byte(byte: u8, section: CriticalSection<'_>);
+}
+
+/// For the handlers of interrupts only: they have one priority, so none comes within another.
+fn section() -> CriticalSection<'static> {
+    // Safety: so nothing else runs until the handler has ended.
+    unsafe { CriticalSection::new() }
 }
 
 /// A DC motor and its encoder are at the pins: without, `drive` and `counts` do nothing, and the firmware simulates them.
@@ -72,9 +81,10 @@ static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());
 
 /// A byte has come: of the UART's interrupt.
 fn heard(byte: u8) {
-    on_byte(byte);
+    let section = section();
+    on_byte(byte, section);
     // Without room it is lost, and its echo with it.
-    HEARD.with(|heard| heard.enqueue(byte).ok());
+    HEARD.within(section, |heard| heard.enqueue(byte).ok());
 }
 
 /// The oldest byte that has come and was not taken yet.
@@ -87,11 +97,14 @@ pub fn has_heard() -> bool {
     HEARD.with(|heard| !heard.is_empty())
 }
 
-/// Sleeps until an interrupt, unless a byte has come or something else has happened.
-pub fn sleep(nothing: impl Fn() -> bool) {
-    critical_section::with(|_| {
-        if !has_heard() && nothing() {
+/// Sleeps until a byte has come or something else has happened.
+pub fn sleep(nothing: impl Fn(CriticalSection<'_>) -> bool) {
+    // Interrupts are let in after each time.
+    while critical_section::with(|section| {
+        let sleeps = HEARD.within(section, |heard| heard.is_empty()) && nothing(section);
+        if sleeps {
             wfi();
         }
-    });
+        sleeps
+    }) {}
 }

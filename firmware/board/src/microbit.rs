@@ -8,7 +8,8 @@
 //: }
 
 use crate::{
-    Shared, nvic,
+    CriticalSection, Shared,
+    nvic::{self, Vector, vectors},
     registers::{read, set},
 };
 
@@ -67,6 +68,8 @@ const PULLED_UP: u32 = 3 << 2;
 /// With the feature `motor`: P0.03, pad 0, the PWM, and P0.01 and P0.02, pads 2 and 1, A and B of the encoder.
 const PWM: u32 = 3;
 const ENCODER: [usize; 2] = [1, 2];
+/// Every wait is taken at once: none is above 2^31.
+pub const LONGEST_US: u32 = u32::MAX;
 /// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for. Where it passes all the same, twice as long.
 const LEAST_US: u32 = 2;
 
@@ -220,28 +223,36 @@ fn now_us() -> u32 {
 }
 
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
-pub fn wait(us: u32) {
-    LAST_US.with(|last| {
+#[inline]
+pub fn wait(us: u32, section: CriticalSection<'_>) {
+    LAST_US.within(section, |last| {
         *last = last.wrapping_add(us);
-        let mut least_us = LEAST_US;
-        loop {
-            // What has passed wraps to the upper half; waits are 2^31 at most.
-            let now = now_us();
-            let left = last.wrapping_sub(now);
-            if left.wrapping_sub(least_us) > 1 << 31 {
-                *last = now.wrapping_add(least_us);
-                least_us = least_us.wrapping_mul(2);
-            }
-            set(TIMER + CC0, *last);
-            // Only now: QEMU sets it again while the counter stands on the old value.
-            set(TIMER + COMPARE0, 0);
-            // It may have come in between.
-            if last.wrapping_sub(now_us()).wrapping_sub(1) < 1 << 31 {
-                break;
-            }
+        set(TIMER + CC0, *last);
+        // Only now: QEMU sets it again while the counter stands on the old value.
+        set(TIMER + COMPARE0, 0);
+        // What has passed wraps to the upper half; waits are 2^31 at most.
+        if last.wrapping_sub(now_us()).wrapping_sub(LEAST_US) >= 1 << 31 {
+            *last = at_once();
         }
-        set(TIMER + INTENSET, COMPARE0_INTERRUPT);
     });
+    set(TIMER + INTENSET, COMPARE0_INTERRUPT);
+}
+
+/// The wait ends as soon as it can: when.
+#[cold]
+fn at_once() -> u32 {
+    let mut least_us = LEAST_US;
+    loop {
+        let end = now_us().wrapping_add(least_us);
+        set(TIMER + CC0, end);
+        set(TIMER + COMPARE0, 0);
+        // The time that has passed may have been seen.
+        nvic::unpend(8);
+        if end.wrapping_sub(now_us()).wrapping_sub(1) < 1 << 31 {
+            return end;
+        }
+        least_us = least_us.wrapping_mul(2);
+    }
 }
 
 /// Ends the wait.
@@ -251,20 +262,19 @@ pub fn stop() {
     nvic::unpend(8);
 }
 
-#[cortex_m_rt::exception]
-unsafe fn DefaultHandler(number: i16) {
-    match number {
-        8 => {
-            set(TIMER + INTENCLR, COMPARE0_INTERRUPT);
-            set(TIMER + COMPARE0, 0);
-            crate::on_time();
-        }
-        2 => {
-            while read(UART + RXDRDY) != 0 {
-                set(UART + RXDRDY, 0);
-                crate::heard(read(UART + RXD) as u8);
-            }
-        }
-        _ => {}
+/// The interrupts of the chip by their numbers.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [Vector; 9] = vectors([(2, on_uart_interrupt), (8, on_timer_interrupt)]);
+
+/// A wait is over. `on_time` sets the next one or ends it: that quits the interrupt.
+extern "C" fn on_timer_interrupt() {
+    crate::on_time(crate::section());
+}
+
+extern "C" fn on_uart_interrupt() {
+    while read(UART + RXDRDY) != 0 {
+        set(UART + RXDRDY, 0);
+        crate::heard(read(UART + RXD) as u8);
     }
 }

@@ -9,7 +9,8 @@
 //: }
 
 use crate::{
-    Shared, nvic,
+    CriticalSection, Shared,
+    nvic::{self, Vector, vectors},
     registers::{read, set},
 };
 
@@ -33,19 +34,11 @@ const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
 const CLOCKS_PER_US: u32 = 25;
 const CLOCKS_PER_S: u32 = 25_000_000;
-/// The longest wait the timer takes at once: 60 s.
-const LONGEST_US: u32 = 60_000_000;
+/// The longest wait the timer takes at once: 67 s.
+pub const LONGEST_US: u32 = 1 << 26;
 
-/// When the last wait ended, and what is left of the one that runs.
-struct Clock {
-    last: u32,
-    rest_us: u32,
-}
-
-static CLOCK: Shared<Clock> = Shared::new(Clock {
-    last: 0,
-    rest_us: 0,
-});
+/// When the last wait ended.
+static LAST: Shared<u32> = Shared::new(0);
 
 /// When the last byte was given to the UART.
 static SENT_AT: Shared<u32> = Shared::new(0);
@@ -53,6 +46,7 @@ static SENT_AT: Shared<u32> = Shared::new(0);
 /// Pins, timers, UART, interrupts.
 pub fn start() {
     set(GPIO0 + OUTENSET, 0xfff);
+    set(TIMER0 + RELOAD, u32::MAX);
     set(TIMER1 + RELOAD, u32::MAX);
     set(TIMER1 + VALUE, u32::MAX);
     set(TIMER1 + CTRL, 1);
@@ -111,13 +105,12 @@ pub fn inputs(simulated: u8) -> u8 {
 }
 
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
-pub fn wait(us: u32) {
-    CLOCK.with(|clock| {
-        let part = us.min(LONGEST_US);
-        clock.rest_us = us.wrapping_sub(part);
+#[inline]
+pub fn wait(us: u32, section: CriticalSection<'_>) {
+    LAST.within(section, |last| {
         let now = !read(TIMER1 + VALUE);
         // Below 2^31.
-        let end = clock.last.wrapping_add(part.wrapping_mul(CLOCKS_PER_US));
+        let end = last.wrapping_add(us.wrapping_mul(CLOCKS_PER_US));
         let left = end.wrapping_sub(now);
         // What has passed wraps to the upper half.
         let left = if left.wrapping_sub(1) < 1 << 31 {
@@ -125,8 +118,7 @@ pub fn wait(us: u32) {
         } else {
             1
         };
-        clock.last = now.wrapping_add(left);
-        set(TIMER0 + RELOAD, left);
+        *last = now.wrapping_add(left);
         set(TIMER0 + VALUE, left);
         set(TIMER0 + CTRL, 0b1001);
     });
@@ -139,23 +131,20 @@ pub fn stop() {
     nvic::unpend(8);
 }
 
-#[cortex_m_rt::exception]
-unsafe fn DefaultHandler(number: i16) {
-    match number {
-        8 => {
-            set(TIMER0 + CTRL, 0);
-            set(TIMER0 + INTCLEAR, 1);
-            match CLOCK.with(|clock| core::mem::take(&mut clock.rest_us)) {
-                0 => crate::on_time(),
-                rest => wait(rest),
-            }
-        }
-        0 => {
-            set(UART0 + UART_INTCLEAR, 0b10);
-            while read(UART0 + STATE) & 0b10 != 0 {
-                crate::heard(read(UART0 + DATA) as u8);
-            }
-        }
-        _ => {}
+/// The interrupts of the chip by their numbers.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [Vector; 32] = vectors([(0, on_uart_interrupt), (8, on_timer_interrupt)]);
+
+extern "C" fn on_timer_interrupt() {
+    // It counts on from the top: 171 s.
+    set(TIMER0 + INTCLEAR, 1);
+    crate::on_time(crate::section());
+}
+
+extern "C" fn on_uart_interrupt() {
+    set(UART0 + UART_INTCLEAR, 0b10);
+    while read(UART0 + STATE) & 0b10 != 0 {
+        crate::heard(read(UART0 + DATA) as u8);
     }
 }

@@ -17,7 +17,8 @@
 //: } INSERT BEFORE .text;
 
 use crate::{
-    Shared, nvic,
+    CriticalSection, Shared,
+    nvic::{self, Vector, vectors},
     registers::{read, set},
 };
 use rp2040_hal::clocks::{ClocksManager, InitError, init_clocks_and_plls};
@@ -50,6 +51,8 @@ const MOTORS: u32 = 0xff << 2;
 const OUTPUTS: u32 = 0xf << 10;
 /// GP14 to GP18: switches to ground.
 const INPUTS: usize = 14;
+/// Every wait is taken at once: none is above 2^31.
+pub const LONGEST_US: u32 = u32::MAX;
 /// The shortest wait: what setting it takes.
 const LEAST_US: u32 = 2;
 /// Numbers of the interrupts.
@@ -185,8 +188,8 @@ pub fn inputs(simulated: u8) -> u8 {
 }
 
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
-pub fn wait(us: u32) {
-    LAST_US.with(|last| {
+pub fn wait(us: u32, section: CriticalSection<'_>) {
+    LAST_US.within(section, |last| {
         *last = last.wrapping_add(us);
         loop {
             // What has passed wraps to the upper half; waits are 2^31 at most.
@@ -216,7 +219,7 @@ pub fn stop() {
 }
 
 /// Takes what the host has sent: at most a packet, of which a protocol with echoes fills a few bytes.
-fn on_usb() {
+extern "C" fn on_usb() {
     let mut bytes = [0; 64];
     let count = LINE.with(|line| {
         let line = line.as_mut()?;
@@ -229,15 +232,13 @@ fn on_usb() {
     heard.for_each(|byte| crate::heard(*byte));
 }
 
-#[cortex_m_rt::exception]
-unsafe fn DefaultHandler(number: i16) {
-    match number as u16 {
-        TIMER_0 => {
-            set(TIMER + INTE, 0);
-            set(TIMER + INTR, 1);
-            crate::on_time();
-        }
-        USB => on_usb(),
-        _ => {}
-    }
+/// The interrupts of the chip by their numbers.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [Vector; 32] = vectors([(0, on_timer_interrupt), (5, on_usb)]);
+
+extern "C" fn on_timer_interrupt() {
+    set(TIMER + INTE, 0);
+    set(TIMER + INTR, 1);
+    crate::on_time(crate::section());
 }

@@ -1,5 +1,9 @@
 //! The queue between the foreground and the step interrupt.
 
+use critical_section::CriticalSection;
+
+use crate::chosen::LONGEST_US;
+
 /// A step that waits for its time; `D` is what the foreground wants back of one that is dropped.
 #[derive(Clone, Copy)]
 pub struct Step<D> {
@@ -11,6 +15,19 @@ pub struct Step<D> {
     pub delta: D,
 }
 
+/// What comes when a wait is over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Due {
+    /// None runs.
+    Nothing,
+    /// The rest of the next step's wait: it is longer than the board's timer takes at once.
+    Rest,
+    /// The next step.
+    Step,
+    /// None runs, and none begins.
+    Held,
+}
+
 /// `PLACES` steps that wait, a power of two up to 128. The foreground fills it; the interrupt writes and pops.
 ///
 /// Of `heapless` the same queue takes twice the instructions in the interrupt.
@@ -19,10 +36,7 @@ pub struct Steps<D, const PLACES: usize> {
     /// Steps queued and made, wrapping: where they are, too.
     queued: u8,
     made: u8,
-    /// The wait of the next one runs.
-    is_due: bool,
-    /// None begins.
-    is_held: bool,
+    due: Due,
 }
 
 impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
@@ -43,37 +57,55 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
             places: [blank; PLACES],
             queued: 0,
             made: 0,
-            is_due: false,
-            is_held: false,
+            due: Due::Nothing,
         }
     }
 
     /// The step interrupt: a wait is over.
     #[inline]
-    pub fn on_time(&mut self) {
-        if self.is_due {
-            crate::write(self.place(self.made).levels);
-            self.made = self.made.wrapping_add(1);
-            self.next();
+    pub fn on_time(&mut self, section: CriticalSection<'_>) {
+        if self.due != Due::Step {
+            return self.go_on(section);
         }
+        crate::write(self.place(self.made).levels);
+        self.made = self.made.wrapping_add(1);
+        self.next(section);
     }
 
     /// Begins the wait of the next step.
     #[inline]
-    fn next(&mut self) {
-        self.is_due = self.made != self.queued;
-        if self.is_due {
-            crate::wait(self.place(self.made).wait_us);
+    fn next(&mut self, section: CriticalSection<'_>) {
+        if self.made == self.queued {
+            self.due = Due::Nothing;
+            return crate::stop();
+        }
+        let step = self.place(self.made);
+        let wait_us = step.wait_us;
+        if wait_us > LONGEST_US {
+            step.wait_us = wait_us.wrapping_sub(LONGEST_US);
+            self.due = Due::Rest;
+            crate::wait(LONGEST_US, section);
+        } else {
+            self.due = Due::Step;
+            crate::wait(wait_us, section);
+        }
+    }
+
+    #[cold]
+    fn go_on(&mut self, section: CriticalSection<'_>) {
+        match self.due {
+            Due::Rest => self.next(section),
+            _ => crate::stop(),
         }
     }
 
     /// Queues a step; where none waits its wait begins now. The foreground counts: there is room.
     #[inline]
-    pub fn push(&mut self, step: Step<D>) {
+    pub fn push(&mut self, step: Step<D>, section: CriticalSection<'_>) {
         *self.place(self.queued) = step;
         self.queued = self.queued.wrapping_add(1);
-        if !self.is_due && !self.is_held {
-            self.next();
+        if self.due == Due::Nothing {
+            self.next(section);
         }
     }
 
@@ -81,17 +113,21 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     #[inline]
     pub fn hold(&mut self) {
         crate::stop();
-        self.is_due = false;
-        self.is_held = true;
+        self.due = Due::Held;
     }
 
     /// They go on; the next one with its whole wait.
     #[inline]
-    pub fn release(&mut self) {
-        if self.is_held {
-            self.is_held = false;
-            self.next();
+    pub fn release(&mut self, section: CriticalSection<'_>) {
+        if self.due == Due::Held {
+            self.next(section);
         }
+    }
+
+    /// Whether none waits.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.made == self.queued
     }
 
     /// How many were made, wrapping.
@@ -102,8 +138,8 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
 
     /// None of those that wait is made: they are given back, the last one first.
     pub fn stop(&mut self) -> impl Iterator<Item = Step<D>> {
-        self.hold();
-        self.is_held = false;
+        crate::stop();
+        self.due = Due::Nothing;
         core::iter::from_fn(|| {
             if self.queued == self.made {
                 return None;

@@ -16,7 +16,7 @@ use core::ptr::{read_volatile, write_volatile};
 use riscv::interrupt::Interrupt;
 
 use crate::{
-    Shared,
+    CriticalSection, Shared,
     registers::{read, set},
 };
 
@@ -33,6 +33,8 @@ const PLIC_CLAIM: usize = PLIC + 0x20_0004;
 const TIME: usize = 0x0200_bff8;
 const COMPARE: usize = 0x0200_4000;
 const CLOCKS_PER_US: u64 = 10;
+/// Every wait is taken at once: none is above 2^31.
+pub const LONGEST_US: u32 = u32::MAX;
 
 fn read_byte(address: usize) -> u8 {
     // Safety: the UART's registers.
@@ -127,8 +129,8 @@ fn now() -> u64 {
 }
 
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
-pub fn wait(us: u32) {
-    LAST.with(|last| {
+pub fn wait(us: u32, section: CriticalSection<'_>) {
+    LAST.within(section, |last| {
         let end = last.wrapping_add(u64::from(us).wrapping_mul(CLOCKS_PER_US));
         *last = end.max(now());
         // Never earlier in between.
@@ -148,8 +150,7 @@ pub fn stop() {
 
 #[riscv_rt::core_interrupt(Interrupt::MachineTimer)]
 fn timer() {
-    stop();
-    crate::on_time();
+    crate::on_time(crate::section());
 }
 
 #[riscv_rt::core_interrupt(Interrupt::MachineExternal)]

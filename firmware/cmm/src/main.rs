@@ -14,7 +14,7 @@
 mod plant;
 mod servo;
 
-use board::Shared;
+use board::{CriticalSection, Shared};
 use servo::Servo;
 
 /// A servo period, that of the original's chip.
@@ -29,14 +29,14 @@ fn with_servo<R: Default>(work: impl FnOnce(&mut Servo) -> R) -> R {
 
 /// The servo period is over.
 #[unsafe(no_mangle)]
-fn on_time() {
-    board::wait(PERIOD_US);
+fn on_time(section: CriticalSection<'_>) {
+    board::wait(PERIOD_US, section);
     with_servo(Servo::tick);
 }
 
 /// At once: who hears a byte stops talking.
 #[unsafe(no_mangle)]
-fn on_byte(byte: u8) {
+fn on_byte(byte: u8, _: CriticalSection<'_>) {
     with_servo(|servo| servo.hear(byte));
 }
 
@@ -46,7 +46,7 @@ fn main() -> ! {
     board::start();
     board::baud(19_200);
     SERVO.with(|servo| *servo = Some(Servo::new()));
-    board::wait(PERIOD_US);
+    board::uninterrupted(|section| board::wait(PERIOD_US, section));
     let (mut unsent, mut is_driven) = (None, false);
     loop {
         while board::received().is_some() {
@@ -67,7 +67,7 @@ fn main() -> ! {
                     is_driven = false;
                 }
             }
-            None => board::sleep(|| !with_servo(|servo| servo.has_reply())),
+            None => board::sleep(|_| !with_servo(|servo| servo.has_reply())),
         }
     }
 }

@@ -12,7 +12,7 @@
 
 mod switches;
 
-use board::{Shared, Step, Steps};
+use board::{CriticalSection, Shared, Step, Steps};
 use husillo_machine::{Drill, DrillConfig, DrillEvent, Idle, Motors};
 use husillo_stepper::{Driver, Levels, Mode, Sequencer};
 use husillo_transports::drill::MEMORY_BYTES;
@@ -25,13 +25,13 @@ static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
 
 /// The wait of a step is over.
 #[unsafe(no_mangle)]
-fn on_time() {
-    STEPS.with(Steps::on_time);
+fn on_time(section: CriticalSection<'_>) {
+    STEPS.within(section, |steps| steps.on_time(section));
 }
 
 /// The foreground takes them all: what stops this machine is its button R, which is the chip's reset.
 #[unsafe(no_mangle)]
-fn on_byte(_: u8) {}
+fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
 /// Everything else.
 #[board::entry]
@@ -76,12 +76,13 @@ fn main() -> ! {
             };
             if let Some(wait_us) = wait_us {
                 given = given.wrapping_add(1);
-                STEPS.with(|steps| {
-                    steps.push(Step {
-                        wait_us,
-                        levels,
-                        delta: (),
-                    });
+                let step = Step {
+                    wait_us,
+                    levels,
+                    delta: (),
+                };
+                board::uninterrupted(|section| {
+                    STEPS.within(section, |steps| steps.push(step, section));
                 });
             }
         }
@@ -93,7 +94,7 @@ fn main() -> ! {
             is_idle = false;
         }
         if is_idle {
-            board::sleep(|| STEPS.with(|steps| steps.made() == made));
+            board::sleep(|section| STEPS.within(section, |steps| steps.made() == made));
         }
     }
 }

@@ -13,7 +13,7 @@
 mod link;
 mod switches;
 
-use board::{Shared, Step, Steps};
+use board::{CriticalSection, Shared, Step, Steps};
 use husillo_machine::{CELL_MOTORS, CellEvent, CellReport};
 use link::Link;
 use switches::Switches;
@@ -27,14 +27,14 @@ const NOT_RESET: u8 = 0b10;
 
 /// The wait of a step is over: its CLOCKs rise, and fall when all is done.
 #[unsafe(no_mangle)]
-fn on_time() {
-    STEPS.with(Steps::on_time);
-    WAYS.with(|ways| board::write(*ways));
+fn on_time(section: CriticalSection<'_>) {
+    STEPS.within(section, |steps| steps.on_time(section));
+    WAYS.within(section, |ways| board::write(*ways));
 }
 
 /// The foreground takes them all: a step that waits is the last one.
 #[unsafe(no_mangle)]
-fn on_byte(_: u8) {}
+fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
 /// Everything else.
 #[board::entry]
@@ -85,12 +85,13 @@ fn main() -> ! {
             if let Some(wait_us) = wait_us {
                 let levels = WAYS.with(|ways| *ways) | clocks;
                 given = given.wrapping_add(1);
-                STEPS.with(|steps| {
-                    steps.push(Step {
-                        wait_us,
-                        levels,
-                        delta: (),
-                    });
+                let step = Step {
+                    wait_us,
+                    levels,
+                    delta: (),
+                };
+                board::uninterrupted(|section| {
+                    STEPS.within(section, |steps| steps.push(step, section));
                 });
             }
         }
@@ -102,7 +103,7 @@ fn main() -> ! {
             is_idle = false;
         }
         if is_idle {
-            board::sleep(|| STEPS.with(|steps| steps.made() == made));
+            board::sleep(|section| STEPS.within(section, |steps| steps.made() == made));
         }
     }
 }

@@ -11,9 +11,9 @@
 
 mod motors;
 
-use board::{Shared, Step, Steps};
+use board::{CriticalSection, Shared, Step, Steps};
 use husillo_gcode::SpindleDirection;
-use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, MillStops, StepEvent};
+use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, MillStep, MillStops};
 use husillo_stepper::{Driver, Mode, Sequencer};
 use motors::Motors;
 
@@ -21,27 +21,42 @@ use motors::Motors;
 static CONFIG: MillConfig = MillConfig::MICROMILL;
 
 /// Events that may wait for their time.
-const AHEAD: usize = 8;
+const AHEAD: usize = 16;
 
-type Micromill = Mill<'static, 16, AHEAD, 64>;
+type Micromill = Mill<'static, 16, AHEAD, 80>;
 
-static STEPS: Shared<Steps<[i8; 3], AHEAD>> = Shared::new(Steps::new([0; 3]));
+/// What is made before the foreground follows, where it need not tell every step at once.
+const TOGETHER: u8 = AHEAD as u8 / 2;
 
-/// Bytes that stop what moves.
-static STOPS: Shared<MillStops> = Shared::new(MillStops::Nothing);
+/// A step that was not made goes back by its masks: axes, and those that go backwards.
+type Masks = [u8; 2];
+
+/// What the interrupts work on.
+struct Interrupts {
+    steps: Steps<Masks, AHEAD>,
+    /// Bytes that stop what moves.
+    stops: MillStops,
+}
+
+static INTERRUPTS: Shared<Interrupts> = Shared::new(Interrupts {
+    steps: Steps::new([0; 2]),
+    stops: MillStops::Nothing,
+});
 
 /// The wait of a step is over.
 #[unsafe(no_mangle)]
-fn on_time() {
-    STEPS.with(Steps::on_time);
+fn on_time(section: CriticalSection<'_>) {
+    INTERRUPTS.within(section, |now| now.steps.on_time(section));
 }
 
 /// What stops acts at once: the foreground may be busy for some steps.
 #[unsafe(no_mangle)]
-fn on_byte(byte: u8) {
-    if STOPS.with(|stops| stops.takes(byte)) {
-        STEPS.with(Steps::hold);
-    }
+fn on_byte(byte: u8, section: CriticalSection<'_>) {
+    INTERRUPTS.within(section, |now| {
+        if now.stops.takes(byte) {
+            now.steps.hold();
+        }
+    });
 }
 
 /// Everything else.
@@ -66,23 +81,23 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
     let mut told = 0_u8;
     let mut unsent = None;
     loop {
-        tell(mill, &mut told, STEPS.with(|steps| steps.made()));
+        tell(mill, &mut told, INTERRUPTS.with(|now| now.steps.made()));
         while let Some(byte) = board::received() {
             if mill.receive(byte) {
                 halt(mill, motors, &mut told);
             }
         }
-        STOPS.with(|stops| *stops = mill.stops());
-        STEPS.with(|steps| {
-            // It was none of those that stop.
-            if !board::has_heard() {
-                steps.release();
-            }
+        board::uninterrupted(|section| {
+            INTERRUPTS.within(section, |now| {
+                now.stops = mill.stops();
+                // It was none of those that stop.
+                if !board::has_heard() {
+                    now.steps.release(section);
+                }
+            });
         });
         send(mill, &mut unsent);
-        let inputs = MillInputs {
-            home: home(mill.position_steps()),
-        };
+        let inputs = MillInputs { home: home(mill) };
         while let Some(event) = mill.next_event(&inputs) {
             match event {
                 MillEvent::Step(step) => push(&step, motors),
@@ -97,7 +112,13 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
             unsent = mill.transmit();
         }
         if unsent.is_none() {
-            board::sleep(|| STEPS.with(|steps| steps.made() == told));
+            let together = if mill.tells_steps() { 1 } else { TOGETHER };
+            board::sleep(|section| {
+                INTERRUPTS.within(section, |now| {
+                    let new = now.steps.made().wrapping_sub(told);
+                    new == 0 || new < together && !now.steps.is_empty()
+                })
+            });
         }
     }
 }
@@ -122,12 +143,16 @@ fn send(mill: &mut Micromill, unsent: &mut Option<u8>) {
     }
 }
 
-/// The home switches. A simulated machine's close at 400 steps below where it was switched on.
+/// The home switches. A simulated machine's close at 400 steps below where it was switched on: outside of the travel, once it is homed.
 #[inline]
-fn home(position_steps: [i32; 3]) -> [bool; 3] {
-    let [x, y, z] = position_steps.map(|steps| u8::from(steps <= -400));
-    let bits = board::inputs(x | y << 1 | z << 2);
-    [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]
+fn home(mill: &Micromill) -> u8 {
+    let simulated = if mill.is_homed() {
+        0
+    } else {
+        let [x, y, z] = mill.position_steps().map(|steps| u8::from(steps <= -400));
+        x | y << 1 | z << 2
+    };
+    board::inputs(simulated)
 }
 
 /// Forwards and backwards.
@@ -140,22 +165,25 @@ fn spindle(direction: SpindleDirection) -> u8 {
 }
 
 /// Queues a step: `Mill` gives no more than the queue holds.
-fn push(step: &StepEvent<3>, motors: &mut Motors) {
+fn push(step: &MillStep, motors: &mut Motors) {
     let step = Step {
         wait_us: step.wait_ticks,
-        delta: step.delta,
-        levels: motors.step(&step.delta),
+        delta: [step.axes, step.negative],
+        levels: motors.step([step.axes, step.negative]),
     };
-    STEPS.with(|steps| steps.push(step));
+    board::uninterrupted(|section| {
+        INTERRUPTS.within(section, |now| now.steps.push(step, section));
+    });
 }
 
 /// Stops: what has not been made will not be, and the motors' phases are those of what has.
 fn halt(mill: &mut Micromill, motors: &mut Motors, told: &mut u8) {
-    let made = STEPS.with(|steps| {
-        steps.stop().for_each(|step| {
-            motors.step(&step.delta.map(i8::wrapping_neg));
+    let made = INTERRUPTS.with(|now| {
+        now.steps.stop().for_each(|step| {
+            let [axes, negative] = step.delta;
+            motors.step([axes, axes & !negative]);
         });
-        steps.made()
+        now.steps.made()
     });
     tell(mill, told, made);
     mill.halted();

@@ -24,14 +24,16 @@ impl Motors {
         self.levels
     }
 
-    /// The pins after a step.
+    /// The pins after a step of these axes, of which those of the second mask go backwards.
     #[inline]
-    pub fn step(&mut self, delta: &[i8; 3]) -> u8 {
-        for ((motor, delta), place) in self.axes.iter_mut().zip(delta).zip(&[0, 2, 4]) {
-            if *delta != 0 {
-                let phases = phases(motor.step(*delta));
+    pub fn step(&mut self, [mut axes, mut negative]: [u8; 2]) -> u8 {
+        let mut place = 0;
+        for motor in &mut self.axes {
+            if axes & 1 != 0 {
+                let phases = phases(motor.step(if negative & 1 != 0 { -1 } else { 1 }));
                 self.levels = self.levels & !(0b11 << place) | phases << place;
             }
+            (axes, negative, place) = (axes >> 1, negative >> 1, place + 2);
         }
         self.levels
     }

@@ -6,8 +6,8 @@ use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
-    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, Motors, Scale, ServoAxis,
-    ServoModule, servo_law,
+    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, Scale,
+    ServoAxis, ServoModule, servo_law,
 };
 use husillo_stepper::Sequencer;
 
@@ -84,6 +84,8 @@ pub fn keep() {
         Mill::position_steps as *const (),
         Mill::receive as *const (),
         Mill::stops as *const (),
+        Mill::tells_steps as *const (),
+        MillStep::deltas as *const (),
         Mill::transmit as *const (),
         Drill::new as *const (),
         Drill::reset as *const (),

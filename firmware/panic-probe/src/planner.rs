@@ -13,6 +13,7 @@ pub fn keep() {
         Timer::new as *const (),
         Timer::with_fraction_bits as *const (),
         Timer::wait as *const (),
+        Timer::wait_one as *const (),
         Timer::fraction_bits as *const (),
         Timer::rate as *const (),
     ]);

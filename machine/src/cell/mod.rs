@@ -374,7 +374,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
             *place = direction;
         }
         let play = self.plays.get(usize::from(way.motor));
-        let counts = !play.is_some_and(|play| play.owes(direction));
+        let counts = !play.is_some_and(|play| play.owes(way.forward));
         let due = Due {
             wait_ticks: self.config.interval(way.motor),
             delta,
@@ -531,7 +531,7 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
         }
         // Both axes take up what they owe before the tool goes on.
         let [play_x, _, play_z] = &self.plays;
-        let [owes_x, owes_z] = [play_x.owes(x), play_z.owes(z)];
+        let [owes_x, owes_z] = [x != 0 && play_x.owes(x > 0), z != 0 && play_z.owes(z > 0)];
         let (x, z, wait_ticks) = if owes_x || owes_z {
             let only = |owes, direction| if owes { direction } else { 0 };
             (only(owes_x, x), only(owes_z, z), self.config.interval(0))
@@ -580,7 +580,9 @@ impl<F: AsRef<[[i16; 2]]>> Cell<F> {
     /// A step that is made now: the positions follow.
     fn made(&mut self, wait_ticks: u32, delta: [i8; CELL_MOTORS]) -> StepEvent<CELL_MOTORS> {
         for (play, direction) in self.plays.iter_mut().zip(delta) {
-            play.step(direction);
+            if direction != 0 {
+                play.step(direction > 0);
+            }
         }
         let [.., turn] = delta;
         // Of 2^32 steps, at 64 a second, none in two years.

@@ -23,25 +23,36 @@ impl Play {
     }
 
     /// Whether a step that way moves the motor only.
-    pub(crate) const fn owes(&self, direction: i8) -> bool {
-        match direction {
-            1 => self.ahead < self.lash,
-            -1 => self.ahead > 0,
-            _ => false,
-        }
+    pub(crate) const fn owes(&self, is_forward: bool) -> bool {
+        self.ahead != if is_forward { self.lash } else { 0 }
     }
 
-    /// A motor step, or none for 0.
-    pub(crate) const fn step(&mut self, direction: i8) {
-        if !self.owes(direction) {
+    /// A motor step; whether it moves the load.
+    pub(crate) const fn step(&mut self, is_forward: bool) -> bool {
+        let moves = !self.owes(is_forward);
+        self.shift(is_forward, moves);
+        moves
+    }
+
+    /// So many steps, -1 to 1, that move the load, as those do that owe nothing.
+    #[inline]
+    pub(crate) const fn carry(&mut self, steps: i32) {
+        self.load = self.load.wrapping_add(steps);
+    }
+
+    /// As if a step, the last one of those made, had not been.
+    pub(crate) const fn undo(&mut self, is_forward: bool, moved: bool) {
+        self.shift(!is_forward, moved);
+    }
+
+    const fn shift(&mut self, is_forward: bool, moves_load: bool) {
+        match (moves_load, is_forward) {
             // Of 2^32 steps, at 100 a second, none in a year.
-            self.load = self.load.wrapping_add(direction as i32);
-        } else if direction > 0 {
-            // Below the lash.
-            self.ahead = self.ahead.wrapping_add(1);
-        } else {
-            // Above zero.
-            self.ahead = self.ahead.wrapping_sub(1);
+            (true, true) => self.load = self.load.wrapping_add(1),
+            (true, false) => self.load = self.load.wrapping_sub(1),
+            // Below the lash, or above zero.
+            (false, true) => self.ahead = self.ahead.wrapping_add(1),
+            (false, false) => self.ahead = self.ahead.wrapping_sub(1),
         }
     }
 

@@ -6,25 +6,29 @@ mod event;
 mod path;
 mod ring;
 mod task;
+mod ways;
 
 pub use config::MillConfig;
-pub use event::{MillEvent, MillInputs};
+pub use event::{MillEvent, MillInputs, MillStep};
 
 use husillo_gcode::SpindleDirection;
 use husillo_interp::{Interpolator, Moves};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Line, Order, Stops};
 
-use crate::{Config, MAX_WAIT_TICKS, Segment, StepEvent, cell::play::Play, segment::lattice};
+use crate::{Config, MAX_WAIT_TICKS, Segment, cell::play::Play, segment::lattice};
 use entry::{Entry, Kind, Place, nm};
 use path::Flat;
 use ring::Ring;
 use task::{Course, Task};
+use ways::Ways;
 
 /// An event that was given and is not made yet.
 #[derive(Copy, Clone, Debug)]
 struct Given {
-    delta: [i8; 3],
+    ways: Ways,
+    /// The axes whose load it moves.
+    loads: u8,
     /// Lines that are done with it.
     ends: u8,
 }
@@ -54,7 +58,7 @@ struct Given {
 /// }
 /// let mut steps = 0;
 /// while let Some(MillEvent::Step(step)) = mill.next_event(&MillInputs::default()) {
-///     steps += step.delta[1];
+///     steps += step.deltas()[1];
 ///     mill.made();
 /// }
 /// assert_eq!(steps, 3);
@@ -78,9 +82,8 @@ pub struct Mill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: 
     course: Course,
     /// Ticks of moves too short for a step: they belong to the next one.
     carried_ticks: u64,
-    /// Motors and loads after the events given, and after those made.
+    /// Motors and loads after the events given.
     plays: [Play; 3],
-    made: [Play; 3],
     lash: [u16; 3],
     ahead: Ring<Given, AHEAD>,
     /// How long a jog lasts without being renewed.
@@ -112,13 +115,13 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             zero: [0; 3],
             task: Task::Idle,
             path: None,
-            course: Course::new(Timer::new(0, 1, 1), [0; 3]),
+            course: Course::new(Timer::new(0, 1, 1), Ways::NONE),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
-            made: [Play::new(0); 3],
             lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
             ahead: Ring::new(Given {
-                delta: [0; 3],
+                ways: Ways::NONE,
+                loads: 0,
                 ends: 0,
             }),
             lease_ticks: None,
@@ -132,7 +135,6 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         for (play, lash) in mill.plays.iter_mut().zip(mill.lash) {
             *play = Play::new(lash);
         }
-        mill.made = mill.plays;
         mill.is_homed = true;
         mill
     }
@@ -162,24 +164,33 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         } else {
             Answer::Taken
         };
+        while let Some(given) = self.ahead.pop_last() {
+            undo(&mut self.plays, &given);
+        }
         self.drop_all();
-        self.plays = self.made;
         self.stand();
         self.link.answer(answer);
         self.tell_motion();
     }
 
     /// The oldest event that was given has been made.
+    #[inline]
     pub fn made(&mut self) {
         let Some(given) = self.ahead.pop() else {
             return;
         };
-        // By reference, here and in `follow`: arrays that are iterated by value are copied first.
-        let axes = self.made.iter_mut().zip(&Axis::ALL);
-        for ((play, axis), delta) in axes.zip(&given.delta) {
-            if *delta != 0 {
-                play.step(*delta);
-                self.link.step(*axis, *delta > 0);
+        if self.link.tells_steps() || given.ends > 0 || self.ahead.is_empty() {
+            self.tell(&given);
+        }
+    }
+
+    /// What there is to say of an event that was made.
+    #[inline(never)]
+    fn tell(&mut self, given: &Given) {
+        for axis in Axis::ALL {
+            let bit = Ways::one(axis, true).axes;
+            if given.ways.axes & bit != 0 {
+                self.link.step(axis, given.ways.negative & bit == 0);
             }
         }
         for _ in 0..given.ends {
@@ -188,6 +199,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         if self.ahead.is_empty() {
             self.tell_motion();
         }
+    }
+
+    /// Whether steps are told: then [`made`](Mill::made) should be said of each at once. Otherwise the foreground may wait until some of
+    /// those given have been made.
+    pub const fn tells_steps(&self) -> bool {
+        self.link.tells_steps()
     }
 
     /// The next byte for the line.
@@ -201,8 +218,11 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         loop {
             // Every event given may tell three steps, and so may the next one.
             let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
-            if self.ahead.is_full() || self.link.room() < to_tell {
+            if self.ahead.is_full() || !self.link.has_room(to_tell) {
                 return None;
+            }
+            if let Some(step) = self.step_of_path(inputs) {
+                return Some(MillEvent::Step(step));
             }
             match self.look(inputs) {
                 Next::Give(event) => return Some(event),
@@ -227,7 +247,11 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
 
     /// Load steps from machine zero after the events that were made; from where it was switched on before homing.
     pub fn position_steps(&self) -> [i32; 3] {
-        self.made.map(|play| play.load())
+        let mut plays = self.plays;
+        for given in self.ahead.iter() {
+            undo(&mut plays, &given);
+        }
+        plays.map(|play| play.load())
     }
 
     fn tell_motion(&mut self) {
@@ -283,7 +307,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             _ if !is_free => self.link.answer(Answer::Refused),
             Order::Jog(ways) => {
                 self.task = Task::Jog {
-                    ways,
+                    ways: Ways::of(ways),
                     hz: self.config.jog_hz,
                     left_ticks: self.lease_ticks,
                 };
@@ -292,7 +316,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 let is_right = hz.unsigned_abs() <= self.config.top_hz;
                 if is_right {
                     self.task = Task::Run {
-                        ways: one_way(axis, hz > 0),
+                        ways: Ways::one(axis, hz > 0),
                         hz: hz.unsigned_abs(),
                     };
                 } else {
@@ -302,7 +326,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             Order::Steps(axis, steps) => {
                 if self.reaches(axis, steps) {
                     self.task = Task::Steps {
-                        ways: one_way(axis, steps > 0),
+                        ways: Ways::one(axis, steps > 0),
                         left: steps.unsigned_abs(),
                     };
                 } else {
@@ -315,7 +339,6 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 for play in &mut self.plays {
                     play.set_lash(0);
                 }
-                self.made = self.plays;
                 self.task = Task::Leave {
                     axis: Axis::Z,
                     left: self.config.search_steps,
@@ -399,7 +422,6 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 }
             }
         }
-        self.made = self.plays;
         self.link.answer(Answer::Done);
     }
 
@@ -420,9 +442,11 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         })
     }
 
+    /// What comes next where it is no step of a path that nothing stands before.
+    #[inline(never)]
     fn look(&mut self, inputs: &MillInputs) -> Next {
         if self.path.is_some() {
-            return self.follow(inputs);
+            return self.precede(inputs);
         }
         if self.task == Task::Idle {
             return self.begin();
@@ -437,7 +461,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             self.task = Task::Dwell {
                 left_ticks: left_ticks.wrapping_sub(wait_ticks.into()),
             };
-            return self.give(wait_ticks, [0; 3]);
+            return self.give(wait_ticks, Ways::NONE);
         }
         // With the switches as they are after the last step.
         if !self.ahead.is_empty() {
@@ -458,7 +482,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             self.task = Task::Idle;
             let wait_ticks = self.carried_ticks.min(MAX_WAIT_TICKS.into()) as u32;
             self.carried_ticks = self.carried_ticks.wrapping_sub(wait_ticks.into());
-            return self.give(wait_ticks, [0; 3]);
+            return self.give(wait_ticks, Ways::NONE);
         }
         let is_output = !entry.moves() && !matches!(entry.kind, Kind::Nothing | Kind::Dwell);
         if is_output && !self.ahead.is_empty() {
@@ -528,10 +552,11 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             self.path = None;
             return ticks;
         }
-        let mut heading = [0; 3];
+        let mut heading = Ways::NONE;
         if path.radius().is_none() {
-            for (heading, (start, end)) in heading.iter_mut().zip(start.iter().zip(end)) {
-                *heading = i8::from(end > *start).wrapping_sub(i8::from(end < *start));
+            for (axis, (start, end)) in (0..).zip(start.iter().zip(end)) {
+                let way = i8::from(end > *start).wrapping_sub(i8::from(end < *start));
+                heading = heading.with(axis, way);
             }
         }
         let (sweep, largest) = (path.total_sweep(), path.largest_sweep());
@@ -539,68 +564,98 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         ticks
     }
 
-    /// The next step of the move under way.
-    fn follow(&mut self, inputs: &MillInputs) -> Next {
-        let (Some(path), course) = (&mut self.path, &mut self.course) else {
-            return Next::Again;
-        };
-        let (delta, wait) = match course.next.take() {
-            Some(next) => next,
+    /// The next step of the move under way, unless something comes before it: then that step is kept, and [`look`](Mill::look) decides.
+    #[inline]
+    fn step_of_path(&mut self, inputs: &MillInputs) -> Option<MillStep> {
+        let (path, course) = (self.path.as_mut()?, &mut self.course);
+        let (ways, wait) = match course.next {
+            Some(next) => {
+                course.next = None;
+                next
+            }
             None => {
                 let Some(step) = path.next() else {
-                    self.path = None;
-                    self.task = Task::Idle;
-                    self.end_line();
-                    return Next::Again;
+                    self.end_path();
+                    return None;
                 };
-                let wait = course.timer.wait(step.sweep.into());
-                let wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
-                course.turns(step);
-                (step.deltas(), wait)
+                let ways = Ways {
+                    axes: step.axes,
+                    negative: step.negative,
+                };
+                let wait = match path {
+                    Flat::Line(_) => course.timer.wait_one(),
+                    Flat::Arc(_) => {
+                        course.turns(ways);
+                        course.timer.wait(step.sweep.into())
+                    }
+                };
+                (ways, wait)
             }
         };
+        if course.may_owe || wait > u64::from(MAX_WAIT_TICKS) || ways.negative & inputs.home != 0 {
+            course.next = Some((ways, wait));
+            return None;
+        }
+        let is_last = path.remaining() == 0;
+        // It owes nothing: it moves loads.
+        let (axes, negative) = (i32::from(ways.axes), i32::from(ways.negative));
+        let [x, y, z] = &mut self.plays;
+        x.carry((axes & 1).wrapping_sub((negative & 1) << 1));
+        y.carry((axes >> 1 & 1).wrapping_sub(negative & 2));
+        z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
+        let step = self.say(wait as u32, ways, ways.axes);
+        if is_last {
+            self.end_path();
+        }
+        Some(step)
+    }
+
+    /// What comes before a step of the path: a take-up, or a part of its wait; or it does not come.
+    fn precede(&mut self, inputs: &MillInputs) -> Next {
+        let course = &mut self.course;
+        let Some((ways, mut wait)) = course.next.take() else {
+            return Next::Again;
+        };
         if course.may_owe {
+            // At the first step of a move, too.
+            wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
             // A straight move takes up all its axes before it begins, an arc each where it turns round.
-            let owed = owed(&self.plays, &course.heading);
-            if let Some((number, way)) = owed.or_else(|| self::owed(&self.plays, &delta)) {
-                course.next = Some((delta, wait));
-                return self.take_up(number, way);
+            let owed = owed(&self.plays, course.heading);
+            if let Some(owed) = owed.or_else(|| self::owed(&self.plays, ways)) {
+                course.next = Some((ways, wait));
+                return self.take_up(owed);
             }
             course.is_even();
         }
         if wait > u64::from(MAX_WAIT_TICKS) {
-            course.next = Some((delta, wait.wrapping_sub(MAX_WAIT_TICKS.into())));
-            return self.give(MAX_WAIT_TICKS, [0; 3]);
+            course.next = Some((ways, wait.wrapping_sub(MAX_WAIT_TICKS.into())));
+            return self.give(MAX_WAIT_TICKS, Ways::NONE);
         }
-        let is_last = path.remaining() == 0;
-        let mut into_switch = delta.iter().zip(&inputs.home);
-        if into_switch.any(|(way, is_closed)| *way < 0 && *is_closed) {
+        if ways.negative & inputs.home != 0 {
             // Within the travel no switch closes: steps were lost.
             self.is_homed = false;
             self.cut();
             return Next::Wait;
         }
-        let next = self.give(wait as u32, delta);
-        if is_last {
-            self.path = None;
-            self.task = Task::Idle;
-            self.end_line();
-        }
-        next
+        course.next = Some((ways, wait));
+        Next::Again
+    }
+
+    #[inline(never)]
+    fn end_path(&mut self) {
+        self.path = None;
+        self.task = Task::Idle;
+        self.end_line();
     }
 
     /// A step of an axis that moves no load.
     #[inline(never)]
-    fn take_up(&mut self, number: u8, way: i8) -> Next {
-        let number = usize::from(number);
+    fn take_up(&mut self, owed: Ways) -> Next {
+        let number = usize::from(owed.axes >> 1); // of the bits 1, 2 and 4
         let axis = self.config.machine.axes.get(number);
         let hz = axis.map_or(1, |axis| axis.max_rate_hz);
         let wait_ticks = self.course.pace(number, self.config.machine.timer_hz, hz);
-        let mut delta = [0; 3];
-        if let Some(delta) = delta.get_mut(number) {
-            *delta = way;
-        }
-        self.give(wait_ticks, delta)
+        self.give(wait_ticks, owed)
     }
 
     /// Ends everything where it is; what was given is still made.
@@ -614,14 +669,29 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         self.link.answer(Answer::Stopped);
     }
 
-    fn give(&mut self, wait_ticks: u32, delta: [i8; 3]) -> Next {
-        for (play, delta) in self.plays.iter_mut().zip(&delta) {
-            if *delta != 0 {
-                play.step(*delta);
+    fn give(&mut self, wait_ticks: u32, ways: Ways) -> Next {
+        let (mut loads, mut bit) = (0, 1_u8);
+        for play in &mut self.plays {
+            if ways.axes & bit != 0 && play.step(ways.negative & bit == 0) {
+                loads |= bit;
             }
+            bit = bit.wrapping_shl(1);
         }
-        self.ahead.push(Given { delta, ends: 0 });
-        Next::Give(MillEvent::Step(StepEvent { wait_ticks, delta }))
+        Next::Give(MillEvent::Step(self.say(wait_ticks, ways, loads)))
+    }
+
+    #[inline]
+    fn say(&mut self, wait_ticks: u32, ways: Ways, loads: u8) -> MillStep {
+        self.ahead.push(Given {
+            ways,
+            loads,
+            ends: 0,
+        });
+        MillStep {
+            wait_ticks,
+            axes: ways.axes,
+            negative: ways.negative,
+        }
     }
 
     /// The line is done when all that was given has been made.
@@ -660,17 +730,28 @@ fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Flat) -> u64 {
 }
 
 /// The first axis that goes a way which it takes up lash for.
-fn owed(plays: &[Play; 3], ways: &[i8; 3]) -> Option<(u8, i8)> {
-    let mut axes = (0..3).zip(plays.iter().zip(ways));
-    axes.find(|(_, (play, way))| play.owes(**way))
-        .map(|(axis, (_, way))| (axis, *way))
+fn owed(plays: &[Play; 3], ways: Ways) -> Option<Ways> {
+    let mut bit = 1_u8;
+    for play in plays {
+        let negative = ways.negative & bit;
+        if ways.axes & bit != 0 && play.owes(negative == 0) {
+            return Some(Ways {
+                axes: bit,
+                negative,
+            });
+        }
+        bit = bit.wrapping_shl(1);
+    }
+    None
 }
 
-/// One axis, one way.
-fn one_way(axis: Axis, is_forward: bool) -> [i8; 3] {
-    Axis::ALL.map(|other| match (other == axis, is_forward) {
-        (false, _) => 0,
-        (true, true) => 1,
-        (true, false) => -1,
-    })
+/// As if an event, the last one of those given, had not been.
+fn undo(plays: &mut [Play; 3], given: &Given) {
+    let mut bit = 1_u8;
+    for play in plays {
+        if given.ways.axes & bit != 0 {
+            play.undo(given.ways.negative & bit == 0, given.loads & bit != 0);
+        }
+        bit = bit.wrapping_shl(1);
+    }
 }

@@ -70,6 +70,18 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         self.slots.get(self.first).copied()
     }
 
+    /// From the first one on.
+    pub(super) fn iter(&self) -> impl Iterator<Item = T> {
+        (0..self.length).filter_map(|behind| self.slots.get(self.place(behind)).copied())
+    }
+
+    /// Takes back the one that was pushed last.
+    pub(super) fn pop_last(&mut self) -> Option<T> {
+        let element = self.last_mut().copied()?;
+        self.length = self.length.wrapping_sub(1); // it was not 0
+        Some(element)
+    }
+
     pub(super) fn pop(&mut self) -> Option<T> {
         let element = self.first()?;
         self.first = self.place(1);

@@ -1,11 +1,10 @@
 //! What is under way: a line, or one of the modes that decide step by step.
 
 use husillo_gcode::Nm;
-use husillo_interp::Step;
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis};
 
-use super::{Mill, MillInputs, Next, one_way};
+use super::{Mill, MillInputs, Next, owed, ways::Ways};
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Task {
@@ -16,18 +15,18 @@ pub(super) enum Task {
         left_ticks: u64,
     },
     Jog {
-        ways: [i8; 3],
+        ways: Ways,
         hz: u16,
         /// Until it ends, unless it is renewed.
         left_ticks: Option<u32>,
     },
     Run {
-        ways: [i8; 3],
+        ways: Ways,
         hz: u16,
     },
     /// Load steps left.
     Steps {
-        ways: [i8; 3],
+        ways: Ways,
         left: u16,
     },
     /// Homing: off the switch, if it begins there, since going towards it is what tells the flank.
@@ -59,9 +58,9 @@ impl Task {
 pub(super) struct Course {
     pub(super) timer: Timer,
     /// Directions in which a straight move takes up lash before it begins.
-    pub(super) heading: [i8; 3],
+    pub(super) heading: Ways,
     /// The next step of the path, and its wait: an axis is taken up before it.
-    pub(super) next: Option<([i8; 3], u64)>,
+    pub(super) next: Option<(Ways, u64)>,
     /// Whether an axis steps the other way than before, or for the first time: only then it can owe lash.
     pub(super) may_owe: bool,
     /// Axes that have stepped forwards last, and backwards.
@@ -72,7 +71,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub(super) const fn new(timer: Timer, heading: [i8; 3]) -> Self {
+    pub(super) const fn new(timer: Timer, heading: Ways) -> Self {
         Course {
             timer,
             heading,
@@ -86,8 +85,8 @@ impl Course {
 
     /// The next step of the path is known.
     #[inline]
-    pub(super) const fn turns(&mut self, step: Step) {
-        let (forwards, backwards) = (step.axes & !step.negative, step.negative);
+    pub(super) const fn turns(&mut self, ways: Ways) {
+        let (forwards, backwards) = (ways.axes & !ways.negative, ways.negative);
         if forwards & !self.forwards | backwards & !self.backwards != 0 {
             self.may_owe = true;
             self.forwards = self.forwards & !backwards | forwards;
@@ -111,7 +110,7 @@ impl Course {
     #[inline]
     pub(super) const fn is_even(&mut self) {
         self.may_owe = false;
-        self.heading = [0; 3];
+        self.heading = Ways::NONE;
         self.pace = None;
     }
 }
@@ -172,7 +171,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             axis,
             left: left.wrapping_sub(1),
         };
-        self.give(self.interval(self.config.jog_hz), one_way(axis, true))
+        self.give(self.interval(self.config.jog_hz), Ways::one(axis, true))
     }
 
     fn search(&mut self, axis: Axis, left: u32, inputs: &MillInputs) -> Next {
@@ -187,7 +186,6 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                     play.set_behind();
                 }
             }
-            self.made = self.plays;
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
@@ -201,12 +199,12 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             axis,
             left: left.wrapping_sub(1),
         };
-        self.give(self.interval(self.config.jog_hz), one_way(axis, false))
+        self.give(self.interval(self.config.jog_hz), Ways::one(axis, false))
     }
 
     fn back_off(&mut self, axis: Axis, left: u16, inputs: &MillInputs) -> Next {
         if left > 0 {
-            let (delta, moves) = self.owed_or(one_way(axis, true));
+            let (delta, moves) = self.owed_or(Ways::one(axis, true));
             self.task = Task::BackOff {
                 axis,
                 left: left.wrapping_sub(moves.into()),
@@ -221,7 +219,6 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                 play.set_zero();
             }
         }
-        self.made = self.plays;
         let next = match axis {
             Axis::Z => Axis::X,
             Axis::X => Axis::Y,
@@ -238,33 +235,27 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
     }
 
     /// The take-up of the first axis that owes some, or the step, and whether it is that.
-    fn owed_or(&self, ways: [i8; 3]) -> ([i8; 3], bool) {
-        let mut delta = [0; 3];
-        let axes = delta.iter_mut().zip(self.plays.iter().zip(ways));
-        let owing = axes.into_iter().find(|(_, (play, way))| play.owes(*way));
-        match owing {
-            Some((delta, (_, way))) => *delta = way,
-            None => return (ways, true),
+    fn owed_or(&self, ways: Ways) -> (Ways, bool) {
+        match owed(&self.plays, ways) {
+            Some(owed) => (owed, false),
+            None => (ways, true),
         }
-        (delta, false)
     }
 
     /// Whether an axis has come to the end of its way: the travel's where it is known, or the switch.
-    fn is_at_end(&self, ways: [i8; 3], inputs: &MillInputs) -> bool {
+    fn is_at_end(&self, ways: Ways, inputs: &MillInputs) -> bool {
+        if ways.negative & inputs.home != 0 {
+            return true;
+        }
         let axes = self.config.machine.axes.iter().zip(&self.plays);
-        let mut axes = axes.zip(ways.iter().zip(inputs.home));
-        axes.any(|((axis, play), (way, is_closed))| {
-            if *way < 0 && is_closed {
-                return true;
+        let mut axes = axes.zip(ways.deltas());
+        axes.any(|((axis, play), way)| match axis.travel {
+            Some([low, high]) if self.is_homed && way != 0 && !play.owes(way > 0) => {
+                let to = play.load().saturating_add(way.into());
+                let Nm(to) = axis.scale.position(to);
+                to < low.0 || to > high.0
             }
-            match axis.travel {
-                Some([low, high]) if self.is_homed && *way != 0 && !play.owes(*way) => {
-                    let to = play.load().saturating_add((*way).into());
-                    let Nm(to) = axis.scale.position(to);
-                    to < low.0 || to > high.0
-                }
-                _ => false,
-            }
+            _ => false,
         })
     }
 
@@ -283,8 +274,5 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
 }
 
 fn is_closed(axis: Axis, inputs: &MillInputs) -> bool {
-    let switches = Axis::ALL.into_iter().zip(inputs.home);
-    switches
-        .into_iter()
-        .any(|(other, is_closed)| other == axis && is_closed)
+    Ways::one(axis, true).axes & inputs.home != 0
 }

@@ -12,7 +12,7 @@ const RESERVE: usize = 8;
 /// | --- | --- |
 /// | a byte arrives | [`push`](Device::push), which gives an order or none |
 /// | the machine begins or ends something that a byte stops | [`set_motion`](Device::set_motion) |
-/// | a motor step was made | [`step`](Device::step), while there is [`room`](Device::room) |
+/// | a motor step was made | [`step`](Device::step), where it [`has_room`](Device::has_room) |
 /// | an order was obeyed, or refused | [`answer`](Device::answer) |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
@@ -153,9 +153,15 @@ impl<const OUT: usize> Device<OUT> {
         self.is_streaming
     }
 
-    /// How many steps can be told now, and echoes and answers beside them. Those that are queued for the motors will be told, too.
-    pub const fn room(&self) -> usize {
-        OUT.saturating_sub(self.waiting).saturating_sub(RESERVE)
+    /// Whether so many steps can be told now, and echoes and answers beside them. Those that are queued for the motors will be told, too.
+    pub const fn has_room(&self, steps: usize) -> bool {
+        // At most OUT wait.
+        steps.saturating_add(RESERVE) <= OUT.wrapping_sub(self.waiting)
+    }
+
+    /// Whether steps are told, or counted to be told: without there is no need to say them.
+    pub const fn tells_steps(&self) -> bool {
+        self.every != 0
     }
 
     /// Tells a motor step, or counts it where only one in so many is told.

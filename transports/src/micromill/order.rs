@@ -65,6 +65,7 @@ pub enum Order {
 
 impl Order {
     /// Reads a string without its `;`, blanks or ends of lines; `None` where there is no such string.
+    #[inline(never)] // whoever takes strings may be optimized for speed: this need not
     pub fn read(string: &[u8]) -> Option<Order> {
         let mut reader = Reader(string);
         let (first, _) = string.split_first()?;

@@ -1,0 +1,52 @@
+//! Which axes step, and where to.
+
+use husillo_transports::micromill::Axis;
+
+/// Axes that step, and those of them that step backwards: bit 0 is X. Two bytes that travel in a register.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) struct Ways {
+    pub(super) axes: u8,
+    pub(super) negative: u8,
+}
+
+impl Ways {
+    pub(super) const NONE: Ways = Ways {
+        axes: 0,
+        negative: 0,
+    };
+
+    /// One axis, one way.
+    pub(super) const fn one(axis: Axis, is_forward: bool) -> Ways {
+        Ways::NONE.with(axis as u8, if is_forward { 1 } else { -1 })
+    }
+
+    /// -1, 0 or +1 of every axis.
+    pub(super) fn of(deltas: [i8; 3]) -> Ways {
+        (0..)
+            .zip(deltas)
+            .fold(Ways::NONE, |ways, (axis, delta)| ways.with(axis, delta))
+    }
+
+    /// And another axis, 0 to 2.
+    pub(super) const fn with(self, axis: u8, delta: i8) -> Ways {
+        let bit = 1_u8.wrapping_shl(axis as u32);
+        Ways {
+            axes: self.axes | if delta != 0 { bit } else { 0 },
+            negative: self.negative | if delta < 0 { bit } else { 0 },
+        }
+    }
+
+    /// -1, 0 or +1 of every axis.
+    pub(super) const fn deltas(self) -> [i8; 3] {
+        [self.delta(0), self.delta(1), self.delta(2)]
+    }
+
+    const fn delta(self, axis: u32) -> i8 {
+        let bit = 1_u8.wrapping_shl(axis);
+        match (self.axes & bit != 0, self.negative & bit != 0) {
+            (false, _) => 0,
+            (true, false) => 1,
+            (true, true) => -1,
+        }
+    }
+}
