@@ -4,6 +4,7 @@ import re
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -54,10 +55,22 @@ class Elf:
         return 0
 
 
-def deepest_stack(program, bench, ram):
-    """RAM is zero when QEMU starts: the stack came down to the lowest byte above the statics that is not."""
-    static = program.static(bench.start)
-    return RAM - next((place for place in range(static, RAM) if ram[place]), RAM)
+def figures(program, bench, ram):
+    """Prints flash, static RAM and the deepest stack: RAM is zero when QEMU starts, so it came down to the lowest byte above the statics that is not."""
+    image = Elf(elf(program, bench.board))
+    static = image.static(bench.start)
+    deepest = next((place for place in range(static, RAM) if ram[place]), RAM)
+    for name, value in (("flash", image.flash()), ("static", static), ("stack", RAM - deepest)):
+        print(bench.board, name, value)
+
+
+def send(husillo, file, machine, port, *arguments, answer=r"Steps +(\d+), each as in the simulator"):
+    """Has the host send a file; the groups of its answer."""
+    sent = subprocess.run([husillo, "send", file, "-m", machine, "--port", port, *arguments], capture_output=True, text=True, timeout=300)
+    found = re.findall(answer, sent.stdout)
+    if sent.returncode or not found:
+        sys.exit(sent.stdout + sent.stderr)
+    return found
 
 
 class Bench:
@@ -71,7 +84,7 @@ class Bench:
             [os.environ.get("QEMU_START", "./qemu"), program, board, str(self.port), *arguments],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "MONITOR": "1"})
         assert self.qemu.stdout.readline().startswith(b"husillo")
-        self.line = None
+        self.line, self.board = None, board
         self.start = 0x8010_0000 if board == "virt" else 0x2000_0000
 
     def __enter__(self):

@@ -230,8 +230,9 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         set(TIMER + CC0, *last);
         // Only now: QEMU sets it again while the counter stands on the old value.
         set(TIMER + COMPARE0, 0);
-        // What has passed wraps to the upper half; waits are 2^31 at most.
-        if last.wrapping_sub(now_us()).wrapping_sub(LEAST_US) >= 1 << 31 {
+        // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
+        let left_us = last.wrapping_sub(now_us());
+        if left_us < LEAST_US || left_us > us {
             *last = at_once();
         }
     });

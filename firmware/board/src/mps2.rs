@@ -1,7 +1,7 @@
 //! ARM's MPS2 board with a Cortex-M4F (QEMU: `mps2-an386`), 25 MHz.
 //!
 //! UART0 is the link; GPIO0 pins 0 to 7 are the motors, pins 8 to 11 other outputs, GPIO1 pins 0 to 4 switches to ground.
-//! TIMER0 is the step interrupt, TIMER1 counts freely: waits follow each other without adding up what an interrupt takes.
+//! TIMER0 is the step interrupt: with nothing to reload it counts down once. TIMER1 counts freely: waits follow each other without adding up what an interrupt takes.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -46,7 +46,10 @@ static SENT_AT: Shared<u32> = Shared::new(0);
 /// Pins, timers, UART, interrupts.
 pub fn start() {
     set(GPIO0 + OUTENSET, 0xfff);
-    set(TIMER0 + RELOAD, u32::MAX);
+    set(TIMER0 + RELOAD, 0);
+    set(TIMER0 + VALUE, u32::MAX);
+    set(TIMER0 + CTRL, 0b1001); // with its interrupt
+    stop();
     set(TIMER1 + RELOAD, u32::MAX);
     set(TIMER1 + VALUE, u32::MAX);
     set(TIMER1 + CTRL, 1);
@@ -110,23 +113,22 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
         let now = !read(TIMER1 + VALUE);
         // Below 2^31.
-        let end = last.wrapping_add(us.wrapping_mul(CLOCKS_PER_US));
-        let left = end.wrapping_sub(now);
-        // What has passed wraps to the upper half.
-        let left = if left.wrapping_sub(1) < 1 << 31 {
+        let clocks = us.wrapping_mul(CLOCKS_PER_US);
+        let left = last.wrapping_add(clocks).wrapping_sub(now);
+        // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
+        let left = if left.wrapping_sub(1) < clocks {
             left
         } else {
             1
         };
         *last = now.wrapping_add(left);
         set(TIMER0 + VALUE, left);
-        set(TIMER0 + CTRL, 0b1001);
     });
 }
 
 /// Ends the wait.
 pub fn stop() {
-    set(TIMER0 + CTRL, 0);
+    set(TIMER0 + VALUE, 0);
     set(TIMER0 + INTCLEAR, 1);
     nvic::unpend(8);
 }
@@ -137,7 +139,6 @@ pub fn stop() {
 static __INTERRUPTS: [Vector; 32] = vectors([(0, on_uart_interrupt), (8, on_timer_interrupt)]);
 
 extern "C" fn on_timer_interrupt() {
-    // It counts on from the top: 171 s.
     set(TIMER0 + INTCLEAR, 1);
     crate::on_time(crate::section());
 }

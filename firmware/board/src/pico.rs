@@ -192,10 +192,10 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
         *last = last.wrapping_add(us);
         loop {
-            // What has passed wraps to the upper half; waits are 2^31 at most.
+            // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
             let now = read(TIMER + NOW_US);
             let left = last.wrapping_sub(now);
-            if left.wrapping_sub(LEAST_US) > (1 << 31) - LEAST_US {
+            if left < LEAST_US || left > us {
                 *last = now.wrapping_add(LEAST_US);
             }
             set(TIMER + INTR, 1);

@@ -1,4 +1,5 @@
-//! QEMU's `virt` with one RV32IMAC hart: its UART is a 16550, its timer 10 MHz. It has no pins: the levels go to a word in memory.
+//! QEMU's `virt` with one RV32IMAC hart: its UART is a 16550, its timer 10 MHz. It has no pins but those of the UART: the motors' levels go to its
+//! scratch register, the other outputs are DTR, RTS, OUT1 and OUT2.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x80000000, LENGTH = 64K
@@ -23,7 +24,9 @@ use crate::{
 const UART: usize = 0x1000_0000;
 const INTERRUPTS: usize = 1;
 const LINE_CONTROL: usize = 3;
+const MODEM_CONTROL: usize = 4;
 const LINE_STATUS: usize = 5;
+const SCRATCH: usize = 7;
 const UART_HZ: u32 = 3_686_400;
 const UART_SOURCE: usize = 10;
 const PLIC: usize = 0x0c00_0000;
@@ -48,8 +51,6 @@ fn set_byte(address: usize, value: u8) {
 
 /// When the last wait ended.
 static LAST: Shared<u64> = Shared::new(0);
-/// What would be pins.
-static LEVELS: Shared<[u8; 2]> = Shared::new([0; 2]);
 
 /// UART, interrupts.
 pub fn start() {
@@ -77,18 +78,12 @@ pub fn send(byte: u8) -> bool {
 /// The motors' levels.
 #[inline]
 pub fn write(levels: u8) {
-    LEVELS.with(|[motors, _]| {
-        // Safety: an exclusive reference. Volatile: somebody may look at it.
-        unsafe { write_volatile(motors, levels) }
-    });
+    set_byte(UART + SCRATCH, levels);
 }
 
 /// The other outputs.
 pub fn switch(outputs: u8) {
-    LEVELS.with(|[_, others]| {
-        // Safety: as above.
-        unsafe { write_volatile(others, outputs) }
-    });
+    set_byte(UART + MODEM_CONTROL, outputs & 0xf);
 }
 
 /// There are no switches.
