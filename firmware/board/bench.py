@@ -81,7 +81,7 @@ class Bench:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self.qemu = subprocess.Popen(
-            [os.environ.get("QEMU_START", "./qemu"), program, board, str(self.port), *arguments],
+            ["./qemu", program, board, str(self.port), *arguments],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, "MONITOR": "1"})
         assert self.qemu.stdout.readline().startswith(b"husillo")
         self.line, self.board = None, board

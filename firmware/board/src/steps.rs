@@ -80,14 +80,17 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
             return crate::stop();
         }
         let step = self.place(self.made);
-        let wait_us = step.wait_us;
-        if wait_us > LONGEST_US {
-            step.wait_us = wait_us.wrapping_sub(LONGEST_US);
-            self.due = Due::Rest;
-            crate::wait(LONGEST_US, section);
-        } else {
-            self.due = Due::Step;
-            crate::wait(wait_us, section);
+        match step.wait_us.checked_sub(LONGEST_US) {
+            Some(rest_us) if rest_us > 0 => {
+                step.wait_us = rest_us;
+                self.due = Due::Rest;
+                crate::wait(LONGEST_US, section);
+            }
+            _ => {
+                let wait_us = step.wait_us;
+                self.due = Due::Step;
+                crate::wait(wait_us, section);
+            }
         }
     }
 
