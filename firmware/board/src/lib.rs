@@ -24,8 +24,8 @@
 //! | `drive(duty: u8)` | the PWM of a DC motor, where the board has one |
 //! | `counts(simulated: u16) -> u16` | the counter of its encoder |
 //!
-//! and in its interrupts, all of one priority, it calls `on_time` when a wait is over and `heard` when a byte has come. A firmware has `on_time`, which calls
-//! `wait` or `stop`, and `on_byte`:
+//! On ARM it has its part of the vector table, too, `__INTERRUPTS`. In its interrupts, all of one priority, it calls `on_time` when a wait is over and
+//! `heard` when a byte has come. A firmware has `on_time`, which calls `wait` or `stop`, and `on_byte`:
 //!
 //! ```ignore
 //! #[unsafe(no_mangle)]
@@ -67,8 +67,11 @@ unsafe extern "Rust" {
     safe fn on_byte(byte: u8, section: CriticalSection<'_>);
 }
 
-/// For the handlers of interrupts only: they have one priority, so none comes within another.
-fn section() -> CriticalSection<'static> {
+/// What an interrupt's handler may work within.
+///
+/// # Safety
+/// To be called by handlers of interrupts only, which have one priority: none comes within another.
+unsafe fn section() -> CriticalSection<'static> {
     // Safety: so nothing else runs until the handler has ended.
     unsafe { CriticalSection::new() }
 }
@@ -81,7 +84,8 @@ static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());
 
 /// A byte has come: of the UART's interrupt.
 fn heard(byte: u8) {
-    let section = section();
+    // Safety: boards call this in the UART's interrupt.
+    let section = unsafe { section() };
     on_byte(byte, section);
     // Without room it is lost, and its echo with it.
     HEARD.within(section, |heard| heard.enqueue(byte).ok());

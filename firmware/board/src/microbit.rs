@@ -226,6 +226,7 @@ fn now_us() -> u32 {
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
+        let begin = *last;
         *last = last.wrapping_add(us);
         set(TIMER + CC0, *last);
         // Only now: QEMU sets it again while the counter stands on the old value.
@@ -233,16 +234,17 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
         let left_us = last.wrapping_sub(now_us());
         if left_us < LEAST_US || left_us > us {
-            *last = at_once();
+            *last = late(begin, us);
         }
     });
     set(TIMER + INTENSET, COMPARE0_INTERRUPT);
 }
 
-/// The wait ends as soon as it can: when.
+/// When a wait ends whose time has passed: as soon as it can. One before it that was cut short would have ended later than now: then it is counted from now.
 #[cold]
-fn at_once() -> u32 {
-    let mut least_us = LEAST_US;
+fn late(begin: u32, us: u32) -> u32 {
+    let is_cut = begin.wrapping_sub(now_us()) < 1 << 31;
+    let mut least_us = if is_cut { us.max(LEAST_US) } else { LEAST_US };
     loop {
         let end = now_us().wrapping_add(least_us);
         set(TIMER + CC0, end);
@@ -270,7 +272,8 @@ static __INTERRUPTS: [Vector; 9] = vectors([(2, on_uart_interrupt), (8, on_timer
 
 /// A wait is over. `on_time` sets the next one or ends it: that quits the interrupt.
 extern "C" fn on_timer_interrupt() {
-    crate::on_time(crate::section());
+    // Safety: this is an interrupt's handler.
+    crate::on_time(unsafe { crate::section() });
 }
 
 extern "C" fn on_uart_interrupt() {

@@ -118,6 +118,9 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
         let left = if left.wrapping_sub(1) < clocks {
             left
+        } else if last.wrapping_sub(now) < 1 << 31 {
+            // The wait before it was cut short: from now on.
+            clocks.max(1)
         } else {
             1
         };
@@ -140,7 +143,8 @@ static __INTERRUPTS: [Vector; 32] = vectors([(0, on_uart_interrupt), (8, on_time
 
 extern "C" fn on_timer_interrupt() {
     set(TIMER0 + INTCLEAR, 1);
-    crate::on_time(crate::section());
+    // Safety: this is an interrupt's handler.
+    crate::on_time(unsafe { crate::section() });
 }
 
 extern "C" fn on_uart_interrupt() {

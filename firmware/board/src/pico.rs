@@ -190,7 +190,10 @@ pub fn inputs(simulated: u8) -> u8 {
 /// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
-        *last = last.wrapping_add(us);
+        // A wait that was cut short would have ended later than now: then from now on.
+        let now = read(TIMER + NOW_US);
+        let is_cut = last.wrapping_sub(now) < 1 << 31;
+        *last = if is_cut { now } else { *last }.wrapping_add(us);
         loop {
             // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
             let now = read(TIMER + NOW_US);
@@ -240,5 +243,6 @@ static __INTERRUPTS: [Vector; 32] = vectors([(0, on_timer_interrupt), (5, on_usb
 extern "C" fn on_timer_interrupt() {
     set(TIMER + INTE, 0);
     set(TIMER + INTR, 1);
-    crate::on_time(crate::section());
+    // Safety: this is an interrupt's handler.
+    crate::on_time(unsafe { crate::section() });
 }

@@ -119,7 +119,7 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         self.due = Due::Held;
     }
 
-    /// They go on; the next one with its whole wait.
+    /// They go on; the next one waits as long as it does after the one before, or is made at once where that has passed.
     #[inline]
     pub fn release(&mut self, section: CriticalSection<'_>) {
         if self.due == Due::Held {

@@ -145,7 +145,8 @@ pub fn stop() {
 
 #[riscv_rt::core_interrupt(Interrupt::MachineTimer)]
 fn timer() {
-    crate::on_time(crate::section());
+    // Safety: this is an interrupt's handler.
+    crate::on_time(unsafe { crate::section() });
 }
 
 #[riscv_rt::core_interrupt(Interrupt::MachineExternal)]

@@ -25,7 +25,7 @@ const AHEAD: usize = 16;
 
 type Micromill = Mill<'static, 16, AHEAD, 80>;
 
-/// What is made before the foreground follows, where it need not tell every step at once.
+/// What is made before the foreground follows, where it need not tell of them at once.
 const TOGETHER: u8 = AHEAD as u8 / 2;
 
 /// A step that was not made goes back by its masks: axes, and those that go backwards.
@@ -112,7 +112,7 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
             unsent = mill.transmit();
         }
         if unsent.is_none() {
-            let together = if mill.tells_steps() { 1 } else { TOGETHER };
+            let together = if mill.will_tell() { 1 } else { TOGETHER };
             board::sleep(|section| {
                 INTERRUPTS.within(section, |now| {
                     let new = now.steps.made().wrapping_sub(told);

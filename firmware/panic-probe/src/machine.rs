@@ -84,7 +84,7 @@ pub fn keep() {
         Mill::position_steps as *const (),
         Mill::receive as *const (),
         Mill::stops as *const (),
-        Mill::tells_steps as *const (),
+        Mill::will_tell as *const (),
         MillStep::deltas as *const (),
         Mill::transmit as *const (),
         Drill::new as *const (),

@@ -86,6 +86,8 @@ pub struct Mill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: 
     plays: [Play; 3],
     lash: [u16; 3],
     ahead: Ring<Given, AHEAD>,
+    /// Lines that end with an event given.
+    ends_ahead: u16,
     /// How long a jog lasts without being renewed.
     lease_ticks: Option<u32>,
     is_homed: bool,
@@ -124,6 +126,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 loads: 0,
                 ends: 0,
             }),
+            ends_ahead: 0,
             lease_ticks: None,
             is_homed: false,
         }
@@ -196,15 +199,16 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         for _ in 0..given.ends {
             self.link.answer(Answer::Done);
         }
+        self.ends_ahead = self.ends_ahead.wrapping_sub(given.ends.into()); // they were counted
         if self.ahead.is_empty() {
             self.tell_motion();
         }
     }
 
-    /// Whether steps are told: then [`made`](Mill::made) should be said of each at once. Otherwise the foreground may wait until some of
-    /// those given have been made.
-    pub const fn tells_steps(&self) -> bool {
-        self.link.tells_steps()
+    /// Whether something is told when events that were given have been made, steps or that a line is done: then [`made`](Mill::made) should be said of each at
+    /// once. Otherwise the foreground may wait until some have been made.
+    pub const fn will_tell(&self) -> bool {
+        self.link.tells_steps() || self.ends_ahead > 0
     }
 
     /// The next byte for the line.
@@ -276,6 +280,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     fn drop_all(&mut self) {
         self.queue.clear();
         self.ahead.clear();
+        self.ends_ahead = 0;
         self.owes_taken = false;
         self.task = Task::Idle;
         self.path = None;
@@ -698,7 +703,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     fn end_line(&mut self) {
         match self.ahead.last_mut() {
             // `QUEUE` lines at most end with one event.
-            Some(given) => given.ends = given.ends.saturating_add(1),
+            Some(given) => {
+                if let Some(ends) = given.ends.checked_add(1) {
+                    given.ends = ends;
+                    self.ends_ahead = self.ends_ahead.wrapping_add(1); // 255 AHEAD at most
+                }
+            }
             None => self.link.answer(Answer::Done),
         }
     }
