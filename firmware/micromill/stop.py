@@ -29,11 +29,12 @@ with tempfile.TemporaryDirectory() as folder:
 
         def logged():
             """What is in the log, which is empty then."""
-            # The monitor answers when all before it was written.
-            mill.monitor("info status")
+            # The monitor answers when all before it was written, and nothing is until it goes on.
+            mill.monitor("stop")
             with open(log, errors="replace") as file:
                 text = file.read()
             os.truncate(log, 0)
+            mill.monitor("cont")
             return text
 
         def made(text):
