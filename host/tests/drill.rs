@@ -198,11 +198,17 @@ fn wrong_actions_move_nothing() {
             .stdout("")
             .stderr(contains(reason));
     }
-    husillo()
-        .args(["jog", "-m", "micromill", "home"])
-        .assert()
-        .code(2)
-        .stderr(contains("microfactory and drill"));
+    for (machine, reason) in [
+        ("lathe", "microfactory, drill and micromill"),
+        ("micromill", "needs a --port"),
+    ] {
+        husillo()
+            .args(["jog", "-m", machine, "home"])
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains(reason));
+    }
 }
 
 /// A program of the drill's language, in a file of this test's own.
