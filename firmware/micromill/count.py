@@ -55,7 +55,12 @@ with tempfile.TemporaryDirectory() as folder:
         for name, before, string in (
             ("slope_event", None, b"G01X00150Y00080F0100;"),
             ("slope_event_untold", b"R000;", b"G01X00295Y00155F0100;"),
-            ("arc_event", b"R001;", b"G02X00295Y00155I00245J00155F0100;"),
+            # Forwards with both axes, as before: nothing is taken up.
+            ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
+            # 7 steps after 1457.
+            ("take_up_event_untold", None, b"G01X00444F0100;"),
+            # A circle, and four times lash.
+            ("arc_event", b"R001;", b"G02X00444Y00305I00394J00305F0100;"),
         ):
             if before:
                 mill.ask(before)

@@ -100,7 +100,7 @@ impl Bench {
                 if step.axes != 0 {
                     self.steps.push((self.now_ticks, step.deltas()));
                 }
-                self.mill.made();
+                self.mill.made(1);
             }
             MillEvent::Spindle { direction, rpm } => self.spindle.push((direction, rpm)),
             MillEvent::Tool { .. } => {}
@@ -520,7 +520,7 @@ proptest! {
             if !is_held {
                 let delta = waiting.pop_front().unwrap_or_default();
                 motors = std::array::from_fn(|axis| motors[axis] + i32::from(delta[axis]));
-                bench.mill.made();
+                bench.mill.made(1);
             }
             bench.hear();
         }
@@ -532,5 +532,42 @@ proptest! {
         prop_assert_eq!(bench.mill.position_steps(), motors, "no lash was taken up");
         prop_assert!(bench.mill.next_event(&inputs).is_none());
         prop_assert_eq!(bench.answers.last(), Some(&0x8d));
+    }
+
+    /// Events followed together say what they say one by one, whatever steps are told, and leave the same place when the rest of them is stopped.
+    #[test]
+    fn events_are_followed_together(every in prop::sample::select(vec!["R000;", "R001;", "R003;"]), together in 2..9_usize, made in 0..2600_usize) {
+        let [one_by_one, several] = [1, together].map(|together| {
+            let mut mill: Mill = Mill::homed(&STATIC);
+            let mut said = Vec::new();
+            // Forwards, and backwards with take-ups.
+            for string in ["S1;", every, "G01X00080Y00050F14;", "G01X00020F14;"] {
+                for byte in string.bytes() {
+                    assert!(!mill.receive(byte));
+                    said.extend(std::iter::from_fn(|| mill.transmit()));
+                }
+            }
+            let (mut waiting, mut left) = (0, made);
+            loop {
+                while let Some(MillEvent::Step(_)) = mill.next_event(&MillInputs::default()) {
+                    waiting += 1;
+                }
+                let now = waiting.min(left).min(together);
+                if now == 0 {
+                    break;
+                }
+                mill.made(now);
+                (waiting, left) = (waiting - now, left - now);
+                said.extend(std::iter::from_fn(|| mill.transmit()));
+            }
+            // Where all is done nothing stops.
+            if mill.receive(b'A') {
+                mill.halted();
+            }
+            said.extend(std::iter::from_fn(|| mill.transmit()));
+            // A place in the queue is confirmed earlier where more events are given.
+            (said.into_iter().filter(|byte| *byte != 0x8c).collect::<Vec<_>>(), mill.position_steps())
+        });
+        prop_assert_eq!(one_by_one, several);
     }
 }

@@ -18,7 +18,7 @@ fn take(mill: &mut Mill, byte: u8, steps: &mut Vec<[i8; 3]>) {
     while let Some(event) = mill.next_event(&MillInputs::default()) {
         if let MillEvent::Step(step) = event {
             steps.push(step.deltas());
-            mill.made();
+            mill.made(1);
         }
         while mill.transmit().is_some() {}
     }

@@ -70,7 +70,7 @@ fn main() -> ! {
         }
     };
     let mut motors = Motors::new(motor);
-    board::write(motors.levels());
+    board::write(motors.step([0; 2]));
     let mut mill = Mill::new(&CONFIG);
     run(&mut mill, &mut motors)
 }
@@ -81,7 +81,7 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
     let mut told = 0_u8;
     let mut unsent = None;
     loop {
-        tell(mill, &mut told, INTERRUPTS.with(|now| now.steps.made()));
+        follow(mill, &mut told, INTERRUPTS.with(|now| now.steps.made()));
         while let Some(byte) = board::received() {
             if mill.receive(byte) {
                 halt(mill, motors, &mut told);
@@ -123,13 +123,11 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
     }
 }
 
-/// Tells what was made.
-#[inline]
-fn tell(mill: &mut Micromill, told: &mut u8, made: u8) {
-    while *told != made {
-        mill.made();
-        *told = told.wrapping_add(1);
-    }
+/// Says what was made.
+#[inline(never)]
+fn follow(mill: &mut Micromill, told: &mut u8, made: u8) {
+    mill.made(made.wrapping_sub(*told).into());
+    *told = made;
 }
 
 /// Sends what the transmitter takes.
@@ -185,6 +183,6 @@ fn halt(mill: &mut Micromill, motors: &mut Motors, told: &mut u8) {
         });
         now.steps.made()
     });
-    tell(mill, told, made);
+    follow(mill, told, made);
     mill.halted();
 }

@@ -2,40 +2,39 @@
 
 use husillo_stepper::{CoilDriver, Levels, Sequencer};
 
-/// X, Y and Z.
+/// X, Y and Z, stepped together.
 pub struct Motors {
-    axes: [Sequencer; 3],
-    /// PH of both phases of X, Y and Z, from bit 0.
-    levels: u8,
+    /// Where in its cycle of four states each motor is: two bits, X has the lowest.
+    at: u8,
+    /// PH of both phases of X, Y and Z, from bit 0, for each of that.
+    levels: [u8; 64],
 }
 
-impl Motors {
-    /// At rest, where a sequencer begins.
-    pub fn new(motor: Sequencer) -> Self {
-        let phases = phases(motor.levels());
-        Motors {
-            axes: [motor; 3],
-            levels: phases | phases << 2 | phases << 4,
-        }
-    }
+/// Three bits, each of them followed by an empty one.
+const SPREAD: [u8; 8] = [
+    0b000000, 0b000001, 0b000100, 0b000101, 0b010000, 0b010001, 0b010100, 0b010101,
+];
 
-    /// The pins now.
-    pub fn levels(&self) -> u8 {
-        self.levels
+impl Motors {
+    /// At rest, where the sequencer of full steps begins.
+    pub fn new(mut motor: Sequencer) -> Self {
+        let cycle = [0, 1, 1, 1].map(|step| phases(motor.step(step)));
+        let mut levels = [0; 64];
+        for (at, levels) in levels.iter_mut().enumerate() {
+            *levels = cycle[at & 3] | cycle[at >> 2 & 3] << 2 | cycle[at >> 4] << 4;
+        }
+        Motors { at: 0, levels }
     }
 
     /// The pins after a step of these axes, of which those of the second mask go backwards.
     #[inline]
-    pub fn step(&mut self, [mut axes, mut negative]: [u8; 2]) -> u8 {
-        let mut place = 0;
-        for motor in &mut self.axes {
-            if axes & 1 != 0 {
-                let phases = phases(motor.step(if negative & 1 != 0 { -1 } else { 1 }));
-                self.levels = self.levels & !(0b11 << place) | phases << place;
-            }
-            (axes, negative, place) = (axes >> 1, negative >> 1, place + 2);
-        }
-        self.levels
+    pub fn step(&mut self, [axes, negative]: [u8; 2]) -> u8 {
+        // One forwards, or three for one backwards.
+        let step = SPREAD[usize::from(axes & 7)] | SPREAD[usize::from(negative & 7)] << 1;
+        // A sum in each two bits, with no carry to the next ones.
+        const LOW: u8 = 0b010101;
+        self.at = ((self.at & LOW) + (step & LOW)) ^ ((self.at ^ step) & !LOW);
+        self.levels[usize::from(self.at % 64)]
     }
 }
 

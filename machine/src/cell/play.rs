@@ -22,9 +22,18 @@ impl Play {
         }
     }
 
+    /// Steps that way which move the motor only.
+    pub(crate) const fn owed(&self, is_forward: bool) -> u16 {
+        if is_forward {
+            self.lash.wrapping_sub(self.ahead) // it is not above
+        } else {
+            self.ahead
+        }
+    }
+
     /// Whether a step that way moves the motor only.
     pub(crate) const fn owes(&self, is_forward: bool) -> bool {
-        self.ahead != if is_forward { self.lash } else { 0 }
+        self.owed(is_forward) != 0
     }
 
     /// A motor step; whether it moves the load.
@@ -38,6 +47,12 @@ impl Play {
     #[inline]
     pub(crate) const fn carry(&mut self, steps: i32) {
         self.load = self.load.wrapping_add(steps);
+    }
+
+    /// A step that moves the motor only, as those do that are owed.
+    #[inline]
+    pub(crate) const fn take_up(&mut self, is_forward: bool) {
+        self.shift(is_forward, false);
     }
 
     /// As if a step, the last one of those made, had not been.

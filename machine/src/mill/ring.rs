@@ -1,6 +1,6 @@
 //! A queue in an array.
 
-/// First in, first out; at most `N`.
+/// First in, first out; at most `N`, a power of two.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ring<T, const N: usize> {
     slots: [T; N],
@@ -13,6 +13,7 @@ pub(super) struct Ring<T, const N: usize> {
 impl<T: Copy, const N: usize> Ring<T, N> {
     /// Empty; `blank` fills the places.
     pub(super) const fn new(blank: T) -> Self {
+        const { assert!(N.is_power_of_two(), "places wrap by a mask") };
         Ring {
             slots: [blank; N],
             first: 0,
@@ -38,13 +39,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
 
     /// The place of the element so many behind the first one.
     const fn place(&self, behind: usize) -> usize {
-        // Both at most N, which is far below half of what a word holds.
-        let place = self.first.wrapping_add(behind);
-        if place >= N {
-            place.wrapping_sub(N)
-        } else {
-            place
-        }
+        self.first.wrapping_add(behind) & N.wrapping_sub(1)
     }
 
     /// Appends; dropped when it is full: ask before.
@@ -82,10 +77,15 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         Some(element)
     }
 
+    /// Without so many of the oldest; it holds more.
+    pub(super) const fn drop_first(&mut self, elements: usize) {
+        self.first = self.place(elements);
+        self.length = self.length.wrapping_sub(elements);
+    }
+
     pub(super) fn pop(&mut self) -> Option<T> {
         let element = self.first()?;
-        self.first = self.place(1);
-        self.length = self.length.wrapping_sub(1); // it was not 0
+        self.drop_first(1);
         Some(element)
     }
 }

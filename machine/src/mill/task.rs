@@ -1,10 +1,9 @@
 //! What is under way: a line, or one of the modes that decide step by step.
 
 use husillo_gcode::Nm;
-use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis};
 
-use super::{Mill, MillInputs, Next, owed, ways::Ways};
+use super::{Mill, MillInputs, Next, first_owed, ways::Ways};
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Task {
@@ -50,68 +49,6 @@ impl Task {
     /// Whether it is none of a program.
     pub(super) const fn is_manual(&self) -> bool {
         !matches!(self, Task::Idle | Task::Line | Task::Dwell { .. })
-    }
-}
-
-/// What goes with the path of a line.
-#[derive(Clone, Debug)]
-pub(super) struct Course {
-    pub(super) timer: Timer,
-    /// Directions in which a straight move takes up lash before it begins.
-    pub(super) heading: Ways,
-    /// The next step of the path, and its wait: an axis is taken up before it.
-    pub(super) next: Option<(Ways, u64)>,
-    /// Whether an axis steps the other way than before, or for the first time: only then it can owe lash.
-    pub(super) may_owe: bool,
-    /// Axes that have stepped forwards last, and backwards.
-    forwards: u8,
-    backwards: u8,
-    /// The axis that is taken up, and its tempo.
-    pace: Option<(usize, Timer)>,
-}
-
-impl Course {
-    pub(super) const fn new(timer: Timer, heading: Ways) -> Self {
-        Course {
-            timer,
-            heading,
-            next: None,
-            may_owe: true,
-            forwards: 0,
-            backwards: 0,
-            pace: None,
-        }
-    }
-
-    /// The next step of the path is known.
-    #[inline]
-    pub(super) const fn turns(&mut self, ways: Ways) {
-        let (forwards, backwards) = (ways.axes & !ways.negative, ways.negative);
-        if forwards & !self.forwards | backwards & !self.backwards != 0 {
-            self.may_owe = true;
-            self.forwards = self.forwards & !backwards | forwards;
-            self.backwards = self.backwards & !forwards | backwards;
-        }
-    }
-
-    /// Ticks before the next step of take-up of an axis.
-    pub(super) fn pace(&mut self, axis: usize, timer_hz: u32, hz: u32) -> u32 {
-        let pace = match &mut self.pace {
-            Some((other, pace)) if *other == axis => pace,
-            pace => {
-                let timer = Timer::new(timer_hz.into(), hz.max(1).into(), 1);
-                &mut pace.insert((axis, timer)).1
-            }
-        };
-        pace.wait(1) as u32 // a second at most
-    }
-
-    /// Nothing is taken up any more.
-    #[inline]
-    pub(super) const fn is_even(&mut self) {
-        self.may_owe = false;
-        self.heading = Ways::NONE;
-        self.pace = None;
     }
 }
 
@@ -236,8 +173,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
 
     /// The take-up of the first axis that owes some, or the step, and whether it is that.
     fn owed_or(&self, ways: Ways) -> (Ways, bool) {
-        match owed(&self.plays, ways) {
-            Some(owed) => (owed, false),
+        match first_owed(&self.plays, ways) {
+            Some((owed, _)) => (owed, false),
             None => (ways, true),
         }
     }

@@ -36,6 +36,11 @@ impl Ways {
         }
     }
 
+    /// Of one axis: its number.
+    pub(super) const fn number(self) -> usize {
+        (self.axes >> 1) as usize // of the bits 1, 2 and 4
+    }
+
     /// -1, 0 or +1 of every axis.
     pub(super) const fn deltas(self) -> [i8; 3] {
         [self.delta(0), self.delta(1), self.delta(2)]
