@@ -10,6 +10,7 @@ use husillo_backlash::{
 type MappedBacklash = AnyMapped<&'static [i32], &'static [u32]>;
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "backlash")]
 pub fn keep() {
     black_box([
         Flank::towards as *const (),

@@ -11,6 +11,7 @@ use husillo_encoder::{
 type Port = fn(Byte) -> u8;
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "encoder")]
 pub fn keep() {
     black_box([
         levels as *const (),

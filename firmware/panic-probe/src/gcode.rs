@@ -17,6 +17,7 @@ use husillo_gcode::{
 };
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "gcode")]
 pub fn keep() {
     keep_drill_records();
     keep_excellon();

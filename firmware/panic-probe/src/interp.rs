@@ -9,6 +9,7 @@ use husillo_interp::{
 };
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "interp")]
 pub fn keep() {
     black_box([
         fraction_bits_for as *const (),

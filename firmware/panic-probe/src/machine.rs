@@ -19,6 +19,7 @@ type Drill = AnyDrill<64>;
 type Mill = AnyMill<'static>;
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "machine")]
 pub fn keep() {
     black_box([
         Scale::new as *const (),

@@ -13,6 +13,7 @@ use husillo_pid::{
 };
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "pid")]
 pub fn keep() {
     controller::<I32F0, I16F16>();
     controller::<I16F16, I16F16>();

@@ -8,6 +8,7 @@ use husillo_planner::{
 };
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "planner")]
 pub fn keep() {
     black_box([
         Timer::new as *const (),

@@ -14,6 +14,7 @@ type Points = Copied<Iter<'static, [i64; 3]>>;
 type Touches = Copied<Iter<'static, Touch>>;
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "probe")]
 pub fn keep() {
     black_box([
         Edge::level as *const (),

@@ -10,6 +10,7 @@ use husillo_stepper::{
 };
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "stepper")]
 pub fn keep() {
     black_box([
         <Drive as CoilDriver>::step as *const (),

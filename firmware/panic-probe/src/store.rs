@@ -52,6 +52,7 @@ impl<const UNIT: usize> NorFlash for Flash<UNIT> {
 }
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "store")]
 pub fn keep() {
     black_box([
         Store::<Flash<8>>::open as *const (),

@@ -17,6 +17,7 @@ use husillo_transports::nmc::{
 use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
 
 /// Keeps every function in the program.
+#[unsafe(export_name = "transports")]
 pub fn keep() {
     drill::keep();
     micromill::keep();
