@@ -654,3 +654,20 @@ fn a_boot_byte_is_heard_at_any_time() {
     assert_eq!(bench.run(Step::Resync), Ok(Outcome::Done));
     assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
 }
+
+/// A host that sends its next byte as soon as it has the echo: the device has been asked for nothing more in between.
+#[test]
+fn echoes_do_not_pile_up() {
+    let mut device = Device::<64>::new(Rules::FIXED);
+    // Homed, as it is after power came on.
+    assert_eq!(device.take(), Some(Order::Home));
+    device.done();
+    assert_eq!(device.take(), None);
+    assert_eq!(device.transmit(), Some(b'B'));
+    for byte in b"bX\x01\x02Y\x03\x04Z\0\0X\x05\x06Y\x07\x08Z\0\0f" {
+        device.push(*byte);
+        assert_eq!(device.transmit(), Some(*byte));
+    }
+    assert_eq!(device.transmit(), None);
+    assert_eq!(device.stored().len(), 18);
+}

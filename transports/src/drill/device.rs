@@ -192,13 +192,15 @@ impl<const N: usize> Device<N> {
 
     /// The next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
-        let byte = self.out.bytes().get(self.sent).copied();
-        if byte.is_some() {
+        if let Some(byte) = self.out.bytes().get(self.sent).copied() {
             self.sent = self.sent.wrapping_add(1); // 8 at most
-            return byte;
+            // At once: the next byte of the line may come before this is called again.
+            if self.sent == self.out.bytes().len() {
+                self.out.clear();
+                self.sent = 0;
+            }
+            return Some(byte);
         }
-        self.out.clear();
-        self.sent = 0;
         let (byte, rest) = self.help.split_first()?;
         self.help = rest;
         if rest.is_empty() {
