@@ -197,17 +197,24 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
     if let Some(settings) = microfactory(&args.machine)? {
         args.expect_cell()?;
-        cell::emulate(args, &settings, &mut io::stdout().lock())?;
+        cell::emulate(args, &settings, made(args)?, &mut io::stdout().lock())?;
         return Ok(OK);
     }
     #[cfg(unix)]
     if args.machine == "drill" {
         args.expect_drill()?;
-        drill::emulate(args, &mut io::stdout().lock())?;
+        drill::emulate(args, made(args)?, &mut io::stdout().lock())?;
         return Ok(OK);
     }
     args.expect_chain()?;
     ended(cmm::emulate(args, &mut io::stdout().lock()))
+}
+
+/// The file for what an emulated machine makes.
+#[cfg(unix)]
+fn made(args: &Emulate) -> Result<Option<Box<dyn Write>>, Failure> {
+    let file = args.steps.as_deref().map(create).transpose()?;
+    Ok(file.map(|file| Box::new(file) as Box<dyn Write>))
 }
 
 fn calibrate(args: &Calibrate) -> Result<u8, Failure> {

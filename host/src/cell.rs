@@ -218,7 +218,7 @@ fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, S
     )
 }
 
-/// `husillo emulate microfactory`.
+/// `husillo emulate microfactory`; what it makes goes to `steps`, where there is that.
 ///
 /// # Errors
 ///
@@ -227,6 +227,7 @@ fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, S
 pub fn emulate(
     args: &crate::cli::Emulate,
     settings: &Settings,
+    steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
 ) -> Result<(), String> {
     use crate::terminal::{self, Pace, Terminal};
@@ -247,9 +248,13 @@ pub fn emulate(
         limit: args.seconds.map(Duration::from_secs_f64),
         is_over: terminal::stop_flag()?,
     };
+    if steps.is_some() {
+        device = device.with_rows();
+    }
     let link = &args.link;
     Terminal::new(Path::new(link))
-        .and_then(|mut terminal| {
+        .and_then(|terminal| {
+            let mut terminal = terminal.with_steps(steps);
             writeln!(
                 out,
                 "Microfactory at {link}; Ctrl-C ends it\nConnect: husillo jog --port {link} home\nPanel: {}",

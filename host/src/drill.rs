@@ -175,13 +175,17 @@ fn unreached(trouble: Trouble) -> String {
     }
 }
 
-/// `husillo emulate drill`.
+/// `husillo emulate drill`; what it makes goes to `steps`, where there is that.
 ///
 /// # Errors
 ///
 /// A sentence about the terminal.
 #[cfg(unix)]
-pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), String> {
+pub fn emulate(
+    args: &crate::cli::Emulate,
+    steps: Option<Box<dyn Write>>,
+    out: &mut dyn Write,
+) -> Result<(), String> {
     use crate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
@@ -193,9 +197,13 @@ pub fn emulate(args: &crate::cli::Emulate, out: &mut dyn Write) -> Result<(), St
         limit: args.seconds.map(Duration::from_secs_f64),
         is_over: terminal::stop_flag()?,
     };
+    if steps.is_some() {
+        device = device.with_rows();
+    }
     let link = &args.link;
     Terminal::new(Path::new(link))
-        .and_then(|mut terminal| {
+        .and_then(|terminal| {
+            let mut terminal = terminal.with_steps(steps);
             writeln!(
                 out,
                 "Drill at {link}, {baud} baud; Ctrl-C ends it\nConnect: husillo send board.drl -m drill --port {link}\nPanel: {}",

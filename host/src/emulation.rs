@@ -21,4 +21,9 @@ pub trait Emulation {
     fn tell(&mut self) -> Vec<String> {
         Vec::new()
     }
+
+    /// What it has made since it was asked last, in rows of CSV, where these are kept.
+    fn made(&mut self) -> String {
+        String::new()
+    }
 }

@@ -61,6 +61,7 @@ mod run;
 mod setup;
 mod source;
 mod speed;
+mod step_rows;
 mod steps;
 mod symmetry;
 mod table;

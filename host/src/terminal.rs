@@ -28,6 +28,8 @@ pub struct Terminal {
     /// Kept open, so that clients may come and go and find it raw.
     _slave: TTYPort,
     link: PathBuf,
+    /// What the device makes goes there.
+    steps: Option<Box<dyn Write>>,
 }
 
 impl Terminal {
@@ -51,7 +53,15 @@ impl Terminal {
             master,
             _slave: slave,
             link: link.to_owned(),
+            steps: None,
         })
+    }
+
+    /// The same; what the device makes goes to a file.
+    #[must_use]
+    pub fn with_steps(mut self, steps: Option<Box<dyn Write>>) -> Self {
+        self.steps = steps;
+        self
     }
 
     /// Runs the device at `speed` times real time until told to stop, or for some time. Lines of standard input are its panel, and what
@@ -111,6 +121,9 @@ impl Terminal {
                 writeln!(out, "{line}")?;
             }
             out.flush()?;
+            if let Some(steps) = &mut self.steps {
+                steps.write_all(device.made().as_bytes())?;
+            }
         }
         Ok(())
     }

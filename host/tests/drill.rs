@@ -558,3 +558,38 @@ fn the_machine_is_shown_without_a_travel_of_z() {
         .stdout(contains("travel 0 to 220 mm").and(contains("Z  9.3458 um a step, moved by")))
         .stdout(contains("0.001").not());
 }
+
+/// Each event of a drill with its time: X goes, Z goes down and up, the spindle turns.
+#[test]
+fn what_it_makes_is_written_down() {
+    let path = passing("made.csv");
+    let Some(mut device) = device("drill-made", &["--steps", path.to_str().unwrap()]) else {
+        return;
+    };
+    jog(&device, &["home", "x", "3", "z", "2", "spindle", "on"]).success();
+    device.type_line("where", "lost");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (heading, rows) = text.split_once('\n').unwrap();
+    assert_eq!(heading, "event,t_us,wait_ticks,dx,dy,dz,lx,ly,lz,spindle");
+    let rows: Vec<Vec<i64>> = rows
+        .lines()
+        .map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    // Where it stands at first, above its switches; behind its home it ends where it was jogged to.
+    let sum = |column: usize| rows.iter().map(|row| row[column]).sum::<i64>();
+    assert_eq!([sum(3), sum(4)], [3 - 500, -250]);
+    let steps = rows.iter().filter(|row| row[3..6] != [0; 3]);
+    assert!(
+        steps.clone().all(|row| row[2] == 4048),
+        "247 steps a second"
+    );
+    assert_eq!(steps.count() as i64, rows.last().unwrap()[0]);
+    let spindle: Vec<i64> = rows.iter().map(|row| row[9]).collect();
+    assert_eq!(spindle.iter().max(), Some(&1));
+    // Rows follow one another by their waits where it did not stand.
+    assert!(
+        rows.windows(2)
+            .all(|two| two[1][1] - two[0][1] >= two[1][2])
+    );
+    std::fs::remove_file(path).unwrap();
+}

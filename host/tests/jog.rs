@@ -32,7 +32,8 @@ fn a_session_in_simulated_time() {
 
 #[test]
 fn the_same_over_a_pseudo_terminal() {
-    let Some(mut device) = device("cell", &[]) else {
+    let made = std::env::temp_dir().join(format!("husillo-cell-made-{}.csv", std::process::id()));
+    let Some(mut device) = device("cell", &["--steps", made.to_str().unwrap()]) else {
         return;
     };
     jog(&device, &["home", "x", "300", "c", "64", "y+", "0.1s"]).success();
@@ -42,6 +43,24 @@ fn the_same_over_a_pseudo_terminal() {
         "{place}"
     );
     assert!(place.contains("from home; 0 lost"), "{place}");
+    // Current and RESET come before the first step of the first move, and the spindle goes last but one.
+    let text = std::fs::read_to_string(&made).unwrap();
+    let rows: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        rows[0],
+        "event,t_us,wait_ticks,dx,dy,dz,dc,current,reset,machine"
+    );
+    let ends = |row: usize, end: &str| assert!(rows[row].ends_with(end), "{}", rows[row]);
+    ends(1, ",0,0,0,0,0,1,0,1");
+    ends(2, ",1000,0,0,0,0,1,1,1");
+    ends(3, ",10000,0,0,0,0,1,0,1");
+    ends(4, ",10000,-1,0,0,0,1,0,1");
+    ends(rows.len() - 1, ",0,0,0,0,0,0,0,1");
+    let turns = rows
+        .iter()
+        .filter(|row| row.ends_with(",15625,0,0,0,1,1,0,1"));
+    assert_eq!(turns.count(), 64);
+    std::fs::remove_file(made).unwrap();
 }
 
 fn jog_both(first: &Emulated, second: &Emulated, actions: &[&str]) -> assert_cmd::assert::Assert {

@@ -1,7 +1,7 @@
 //! The circuit-board drill's mechanics: three unipolar motors, switches of X and Y, two sensors of Z, a board under the drill.
 
 use husillo_machine::{DrillEvent, DrillInputs, StepEvent};
-use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
+use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
 
 use crate::{AxisModel, Rig};
 
@@ -112,8 +112,7 @@ impl DrillRig {
                 motor.step(delta);
             }
         }
-        let levels = self.motors.each_ref().map(CoilDriver::levels);
-        self.rig.apply(&levels, step.wait_ticks);
+        self.rig.apply(&self.levels(), step.wait_ticks);
         let [x, y, z] = self.place();
         if z <= self.board {
             self.holes.extend(self.open.take());
@@ -126,6 +125,12 @@ impl DrillRig {
         });
         hole.depth = hole.depth.max(z);
         self.dragged_steps += u64::from(hole.at != [x, y]);
+    }
+
+    /// The wires of the motors of X, Y and Z.
+    #[must_use]
+    pub fn levels(&self) -> [Levels; 3] {
+        self.motors.each_ref().map(CoilDriver::levels)
     }
 
     /// Steps of X and Y from their switches, of Z from its upper sensor.

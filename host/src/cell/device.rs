@@ -3,6 +3,7 @@
 use super::settings::Settings;
 use crate::emulation::Emulation;
 use crate::line::Line;
+use crate::step_rows::StepRows;
 use husillo_machine::{CellConfig, CellEvent, CellInputs, CellPair, CellReport};
 use husillo_sim::CellRig;
 use husillo_transports::byte_commands::{ByteCommand, ByteCommands, REJECTED};
@@ -28,6 +29,7 @@ struct Bay {
     /// The event that waits for its time.
     due: Option<(u64, CellEvent)>,
     held: CellInputs,
+    has_current: bool,
 }
 
 /// The device: a controller of one machine, or of two.
@@ -40,6 +42,8 @@ pub struct Device {
     now: u64,
     has_power: bool,
     told: Vec<String>,
+    /// What is made, where that is kept.
+    rows: Option<StepRows>,
 }
 
 impl Device {
@@ -55,6 +59,7 @@ impl Device {
             loading: Vec::new(),
             due: None,
             held: CellInputs::default(),
+            has_current: false,
         };
         Self {
             link: if answers {
@@ -68,7 +73,14 @@ impl Device {
             now: 0,
             has_power: true,
             told: Vec::new(),
+            rows: None,
         }
+    }
+
+    /// The same; what it makes is kept. Its states are the current of the motors, RESET of their sequencers, and the number of the machine.
+    pub fn with_rows(mut self) -> Self {
+        self.rows = Some(StepRows::new("dx,dy,dz,dc,current,reset,machine"));
+        self
     }
 
     /// The same with a second machine like the first one.
@@ -80,6 +92,7 @@ impl Device {
                 loading: Vec::new(),
                 due: None,
                 held: CellInputs::default(),
+                has_current: false,
             };
             self.bays.push(second);
         }
@@ -176,9 +189,34 @@ impl Device {
     fn reset(&mut self) {
         self.cells.reset();
         self.link.reset();
-        for bay in &mut self.bays {
-            bay.due = None;
-            bay.rig.apply(&CellEvent::Enable(false));
+        for machine in (0..).take(self.bays.len()) {
+            if let Some(bay) = self.bays.get_mut(usize::from(machine)) {
+                bay.due = None;
+            }
+            self.apply(machine, self.now, &CellEvent::Enable(false));
+        }
+    }
+
+    /// Makes an event of a machine happen.
+    fn apply(&mut self, machine: u8, at: u64, event: &CellEvent) {
+        let Some(bay) = self.bays.get_mut(usize::from(machine)) else {
+            return;
+        };
+        bay.rig.apply(event);
+        let (wait_ticks, delta, is_reset) = match *event {
+            CellEvent::Step(step) => (step.wait_ticks, step.delta, false),
+            CellEvent::Dwell { wait_ticks } if wait_ticks > 0 => (wait_ticks, [0; 4], false),
+            CellEvent::Reset { ticks } => (ticks, [0; 4], true),
+            CellEvent::Enable(on) => {
+                bay.has_current = on;
+                (0, [0; 4], false)
+            }
+            // Nothing of them is to be seen at the motors.
+            CellEvent::Dwell { .. } | CellEvent::Report(_) | CellEvent::Idle => return,
+        };
+        if let Some(rows) = &mut self.rows {
+            let states = [bay.has_current.into(), is_reset.into(), machine + 1];
+            rows.push(at, wait_ticks, &delta, &states);
         }
     }
 
@@ -201,7 +239,7 @@ impl Device {
                 return;
             };
             from = at;
-            bay.rig.apply(&event);
+            self.apply(machine, at, &event);
             if let CellEvent::Report(report) = event {
                 if matches!(report, CellReport::Switch { .. }) && self.link.machine() == machine {
                     self.link.leave_mode();
@@ -334,5 +372,9 @@ impl Emulation for Device {
 
     fn tell(&mut self) -> Vec<String> {
         std::mem::take(&mut self.told)
+    }
+
+    fn made(&mut self) -> String {
+        self.rows.as_mut().map(StepRows::take).unwrap_or_default()
     }
 }

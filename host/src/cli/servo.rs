@@ -103,6 +103,9 @@ pub struct Emulate {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
+    /// CSV file of all that a drill or a microfactory makes: step events, dwells, outputs
+    #[arg(long, value_name = "FILE.csv")]
+    pub steps: Option<String>,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
     pub seconds: Option<f64>,
@@ -139,7 +142,8 @@ impl Emulate {
     pub fn expect_chain(&self) -> Result<(), String> {
         self.of_cell()?;
         self.not_given("--faithful", self.faithful)?;
-        self.not_given("--baud", self.baud.is_some())
+        self.not_given("--baud", self.baud.is_some())?;
+        self.not_given("--steps", self.steps.is_some())
     }
 
     fn of_cell(&self) -> Result<(), String> {

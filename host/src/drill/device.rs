@@ -2,6 +2,7 @@
 
 use crate::emulation::Emulation;
 use crate::line::Line;
+use crate::step_rows::StepRows;
 use husillo_machine::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_sim::{DrillRig, DrilledHole};
 use husillo_transports::drill::MEMORY_BYTES;
@@ -30,6 +31,8 @@ pub struct Device {
     due: Option<(u64, DrillEvent)>,
     has_power: bool,
     told: Vec<String>,
+    /// What is made, where that is kept.
+    rows: Option<StepRows>,
 }
 
 impl Device {
@@ -48,7 +51,14 @@ impl Device {
             due: None,
             has_power: true,
             told: Vec::new(),
+            rows: None,
         }
+    }
+
+    /// The same; what it makes is kept. Its states are the wires of each motor, bit 0 for the first one, and the spindle.
+    pub fn with_rows(mut self) -> Self {
+        self.rows = Some(StepRows::new("dx,dy,dz,lx,ly,lz,spindle"));
+        self
     }
 
     /// One that is small and quick, so that many programs are run in little time.
@@ -101,7 +111,7 @@ impl Device {
                 return;
             };
             from_us = at_us;
-            self.rig.apply(&event);
+            self.apply(at_us, &event);
             match event {
                 DrillEvent::Report(report) => self.told.push(text(report)),
                 DrillEvent::Spindle(on) => self
@@ -109,6 +119,23 @@ impl Device {
                     .push(format!("spindle {}", if on { "on" } else { "off" })),
                 _ => {}
             }
+        }
+    }
+
+    /// Makes an event happen.
+    fn apply(&mut self, at_us: u64, event: &DrillEvent) {
+        self.rig.apply(event);
+        let (wait_ticks, delta) = match *event {
+            DrillEvent::Step(step) => (step.wait_ticks, step.delta),
+            DrillEvent::Dwell { wait_ticks } if wait_ticks > 0 => (wait_ticks, [0; 3]),
+            DrillEvent::Spindle(_) => (0, [0; 3]),
+            // Nothing of them is to be seen at the motors.
+            DrillEvent::Dwell { .. } | DrillEvent::Report(_) | DrillEvent::Idle => return,
+        };
+        if let Some(rows) = &mut self.rows {
+            let [x, y, z] = self.rig.levels().map(|levels| levels.0);
+            let states = [x, y, z, self.rig.spindle_turns().into()];
+            rows.push(at_us, wait_ticks, &delta, &states);
         }
     }
 
@@ -175,7 +202,7 @@ impl Device {
         self.drill.reset();
         self.due = None;
         // What is in the receiver is gone as well; the spindle stops with the supply of its relay.
-        self.rig.apply(&DrillEvent::Spindle(false));
+        self.apply(self.now_us, &DrillEvent::Spindle(false));
     }
 }
 
@@ -277,5 +304,9 @@ impl Emulation for Device {
 
     fn tell(&mut self) -> Vec<String> {
         std::mem::take(&mut self.told)
+    }
+
+    fn made(&mut self) -> String {
+        self.rows.as_mut().map(StepRows::take).unwrap_or_default()
     }
 }

@@ -1,0 +1,61 @@
+//! What an emulated device makes, as rows of CSV.
+
+use std::fmt::Write;
+
+/// Rows that nobody has taken yet.
+#[derive(Debug)]
+pub struct StepRows {
+    text: String,
+    events: u64,
+}
+
+impl StepRows {
+    /// Columns behind the number of the step event, its time and its wait: the ways of the motors, then states.
+    pub fn new(columns: &str) -> Self {
+        Self {
+            text: format!("event,t_us,wait_ticks,{columns}\n"),
+            events: 0,
+        }
+    }
+
+    /// At a time, after a wait, the motors step, each by -1, 0 or 1, and these are the states from then on. Where none steps the row shares the
+    /// number of the event before it; where that was longer ago than the wait the device stood.
+    pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
+        self.events += u64::from(delta.iter().any(|way| *way != 0));
+        let text = &mut self.text;
+        // Writing to a string does not fail.
+        let _ = write!(text, "{},{t_us},{wait_ticks}", self.events);
+        for way in delta {
+            let _ = write!(text, ",{way}");
+        }
+        for state in states {
+            let _ = write!(text, ",{state}");
+        }
+        text.push('\n');
+    }
+
+    /// The rows since the last time; the first time the heading, too.
+    pub fn take(&mut self) -> String {
+        std::mem::take(&mut self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_numbered_by_steps() {
+        let mut rows = StepRows::new("dx,dy,on");
+        rows.push(5, 0, &[0, 0], &[1]);
+        rows.push(15, 10, &[1, 0], &[1]);
+        assert_eq!(
+            rows.take(),
+            "event,t_us,wait_ticks,dx,dy,on\n0,5,0,0,0,1\n1,15,10,1,0,1\n"
+        );
+        rows.push(22, 7, &[0, 0], &[1]);
+        rows.push(31, 9, &[-1, 1], &[0]);
+        assert_eq!(rows.take(), "1,22,7,0,0,1\n2,31,9,-1,1,0\n");
+        assert_eq!(rows.take(), "");
+    }
+}
