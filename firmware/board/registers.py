@@ -49,7 +49,7 @@ class Mps2:
         return self.at
 
     def write(self, address, value):
-        if address == 0x4000_0004 and value:
+        if address == 0x4000_0004 and value not in (0, 0xFFFF_FFFF):
             return "due", self.at + value
         if address == 0x4001_07FC:
             return "motors", value
@@ -87,6 +87,11 @@ class Virt:
 BOARDS = {"microbit": Microbit, "mps2-an386": Mps2, "virt": Virt}
 
 
+def waits(board):
+    """To be given to QEMU like those: enough for when pins are to be written. What is written says it, but on `mps2-an386`."""
+    return ARGUMENTS[:4] if board == "mps2-an386" else PINS
+
+
 class Made:
     """The motors' pins were written."""
 
@@ -103,8 +108,18 @@ def written(board, path):
         return [made for made in read(board, lines) if isinstance(made, Made)]
 
 
-def read(board, lines):
-    """All that was written to the motors' pins, and the bytes that were sent, in order: `Made` and numbers. Of the lines of a log."""
+class Switched:
+    """The other outputs have changed."""
+
+    def __init__(self, outputs):
+        self.outputs = outputs
+
+
+def read(board, lines, with_outputs=False):
+    """All that was written to the motors' pins, and the bytes that were sent, in order: `Made` and numbers. Of the lines of a log.
+
+    Where asked for, what has switched outputs, too: `Switched`.
+    """
     registers = BOARDS[board]()
     happened, outputs, due, last = [], 0, None, None
     for line in lines:
@@ -129,6 +144,8 @@ def read(board, lines):
         if kind == "due":
             due = value & 0xFFFF_FFFF
         elif kind == "outputs":
+            if with_outputs and value != outputs:
+                happened.append(Switched(value))
             outputs = value
         else:
             made = Made(value, outputs, due)

@@ -2,6 +2,7 @@
 
 use critical_section::CriticalSection;
 
+use crate::Shared;
 use crate::chosen::LONGEST_US;
 
 /// A step that waits for its time; `D` is what the foreground wants back of one that is dropped.
@@ -155,5 +156,18 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     #[inline]
     fn place(&mut self, number: u8) -> &mut Step<D> {
         &mut self.places[usize::from(number) % PLACES]
+    }
+}
+
+/// For foregrounds.
+impl<D: Copy, const PLACES: usize> Shared<Steps<D, PLACES>> {
+    /// See [`Steps::push`].
+    pub fn push(&self, step: Step<D>) {
+        crate::uninterrupted(|section| self.within(section, |steps| steps.push(step, section)));
+    }
+
+    /// Whether none waits.
+    pub fn are_made(&self) -> bool {
+        self.with(|steps| steps.is_empty())
     }
 }

@@ -47,42 +47,37 @@ fn main() -> ! {
     let mut levels = pins(motors.levels());
     board::write(levels);
     let mut switches = Switches::new();
-    let (mut given, mut unsent) = (0_u8, None);
+    let mut unsent = None;
     loop {
         while let Some(byte) = board::received() {
             DRILL.with(|drill| drill.push(byte));
         }
         let mut is_idle = true;
-        let made = STEPS.with(|steps| steps.made());
-        if made == given {
-            let wait_us = match DRILL.with(|drill| drill.next_event(&switches.inputs())) {
+        let are_made = STEPS.are_made();
+        if are_made {
+            let event = DRILL.with(|drill| drill.next_event(&switches.inputs()));
+            let wait_us = match event {
                 DrillEvent::Step(step) => {
                     switches.moved(&step.delta);
                     levels = pins(motors.step(&step.delta));
                     Some(step.wait_ticks)
                 }
+                // Another task follows at once: its waits go on from where this one's ended.
+                DrillEvent::Dwell { wait_ticks: 0 } => None,
                 DrillEvent::Dwell { wait_ticks } => Some(wait_ticks),
                 DrillEvent::Spindle(on) => {
                     board::switch(on.into());
-                    is_idle = false;
                     None
                 }
                 // There is no panel.
-                DrillEvent::Report(_) => {
-                    is_idle = false;
-                    None
-                }
-                DrillEvent::Idle => None,
+                DrillEvent::Report(_) | DrillEvent::Idle => None,
             };
+            is_idle = event == DrillEvent::Idle;
             if let Some(wait_us) = wait_us {
-                given = given.wrapping_add(1);
-                let step = Step {
+                STEPS.push(Step {
                     wait_us,
                     levels,
                     delta: (),
-                };
-                board::uninterrupted(|section| {
-                    STEPS.within(section, |steps| steps.push(step, section));
                 });
             }
         }
@@ -94,7 +89,7 @@ fn main() -> ! {
             is_idle = false;
         }
         if is_idle {
-            board::sleep(|section| STEPS.within(section, |steps| steps.made() == made));
+            board::sleep(|section| STEPS.within(section, |steps| steps.is_empty()) == are_made);
         }
     }
 }

@@ -44,14 +44,14 @@ fn main() -> ! {
     board::switch(outputs);
     let mut link = Link::new();
     let mut switches = Switches::new();
-    let (mut given, mut unsent) = (0_u8, None);
+    let mut unsent = None;
     loop {
         while let Some(byte) = board::received() {
             link.receive(byte);
         }
         let mut is_idle = true;
-        let made = STEPS.with(|steps| steps.made());
-        if made == given {
+        let are_made = STEPS.are_made();
+        if are_made {
             outputs |= NOT_RESET;
             let event = link.cell.next_event(&switches.inputs());
             let (wait_us, clocks) = match event {
@@ -59,6 +59,8 @@ fn main() -> ! {
                     switches.moved(&step.delta);
                     (Some(step.wait_ticks), clocks(&step.delta))
                 }
+                // Another task follows at once: its waits go on from where this one's ended.
+                CellEvent::Dwell { wait_ticks: 0 } => (None, 0),
                 CellEvent::Dwell { wait_ticks } => (Some(wait_ticks), 0),
                 CellEvent::Reset { ticks } => {
                     outputs &= !NOT_RESET;
@@ -70,7 +72,8 @@ fn main() -> ! {
                     } else {
                         outputs & !ENABLE
                     };
-                    (None, 0)
+                    // It needs its time: what follows waits from now on.
+                    (on.then_some(0), 0)
                 }
                 CellEvent::Report(report) => {
                     if matches!(report, CellReport::Switch { .. }) {
@@ -84,14 +87,10 @@ fn main() -> ! {
             is_idle = event == CellEvent::Idle;
             if let Some(wait_us) = wait_us {
                 let levels = WAYS.with(|ways| *ways) | clocks;
-                given = given.wrapping_add(1);
-                let step = Step {
+                STEPS.push(Step {
                     wait_us,
                     levels,
                     delta: (),
-                };
-                board::uninterrupted(|section| {
-                    STEPS.within(section, |steps| steps.push(step, section));
                 });
             }
         }
@@ -103,7 +102,7 @@ fn main() -> ! {
             is_idle = false;
         }
         if is_idle {
-            board::sleep(|section| STEPS.within(section, |steps| steps.made() == made));
+            board::sleep(|section| STEPS.within(section, |steps| steps.is_empty()) == are_made);
         }
     }
 }
