@@ -12,7 +12,7 @@ class Microbit:
     """TIMER0 in microseconds; OUTCLR, then OUTSET tell all pins of a kind."""
 
     CLOCKS_PER_US = 1
-    SENT = 0x4000_251C
+    SENT, HEARD = 0x4000_251C, 0x4000_2518
     NOW = 0x4000_8544
 
     def __init__(self):
@@ -38,7 +38,7 @@ class Mps2:
     """TIMER1 counts down at 25 MHz; TIMER0 is given how long it takes from what was read there last."""
 
     CLOCKS_PER_US = 25
-    SENT = 0x4000_4000
+    SENT = HEARD = 0x4000_4000
     NOW = 0x4000_1004
 
     def __init__(self):
@@ -62,11 +62,8 @@ class Virt:
     """mtime at 10 MHz, mtimecmp; the pins are those of the UART."""
 
     CLOCKS_PER_US = 10
-    SENT = 0x1000_0000
+    SENT = HEARD = 0x1000_0000
     NOW = 0x0200_BFF8
-
-    def __init__(self):
-        self.low = 0
 
     @staticmethod
     def now(value):
@@ -74,9 +71,7 @@ class Virt:
 
     def write(self, address, value):
         if address == 0x0200_4000:
-            self.low = value
-        if address == 0x0200_4004 and value != 0xFFFF_FFFF:
-            return "due", self.low
+            return "due", value
         if address == 0x1000_0007:
             return "motors", value
         if address == 0x1000_0004:
@@ -95,11 +90,13 @@ def waits(board):
 class Made:
     """The motors' pins were written."""
 
-    def __init__(self, levels, outputs, due):
+    def __init__(self, levels, outputs, due, asked):
         self.levels, self.outputs = levels, outputs
         # When that was to be, and when it was read that it had been: clocks of the board, of 32 bits. `None`: nothing was waited for; that interrupt did
         # not read it, or there is no telling (`virt`, where QEMU does not log its end).
         self.due, self.at = due, None
+        # The time that was read last before that wait began.
+        self.asked = asked
 
 
 def written(board, path):
@@ -121,7 +118,7 @@ def read(board, lines, with_outputs=False):
     Where asked for, what has switched outputs, too: `Switched`.
     """
     registers = BOARDS[board]()
-    happened, outputs, due, last = [], 0, None, None
+    happened, outputs, now, due, asked, last = [], 0, None, None, None, None
     for line in lines:
         found = ACCESS.search(line)
         if not found:
@@ -142,13 +139,13 @@ def read(board, lines, with_outputs=False):
             continue
         kind, value = written
         if kind == "due":
-            due = value & 0xFFFF_FFFF
+            due, asked = value & 0xFFFF_FFFF, now
         elif kind == "outputs":
             if with_outputs and value != outputs:
                 happened.append(Switched(value))
             outputs = value
         else:
-            made = Made(value, outputs, due)
+            made = Made(value, outputs, due, asked)
             due, last = None, None if board == "virt" else made
             happened.append(made)
     return happened

@@ -16,7 +16,7 @@
 //! | `write(levels: u8)` | the motors' pins; called by the step interrupt |
 //! | `switch(outputs: u8)` | up to four other outputs: spindle, current |
 //! | `inputs(simulated: u8) -> u8` | up to five switches, 1 for closed |
-//! | `wait(us: u32, section)` | calls `on_time` so many microseconds after the last time, or at once where that has passed |
+//! | `wait(us: u32, section)` | calls `on_time` so many microseconds after the last time, or at once where that has passed; from now on where the wait before was cut short |
 //! | `LONGEST_US` | the longest wait that `wait` takes: longer ones are made of several |
 //! | `stop()` | ends the wait |
 //! | `baud(bits_per_s: u32)` | the UART goes on at this rate; `start` sets 9600 |
