@@ -99,12 +99,6 @@ class Made:
         self.asked = asked
 
 
-def written(board, path):
-    """All that was written to the motors' pins."""
-    with open(path, errors="replace") as lines:
-        return [made for made in read(board, lines) if isinstance(made, Made)]
-
-
 class Switched:
     """The other outputs have changed."""
 
