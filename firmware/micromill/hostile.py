@@ -11,6 +11,7 @@ from link import DONE, NO_SWITCH, STEPS, STOPPED, TAKEN, Mill
 board, wanted = sys.argv[1], int(sys.argv[2])
 seed = int(sys.argv[3]) if len(sys.argv) > 3 else 1
 random.seed(seed)
+READY = b"\x88"
 LASH = (1457, 1271, 0)
 TRAVEL = (71_429, 50_000, None)
 # Without `H`, `B` and `R`: the limits of a machine that homes anew, has another lash or does not tell all steps would not be known here.
@@ -116,9 +117,12 @@ with Mill(board) as mill:
             # In the middle of whatever it is.
             mill.monitor("system_reset")
             resets += 1
-            while mill.receive(0.2):
-                pass
+            said = b""
+            while more := mill.receive(0.2):
+                said += more
+            # Bytes that were on their way have moved it already since it was ready.
             watch.start(False)
+            watch.hear(said.rpartition(READY)[2])
             if random.randrange(2):
                 home()
     home()
