@@ -182,8 +182,11 @@ impl Arc {
         } else {
             Width::Wide(Walk::new(&start))
         };
-        let mut dry = walk.clone();
-        let totals = Totals::of(core::iter::from_fn(|| dry.next())).ok_or(ArcError::TooLong)?;
+        let totals = match &walk {
+            Width::Narrow(walk) => walk.totals(),
+            Width::Wide(walk) => walk.totals(),
+        };
+        let totals = totals.ok_or(ArcError::TooLong)?;
         Ok(Arc {
             walk,
             left: totals.events,

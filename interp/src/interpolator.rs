@@ -49,12 +49,18 @@ impl Totals {
             if totals.events >= 1 << 31 {
                 return None;
             }
-            totals.events = totals.events.wrapping_add(1);
-            // Sweeps are below 2^32, events at most 2^31.
-            totals.total_sweep = totals.total_sweep.wrapping_add(step.sweep.into());
-            totals.largest_sweep = totals.largest_sweep.max(step.sweep);
+            totals.add(step.sweep);
         }
         Some(totals)
+    }
+
+    /// Another event; they are not more than 2^32.
+    #[inline]
+    pub(crate) fn add(&mut self, sweep: u32) {
+        self.events = self.events.wrapping_add(1);
+        // Below 2^32 times 2^32.
+        self.total_sweep = self.total_sweep.wrapping_add(sweep.into());
+        self.largest_sweep = self.largest_sweep.max(sweep);
     }
 }
 

@@ -47,8 +47,7 @@ impl NarrowArc {
     pub fn new(arc: &ArcMove) -> Result<NarrowArc, ArcError> {
         let (start, radius) = narrow(arc)?;
         let walk = Walk::new(&start);
-        let mut dry = walk;
-        let totals = Totals::of(core::iter::from_fn(|| dry.next())).ok_or(ArcError::TooLong)?;
+        let totals = walk.totals().ok_or(ArcError::TooLong)?;
         Ok(NarrowArc {
             walk,
             left: totals.events,

@@ -12,7 +12,7 @@
 //!         +---------+-- u       quadrant ends when du >= 0, that is u <= 1/2 BLU
 //! ```
 
-use crate::Step;
+use crate::{Step, interpolator::Totals};
 
 /// A signed machine word the state is kept in: `i32` where it fits, `i64` otherwise.
 ///
@@ -162,6 +162,36 @@ pub(crate) struct Walk<W> {
     spread: Spread,
 }
 
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Way {
+    U,
+    V,
+    Both,
+}
+
+/// The step whose end is nearest to the circle, what is left of F after it, and its sweep.
+#[inline(always)]
+fn nearest<W: Word>(residue: W, du: W, dv: W, one: W) -> (Way, W, W) {
+    let after_u = residue.plus(du);
+    let after_v = residue.plus(dv);
+    let after_both = after_u.plus(dv);
+    // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
+    let bias = one.half();
+    // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of
+    // after_both leaves two candidates. Compared by differences: each fits where the three do.
+    // With branches, as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on a desktop.
+    let is_outside = after_both >= W::ZERO;
+    let along_u = dv.minus(one).half();
+    let along_v = one.minus(du).half();
+    if is_outside & (after_both > bias.minus(after_u)) {
+        (Way::U, after_u, along_u)
+    } else if !is_outside & (after_both < bias.minus(after_v)) {
+        (Way::V, after_v, along_v)
+    } else {
+        (Way::Both, after_both, along_u.plus(along_v))
+    }
+}
+
 impl<W: Word> Walk<W> {
     pub(crate) fn new(start: &Start) -> Self {
         Walk {
@@ -212,36 +242,69 @@ impl<W: Word> Walk<W> {
             }
         }
         if self.spread.left != 0 {
-            self.change_radius();
+            self.residue = self.residue.minus(self.change_of_radius());
         }
-        let (du, dv) = (self.du, self.dv);
-        let after_u = self.residue.plus(du);
-        let after_v = self.residue.plus(dv);
-        let after_both = after_u.plus(dv);
-        // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
-        let bias = self.one.half();
-        // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of
-        // after_both leaves two candidates. Compared by differences: each fits where the three do.
-        // With branches, as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on a desktop.
-        let is_outside = after_both >= W::ZERO;
+        let (way, residue, sweep) = nearest(self.residue, self.du, self.dv, self.one);
         let two = self.one.plus(self.one);
-        let along_u = dv.minus(self.one).half();
-        let along_v = self.one.minus(du).half();
-        let (toward, sweep) = if is_outside & (after_both > bias.minus(after_u)) {
-            self.residue = after_u;
-            self.du = du.plus(two);
-            (self.toward_u, along_u)
-        } else if !is_outside & (after_both < bias.minus(after_v)) {
-            self.residue = after_v;
-            self.dv = dv.plus(two);
-            (self.toward_v, along_v)
-        } else {
-            self.residue = after_both;
-            self.du = du.plus(two);
-            self.dv = dv.plus(two);
-            (self.toward_u.and(self.toward_v), along_u.plus(along_v))
+        self.residue = residue;
+        let toward = match way {
+            Way::U => {
+                self.du = self.du.plus(two);
+                self.toward_u
+            }
+            Way::V => {
+                self.dv = self.dv.plus(two);
+                self.toward_v
+            }
+            Way::Both => {
+                self.du = self.du.plus(two);
+                self.dv = self.dv.plus(two);
+                self.toward_u.and(self.toward_v)
+            }
         };
         Some(self.step(toward, sweep))
+    }
+
+    /// What all its steps add up to; `None` when they are more than 2^31. For about half the instructions of walking them.
+    pub(crate) fn totals(mut self) -> Option<Totals> {
+        let mut totals = Totals::default();
+        loop {
+            self.sum_up(&mut totals);
+            // A quadrant has fewer than 2^31.
+            if totals.events > 1 << 31 {
+                return None;
+            }
+            if self.quadrants != 0 {
+                self.turn();
+            } else if let Some(step) = self.run_off() {
+                totals.add(step.sweep);
+            } else {
+                return Some(totals);
+            }
+        }
+    }
+
+    /// Adds the steps up to the limit of the quadrant, and stands there then.
+    fn sum_up(&mut self, totals: &mut Totals) {
+        // Without the rest of the state these fit the registers.
+        let (mut residue, mut du, mut dv, mut sum) = (self.residue, self.du, self.dv, *totals);
+        let (du_limit, dv_limit) = (self.du_limit, self.dv_limit);
+        let two = self.one.plus(self.one);
+        while (du < du_limit) & (dv < dv_limit) {
+            if self.spread.left != 0 {
+                residue = residue.minus(self.change_of_radius());
+            }
+            let (way, after, sweep) = nearest(residue, du, dv, self.one);
+            residue = after;
+            if way != Way::V {
+                du = du.plus(two);
+            }
+            if way != Way::U {
+                dv = dv.plus(two);
+            }
+            sum.add(sweep.max(self.least_sweep).sweep(self.sweep_shift));
+        }
+        (self.residue, self.du, self.dv, *totals) = (residue, du, dv, sum);
     }
 
     /// Into the next quadrant.
@@ -284,16 +347,17 @@ impl<W: Word> Walk<W> {
         toward.step(sweep.max(self.least_sweep).sweep(self.sweep_shift))
     }
 
+    /// By how much F changes with the next step because the radius does.
     #[inline]
-    fn change_radius(&mut self) {
+    fn change_of_radius(&mut self) -> W {
         let spread = &mut self.spread;
         spread.left = spread.left.wrapping_sub(1);
-        self.residue = self.residue.minus(self.quotient);
         // phase and remainder are below steps <= 2^31: the sum fits.
         spread.phase = spread.phase.wrapping_add(spread.remainder);
-        if spread.phase >= spread.steps {
-            spread.phase = spread.phase.wrapping_sub(spread.steps);
-            self.residue = self.residue.minus(W::narrow(1));
+        if spread.phase < spread.steps {
+            return self.quotient;
         }
+        spread.phase = spread.phase.wrapping_sub(spread.steps);
+        self.quotient.plus(W::narrow(1))
     }
 }
