@@ -68,7 +68,9 @@ with tempfile.TemporaryDirectory() as folder:
             mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
             said = b""
             while STOPPED not in said:
-                said += mill.receive(10)
+                if not (more := mill.receive(10)):
+                    sys.exit(f"{board}: silent after a byte that stops")
+                said += more
             time.sleep(0.2)
             text = logged()
             tally(said + mill.ask(b";"))

@@ -232,12 +232,12 @@ impl<W: Word> Walk<W> {
     /// The next step; `None` when the end is reached.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Step> {
-        if (self.du >= self.du_limit) | (self.dv >= self.dv_limit) {
+        if self.is_at_limit() {
             if self.quadrants == 0 {
                 return self.run_off();
             }
             self.turn();
-            if (self.du >= self.du_limit) | (self.dv >= self.dv_limit) && self.quadrants == 0 {
+            if self.is_at_limit() && self.quadrants == 0 {
                 return self.run_off();
             }
         }
@@ -269,28 +269,34 @@ impl<W: Word> Walk<W> {
     pub(crate) fn totals(mut self) -> Option<Totals> {
         let mut totals = Totals::default();
         loop {
+            // As `next` does.
+            if self.is_at_limit() {
+                if self.quadrants != 0 {
+                    self.turn();
+                }
+                if self.quadrants == 0 && self.is_at_limit() {
+                    let Some(step) = self.run_off() else {
+                        return Some(totals);
+                    };
+                    totals.add(step.sweep);
+                    continue;
+                }
+            }
             self.sum_up(&mut totals);
             // A quadrant has fewer than 2^31.
             if totals.events > 1 << 31 {
                 return None;
             }
-            if self.quadrants != 0 {
-                self.turn();
-            } else if let Some(step) = self.run_off() {
-                totals.add(step.sweep);
-            } else {
-                return Some(totals);
-            }
         }
     }
 
-    /// Adds the steps up to the limit of the quadrant, and stands there then.
+    /// Adds a step, and those after it up to the limit of the quadrant, and stands there then.
     fn sum_up(&mut self, totals: &mut Totals) {
         // Without the rest of the state these fit the registers.
         let (mut residue, mut du, mut dv, mut sum) = (self.residue, self.du, self.dv, *totals);
         let (du_limit, dv_limit) = (self.du_limit, self.dv_limit);
         let two = self.one.plus(self.one);
-        while (du < du_limit) & (dv < dv_limit) {
+        loop {
             if self.spread.left != 0 {
                 residue = residue.minus(self.change_of_radius());
             }
@@ -303,8 +309,17 @@ impl<W: Word> Walk<W> {
                 dv = dv.plus(two);
             }
             sum.add(sweep.max(self.least_sweep).sweep(self.sweep_shift));
+            if (du >= du_limit) | (dv >= dv_limit) {
+                break;
+            }
         }
         (self.residue, self.du, self.dv, *totals) = (residue, du, dv, sum);
+    }
+
+    /// Whether something else than a step to the nearest point may be due.
+    #[inline(always)]
+    fn is_at_limit(&self) -> bool {
+        (self.du >= self.du_limit) | (self.dv >= self.dv_limit)
     }
 
     /// Into the next quadrant.
