@@ -21,7 +21,7 @@ WAIT_US = math.ceil(1e6 / 170)
 
 with tempfile.TemporaryDirectory() as folder:
     log = os.path.join(folder, "log")
-    # A million instructions a second: reading and checking two lines takes longer than two steps, which would be made if the interrupt let them.
+    # A million instructions a second, as slow as QEMU goes.
     with Mill(board, *registers.ARGUMENTS, "-D", log, "-icount", "shift=10,sleep=off") as mill:
         mill.booted()
         told = [0, 0, 0]
@@ -63,8 +63,8 @@ with tempfile.TemporaryDirectory() as folder:
             for line in lines:
                 tally(mill.ask(line, (TAKEN,)))
             before = logged()
-            # The foreground has two lines to read before it comes to the stop: an arc that is none, and a feed. (On virt QEMU
-            # takes a byte so late that they have been read by then: a hold that does nothing is seen on the other boards only.)
+            # The foreground has two lines to read before it comes to the stop: an arc that is none, and a feed. On the microbit that takes longer than two
+            # steps, so a hold that does nothing is seen there; the mps2-an386 has read them before, and on virt QEMU takes a byte too late.
             mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
             said = b""
             while STOPPED not in said:

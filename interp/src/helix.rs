@@ -17,7 +17,7 @@ use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
 /// | events | those of the arc, and of axes that have more steps than it |
 /// | speed ripple | that of the arc; events between two of the plane share its sweep |
 /// | state | that of the arc, 24 bytes an axis and 40 more; 2^31 events |
-/// | cost | in three axes 318 instructions an event on Cortex-M0, 128 on Cortex-M4F, 165 on RV32IMAC: the product of rate and sweep has 64 bits |
+/// | cost | in three axes 313 instructions an event on Cortex-M0, 127 on Cortex-M4F, 163 on RV32IMAC: the product of rate and sweep has 64 bits |
 /// | source | our derivation: the area swept is the angle |
 #[derive(Clone, Debug)]
 pub struct Helix<const N: usize> {

@@ -265,7 +265,7 @@ impl<W: Word> Walk<W> {
         Some(self.step(toward, sweep))
     }
 
-    /// What all its steps add up to; `None` when they are more than 2^31. For about half the instructions of walking them.
+    /// What all its steps add up to; `None` when they are more than 2^31. For a little more than half the instructions of walking them.
     pub(crate) fn totals(mut self) -> Option<Totals> {
         let mut totals = Totals::default();
         loop {
