@@ -70,7 +70,8 @@ class Virt:
         return value
 
     def write(self, address, value):
-        if address == 0x0200_4000:
+        # 0 is what it is set to when it is switched on.
+        if address == 0x0200_4000 and value:
             return "due", value
         if address == 0x1000_0007:
             return "motors", value
