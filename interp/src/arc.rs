@@ -130,7 +130,7 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
 /// | events | at most 1.42 R and a few for each quadrant; a full turn of a whole-step circle has 4 round(sqrt(2) R) |
 /// | speed ripple | timed by its sweep 1/R and a tick; at equal time -10 to +27 % |
 /// | state | 152 bytes: the walk has 64 in words of 32 bits ([`Arc::is_narrow`]: R up to 10 829 with 16 fraction bits, 2^24 with 5), but room is kept for words of 64 bits (up to R = 2^30), and for what it tells of the whole move |
-/// | cost | 96 instructions an event on Cortex-M0, 72 on Cortex-M4F, 84 on RV32IMAC; in words of 64 bits 192, 126 and 147. To prepare it, a little more than half as many for each. Above [`DirectSearch`](crate::DirectSearch): the choice of the width, a changing radius, the least sweep, ends off the circle |
+/// | cost | 89 instructions an event on Cortex-M0, 64 on Cortex-M4F, 81 on RV32IMAC; in words of 64 bits 203, 118 and 146. To prepare it, a little more than half as many for each. Above [`DirectSearch`](crate::DirectSearch): the choice of the width, a changing radius, the least sweep, ends off the circle |
 /// | source | Danielsson 1970 and McIlroy 1983 for the choice of the nearest point; two sign tests and rounded ends are our derivation |
 #[derive(Clone, Debug)]
 pub struct Arc {

@@ -233,12 +233,12 @@ impl<W: Word> Walk<W> {
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Step> {
         if self.is_at_limit() {
-            if self.quadrants == 0 {
-                return self.run_off();
+            if self.quadrants != 0 {
+                self.turn();
             }
-            self.turn();
-            if self.is_at_limit() && self.quadrants == 0 {
-                return self.run_off();
+            if self.quadrants == 0 && self.is_at_limit() {
+                let (toward, sweep) = self.run_off();
+                return (toward != Toward::NOWHERE).then(|| self.step(toward, sweep));
             }
         }
         if self.spread.left != 0 {
@@ -275,10 +275,11 @@ impl<W: Word> Walk<W> {
                     self.turn();
                 }
                 if self.quadrants == 0 && self.is_at_limit() {
-                    let Some(step) = self.run_off() else {
+                    let (toward, sweep) = self.run_off();
+                    if toward == Toward::NOWHERE {
                         return Some(totals);
-                    };
-                    totals.add(step.sweep);
+                    }
+                    totals.add(self.step(toward, sweep).sweep);
                     continue;
                 }
             }
@@ -333,9 +334,9 @@ impl<W: Word> Walk<W> {
     }
 
     /// Level with the end in one axis (or past it): straight to it. The end is a rounded point, so
-    /// this is a step or two. No step: there.
+    /// this is a step or two. Nowhere: there.
     #[cold]
-    fn run_off(&mut self) -> Option<Step> {
+    fn run_off(&mut self) -> (Toward, W) {
         let along_u = self.dv.minus(self.one).half();
         let along_v = self.one.minus(self.du).half();
         let two = self.one.plus(self.one);
@@ -354,7 +355,7 @@ impl<W: Word> Walk<W> {
             self.dv = self.dv.minus(two);
             (toward, sweep) = (toward.and(self.toward_v.opposite()), sweep.minus(along_v));
         }
-        (toward != Toward::NOWHERE).then(|| self.step(toward, sweep))
+        (toward, sweep)
     }
 
     #[inline(always)]
