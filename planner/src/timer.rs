@@ -3,8 +3,8 @@
 /// Times the events of one move: each waits in proportion to its sweep, nothing is rounded away.
 ///
 /// Set up with the ticks of the whole move; the waits of all its events then add up to exactly
-/// those ticks (see [`Timer::new`]). An event costs two multiplications and two additions; the
-/// divisions are all in the set-up.
+/// those ticks (see [`Timer::new`]). An event costs a multiplication and an addition, two of each where the
+/// move has more sweep than the rate is fine for; the divisions are all in the set-up.
 ///
 /// ```
 /// let mut timer = husillo_planner::Timer::new(1000, 3, 1);
@@ -20,6 +20,8 @@ pub struct Timer {
     owed: u64,
     owed_low: u32,
     fraction_bits: u8,
+    /// Those above the lower word, 0 to 29. More: there are fewer than 32, or the rate goes on below them.
+    upper_bits: u8,
 }
 
 /// Products of rate and sweep stay below 2 to this: then adding what is owed cannot overflow.
@@ -30,49 +32,59 @@ impl Timer {
     /// than `largest_sweep`.
     ///
     /// The rate gets as many fraction bits as products with `largest_sweep` leave in 64 bits, and
-    /// 32 more below them, rounded up: the sum of all waits is exactly `ticks` wherever
-    /// `ticks * largest_sweep` is below 2^92 and `largest_sweep` below 2^32; after any number
+    /// 32 more below them where `sweep` has more bits than those, rounded up: the sum of all waits is
+    /// exactly `ticks` wherever `ticks * largest_sweep` is below 2^92 and `largest_sweep` below 2^32, and after any number
     /// of events it is the true time so far, rounded down, or one tick more at most.
     /// `ticks / sweep * largest_sweep`, the longest wait, has to be below 2^61 ticks; beyond that
     /// waits are cut to it. A sweep of 0 is taken as 1.
     pub fn new(ticks: u64, sweep: u64, largest_sweep: u64) -> Timer {
-        Timer::with_most_bits(ticks, sweep, largest_sweep, 61)
+        Timer::rounded_up(ticks, sweep, largest_sweep, 61, true)
     }
 
-    /// [`Timer::new`] with no more than so many fraction bits, 61 at most.
+    /// [`Timer::new`] with no more than so many fraction bits, 61 at most, and always 32 more below them: for what adds up over many moves.
     pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u64, most: u8) -> Timer {
+        Timer::rounded_up(ticks, sweep, largest_sweep, most, false)
+    }
+
+    /// With 32 bits more, or so many fewer as keep the whole within the last tick.
+    fn rounded_up(
+        ticks: u64,
+        sweep: u64,
+        largest_sweep: u64,
+        most: u8,
+        is_one_move: bool,
+    ) -> Timer {
         let sweep = sweep.max(1);
         // The longest wait is below 2^(bits(ticks) - bits(sweep) + 1 + bits(largest)).
-        let longest = i64::from(bits(ticks))
-            .wrapping_sub(i64::from(bits(sweep)))
+        let longest = bits(ticks)
             .wrapping_add(1)
-            .wrapping_add(i64::from(bits(largest_sweep)));
+            .wrapping_add(bits(largest_sweep))
+            .saturating_sub(bits(sweep));
         // At most 61, so that 2^fraction_bits owed fits beside a product.
-        let fraction_bits = i64::from(PRODUCT_BITS)
-            .wrapping_sub(longest)
-            .clamp(0, most.min(61).into()) as u8;
+        let fraction_bits = PRODUCT_BITS
+            .saturating_sub(longest)
+            .min(most.min(61).into()) as u8;
         let (rate, rest) = scaled_quotient(ticks, sweep, fraction_bits);
         let (mut low, rest) = continue_quotient(0, rest, sweep, 32);
         // Up, so that the whole sweep reaches the last tick in spite of the cut.
         if rest != 0 {
             low = low.wrapping_add(1);
         }
+        // By the rate alone, rounded up, 2^fraction_bits units of sweep are less than a tick too long.
+        if is_one_move && low != 0 && bits(sweep) <= fraction_bits.into() {
+            low = 1 << 32;
+        }
         let rate = rate.saturating_add(low >> 32);
         let most = (1_u64 << PRODUCT_BITS)
             .checked_div(largest_sweep)
             .unwrap_or(u64::MAX);
-        Timer {
-            rate: rate.min(most),
-            // Its products fit only with sweeps below 2^32.
-            rate_low: if largest_sweep >> 32 == 0 {
-                low as u32
-            } else {
-                0
-            },
-            owed: 0,
-            owed_low: 0,
-            fraction_bits,
-        }
+        // Its products fit only with sweeps below 2^32.
+        let rate_low = if largest_sweep >> 32 == 0 {
+            low as u32
+        } else {
+            0
+        };
+        Timer::of(rate.min(most), rate_low, fraction_bits)
     }
 
     /// The timer with a given number of fraction bits (0 to 61) and nothing below them:
@@ -84,48 +96,70 @@ impl Timer {
         let (rate, rest) = scaled_quotient(ticks, sweep, fraction_bits);
         // Half or more goes up; rest < sweep.
         let is_up = rest >= sweep.wrapping_sub(rest);
+        Timer::of(rate.saturating_add(is_up.into()), 0, fraction_bits)
+    }
+
+    const fn of(rate: u64, rate_low: u32, fraction_bits: u8) -> Timer {
         Timer {
-            rate: rate.saturating_add(is_up.into()),
-            rate_low: 0,
+            rate,
+            rate_low,
             owed: 0,
             owed_low: 0,
             fraction_bits,
+            upper_bits: if rate_low == 0 {
+                fraction_bits.wrapping_sub(32)
+            } else {
+                u8::MAX
+            },
         }
     }
 
     /// Ticks to wait before an event of this `sweep`; what is less than a tick is owed to the next.
     #[inline]
     pub fn wait(&mut self, sweep: u64) -> u64 {
-        // At most 2^62 + 2^32, and owed < 2^61.
-        let product = self.product(sweep);
-        self.owe(product)
+        if self.fits_upper() {
+            self.split_upper(self.rate.wrapping_mul(sweep))
+        } else {
+            self.split(sweep)
+        }
     }
 
-    /// [`wait`](Timer::wait) of an event of sweep 1, as all of a [line](https://docs.rs/husillo-interp) have: without its multiplications, which take a
-    /// Cortex-M0 75 instructions.
+    /// [`wait`](Timer::wait) of an event of sweep 1, as all of a [line](https://docs.rs/husillo-interp) have: where chips of 32 bits need not shift
+    /// words of 64, without its multiplication, which takes a Cortex-M0 50 instructions.
     #[inline]
     pub fn wait_one(&mut self) -> u64 {
-        // Both below 2^32.
-        let low = u64::from(self.rate_low).wrapping_add(self.owed_low.into());
-        self.owed_low = low as u32;
-        self.owe(self.rate.wrapping_add(low >> 32))
+        if self.fits_upper() {
+            self.split_upper(self.rate)
+        } else {
+            self.split(1)
+        }
     }
 
-    /// Whole ticks of a product and of what was owed before it.
+    /// Whether a chip of 32 bits need not shift words of 64: so it is where waits are below 2^28 and the move's sweep is below 2^32.
     #[inline]
-    fn owe(&mut self, product: u64) -> u64 {
+    const fn fits_upper(&self) -> bool {
+        cfg!(target_pointer_width = "32") && self.upper_bits < 32
+    }
+
+    /// Whole ticks of a product and of what was owed before it; all shifts are within the upper word.
+    #[inline]
+    const fn split_upper(&mut self, product: u64) -> u64 {
+        // At most 2^62 + 2^32, and owed < 2^61.
         let sum = self.owed.wrapping_add(product);
-        let bits = u32::from(self.fraction_bits);
-        if cfg!(target_pointer_width = "32") && bits >= 32 {
-            // As it is where waits are below 2^30: all shifts within the upper word.
-            let upper = (sum >> 32) as u32;
-            let ticks = upper.wrapping_shr(bits); // by bits - 32: shifts count modulo 32
-            let owed = upper.wrapping_sub(ticks.wrapping_shl(bits));
-            self.owed = u64::from(owed) << 32 | sum & 0xffff_ffff;
-            return ticks.into();
-        }
-        let ticks = sum.wrapping_shr(bits);
-        self.owed = sum.wrapping_sub(ticks.wrapping_shl(bits));
+        let ticks = ((sum >> 32) as u32).wrapping_shr(self.upper_bits as u32);
+        let whole = ticks.wrapping_shl(self.upper_bits as u32) as u64;
+        self.owed = sum.wrapping_sub(whole << 32);
+        ticks as u64
+    }
+
+    /// Whole ticks of an event and of what was owed before it, with all its bits.
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    fn split(&mut self, sweep: u64) -> u64 {
+        // At most 2^62 + 2^32, and owed < 2^61.
+        let sum = self.product(sweep).wrapping_add(self.owed);
+        let ticks = sum.wrapping_shr(self.fraction_bits.into());
+        self.owed = sum.wrapping_sub(ticks.wrapping_shl(self.fraction_bits.into()));
         ticks
     }
 
@@ -146,7 +180,7 @@ impl Timer {
         self.fraction_bits
     }
 
-    /// Ticks for one unit of sweep, times 2^[`fraction_bits`](Timer::fraction_bits), rounded down.
+    /// Ticks for one unit of sweep, times 2^[`fraction_bits`](Timer::fraction_bits), rounded up where nothing is kept below that, otherwise down.
     pub const fn rate(&self) -> u64 {
         self.rate
     }
@@ -197,5 +231,30 @@ fn append(quotient: u64, count: u32, digit: u64) -> u64 {
         u64::MAX
     } else {
         quotient.wrapping_shl(count) | digit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Timer;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// What chips of 32 bits reckon in the upper word is what words of 64 give.
+        #[test]
+        fn upper_words_are_enough(
+            ticks in 0_u64..1 << 31,
+            total in 1_u64 << 8..1 << 40,
+            sweeps in prop::collection::vec(prop_oneof![Just(1_u64), 1..1_u64 << 20], 1..100),
+        ) {
+            let mut timer = Timer::new(ticks, total, 1 << 20);
+            prop_assume!(timer.upper_bits < 32);
+            let mut other = timer.clone();
+            for sweep in sweeps {
+                let product = timer.rate * sweep;
+                prop_assert_eq!(timer.split_upper(product), other.split(sweep));
+                prop_assert_eq!(&timer, &other);
+            }
+        }
     }
 }

@@ -24,22 +24,6 @@ proptest! {
         prop_assert_eq!(waited, u128::from(ticks));
     }
 
-    /// An event of sweep 1 without multiplications waits as any other, whatever came before it.
-    #[test]
-    fn one_is_one(
-        ticks in 0_u64..1 << 52,
-        total in 1_u64..1 << 40,
-        sweeps in prop::collection::vec(prop_oneof![Just(1_u64), 1..1_u64 << 20], 1..200),
-    ) {
-        let mut timer = Timer::new(ticks, total, 1 << 20);
-        let mut other = timer.clone();
-        for sweep in sweeps {
-            let wait = if sweep == 1 { other.wait_one() } else { other.wait(sweep) };
-            prop_assert_eq!(wait, timer.wait(sweep));
-            prop_assert_eq!(&other, &timer);
-        }
-    }
-
     /// So it is after 2^31 events: equal events are added up in one wait each of 2^k.
     #[test]
     fn rate_is_exact_over_long_moves(events in 1_u64..1 << 31, ticks in 0_u64..1 << 51) {
