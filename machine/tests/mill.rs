@@ -441,6 +441,29 @@ fn time_is_carried_over_lines_that_do_nothing() {
     assert_eq!(bench.steps, peer.2);
 }
 
+/// A line is done when its last step is made, also where that took the last place, and nothing stops it any more.
+#[test]
+fn a_line_ends_with_its_last_step() {
+    let mut fills = 0;
+    for to in 1..40 {
+        let mut mill: Mill = Mill::homed(&STATIC);
+        for byte in format!("G01X{to:05}F0100;").bytes() {
+            assert!(!mill.receive(byte));
+        }
+        let mut said = Vec::new();
+        while mill.is_moving() {
+            let given = std::iter::from_fn(|| mill.next_event(&MillInputs::default())).count();
+            assert_ne!(given, 0, "{to}: all was made, and it is not done");
+            mill.made(given);
+            said.extend(std::iter::from_fn(|| mill.transmit()));
+            fills += usize::from(given == 8 && !mill.is_moving());
+        }
+        assert_eq!(said.last(), Some(&0x8f));
+        assert!(!mill.receive(b'A'));
+    }
+    assert_ne!(fills, 0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

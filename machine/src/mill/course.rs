@@ -14,9 +14,8 @@ pub(super) struct Course {
     pub(super) next: Option<(Ways, u64)>,
     /// Whether an axis steps the other way than before, or for the first time: only then it can owe lash.
     pub(super) may_owe: bool,
-    /// Axes that have stepped forwards last, and backwards.
-    forwards: u8,
-    backwards: u8,
+    /// Axes that have stepped forwards last, and in the upper byte those that have backwards.
+    known: u16,
     /// What is taken up before it.
     pub(super) owed: Option<TakeUp>,
 }
@@ -37,20 +36,19 @@ impl Course {
             heading,
             next: None,
             may_owe: true,
-            forwards: 0,
-            backwards: 0,
+            known: 0,
             owed: None,
         }
     }
 
-    /// The next step of the path is known.
+    /// The next step of an arc is known.
     #[inline]
     pub(super) const fn turns(&mut self, ways: Ways) {
-        let (forwards, backwards) = (ways.axes & !ways.negative, ways.negative);
-        if forwards & !self.forwards | backwards & !self.backwards != 0 {
+        let both = u16::from_le_bytes([ways.axes, ways.negative]);
+        let steps = both & !(both >> 8);
+        if steps & !self.known != 0 {
             self.may_owe = true;
-            self.forwards = self.forwards & !backwards | forwards;
-            self.backwards = self.backwards & !forwards | backwards;
+            self.known = self.known & !steps.swap_bytes() | steps;
         }
     }
 

@@ -224,12 +224,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     /// What happens next, with the switches as they are now. `None`: nothing now; ask again when a byte has come, an event was made or a byte sent.
     #[inline]
     pub fn next_event(&mut self, inputs: &MillInputs) -> Option<MillEvent> {
-        loop {
-            // Every event given may tell three steps, and so may the next one.
-            let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
-            if self.ahead.is_full() || !self.link.has_room(to_tell) {
-                return None;
-            }
+        while !self.ahead.is_full() && self.has_room() {
             if let Some(step) = self.step_of_path(inputs) {
                 return Some(MillEvent::Step(step));
             }
@@ -242,6 +237,16 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
                 }
             }
         }
+        self.end_walked();
+        None
+    }
+
+    /// Whether all that the events given and the next one may tell, three steps each, has room.
+    #[inline]
+    fn has_room(&self) -> bool {
+        let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
+        // In an empty queue all of them have.
+        self.link.is_silent() || self.link.has_room(to_tell)
     }
 
     /// Whether anything is under way or queued.

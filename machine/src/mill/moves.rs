@@ -14,53 +14,44 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
     /// [`look`](Mill::look) decides.
     #[inline]
     pub(super) fn step_of_path(&mut self, inputs: &MillInputs) -> Option<MillStep> {
-        let (path, course) = (self.path.as_mut()?, &mut self.course);
-        let (ways, wait) = match course.next {
-            Some(next) => {
+        let course = &mut self.course;
+        let next = match &mut self.path {
+            Some(Flat::Arc(arc)) if course.next.is_none() => arc.next().map(|step| {
+                let ways = Ways::from(step);
+                course.turns(ways);
+                (ways, course.timer.wait(step.sweep.into()))
+            }),
+            Some(Flat::Line(line)) if course.next.is_none() => line
+                .next()
+                .map(|step| (Ways::from(step), course.timer.wait_one())),
+            Some(_) => {
                 if let Some((way, wait_ticks)) = course.take_up() {
                     if let Some(play) = self.plays.get_mut(way.number()) {
                         play.take_up(way.negative == 0);
                     }
                     return Some(self.say(wait_ticks, way, 0));
                 }
-                course.next = None;
-                next
+                course.next.take()
             }
-            None => {
-                let Some(step) = path.next() else {
-                    self.end_path();
-                    return None;
-                };
-                let ways = Ways {
-                    axes: step.axes,
-                    negative: step.negative,
-                };
-                let wait = match path {
-                    Flat::Line(_) => course.timer.wait_one(),
-                    Flat::Arc(_) => {
-                        course.turns(ways);
-                        course.timer.wait(step.sweep.into())
-                    }
-                };
-                (ways, wait)
-            }
+            None => return None,
+        };
+        let Some((ways, wait)) = next else {
+            self.end_path();
+            return None;
         };
         if course.may_owe || wait > u64::from(MAX_WAIT_TICKS) || ways.negative & inputs.home != 0 {
             course.next = Some((ways, wait));
             return None;
         }
-        let is_last = path.remaining() == 0;
         // It owes nothing: it moves loads.
         let (axes, negative) = (i32::from(ways.axes), i32::from(ways.negative));
         let [x, y, z] = &mut self.plays;
         x.carry((axes & 1).wrapping_sub((negative & 1) << 1));
         y.carry((axes >> 1 & 1).wrapping_sub(negative & 2));
-        z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
-        let step = self.say(wait as u32, ways, ways.axes);
-        if is_last {
-            self.end_path();
+        if axes & 4 != 0 {
+            z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
         }
-        Some(step)
+        Some(self.say(wait as u32, ways, ways.axes))
     }
 
     /// What comes before a step of the path: a take-up, or a part of its wait; or it does not come.
@@ -99,6 +90,15 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         }
         course.next = Some((ways, wait));
         Next::Again
+    }
+
+    /// Ends the move whose last step was given: it is done when that is made.
+    #[inline]
+    pub(super) fn end_walked(&mut self) {
+        let is_walked = self.path.as_ref().is_some_and(|path| path.remaining() == 0);
+        if is_walked && self.course.next.is_none() {
+            self.end_path();
+        }
     }
 
     #[inline(never)]

@@ -1,5 +1,6 @@
 //! Which axes step, and where to.
 
+use husillo_interp::Step;
 use husillo_transports::micromill::Axis;
 
 /// Axes that step, and those of them that step backwards: bit 0 is X. Two bytes that travel in a register.
@@ -52,6 +53,15 @@ impl Ways {
             (false, _) => 0,
             (true, false) => 1,
             (true, true) => -1,
+        }
+    }
+}
+
+impl From<Step> for Ways {
+    fn from(step: Step) -> Ways {
+        Ways {
+            axes: step.axes,
+            negative: step.negative,
         }
     }
 }

@@ -159,6 +159,11 @@ impl<const OUT: usize> Device<OUT> {
         steps.saturating_add(RESERVE) <= OUT.wrapping_sub(self.waiting)
     }
 
+    /// Whether nothing waits for the transmitter.
+    pub const fn is_silent(&self) -> bool {
+        self.waiting == 0
+    }
+
     /// Whether steps are told, or counted to be told: without there is no need to say them.
     pub const fn tells_steps(&self) -> bool {
         self.every != 0
