@@ -59,8 +59,8 @@ with tempfile.TemporaryDirectory() as folder:
             ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
             # 7 steps after 1457.
             ("take_up_event_untold", None, b"G01X00444F0100;"),
-            # A circle, and four times lash.
-            ("arc_event", b"R001;", b"G02X00444Y00305I00394J00305F0100;"),
+            # A circle of 3 mm, and four times lash.
+            ("circle_event_untold", None, b"G02X00444Y00305I00444J00705F0100;"),
         ):
             if before:
                 mill.ask(before)

@@ -23,7 +23,8 @@ class Mill(Bench):
             self.line.send(bytes([byte]))
             said += self.receive(10)
         while not any(byte in answers for byte in said):
-            more = self.receive(20)
+            # Where every instruction is logged it takes its time.
+            more = self.receive(60)
             if not more:
                 sys.exit(f"{string}: silent after {said[-20:]}")
             said += more

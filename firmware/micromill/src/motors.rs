@@ -10,10 +10,22 @@ pub struct Motors {
     levels: [u8; 64],
 }
 
+/// Of axes that step, and of those that do so backwards from bit 3 on: one forwards, or three for one backwards, in two bits each.
+const STEPS: [u8; 64] = {
+    let mut steps = [0; 64];
+    let mut ways = 0;
+    while ways < 64 {
+        let (axes, negative) = (ways as u8, ways as u8 >> 3);
+        steps[ways] = spread(axes) | spread(negative) << 1;
+        ways += 1;
+    }
+    steps
+};
+
 /// Three bits, each of them followed by an empty one.
-const SPREAD: [u8; 8] = [
-    0b000000, 0b000001, 0b000100, 0b000101, 0b010000, 0b010001, 0b010100, 0b010101,
-];
+const fn spread(bits: u8) -> u8 {
+    bits & 1 | (bits & 2) << 1 | (bits & 4) << 2
+}
 
 impl Motors {
     /// At rest, where the sequencer of full steps begins.
@@ -29,8 +41,7 @@ impl Motors {
     /// The pins after a step of these axes, of which those of the second mask go backwards.
     #[inline]
     pub fn step(&mut self, [axes, negative]: [u8; 2]) -> u8 {
-        // One forwards, or three for one backwards.
-        let step = SPREAD[usize::from(axes & 7)] | SPREAD[usize::from(negative & 7)] << 1;
+        let step = STEPS[usize::from(axes | negative << 3) % 64];
         // A sum in each two bits, with no carry to the next ones.
         const LOW: u8 = 0b010101;
         self.at = ((self.at & LOW) + (step & LOW)) ^ ((self.at ^ step) & !LOW);
