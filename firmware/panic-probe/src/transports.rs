@@ -266,6 +266,7 @@ mod micromill {
             Device::<64>::answer as *const (),
             Device::<64>::default as *const (),
             Device::<64>::has_room as *const (),
+            Device::<64>::is_silent as *const (),
             Device::<64>::tells_steps as *const (),
             Device::<64>::is_streaming as *const (),
             Device::<64>::new as *const (),
