@@ -13,9 +13,9 @@ FOREGROUND_US = 250
 class Emulated:
     """A machine that the host emulates, quicker than in real time."""
 
-    def __init__(self, husillo, machine, folder, speed):
+    def __init__(self, husillo, machine, folder, speed, *options):
         self.link, self.steps = (os.path.join(folder, f"{machine}.{kind}") for kind in ("link", "csv"))
-        arguments = ["--link", self.link, "--steps", self.steps, "--speed", str(speed)]
+        arguments = ["--link", self.link, "--steps", self.steps, "--speed", str(speed), *options]
         self.process = subprocess.Popen([husillo, "emulate", machine, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.process.stdout.readline()
 

@@ -1,6 +1,6 @@
-"""run.py BOARD HUSILLO FILE: drills a board with the firmware in QEMU by the host program, and compares it with the host's emulated drill.
+"""run.py BOARD HUSILLO FILE [--faithful]: drills a board with the firmware in QEMU by the host program, and compares it with the host's emulated drill.
 
-From homing on, of each event the wait, the motors' phases and the spindle. Prints holes, steps, flash, static RAM and the deepest stack.
+With --faithful both are the original controller. From homing on, of each event the wait, the motors' phases and the spindle. Prints holes, steps, flash, static RAM and the deepest stack.
 """
 import os
 import sys
@@ -12,6 +12,9 @@ from bench import Bench, figures, send  # noqa: E402
 from golden import Emulated, compare  # noqa: E402
 
 board, husillo, file = sys.argv[1:4]
+options = sys.argv[4:]
+if "--faithful" in options:
+    os.environ["FEATURES"] = "faithful"
 
 
 def pins(row):
@@ -24,7 +27,7 @@ def drilled(port):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    with Emulated(husillo, "drill", folder, 1000) as emulated:
+    with Emulated(husillo, "drill", folder, 1000, *options) as emulated:
         expected = drilled(emulated.link)
     rows = emulated.rows()
     log = os.path.join(folder, "log")

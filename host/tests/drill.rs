@@ -415,15 +415,12 @@ fn the_original_over_a_pseudo_terminal() {
     husillo()
         .args(["send", &file, "-m", "drill", "--baud", "9600"])
         .args(["--port", device.port()])
-        .write_stdin("\n")
         .assert()
         .success()
-        .stdout(contains("switch the spindle on by hand, then press Enter"))
+        .stdout(contains("by hand").not())
         .stdout(contains("3 holes drilled"));
-    device.type_line(
-        "holes",
-        "3 holes: 1070,535 depth 3745 with a spindle that stood",
-    );
+    let holes = device.type_line("holes", "3 holes: 1070,535 depth 3745");
+    assert!(!holes.contains("a spindle that stood"), "{holes}");
     // It would drill through where there is a depth.
     device.type_line("board", "without holes");
     let deep = program("deep.nc", "G21 G90\nG0 Z2\nG81 X1 Y2 Z-3 R1 F60\nG80\n");
@@ -592,4 +589,35 @@ fn what_it_makes_is_written_down() {
             .all(|two| two[1][1] - two[0][1] >= two[1][2])
     );
     std::fs::remove_file(path).unwrap();
+}
+
+/// What the original makes: its spindle goes on after X and Y, turns while Z goes down and up, and is off when X moves on.
+#[test]
+fn the_spindle_of_the_original_is_in_what_it_makes() {
+    let path = passing("made-original.csv");
+    let steps = path.to_str().unwrap();
+    let options = ["--faithful", "--baud", "9600", "--steps", steps];
+    let Some(mut device) = device("drill-made-original", &options) else {
+        return;
+    };
+    let file = program("made-original.nc", THREE);
+    send(&device, &file, &["--baud", "9600"]).success();
+    device.type_line("where", "spindle off");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let rows: Vec<Vec<i64>> = (text.lines().skip(1))
+        .map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    let (dx_dy, dz, spindle) = (3..5, 5, 9);
+    let first = rows.iter().position(|row| row[spindle] == 1).unwrap();
+    // Of homing nothing turns; behind it Z moves with the spindle on, X and Y with it off.
+    let mut switched = 0;
+    for pair in rows[first - 1..].windows(2) {
+        let row = &pair[1];
+        switched += usize::from(pair[0][spindle] != row[spindle]);
+        assert!(row[dz] == 0 || row[spindle] == 1, "{row:?}");
+        assert!(row[dx_dy.clone()] == [0, 0] || row[spindle] == 0, "{row:?}");
+    }
+    assert_eq!(switched, 6, "on and off for each of three holes");
+    std::fs::remove_file(path).unwrap();
+    let _ = std::fs::remove_file(file);
 }

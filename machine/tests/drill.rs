@@ -10,6 +10,7 @@ fn config(rules: Rules) -> DrillConfig {
         search_steps: 40,
         stroke_steps: 9,
         travel_steps: [500, 400],
+        spindle_by_hole: !rules.has_extras,
         rules,
         ..DrillConfig::FIXED
     }

@@ -7,6 +7,22 @@ use husillo_machine::{DrillConfig, DrillFault, DrillReport};
 use husillo_sim::DrilledHole;
 use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
 
+/// The original controller of a machine that is quick and small.
+fn original() -> DrillConfig {
+    let DrillConfig {
+        rate_hz,
+        back_off_steps,
+        stroke_steps,
+        ..
+    } = quick(Rules::FAITHFUL);
+    DrillConfig {
+        rate_hz,
+        back_off_steps,
+        stroke_steps,
+        ..DrillConfig::ORIGINAL
+    }
+}
+
 fn places(holes: &[[u16; 2]]) -> Vec<[i32; 2]> {
     holes.iter().map(|at| at.map(i32::from)).collect()
 }
@@ -25,6 +41,59 @@ fn a_hole_is_where_it_should_be() {
         assert_eq!(bench.rig.lost_steps(), [0; 3]);
         assert_eq!(bench.rig.dragged_steps(), 0);
     }
+}
+
+/// The original turns its spindle for each hole, with Z up when it is switched, and not between two holes.
+#[test]
+fn the_spindle_of_the_original_turns_for_each_hole() {
+    let mut bench = Bench::<64>::new(original());
+    bench.switched.clear();
+    assert_eq!(bench.program(&records(&[[5, 4], [9, 4], [2, 7]])), Ok(()));
+    let places = [[5, 4, 0], [9, 4, 0], [2, 7, 0]];
+    let expected = places.map(|at| [(true, at), (false, at)]).concat();
+    assert_eq!(bench.switched, expected);
+    assert!(bench.rig.holes().iter().all(|hole| hole.is_clean));
+}
+
+/// A hole stops the spindle of the original also where it was switched on by hand, as homing does: before Z goes up.
+#[test]
+fn a_hole_and_homing_stop_the_spindle_of_the_original() {
+    let mut bench = Bench::<64>::new(original());
+    bench.all(&[Step::Clear, Step::Manual(4), Step::Key(b'L')]);
+    bench.all(&[Step::Key(b'O')]);
+    assert!(bench.rig.spindle_turns());
+    bench.switched.clear();
+    bench.all(&[Step::Key(b'r')]);
+    assert_eq!(bench.switched, [(false, [0, 0, 4])]);
+    assert_eq!(bench.rig.place(), [0; 3]);
+    bench.all(&[Step::Key(b'O'), Step::Quit, Step::Begin]);
+    let bytes: Vec<_> = records(&[[3, 2]]).into_iter().map(Step::Store).collect();
+    bench.all(&bytes);
+    bench.all(&[Step::End, Step::Execute]);
+    assert_eq!(bench.switched[1..], [(true, [0; 3]), (false, [3, 2, 0])]);
+    assert_eq!(bench.drilled(), [[3, 2]]);
+}
+
+/// A sensor that does not come stops the spindle of the original in the hole.
+#[test]
+fn a_fault_stops_the_spindle_of_the_original() {
+    let mut bench = Bench::<64>::new(original());
+    bench.rig.hold(3, Some(false));
+    bench.switched.clear();
+    assert!(bench.program(&records(&[[3, 2]])).is_err());
+    let switched: Vec<_> = bench.switched.iter().map(|(on, _)| *on).collect();
+    assert_eq!(switched, [true, false]);
+}
+
+/// The modern one's spindle is switched by its host: it turns on from hole to hole, and stops with the program.
+#[test]
+fn the_spindle_of_the_modern_one_turns_from_hole_to_hole() {
+    let mut bench = Bench::<64>::new(quick(Rules::FIXED));
+    bench.switched.clear();
+    bench.all(&[Step::Spindle(true)]);
+    assert_eq!(bench.program(&records(&[[5, 4], [9, 4]])), Ok(()));
+    assert_eq!(bench.switched, [(true, [0; 3]), (false, [9, 4, 0])]);
+    assert!(bench.rig.holes().iter().all(|hole| hole.is_clean));
 }
 
 /// X or Y on its switch when homing begins goes off it by the back-off first; the others do not.

@@ -19,7 +19,13 @@ use husillo_transports::drill::MEMORY_BYTES;
 use switches::Switches;
 
 /// In its place from the start: on the stack there is no room to make it.
-static DRILL: Shared<Drill<MEMORY_BYTES>> = Shared::new(Drill::new(DrillConfig::FIXED));
+static DRILL: Shared<Drill<MEMORY_BYTES>> = Shared::new(Drill::new(CONFIG));
+
+const CONFIG: DrillConfig = if cfg!(feature = "faithful") {
+    DrillConfig::ORIGINAL
+} else {
+    DrillConfig::FIXED
+};
 
 static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
 

@@ -72,11 +72,6 @@ impl Operator for Console<'_> {
         self.line()
     }
 
-    fn confirm(&mut self, what: &str) -> bool {
-        self.tell(&format!("{what}, then press Enter"));
-        self.line().is_some()
-    }
-
     fn progress(&mut self, share: f64, left_s: f64) {
         self.bar
             .set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);

@@ -16,9 +16,6 @@ pub trait Operator {
     /// The spindle stands: the next tool, and what its diameter should be. What is in it now, mm; `None` ends.
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
 
-    /// Something to be done by hand; `false` ends.
-    fn confirm(&mut self, what: &str) -> bool;
-
     /// How far it is: a share of all, and seconds that are left, as reckoned.
     fn progress(&mut self, share: f64, left_s: f64);
 }
@@ -148,7 +145,7 @@ impl<O: Operator> Sender<'_, O> {
                 return Err("this drill is an original one: it knows no depths, and would drill each hole through".into());
             }
             self.operator.tell(
-                "this drill is an original one: it cannot say how far it is, and its spindle is switched by hand",
+                "this drill is an original one: it switches its spindle for each hole, and cannot say how far it is",
             );
         }
         if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
@@ -322,25 +319,12 @@ impl<O: Operator> Sender<'_, O> {
             .sum()
     }
 
+    /// An original one does this itself, for each hole.
     fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
         if self.client.has_extras() {
-            return self.client.run(Step::Spindle(on));
-        }
-        let switched = match on {
-            true if self.is_sure => {
-                self.operator.tell("switch the spindle on by hand");
-                true
-            }
-            true => self.operator.confirm("switch the spindle on by hand"),
-            false => {
-                self.operator.tell("switch the spindle off by hand");
-                true
-            }
-        };
-        if switched {
-            Ok(())
+            self.client.run(Step::Spindle(on))
         } else {
-            Err(Trouble::Stopped)
+            Ok(())
         }
     }
 

@@ -38,10 +38,6 @@ impl Operator for Script {
         (!self.answers.is_empty()).then(|| self.answers.remove(0).to_owned())
     }
 
-    fn confirm(&mut self, what: &str) -> bool {
-        self.change(what, None).is_some()
-    }
-
     fn progress(&mut self, share: f64, left_s: f64) {
         self.shares.push([share, left_s]);
     }
@@ -128,10 +124,17 @@ fn a_board_of_two_tools() {
         assert_eq!(rig.lost_steps(), [0; 3]);
         assert_eq!(rig.dragged_steps(), 0);
         assert!(!rig.spindle_turns());
-        // The original's spindle is the operator's.
-        assert!(rig.holes().iter().all(|hole| hole.is_clean != is_original));
-        let by_hand = operator.told.iter().filter(|line| line.contains("by hand"));
-        assert_eq!(by_hand.count(), if is_original { 5 } else { 0 });
+        assert!(rig.holes().iter().all(|hole| hole.is_clean));
+        // An original one switches its spindle for each hole; of the other one `send` does it for each tool.
+        let told = device(&mut client).tell();
+        let is_on = |line: &&String| line.as_str() == "spindle on";
+        let switched = told.iter().filter(is_on).count();
+        assert_eq!(switched, if is_original { 4 } else { 2 });
+        assert!(
+            !operator.told.iter().any(|line| line.contains("by hand")),
+            "{:?}",
+            operator.told
+        );
     }
 }
 
@@ -292,29 +295,29 @@ fn it_asks_for_each_tool() {
     assert_eq!((failed.done, failed.begun), (2, 2));
 }
 
-/// The spindle of an original one is the operator's: nothing is drilled before it is said to turn.
+/// An original one switches its spindle itself: nobody is asked anything before a board of one tool.
 #[test]
-fn the_spindle_of_an_original_is_waited_for() {
+fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     let parts = [part(1, &[[20, 10]])];
-    for (answers, holes) in [(vec![], 0), (vec![""], 1)] {
-        let mut operator = Script {
-            answers,
-            ..Script::default()
-        };
-        let mut sender = Sender {
-            client: client(true),
-            operator: &mut operator,
-            parts: &parts,
-            from: 0,
-            byte_s: 0.0085,
-            is_sure: false,
-        };
-        let end = sender.send(false).unwrap();
-        assert_eq!(end == End::Drilled, holes == 1, "{end:?}");
-        let mut client = sender.client;
-        rest(&mut client);
-        assert_eq!(drilled(&mut client).len(), holes);
-    }
+    let mut operator = Script::default();
+    let mut sender = Sender {
+        client: client(true),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+    };
+    assert_eq!(sender.send(false), Ok(End::Drilled));
+    let mut client = sender.client;
+    assert_eq!(drilled(&mut client), [[20, 10]]);
+    assert!(device(&mut client).rig().holes()[0].is_clean);
+    let told = device(&mut client).tell();
+    let of_hole: Vec<_> = told
+        .iter()
+        .skip_while(|line| *line != "spindle on")
+        .collect();
+    assert_eq!(of_hole, ["spindle on", "drilled at 20,10", "spindle off"]);
 }
 
 /// A program of three memories: the wait at each border, every hole once; the share rises to the end, and what is left falls.

@@ -22,6 +22,9 @@ pub struct DrillConfig {
     pub switch_play_steps: Option<u16>,
     /// Z goes up to its sensor before a program moves X or Y: after it was jogged down, and not in the original.
     pub raises_first: bool,
+    /// The spindle is switched on before each hole and off after it, and off before homing, as in the
+    /// original. Without it the host switches it, and it turns from hole to hole.
+    pub spindle_by_hole: bool,
     /// Rest after each move, so that an axis stands before the next one goes.
     pub settle_ticks: u32,
     /// What the link is like.
@@ -40,6 +43,7 @@ impl DrillConfig {
         travel_steps: [u16::MAX; 2],
         switch_play_steps: None,
         raises_first: false,
+        spindle_by_hole: true,
         settle_ticks: 2000,
         rules: Rules::FAITHFUL,
     };
@@ -50,6 +54,7 @@ impl DrillConfig {
         // A motor of four phases loses steps by fours.
         switch_play_steps: Some(3),
         raises_first: true,
+        spindle_by_hole: false,
         rules: Rules::FIXED,
         ..DrillConfig::ORIGINAL
     };

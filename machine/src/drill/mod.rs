@@ -378,6 +378,9 @@ impl<const N: usize> Drill<N> {
 
     /// Down to the depth or the lower sensor, whichever comes first.
     fn lower(&mut self, left: u16, is_whole: bool, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if self.switch_by_hole(true) {
+            return None;
+        }
         let is_deep = left == 0 && !is_whole;
         if inputs.is_down || is_deep {
             self.task = self.raise(Next::Drilled);
@@ -392,11 +395,15 @@ impl<const N: usize> Drill<N> {
     }
 
     fn lift(&mut self, left: u16, next: Next, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if next == Next::Home && self.switch_by_hole(false) {
+            return None;
+        }
         if inputs.is_up {
             match next {
                 Next::Home => self.begin_search(1, inputs),
                 Next::Go { axis, to } => self.task = Task::Go { axis, to },
                 Next::Drilled => {
+                    self.switch_by_hole(false);
                     self.report = Some(DrillReport::Drilled { at: self.place });
                     self.task = Task::Settle;
                 }
@@ -409,6 +416,16 @@ impl<const N: usize> Drill<N> {
         };
         self.task = Task::Up { left, next };
         self.step(Z, -1)
+    }
+
+    /// Switches the spindle where that is the controller's task: `true` where the next event is that.
+    fn switch_by_hole(&mut self, on: bool) -> bool {
+        let [is_on, _] = self.spindle;
+        let is_due = self.config.spindle_by_hole && is_on != on;
+        if is_due {
+            self.spindle = [is_on, on];
+        }
+        is_due
     }
 
     /// By hand, between the sensors.

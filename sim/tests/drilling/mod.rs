@@ -64,6 +64,8 @@ pub struct Bench<const N: usize> {
     pub drill: Drill<N>,
     pub rig: DrillRig,
     pub reports: Vec<DrillReport>,
+    /// When the spindle was switched: on or off, and where the axes stood.
+    pub switched: Vec<(bool, [i32; 3])>,
     now_us: u32,
     /// The event that waits for its time.
     due: Option<(u32, DrillEvent)>,
@@ -82,6 +84,7 @@ impl<const N: usize> Bench<N> {
             drill: Drill::new(config),
             rig: DrillRig::new([3, 0, 2], STROKE, BOARD, 0),
             reports: Vec::new(),
+            switched: Vec::new(),
             now_us: 0,
             due: None,
             flying: Vec::new(),
@@ -168,8 +171,10 @@ impl<const N: usize> Bench<N> {
             };
             from_us = at_us;
             self.rig.apply(&event);
-            if let DrillEvent::Report(report) = event {
-                self.reports.push(report);
+            match event {
+                DrillEvent::Report(report) => self.reports.push(report),
+                DrillEvent::Spindle(on) => self.switched.push((on, self.rig.place())),
+                _ => {}
             }
         }
         while let Some(byte) = self.drill.transmit() {
