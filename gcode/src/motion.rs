@@ -116,7 +116,16 @@ impl<const N: usize> Modal<N> {
         // A code of the block counts for itself.
         let letters = match mode {
             _ if !mine => Letters::NONE,
-            Code::Clockwise | Code::CounterClockwise => self.plane().arc_letters(),
+            Code::Clockwise | Code::CounterClockwise => {
+                // Grbl passes over the offset across the plane of an arc to a point in it.
+                let (_, ends) = self.plane().shape();
+                let grbl = self.modes.dialect.flavour == Flavour::Grbl;
+                if grbl && block.has_any(ends) && !block.has(b'R') {
+                    const { Letters::new(b"IJKP") }
+                } else {
+                    self.plane().arc_letters()
+                }
+            }
             mode if block.code(Group::Motion).is_none() => mode.letters(),
             _ => Letters::NONE,
         };

@@ -402,11 +402,9 @@ fn every_refusal_has_a_reason() {
 }
 
 /// What differs between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and ours as the code of an error.
-const GRBL_DIFFERS: [(u32, u16); 8] = [
+const GRBL_DIFFERS: [(u32, u16); 7] = [
     // `$` lines are for the controller itself, and its `/` may stand anywhere.
     (0, 101),
-    // I, J, K of another plane beside those of the arc's are passed over.
-    (0, 208),
     // `%`: a mark of the file, which senders leave out.
     (1, 0),
     // R0 of G10 L2.

@@ -141,6 +141,53 @@ fn chords_beyond_all_coordinates() {
     }
 }
 
+/// Grbl passes over the offset across the plane, zero or not, of an arc with a centre to a
+/// point in it.
+/// The others refuse it, as LinuxCNC does.
+#[test]
+fn offsets_across_the_plane() {
+    let commands = |dialect, line: &str| {
+        let block = Block::parse(line.as_bytes(), &dialect).expect("a block");
+        let planned = Modal::<3>::new(dialect).plan(&block);
+        planned
+            .map(|(_, commands)| commands.collect::<Vec<_>>())
+            .map_err(|error| error.kind)
+    };
+    let lines = [
+        ("G17 G2 X2 I1", "K", b'K'),
+        ("G17 G3 X1 Y1 I0 J1", "K", b'K'),
+        ("G18 G2 X2 I1", "J", b'J'),
+        ("G19 G3 Y2 J1", "I", b'I'),
+        ("G19 G3 Y2 Z0 J1 K0", "I", b'I'),
+    ];
+    for (line, word, letter) in lines {
+        for value in ["0", "0.0000", "-0", "3.5"] {
+            let plain = format!("{line} F100");
+            let with_it = format!("{line} {word}{value} F100");
+            let expected = commands(Dialect::GRBL, &plain);
+            assert!(expected.is_ok(), "{plain}");
+            assert_eq!(commands(Dialect::GRBL, &with_it), expected, "{with_it}");
+            let alone = Err(ErrorKind::UnusedWord(letter));
+            assert_eq!(commands(Dialect::RS274, &with_it), alone, "{with_it}");
+        }
+    }
+    // The last two look like arcs of another plane.
+    for line in [
+        "G2 X2 R1 K0 F100",
+        "G18 G2 X2 R1 J0 F100",
+        "G1 X2 K0 F100",
+        "G2 I1 K0 F100",
+        "G2 Z-2 I1 K-1 F100",
+    ] {
+        let refused = commands(Dialect::GRBL, line);
+        assert!(matches!(refused, Err(ErrorKind::UnusedWord(_))), "{line}");
+    }
+    for line in ["G2 X2 K1 F100", "G18 G2 X2 J1 F100", "G19 G2 Y2 I1 F100"] {
+        let refused = commands(Dialect::GRBL, line);
+        assert_eq!(refused, Err(ErrorKind::NoCentre), "{line}");
+    }
+}
+
 /// G10 turns no work frame, and writes no tools where the dialect has none.
 #[test]
 fn data_that_cannot_be_set() {
