@@ -8,8 +8,8 @@ use crate::report::{Ideal, Motor};
 use crate::setup::{self, ClosedMill, Mill};
 use crate::speed::{Circle, Move, Speed, Stop};
 use crate::symmetry::Symmetry;
-use husillo_gcode::{Command, Direction, Feed, Nm};
-use husillo_machine::{Event, Followed, Motors, Origin, Segment, StepEvent};
+use husillo_gcode::{Command, Direction, Feed, Nm, SpindleDirection};
+use husillo_machine::{Event, Followed, Motors, Origin, Output, Segment, StepEvent};
 use husillo_sim::Rig;
 use husillo_stepper::Drive;
 use std::io::{self, Write};
@@ -56,6 +56,8 @@ pub struct Run<'a> {
     path: Path,
     target: [i32; 3],
     arrived: bool,
+    /// Programmed speed of the spindle in thousandths of a turn a minute; 0 where it stands.
+    milli_rpm: u64,
     origin: Origin,
     take_up_axis: Option<usize>,
     trace: Option<Box<dyn Write>>,
@@ -133,6 +135,7 @@ impl<'a> Run<'a> {
             path: Path::line([0.0; 3], [0.0; 3]),
             target: [0; 3],
             arrived: true,
+            milli_rpm: 0,
             origin: Origin::Rest,
             take_up_axis: None,
             trace,
@@ -238,6 +241,14 @@ impl<'a> Run<'a> {
                 let levels = *self.motors.rest(u64::from(*wait_ticks));
                 // The driver sees what idling changes at the end of the rest.
                 self.rig.apply(&levels, *wait_ticks);
+                Ok(())
+            }
+            Event::Output(Output::Spindle {
+                direction,
+                milli_rpm,
+            }) => {
+                let is_on = *direction != SpindleDirection::Off;
+                self.milli_rpm = if is_on { *milli_rpm } else { 0 };
                 Ok(())
             }
             _ => Ok(()),
@@ -368,14 +379,15 @@ impl<'a> Run<'a> {
             }),
             Path::Line { .. } => None,
         };
+        let by_turns = |lead: Nm| lead.0 as f64 * self.milli_rpm as f64 / 60e3;
         let programmed = match &segment.command {
+            Command::Thread { lead, .. } => Some(by_turns(*lead)),
             Command::Linear { feed, .. } | Command::Arc { feed, .. } => Some(match *feed {
                 Feed::PerMinute(rate) => rate.0 as f64 / 60.0,
                 Feed::InverseTime { micro_per_minute } => {
                     self.path.length() * micro_per_minute as f64 / 60e6
                 }
-                // Refused by the machine: it has no spindle to follow.
-                Feed::PerRevolution(_) => 0.0,
+                Feed::PerRevolution(lead) => by_turns(lead),
             }),
             _ => None,
         };
@@ -509,3 +521,6 @@ impl<'a> Run<'a> {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests;
