@@ -14,6 +14,7 @@ use crate::cli::{
 };
 use crate::cmm::{self, Stopped};
 use crate::compare::{self, Bench};
+use crate::console::shown;
 use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
 use crate::drill_code::Work;
@@ -22,17 +23,16 @@ use crate::holes;
 use crate::lash;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::order::Metric;
+use crate::output::Outputs;
 use crate::setup::Mill;
 use crate::source::Source;
 use crate::{
-    cell, commands, compare_page, compare_text, drill, grid, interpolate, machines, mill, setup,
-    steps, tune,
+    cell, commands, compare_page, compare_text, console, drill, grid, input, interpolate, machines,
+    mill, setup, steps, tune,
 };
 use husillo_gcode::Dialect;
 use husillo_machine::Config;
-use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
-use std::path::Path;
 
 /// The program has no errors.
 const OK: u8 = 0;
@@ -102,12 +102,12 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
             }
         }
     };
-    io::stdout().lock().write_all(text.as_bytes())?;
+    console::stdout().write_all(text.as_bytes())?;
     Ok(OK)
 }
 
 fn jog(args: &cell::Jog) -> Result<u8, Failure> {
-    let out = &mut io::stdout().lock();
+    let out = &mut console::stdout();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         "micromill" => mill::jog(args, out)?,
@@ -124,10 +124,7 @@ fn jog(args: &cell::Jog) -> Result<u8, Failure> {
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
         let text = cell::list(&args.file, &settings)?;
-        match args.output.as_deref() {
-            None | Some("-") => io::stdout().write_all(text.as_bytes())?,
-            Some(path) => create(path)?.write_all(text.as_bytes())?,
-        }
+        write(args.output.as_deref().unwrap_or("-"), text.as_bytes())?;
         return Ok(OK);
     }
     if milling::is_for(&args.target, &args.file) {
@@ -140,7 +137,7 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
 fn send(args: &Send) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
-        let is_well = cell::send(args, &settings, &mut io::stdout().lock())?;
+        let is_well = cell::send(args, &settings, &mut console::stdout())?;
         return Ok(if is_well { OK } else { ERRORS });
     }
     let (file, _) = args.alone()?;
@@ -168,7 +165,7 @@ fn only_microfactory(file: &str) -> Failure {
 
 /// The settings of a microfactory; `None` where a machine is another one.
 fn microfactory(machine: &str) -> Result<Option<cell::Settings>, Failure> {
-    let says_so = || std::fs::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
+    let says_so = || input::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
     if machine != "microfactory" && !says_so() {
         return Ok(None);
     }
@@ -177,18 +174,18 @@ fn microfactory(machine: &str) -> Result<Option<cell::Settings>, Failure> {
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
     let mut table = Vec::new();
-    let result = cmm::measure(args, &mut io::stdout().lock(), &mut table);
+    let result = cmm::measure(args, &mut console::stdout(), &mut table);
     if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
-        create(path)?.write_all(&table)?;
+        write(path, &table)?;
     }
     ended(result)
 }
 
 fn tune_servo(args: &Tune) -> Result<u8, Failure> {
     let mut page = String::new();
-    let result = tune::tune(args, &mut io::stdout().lock(), &mut page);
+    let result = tune::tune(args, &mut console::stdout(), &mut page);
     if let Some(path) = args.output.as_ref().filter(|_| !page.is_empty()) {
-        create(path)?.write_all(page.as_bytes())?;
+        write(path, page.as_bytes())?;
     }
     ended(result)
 }
@@ -197,37 +194,38 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
     if let Some(settings) = microfactory(&args.machine)? {
         args.expect_cell()?;
-        cell::emulate(args, &settings, made(args)?, &mut io::stdout().lock())?;
+        cell::emulate(args, &settings, made(args)?, &mut console::stdout())?;
         return Ok(OK);
     }
     #[cfg(unix)]
     if args.machine == "drill" {
         args.expect_drill()?;
-        drill::emulate(args, made(args)?, &mut io::stdout().lock())?;
+        drill::emulate(args, made(args)?, &mut console::stdout())?;
         return Ok(OK);
     }
     args.expect_chain()?;
-    ended(cmm::emulate(args, &mut io::stdout().lock()))
+    ended(cmm::emulate(args, &mut console::stdout()))
 }
 
 /// The file for what an emulated machine makes.
 #[cfg(unix)]
 fn made(args: &Emulate) -> Result<Option<Box<dyn Write>>, Failure> {
-    let file = args.steps.as_deref().map(create).transpose()?;
+    let file = args.steps.as_deref().map(Outputs::stream).transpose()?;
     Ok(file.map(|file| Box::new(file) as Box<dyn Write>))
 }
 
 fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
-    let out = &mut io::stdout().lock();
+    let out = &mut console::stdout();
     ended(match &args.what {
         What::Backlash(args) => {
             let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;
+            let mut outputs = Outputs::new();
             for (path, text) in [(&args.report, made.page), (&args.output, made.machine)] {
                 if let Some(path) = path {
-                    create(path)?.write_all(text.as_bytes())?;
+                    outputs.write(path, text.as_bytes())?;
                 }
             }
-            Ok(())
+            Ok(outputs.finish()?)
         }
         What::Circles(args) => Ok(lash::print_circles(args, &load(&args.machine)?, out)?),
         What::Axis(args) => cmm::calibrate_axis(args, out),
@@ -288,9 +286,10 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
         Some(path) if path.ends_with(".json") => Page::Json,
         _ => Page::Text,
     });
+    let mut outputs = Outputs::new();
     let mut out: Box<dyn Write> = match &args.output {
-        Some(path) => Box::new(BufWriter::new(create(path)?)),
-        None => Box::new(io::stdout().lock()),
+        Some(path) => Box::new(outputs.create(path)?),
+        None => Box::new(console::stdout()),
     };
     match format {
         Page::Text => compare_text::print(&comparison, &mut out)?,
@@ -304,6 +303,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
         Page::Html => out.write_all(compare_page::html(&comparison).as_bytes())?,
     }
     out.flush()?;
+    outputs.finish()?;
     if let Some(path) = &args.output {
         eprintln!("{path}: {} methods", comparison.rows.len());
     }
@@ -378,7 +378,7 @@ impl Job {
     fn keep_input(&mut self) -> io::Result<()> {
         if self.file == "-" {
             let mut input = Vec::new();
-            io::stdin().read_to_end(&mut input)?;
+            input::stdin().read_to_end(&mut input)?;
             self.input = Some(input);
         }
         Ok(())
@@ -427,8 +427,8 @@ fn displayed(file: &str) -> &str {
 fn whole(file: &str) -> Result<Vec<u8>, Failure> {
     let mut text = Vec::new();
     let read = match file {
-        "-" => io::stdin().read_to_end(&mut text),
-        _ => File::open(file).and_then(|mut file| file.read_to_end(&mut text)),
+        "-" => input::stdin().read_to_end(&mut text),
+        _ => input::open(file).and_then(|mut file| file.read_to_end(&mut text)),
     };
     read.map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
     Ok(text)
@@ -504,14 +504,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         (None, Output::Text) => board.print(name, &mut made)?,
         (None, Output::Json) => board.print_json(errors, warnings, &mut made)?,
     }
-    match &args.output {
-        Some(path) if path != "-" => create(path)?.write_all(&made)?,
-        _ => {
-            let mut out = io::stdout().lock();
-            out.write_all(&made)?;
-            out.flush()?;
-        }
-    }
+    write(args.output.as_deref().unwrap_or("-"), &made)?;
     if errors > 0 {
         eprintln!("{name}: {}", verdict(errors, warnings));
         return Ok(ERRORS);
@@ -551,7 +544,7 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
             if hidden > 0 {
                 writeln!(out, "{hidden} more findings: see --limit\n")?;
             }
-            writeln!(out, "{name}: {}", verdict(errors, warnings))?;
+            writeln!(out, "{}: {}", shown(name), verdict(errors, warnings))?;
         }
         out.flush()?;
         if errors > 0 || (args.deny_warnings && warnings > 0) {
@@ -581,7 +574,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
     let job = Job::new(&args.file, &args.target, "free")?;
     let mut source = job.open()?;
     let mut findings = to_stderr(Format::Text);
-    let mut out = BufWriter::with_capacity(1 << 18, io::stdout().lock());
+    let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
     commands::print(
         &mut source,
@@ -620,26 +613,20 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         .levels
         .then(|| setup::motors(&job.machine))
         .transpose()?;
-    if args.output == "-" {
-        let mut out = BufWriter::with_capacity(1 << 18, io::stdout().lock());
-        steps::write(&mut source, &mut machine, motors, &mut out)?;
-        out.flush()?;
-    } else {
-        let mut out = BufWriter::with_capacity(1 << 18, create(&args.output)?);
-        let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
-        out.flush()?;
+    let mut outputs = Outputs::new();
+    let mut out = outputs.create(&args.output)?;
+    let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
+    out.flush()?;
+    outputs.finish()?;
+    if args.output != "-" {
         eprintln!("{}: {count} step events", args.output);
     }
     Ok(OK)
 }
 
-fn create(path: &str) -> Result<File, Failure> {
-    if let Some(folder) = Path::new(path)
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-    {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", folder.display())))?;
-    }
-    File::create(path).map_err(|error| Failure::Usage(format!("{path}: {error}")))
+/// Writes the one file of a command; `-` is standard output.
+fn write(path: &str, bytes: &[u8]) -> io::Result<()> {
+    let mut outputs = Outputs::new();
+    outputs.write(path, bytes)?;
+    outputs.finish()
 }

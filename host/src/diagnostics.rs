@@ -1,5 +1,6 @@
 //! Findings about programs and machine files, printed as drawn text, one line each, or JSON.
 
+use crate::console::{is_obeyed, shown};
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
 use std::collections::HashSet;
@@ -71,6 +72,21 @@ impl Place {
         let end = span.end.clamp(start, line_end.max(start));
         let bytes = &text.as_bytes()[line_start..line_end];
         Self::new(file, line, bytes, start - line_start..end - line_start)
+    }
+
+    /// The same place without what a terminal obeys. What the renderer does not replace itself becomes something as long.
+    fn shown(&self) -> Self {
+        let visible = |one: char| match one.len_utf8() {
+            2 if is_obeyed(one) => '\u{bf}',
+            3 if is_obeyed(one) => char::REPLACEMENT_CHARACTER,
+            _ => one,
+        };
+        Self {
+            file: shown(&self.file),
+            line: self.line,
+            text: self.text.chars().map(visible).collect(),
+            span: self.span.clone(),
+        }
     }
 
     /// The piece as bytes of the line as it is drawn: what [`Fix`] counts in.
@@ -188,12 +204,35 @@ impl Finding {
     pub fn print(&self, format: Format, colour: bool, out: &mut impl Write) -> io::Result<()> {
         match format {
             Format::Text => writeln!(out, "{}\n", self.drawn(colour)),
-            Format::Short => writeln!(out, "{}", self.short()),
-            Format::Json => writeln!(out, "{}", self.json()),
+            Format::Short => writeln!(out, "{}", shown(&self.short())),
+            Format::Json => writeln!(out, "{}", shown(&self.json())),
         }
     }
 
     pub fn drawn(&self, colour: bool) -> String {
+        let shown = self.shown();
+        shown.drawn_as_it_is(colour)
+    }
+
+    /// The same finding without what a terminal obeys; columns stay what they are.
+    fn shown(&self) -> Self {
+        Self {
+            code: self.code.clone(),
+            severity: self.severity,
+            message: shown(&self.message),
+            place: self.place.as_ref().map(Place::shown),
+            label: shown(&self.label),
+            elsewhere: self
+                .elsewhere
+                .as_ref()
+                .map(|(place, label)| (place.shown(), shown(label))),
+            notes: self.notes.iter().map(|note| shown(note)).collect(),
+            help: self.help.as_deref().map(shown),
+            fix: self.fix.clone(),
+        }
+    }
+
+    fn drawn_as_it_is(&self, colour: bool) -> String {
         let level = match self.severity {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,

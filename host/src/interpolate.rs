@@ -33,7 +33,7 @@ impl Walk {
     ///
     /// Standard output is closed.
     pub fn print(&self, format: Output) -> io::Result<()> {
-        let mut out = io::stdout().lock();
+        let mut out = crate::console::stdout();
         if format == Output::Json {
             return writeln!(
                 out,

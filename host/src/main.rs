@@ -11,6 +11,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod console;
+
 mod app;
 mod blocks;
 mod bytes_file;
@@ -41,6 +44,7 @@ mod feeder;
 mod format;
 mod grid;
 mod holes;
+mod input;
 mod interpolate;
 mod lash;
 mod line;
@@ -51,6 +55,7 @@ mod method;
 mod mill;
 mod mirror;
 mod order;
+mod output;
 mod panel;
 mod placement;
 mod power;
@@ -76,7 +81,11 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match app::run(&cli::Cli::parse_from(cli::words(std::env::args_os()))) {
+    let cli = match cli::Cli::try_parse_from(cli::words(std::env::args_os())) {
+        Ok(cli) => cli,
+        Err(error) => return answered(&error),
+    };
+    match app::run(&cli) {
         Ok(code) => ExitCode::from(code),
         Err(app::Failure::Gone) => ExitCode::SUCCESS,
         Err(app::Failure::Usage(message)) => {
@@ -84,4 +93,16 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Help, or what is wrong with the command line. Colours only where all escapes in it are our own.
+fn answered(error: &clap::Error) -> ExitCode {
+    let is_hostile = |text: String| text.chars().any(console::is_obeyed);
+    if std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned())) {
+        eprintln!("{}", error.render().to_string().trim_end());
+    } else {
+        // Nobody to tell that it cannot be told.
+        let _ = error.print();
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }

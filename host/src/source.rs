@@ -1,6 +1,6 @@
 //! Lines of a program, one at a time: memory does not grow with the program.
 
-use std::fs::File;
+use crate::input;
 use std::io::{self, BufRead, BufReader};
 
 /// What some editors write before a text in UTF-8: no part of the program.
@@ -93,15 +93,9 @@ impl std::fmt::Debug for Source {
 /// The file cannot be opened, or is a directory.
 pub fn open(path: &str) -> io::Result<Box<dyn BufRead>> {
     Ok(if path == "-" {
-        Box::new(BufReader::new(io::stdin()))
+        Box::new(BufReader::new(input::stdin()))
     } else {
-        let file = File::open(path)?;
-        if file.metadata()?.is_dir() {
-            return Err(io::Error::new(
-                io::ErrorKind::InvalidInput,
-                "is a directory",
-            ));
-        }
+        let file = input::open(path)?;
         Box::new(BufReader::with_capacity(1 << 18, file))
     })
 }

@@ -1,17 +1,19 @@
 //! `compile`, and what else has to do with records of the drill.
 
-use super::{ERRORS, Failure, OK, create, displayed, to_stderr, whole};
+use super::{ERRORS, Failure, OK, displayed, to_stderr, whole};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
+use crate::console;
 use crate::diagnostics::Format;
 use crate::drill::{self, Board, Part, Translation};
 use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
 use crate::order::Metric;
+use crate::output::Outputs;
 use crate::setup;
 use crate::source::Source;
 use husillo_gcode::drill_record::{Record, STEPS_PER_MM, Table};
 use husillo_gcode::{Dialect, Nm};
-use std::io::{self, Write};
+use std::io::{BufWriter, Write};
 
 /// What is to be drilled.
 pub(super) struct Job {
@@ -177,7 +179,8 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             "{name}: no hole, and a program needs one record"
         )));
     }
-    let mut out = io::stdout().lock();
+    let mut out = console::stdout();
+    let mut outputs = Outputs::new();
     let files = args
         .output
         .as_ref()
@@ -196,7 +199,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             drill::spoken(drill::seconds(part, [0; 2]).iter().sum())
         )?;
         if let Some(file) = file {
-            create(file)?.write_all(&bytes)?;
+            outputs.write(file, &bytes)?;
         }
     }
     if let Some(steps) = job.file_travel_steps {
@@ -211,7 +214,8 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     if let (Some(output), Some(files)) = (&args.output, &files) {
         if job.is_drill_file || parts.len() > 1 {
             let manifest = drill::manifest_name(output);
-            create(&manifest)?.write_all(drill::manifest_text(name, parts, files)?.as_bytes())?;
+            let text = drill::manifest_text(name, parts, files)?;
+            outputs.write(&manifest, text.as_bytes())?;
             writeln!(out, "{manifest}: the tools and their files")?;
         }
     }
@@ -222,9 +226,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             table: table(&args.drilling),
             file_travel_steps: job.file_travel_steps,
         });
-        create(report)?.write_all(page.as_bytes())?;
+        outputs.write(report, page.as_bytes())?;
         writeln!(out, "{report}: the board")?;
     }
+    outputs.finish()?;
     if args.output.is_none() && args.report.is_none() {
         eprintln!("nothing written: see -o and --report");
     }
@@ -244,14 +249,14 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     if job.parts.is_empty() {
         return Err(Failure::Usage(format!("{name}: no hole")));
     }
-    let is_well = drill::send(args, &job.parts, &mut io::stdout().lock())?;
+    let is_well = drill::send(args, &job.parts, &mut console::stdout())?;
     Ok(if is_well { OK } else { ERRORS })
 }
 
 /// `commands` of a file of records.
 pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
     let records = drill::load_records(file)?;
-    let mut out = io::BufWriter::new(io::stdout().lock());
+    let mut out = BufWriter::new(console::stdout());
     match format {
         Listing::Gcode => out.write_all(drill::program_text(&records)?.as_bytes())?,
         Listing::Text => {

@@ -1,12 +1,12 @@
 //! `compile` and `send` for the micro mill.
 
-use super::{ERRORS, Failure, Job, OK, create, to_stderr, verdict};
+use super::{ERRORS, Failure, Job, OK, to_stderr, verdict, write};
 use crate::cli::{Compile, Send, Target};
 use crate::cmm::Port;
 use crate::diagnostics::Format;
 use crate::mill::{self, Sending, Translated};
 use crate::source::Source;
-use crate::{feeder, program, setup};
+use crate::{console, feeder, program, setup};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use std::io::{self, BufRead, Write};
@@ -25,12 +25,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
         return Ok(ERRORS);
     };
     let text = mill::text(&made.lines);
-    match args.output.as_deref() {
-        None | Some("-") => io::stdout().write_all(text.as_bytes())?,
-        Some(path) => {
-            create(path)?.write_all(text.as_bytes())?;
-            eprintln!("{path}: {} strings", made.lines.len());
-        }
+    let path = args.output.as_deref().unwrap_or("-");
+    write(path, text.as_bytes())?;
+    if path != "-" {
+        eprintln!("{path}: {} strings", made.lines.len());
     }
     Ok(OK)
 }
@@ -70,7 +68,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         }
     };
     let expected = steps(&job, mill::text(&made.lines))?;
-    let mut out = io::stdout().lock();
+    let mut out = console::stdout();
     writeln!(out, "Lines      {} made", sent.lines)?;
     let told = sent.steps.len() as u64 * u64::from(args.every.max(1));
     if args.every != 1 {

@@ -1,12 +1,14 @@
 //! `run`: a program checked, simulated, summed up and drawn.
 
-use super::{ERRORS, Failure, Job, OK, create, to_stderr, verdict};
+use super::{ERRORS, Failure, Job, OK, to_stderr, verdict};
 use crate::check::{Facts, duration};
 use crate::cli::{CuttingOrder, Output, Run as RunArgs};
+use crate::console;
 use crate::diagnostics::{Findings, Format};
 use crate::feeder;
 use crate::machine_file::Travel;
 use crate::mirror;
+use crate::output::Outputs;
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
 use crate::setup::{self, ClosedMill};
@@ -14,7 +16,7 @@ use crate::symmetry::{Difference, Symmetry};
 use husillo_gcode::Dialect;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 /// What `run --format json` prints.
@@ -104,7 +106,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     }
     if text {
         writeln!(
-            io::stdout(),
+            console::stdout(),
             "Checked    {} for {}: {}",
             job.name(),
             job.machine.name,
@@ -115,10 +117,18 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         CuttingOrder::File => None,
         CuttingOrder::Mirrored => Some(mirror(&mut job, &mut facts)?),
     };
+    let mut outputs = Outputs::new();
     let trace = match &args.trace {
-        Some(path) => {
-            Some(Box::new(BufWriter::with_capacity(1 << 18, create(path)?)) as Box<dyn Write>)
-        }
+        Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
+        None => None,
+    };
+    let report = match (&args.output, text) {
+        (Some(path), _) => Some(path.clone()),
+        (None, true) => Some(default_report(&job.file)?),
+        (None, false) => None,
+    };
+    let report = match report {
+        Some(path) => Some((outputs.create(&path)?, path)),
         None => None,
     };
     let mut run = Run::new(&job.machine, args.worn, trace)?;
@@ -159,17 +169,13 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut results = results(&job, &run, &facts, offset, [errors, warnings]);
     results.order = order;
     results.left_right = run.symmetry.as_ref().and_then(Symmetry::difference);
-    let output = match (&args.output, text) {
-        (Some(path), _) => Some(path.clone()),
-        (None, true) => Some(default_report(&job.file)),
-        (None, false) => None,
-    };
     if text {
         summary(&job, &run, &results, &facts)?;
     } else {
         print_json(&results)?;
     }
-    if let Some(path) = output {
+    let mut wrote = None;
+    if let Some((mut out, path)) = report {
         let warnings = String::from_utf8_lossy(listed.writer())
             .lines()
             .map(str::to_owned)
@@ -183,15 +189,17 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         let page = report::html(&make_report(
             &job, &mut run, &results, figures, offset, warnings,
         ));
-        let size = page.len();
-        create(&path)?.write_all(page.as_bytes())?;
-        if text {
-            writeln!(
-                io::stdout(),
-                "Wrote      {path} ({} kB) - open it in any browser",
-                size.div_ceil(1000)
-            )?;
-        }
+        out.write_all(page.as_bytes())?;
+        out.flush()?;
+        wrote = Some((path, page.len())).filter(|_| text);
+    }
+    outputs.finish()?;
+    if let Some((path, size)) = wrote {
+        writeln!(
+            console::stdout(),
+            "Wrote      {path} ({} kB) - open it in any browser",
+            size.div_ceil(1000)
+        )?;
     }
     if has_stopped {
         eprintln!("{}: stopped: an axis is not where it should be", job.name());
@@ -219,17 +227,19 @@ fn progress(events: f64) -> ProgressBar {
     bar
 }
 
-fn default_report(file: &str) -> String {
+/// Where the report goes if nobody says it: into a folder of its own, which is made.
+fn default_report(file: &str) -> io::Result<String> {
     let stem = Path::new(file)
         .file_stem()
         .map_or("report".into(), |stem| stem.to_string_lossy());
     let stem = if stem == "-" { "report".into() } else { stem };
-    format!("out/{stem}.html")
+    std::fs::create_dir_all("out")?;
+    Ok(format!("out/{stem}.html"))
 }
 
 fn print_json(results: &Results) -> io::Result<()> {
     let json = serde_json::to_string(results).map_err(io::Error::other)?;
-    writeln!(io::stdout(), "{json}")
+    writeln!(console::stdout(), "{json}")
 }
 
 fn results(
@@ -273,7 +283,7 @@ fn rounded(nm: f64) -> f64 {
 }
 
 fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = console::stdout();
     writeln!(
         out,
         "Simulated  {} step events, {}",

@@ -25,9 +25,9 @@ impl Columns {
     pub fn read(path: &str, known: &[&str]) -> Result<Self, String> {
         let mut text = String::new();
         let read = if path == "-" {
-            std::io::stdin().read_to_string(&mut text).map(drop)
+            crate::input::stdin().read_to_string(&mut text).map(drop)
         } else {
-            std::fs::read_to_string(path).map(|all| text = all)
+            crate::input::read_to_string(path).map(|all| text = all)
         };
         read.map_err(|error| format!("{path}: {error}"))?;
         Self::parse(&text, known).map_err(|why| format!("{path}: {why}"))

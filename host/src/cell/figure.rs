@@ -28,7 +28,8 @@ impl Figure {
         let path = std::path::Path::new(file);
         let name = path.file_name().map(|name| name.to_string_lossy());
         let moves = if is_list(file) {
-            let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+            let text =
+                crate::input::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
             listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
         } else {
             programmed(file, settings)?

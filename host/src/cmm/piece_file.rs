@@ -17,7 +17,7 @@ const POINT: &str = "expected three lengths, as in [\"10 mm\", \"0 mm\", \"-5 mm
 ///
 /// The file cannot be read, or has mistakes.
 pub fn load(path: &str) -> Result<Piece, LoadError> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let text = crate::input::read_to_string(path).map_err(|error| {
         LoadError::File(format!(
             "no work piece `{path}`: {error}; a file such as examples/piece.toml describes one"
         ))

@@ -10,8 +10,8 @@ use crate::cli::{Measure, Results};
 use crate::cmm::file::{CmmFile, Stylus};
 use crate::cmm::prober::Prober;
 use crate::diagnostics::{Finding, Format, Place};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, IsTerminal, Write};
+use crate::output::Outputs;
+use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 
 /// How a routine without mistakes ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ impl Routine {
     ///
     /// A sentence, where there is no such file.
     pub fn load(name: &str) -> Result<Option<Self>, String> {
-        let text = std::fs::read(name).map_err(|error| format!("{name}: {error}"))?;
+        let text = crate::input::read(name).map_err(|error| format!("{name}: {error}"))?;
         let is_program = [".nc", ".ngc", ".gcode", ".tap", ".cnc"];
         let lower = name.to_ascii_lowercase();
         let name = name.to_owned();
@@ -178,7 +178,8 @@ pub fn recorded(
     out: &mut dyn Write,
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
-    let mut routine = BufWriter::new(File::create(path)?);
+    // What was taught stays, however the session ends.
+    let mut routine = Outputs::stream(path)?;
     let mut input = BufReader::new(io::stdin());
     let refused = record::record(&mut input, &mut routine, &mut runner, out, tell)?;
     writeln!(out, "{path}: {}", listing::summary(&runner.features))?;

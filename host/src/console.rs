@@ -1,0 +1,206 @@
+//! What people see: standard output and standard error, with nothing in it that a terminal obeys.
+//!
+//! Names, cells, comments and answers of devices are written by others. A control character in them is shown as the
+//! escape that JSON has for it, so that a line of JSON stays one.
+
+use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
+
+/// [`std::eprintln`] through [`message`]: every module of the program tells its messages this way.
+macro_rules! eprintln {
+    ($($part:tt)*) => {
+        $crate::console::message(::std::format_args!($($part)*))
+    };
+}
+
+/// A writer that shows control characters, and what turns text round, instead of passing them on.
+#[derive(Debug)]
+pub struct Shown<W: Write> {
+    out: W,
+    /// The beginning of a character, or a CR that may belong to a line end.
+    begun: Vec<u8>,
+}
+
+/// Standard output for text.
+pub fn stdout() -> Shown<StdoutLock<'static>> {
+    Shown::new(io::stdout().lock())
+}
+
+/// Standard error for text.
+pub fn stderr() -> Shown<StderrLock<'static>> {
+    Shown::new(io::stderr().lock())
+}
+
+/// Standard output for bytes that are to be the same at the other end; a terminal gets them as [`stdout`] shows them.
+pub fn data() -> Box<dyn Write + Send> {
+    let out = io::stdout();
+    if out.is_terminal() {
+        Box::new(Shown::new(out))
+    } else {
+        Box::new(out)
+    }
+}
+
+/// Writes a line to standard error.
+pub fn message(text: std::fmt::Arguments<'_>) {
+    // Nobody to tell that it cannot be told.
+    let _ = writeln!(stderr(), "{text}");
+}
+
+/// A text as [`Shown`] writes it.
+pub fn shown(text: &str) -> String {
+    let mut all = String::with_capacity(text.len());
+    for one in text.chars() {
+        push(&mut all, one);
+    }
+    all
+}
+
+fn push(all: &mut String, one: char) {
+    if is_obeyed(one) {
+        all.push_str(&format!("\\u{:04x}", u32::from(one)));
+    } else {
+        all.push(one);
+    }
+}
+
+/// Whether a terminal does something at a character, beside going to a new line or a tab stop.
+pub const fn is_obeyed(one: char) -> bool {
+    match one {
+        '\n' | '\t' => false,
+        '\u{200e}' | '\u{200f}' | '\u{61c}' => true,
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        _ => one.is_ascii_control() || matches!(one, '\u{80}'..='\u{9f}'),
+    }
+}
+
+impl<W: Write> Shown<W> {
+    /// Writes to `out`.
+    pub const fn new(out: W) -> Self {
+        Self {
+            out,
+            begun: Vec::new(),
+        }
+    }
+
+    /// Writes what is complete of `begun`; at the end all of it.
+    fn pass(&mut self, is_end: bool) -> io::Result<()> {
+        let bytes = std::mem::take(&mut self.begun);
+        let mut rest = bytes.as_slice();
+        let mut all = String::with_capacity(rest.len());
+        while !rest.is_empty() {
+            let (good, bad) = match std::str::from_utf8(rest) {
+                Ok(text) => (text, None),
+                Err(error) => {
+                    let (good, _) = rest.split_at(error.valid_up_to());
+                    (std::str::from_utf8(good).unwrap_or_default(), Some(error))
+                }
+            };
+            let mut chars = good.chars().peekable();
+            while let Some(one) = chars.next() {
+                match (one, chars.peek()) {
+                    ('\r', Some('\n')) => all.push('\r'),
+                    ('\r', None) if bad.is_none() && !is_end => self.begun.push(b'\r'),
+                    _ => push(&mut all, one),
+                }
+            }
+            rest = &rest[good.len()..];
+            match bad.map(|error| error.error_len()) {
+                None => break,
+                Some(None) if !is_end => {
+                    self.begun.extend_from_slice(rest);
+                    break;
+                }
+                Some(length) => {
+                    all.push(char::REPLACEMENT_CHARACTER);
+                    rest = &rest[length.unwrap_or(rest.len())..];
+                }
+            }
+        }
+        self.out.write_all(all.as_bytes())
+    }
+}
+
+impl<W: Write> Write for Shown<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let is_plain = |byte: &u8| matches!(byte, b'\n' | b'\t' | b' '..=b'~');
+        if self.begun.is_empty() && bytes.iter().all(is_plain) {
+            self.out.write_all(bytes)?;
+        } else {
+            self.begun.extend_from_slice(bytes);
+            self.pass(false)?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+impl<W: Write> Drop for Shown<W> {
+    fn drop(&mut self) {
+        // Half a character at the end of what is written: lost or not, there is nobody to tell.
+        let _ = self.pass(true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What comes out of pieces.
+    fn written(pieces: &[&[u8]]) -> String {
+        let mut out = Vec::new();
+        let mut shown = Shown::new(&mut out);
+        for piece in pieces {
+            shown.write_all(piece).unwrap();
+        }
+        drop(shown);
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn what_a_terminal_obeys_is_shown() {
+        let text = "a\x1b[31mb\u{9b}c\x7fd\u{202e}e\u{2066}f\x07g\rh\r\ni\tj \u{b5}m\n";
+        let expected =
+            "a\\u001b[31mb\\u009bc\\u007fd\\u202ee\\u2066f\\u0007g\\u000dh\r\ni\tj \u{b5}m\n";
+        assert_eq!(written(&[text.as_bytes()]), expected);
+        assert_eq!(shown("x\x1by"), "x\\u001by");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_replaced() {
+        assert_eq!(
+            written(&[b"a\x9b31mb\xff\xe2\x80"]),
+            "a\u{fffd}31mb\u{fffd}\u{fffd}"
+        );
+    }
+
+    #[test]
+    fn an_escaped_string_of_json_is_the_same_string() {
+        let name = "\u{9b}31m\u{202e}\x7f\u{b5}";
+        let json = serde_json::to_string(name).unwrap();
+        let back: String = serde_json::from_str(&written(&[json.as_bytes()])).unwrap();
+        assert_eq!(back, name);
+    }
+
+    proptest! {
+        /// Where writes end does not matter, and nothing that is obeyed gets through.
+        #[test]
+        fn pieces_make_the_same(
+            bytes in prop::collection::vec(
+                prop::sample::select(b"\x1b\r\n\x9b\xc2\xe2\x80\xaea[\x7f".to_vec()), 0..40),
+            at in 0_usize..40,
+        ) {
+            let at = at.min(bytes.len());
+            let whole = written(&[&bytes]);
+            prop_assert_eq!(&whole, &written(&[&bytes[..at], &bytes[at..]]));
+            let mut chars = whole.chars().peekable();
+            while let Some(one) = chars.next() {
+                let is_line_end = one == '\r' && chars.peek() == Some(&'\n');
+                prop_assert!(is_line_end || !is_obeyed(one));
+            }
+        }
+    }
+}

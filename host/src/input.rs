@@ -1,0 +1,110 @@
+//! Files that a command reads, kept in mind so that no output of it takes the place of one.
+
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Which file something is, under whatever name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// Device and number on it.
+    #[cfg(unix)]
+    number: (u64, u64),
+    /// Its path without links.
+    #[cfg(not(unix))]
+    path: PathBuf,
+}
+
+impl Identity {
+    /// Of a regular file; `None` of anything else, which may be read and written at once.
+    pub fn of(path: &Path, metadata: &Metadata) -> Option<Self> {
+        if !metadata.is_file() {
+            return None;
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            let _ = path;
+            let number = (metadata.dev(), metadata.ino());
+            Some(Self { number })
+        }
+        #[cfg(not(unix))]
+        {
+            let path = path.canonicalize().ok()?;
+            Some(Self { path })
+        }
+    }
+}
+
+/// What was read so far, by the names it was given.
+static READ: Mutex<Vec<(Identity, PathBuf)>> = Mutex::new(Vec::new());
+
+/// Opens a file to be read.
+///
+/// # Errors
+///
+/// It cannot be opened, or is a directory.
+pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
+    let path = path.as_ref();
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    if metadata.is_dir() {
+        let kind = io::ErrorKind::InvalidInput;
+        return Err(io::Error::new(kind, "is a directory"));
+    }
+    keep(path, &metadata);
+    Ok(file)
+}
+
+/// The bytes of a file.
+///
+/// # Errors
+///
+/// It cannot be read.
+pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text of a file.
+///
+/// # Errors
+///
+/// It cannot be read, or is no text in UTF-8.
+pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
+    let mut text = String::new();
+    open(path)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
+/// Standard input; a file that it comes from is an input, too.
+pub fn stdin() -> io::Stdin {
+    let stdin = io::stdin();
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        let file = stdin.as_fd().try_clone_to_owned().map(File::from);
+        if let Ok(metadata) = file.and_then(|file| file.metadata()) {
+            keep(Path::new("standard input"), &metadata);
+        }
+    }
+    stdin
+}
+
+fn keep(path: &Path, metadata: &Metadata) {
+    if let Some(identity) = Identity::of(path, metadata) {
+        let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+        if !read.iter().any(|(known, _)| *known == identity) {
+            read.push((identity, path.to_owned()));
+        }
+    }
+}
+
+/// The name under which a file was read; `None` if it was not.
+pub fn name_of(identity: &Identity) -> Option<PathBuf> {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = read.iter().find(|(known, _)| known == identity);
+    known.map(|(_, path)| path.clone())
+}
