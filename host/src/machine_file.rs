@@ -194,7 +194,7 @@ pub enum LoadError {
 
 /// The text of a file that is to be a machine of this kind; `built_in` names those that need no file.
 pub fn read_text(path: &str, kind: &str, built_in: &str) -> Result<String, LoadError> {
-    std::fs::read_to_string(path).map_err(|error| {
+    crate::input::read_to_string(path).map_err(|error| {
         LoadError::File(format!(
             "no {kind} `{path}`: built in are {built_in}; as a file: {error}"
         ))
@@ -310,7 +310,7 @@ impl MachineFile {
         let built_in = BUILT_IN.iter().find(|(_, path, _)| *path == self.path);
         match built_in {
             Some((.., text)) => Ok((*text).to_owned()),
-            None => std::fs::read_to_string(&self.path)
+            None => crate::input::read_to_string(&self.path)
                 .map_err(|error| format!("{}: {error}", self.path)),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::client::{Client, Trouble};
 use super::device::STROKE_STEPS;
+use crate::output::Outputs;
 use husillo_gcode::drill_record::{Record, bytes};
 use husillo_machine::DrillConfig;
 use husillo_transports::drill::{Failure, Step};
@@ -331,7 +332,9 @@ impl Hand {
         }
         let count = records.len();
         let all: Vec<u8> = bytes(records).collect();
-        std::fs::write(file, all).map_err(|error| Failed::Other(format!("{file}: {error}")))?;
+        let mut outputs = Outputs::new();
+        let written = outputs.write(file, &all).and_then(|()| outputs.finish());
+        written.map_err(|error| Failed::Other(error.to_string()))?;
         Ok(format!("{file}: {count} records"))
     }
 

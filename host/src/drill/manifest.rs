@@ -90,7 +90,7 @@ pub fn text(program: &str, parts: &[Part], files: &[String]) -> Result<String, S
 ///
 /// A sentence about what is missing or does not fit.
 pub fn load(file: &str) -> Result<Vec<Part>, String> {
-    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+    let text = crate::input::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
     let manifest: Manifest = toml::from_str(&text).map_err(|error| {
         format!(
             "{file} is no manifest of drill records: {}",
@@ -140,7 +140,7 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
 ///
 /// A sentence with the place of the first wrong byte.
 pub fn load_records(file: &str) -> Result<Vec<Record>, String> {
-    let bytes = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;
+    let bytes = crate::input::read(file).map_err(|error| format!("{file}: {error}"))?;
     let all: Result<Vec<_>, _> = records(&bytes).collect();
     all.map_err(|error| format!("{file}, byte {}: {error}", error.at))
 }
