@@ -1,0 +1,538 @@
+//! Files that commands write: no input is lost, and each is whole or as it was before.
+
+mod common;
+
+use common::husillo;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = "G21 G90\nG0 X1 Y1\nG1 X2 Y1.5 F5\nG2 X3 Y1.5 I0.5 J0\nM2\n";
+const ROUTINE: &str = "safe z -10\npoint left towards +x at x10 y30 z-25\n";
+
+/// A folder of one test, with its inputs.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = common::scratch("files").join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Self(folder);
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        folder.put("c.nc", PROGRAM.as_bytes());
+        folder.put("r.routine", ROUTINE.as_bytes());
+        for (name, from) in [
+            ("my.toml", "machines/micromill.toml"),
+            ("b.drl", "examples/board.drl"),
+            ("piece.toml", "examples/piece.toml"),
+            ("square.nc", "examples/microfactory/square.nc"),
+            ("zigzag.fig", "examples/microfactory/zigzag.fig"),
+        ] {
+            folder.put(name, &std::fs::read(root.join(from)).unwrap());
+        }
+        folder
+    }
+
+    fn put(&self, name: &str, bytes: &[u8]) {
+        std::fs::write(self.0.join(name), bytes).unwrap();
+    }
+
+    fn get(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.0.join(name)).unwrap_or_default()
+    }
+
+    /// The program in this folder.
+    fn husillo(&self, args: &[&str]) -> assert_cmd::Command {
+        let mut command = husillo();
+        command.current_dir(&self.0).args(args);
+        command
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+/// Every command that writes, with an input and the place of an output's name, `OUT`.
+const WRITERS: [(&str, &[&str]); 21] = [
+    ("c.nc", &["steps", "c.nc", "-o", "OUT"]),
+    ("my.toml", &["steps", "c.nc", "-m", "my.toml", "-o", "OUT"]),
+    ("c.nc", &["run", "c.nc", "-o", "OUT"]),
+    ("c.nc", &["run", "c.nc", "-o", "r.html", "--trace", "OUT"]),
+    ("my.toml", &["run", "c.nc", "-m", "my.toml", "-o", "OUT"]),
+    (
+        "my.toml",
+        &[
+            "run", "c.nc", "-m", "my.toml", "--format", "json", "--trace", "OUT",
+        ],
+    ),
+    (
+        "b.drl",
+        &[
+            "holes", "b.drl", "--as", "gcode", "--depth", "1", "-o", "OUT",
+        ],
+    ),
+    (
+        "b.drl",
+        &[
+            "holes", "b.drl", "--as", "drill", "--only", "1", "--shift", "corner", "-o", "OUT",
+        ],
+    ),
+    ("b.drl", &["holes", "b.drl", "-o", "OUT"]),
+    (
+        "b.drl",
+        &[
+            "compile", "b.drl", "-m", "drill", "--only", "1", "--shift", "corner", "-o", "OUT",
+        ],
+    ),
+    (
+        "b.drl",
+        &[
+            "compile", "b.drl", "-m", "drill", "--shift", "corner", "--report", "OUT",
+        ],
+    ),
+    ("c.nc", &["compile", "c.nc", "-m", "micromill", "-o", "OUT"]),
+    (
+        "square.nc",
+        &["compile", "square.nc", "-m", "microfactory", "-o", "OUT"],
+    ),
+    ("zigzag.fig", &["compile", "zigzag.fig", "-o", "OUT"]),
+    ("c.nc", &["compare", "c.nc", "-o", "OUT"]),
+    (
+        "my.toml",
+        &["compare", "c.nc", "-m", "my.toml", "-o", "OUT"],
+    ),
+    (
+        "r.routine",
+        &[
+            "measure",
+            "-m",
+            "cmm3",
+            "--piece",
+            "piece.toml",
+            "run",
+            "r.routine",
+            "-o",
+            "OUT",
+        ],
+    ),
+    (
+        "piece.toml",
+        &[
+            "measure",
+            "-m",
+            "cmm3",
+            "--piece",
+            "piece.toml",
+            "run",
+            "r.routine",
+            "-o",
+            "OUT",
+        ],
+    ),
+    (
+        "piece.toml",
+        &[
+            "measure",
+            "-m",
+            "cmm3",
+            "--piece",
+            "piece.toml",
+            "record",
+            "OUT",
+        ],
+    ),
+    (
+        "my.toml",
+        &[
+            "calibrate",
+            "backlash",
+            "--simulate",
+            "--every",
+            "5 mm",
+            "-m",
+            "my.toml",
+            "-o",
+            "OUT",
+        ],
+    ),
+    (
+        "my.toml",
+        &[
+            "calibrate",
+            "backlash",
+            "--simulate",
+            "--every",
+            "5 mm",
+            "-m",
+            "my.toml",
+            "--report",
+            "OUT",
+        ],
+    ),
+];
+
+#[test]
+fn no_output_takes_the_place_of_an_input() {
+    let folder = Folder::new("inputs");
+    for (input, args) in WRITERS {
+        let before = folder.get(input);
+        let beside = format!("./{input}");
+        let up = format!("../inputs/{input}");
+        let mut names = vec![input, &beside, &up];
+        #[cfg(unix)]
+        {
+            for link in ["soft", "hard", "soft-soft"] {
+                let _ = std::fs::remove_file(folder.0.join(link));
+            }
+            std::os::unix::fs::symlink(input, folder.0.join("soft")).unwrap();
+            std::os::unix::fs::symlink("soft", folder.0.join("soft-soft")).unwrap();
+            std::fs::hard_link(folder.0.join(input), folder.0.join("hard")).unwrap();
+            names.extend(["soft", "hard", "soft-soft"]);
+        }
+        for name in names {
+            let args: Vec<&str> = args
+                .iter()
+                .map(|arg| if *arg == "OUT" { name } else { arg })
+                .collect();
+            folder
+                .husillo(&args)
+                .assert()
+                .code(2)
+                .stderr(contains(format!("{name} would take the place of")).and(contains(input)));
+            assert_eq!(folder.get(input), before, "{args:?}");
+        }
+        #[cfg(unix)]
+        for link in ["soft", "hard", "soft-soft"] {
+            std::fs::remove_file(folder.0.join(link)).unwrap();
+        }
+    }
+    let litter = |name: &&String| name.ends_with(".new") || *name == "r.html";
+    assert_eq!(folder.names().iter().find(litter), None);
+}
+
+#[test]
+fn a_manifest_and_its_records_are_inputs() {
+    let folder = Folder::new("manifest");
+    let compile = |input, output| {
+        let args = ["compile", input, "-m", "drill", "-o", output];
+        let shift: &[&str] = if input == "b.drl" {
+            &["--shift", "corner"]
+        } else {
+            &[]
+        };
+        folder.husillo(&[&args, shift].concat()).assert()
+    };
+    compile("b.drl", "b.cod").success();
+    let before: Vec<_> = folder.names().iter().map(|name| folder.get(name)).collect();
+    compile("b.toml", "b.cod")
+        .code(2)
+        .stderr(contains("would take the place of"));
+    let after: Vec<_> = folder.names().iter().map(|name| folder.get(name)).collect();
+    assert_eq!(before, after);
+    compile("b.toml", "other.cod").success();
+}
+
+/// Standard input that comes from a file is an input, too.
+#[cfg(unix)]
+#[test]
+fn standard_input_may_be_a_file() {
+    let folder = Folder::new("stdin");
+    let output = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(&folder.0)
+        .args(["steps", "-", "-o", "c.nc"])
+        .stdin(std::fs::File::open(folder.0.join("c.nc")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert_eq!(folder.get("c.nc"), PROGRAM.as_bytes());
+}
+
+#[test]
+fn two_outputs_are_two_files() {
+    let folder = Folder::new("two");
+    folder.put("x", b"old");
+    for (report, trace) in [("x", "./x"), ("y", "y")] {
+        folder
+            .husillo(&["run", "c.nc", "-o", report, "--trace", trace])
+            .assert()
+            .code(2)
+            .stderr(contains("are the same file"));
+    }
+    assert_eq!(folder.get("x"), b"old");
+    assert!(!folder.0.join("y").exists());
+}
+
+#[test]
+fn format_may_replace_its_input() {
+    let folder = Folder::new("format");
+    folder.put("f.nc", b"g1x1f5\n");
+    folder
+        .husillo(&["format", "f.nc", "-o", "f.nc"])
+        .assert()
+        .success();
+    assert_eq!(folder.get("f.nc"), b"G1 X1 F5\n");
+}
+
+/// A link stays a link, a file keeps its permissions, and one that may not be written is not.
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("links");
+    folder.put("target", b"old");
+    let target = folder.0.join("target");
+    std::fs::set_permissions(&target, std::fs::Permissions::from_mode(0o640)).unwrap();
+    for (link, to) in [("link", "target"), ("dangling", "made")] {
+        std::os::unix::fs::symlink(to, folder.0.join(link)).unwrap();
+        folder
+            .husillo(&["steps", "c.nc", "-o", link])
+            .assert()
+            .success();
+        assert!(folder.0.join(link).is_symlink());
+        assert!(folder.get(to).starts_with(b"event,"));
+    }
+    let mode = target.metadata().unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+}
+
+#[test]
+fn only_the_default_folder_is_made() {
+    let folder = Folder::new("folders");
+    folder
+        .husillo(&["run", "c.nc", "-o", "no/such/x.html"])
+        .assert()
+        .code(2)
+        .stderr(contains("no/such"));
+    assert!(!folder.0.join("no").exists());
+    folder.husillo(&["run", "c.nc"]).assert().success();
+    assert!(folder.get("out/c.html").starts_with(b"<!"));
+}
+
+/// What is no plain file is written as it comes, and an error of it is told.
+#[cfg(unix)]
+#[test]
+fn devices_are_written_directly() {
+    let folder = Folder::new("devices");
+    for out in ["-", "/dev/stdout"] {
+        let command = folder
+            .husillo(&["steps", "c.nc", "-o", out])
+            .assert()
+            .success();
+        assert!(command.get_output().stdout.starts_with(b"event,"));
+    }
+    folder
+        .husillo(&["steps", "c.nc", "-o", "/dev/null"])
+        .assert()
+        .success();
+    if !Path::new("/dev/full").exists() {
+        return eprintln!("skipped: no /dev/full here");
+    }
+    let full: [&[&str]; 6] = [
+        &["steps", "c.nc", "-o", "/dev/full"],
+        &["run", "c.nc", "-o", "r.html", "--trace", "/dev/full"],
+        &["run", "c.nc", "-o", "/dev/full"],
+        &["compile", "c.nc", "-m", "micromill", "-o", "/dev/full"],
+        &["holes", "b.drl", "-o", "/dev/full"],
+        &["compare", "c.nc", "-o", "/dev/full"],
+    ];
+    for args in full {
+        folder
+            .husillo(args)
+            .assert()
+            .code(2)
+            .stderr(contains("/dev/full: "));
+    }
+    assert!(!folder.0.join("r.html").exists());
+}
+
+/// The outputs of a command, old as they are before it and new as it makes them.
+struct Job {
+    args: &'static [&'static str],
+    outputs: &'static [&'static str],
+}
+
+const JOBS: [Job; 8] = [
+    Job {
+        args: &["steps", "long.nc", "-o", "o"],
+        outputs: &["o"],
+    },
+    Job {
+        args: &["run", "long.nc", "-o", "o", "--trace", "t"],
+        outputs: &["o", "t"],
+    },
+    Job {
+        args: &["holes", "b.drl", "--as", "gcode", "--depth", "1", "-o", "o"],
+        outputs: &["o"],
+    },
+    Job {
+        args: &[
+            "compile", "b.drl", "-m", "drill", "--shift", "corner", "-o", "o.cod", "--report", "p",
+        ],
+        outputs: &["o.T1.cod", "o.T2.cod", "o.toml", "p"],
+    },
+    Job {
+        args: &["compile", "long.nc", "-m", "micromill", "-o", "o"],
+        outputs: &["o"],
+    },
+    Job {
+        args: &["compare", "long.nc", "-m", "micromill", "-o", "o.html"],
+        outputs: &["o.html"],
+    },
+    Job {
+        args: &["format", "long.nc", "-o", "o"],
+        outputs: &["o"],
+    },
+    Job {
+        args: &[
+            "measure",
+            "-m",
+            "cmm3",
+            "--piece",
+            "piece.toml",
+            "run",
+            "r.routine",
+            "-o",
+            "o",
+        ],
+        outputs: &["o"],
+    },
+];
+
+/// Some work, so that there are instants to be killed at.
+fn long() -> String {
+    let mut text = String::from("g21 g90 f10\n");
+    for turn in 0..400 {
+        text += &format!("g1 x{}.{:02} y{}\n", 1 + turn % 3, turn % 100, 1 + turn % 2);
+    }
+    text + "m2\n"
+}
+
+/// Kills every command at instants of its run: each output is the old file or the new one.
+fn kill(name: &str, times: u32) {
+    let folder = Folder::new(name);
+    folder.put("long.nc", long().as_bytes());
+    let mut seed = 0x9e37_79b9_u32;
+    for job in &JOBS {
+        let spawn = || {
+            Command::new(env!("CARGO_BIN_EXE_husillo"))
+                .current_dir(&folder.0)
+                .args(job.args)
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap()
+        };
+        let start = Instant::now();
+        let status = spawn().wait().unwrap();
+        let whole = start.elapsed();
+        assert_ne!(status.code(), Some(2), "{:?}", job.args);
+        let new: Vec<_> = job.outputs.iter().map(|name| folder.get(name)).collect();
+        assert!(new.iter().all(|new| !new.is_empty()), "{:?}", job.args);
+        let old = b"old, and longer than nothing".to_vec();
+        for _ in 0..times {
+            for name in job.outputs {
+                folder.put(name, &old);
+            }
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let share = f64::from(seed >> 8) / f64::from(1 << 24);
+            let mut child = spawn();
+            std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * 1.1 * share));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            for (name, new) in job.outputs.iter().zip(&new) {
+                let now = folder.get(name);
+                assert!(
+                    now == old || now == *new,
+                    "{:?} left a piece of {name}",
+                    job.args
+                );
+            }
+        }
+    }
+    // What is left is named for what it is.
+    for name in folder.names() {
+        if name.ends_with(".new") {
+            std::fs::remove_file(folder.0.join(name)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn killed_commands_leave_the_old_file_or_the_new_one() {
+    kill("killed", 6);
+}
+
+#[test]
+#[ignore = "takes minutes: 100 kills a command"]
+fn killed_commands_a_hundred_times() {
+    kill("killed-often", 100);
+}
+
+/// Where there is no more room: here a limit of the size of files, as a quota is.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_room_the_old_files_stay() {
+    let folder = Folder::new("full");
+    folder.put("long.nc", long().as_bytes());
+    for job in &JOBS {
+        for name in job.outputs {
+            folder.put(name, b"old");
+        }
+        let words = job.args.iter().map(|word| format!("'{word}'"));
+        let words = words.collect::<Vec<_>>().join(" ");
+        // No byte may be written to a file; the signal for it is not obeyed.
+        let script = format!(
+            "trap '' XFSZ; ulimit -f 0; exec '{}' {words}",
+            env!("CARGO_BIN_EXE_husillo")
+        );
+        let output = Command::new("sh")
+            .current_dir(&folder.0)
+            .args(["-c", &script])
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{:?}: {told}", job.args);
+        assert!(told.contains("too large"), "{told}");
+        for name in job.outputs {
+            assert_eq!(folder.get(name), b"old", "{:?}: {name}", job.args);
+        }
+    }
+    let names = folder.names();
+    assert_eq!(names.iter().find(|name| name.ends_with(".new")), None);
+}
+
+/// Asked to end, a command takes away what it has begun.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_end_that_was_asked_for_leaves_nothing() {
+    let folder = Folder::new("ended");
+    folder.put("long.nc", long().replace("m2\n", "").repeat(40).as_bytes());
+    folder.put("o", b"old");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(&folder.0)
+        .args(["steps", "long.nc", "-o", "o"])
+        .spawn()
+        .unwrap();
+    let begun = |folder: &Folder| folder.names().iter().any(|name| name.ends_with(".new"));
+    let start = Instant::now();
+    while !begun(&folder) {
+        assert!(start.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(Duration::from_millis(20));
+    let asked = Command::new("kill").arg(child.id().to_string()).status();
+    assert!(asked.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(folder.get("o"), b"old");
+    assert!(!begun(&folder));
+}
