@@ -24,13 +24,14 @@ use crate::lash;
 use crate::machine_file::{LoadError, MachineFile};
 use crate::order::Metric;
 use crate::output::Outputs;
+use crate::program::Start;
 use crate::setup::Mill;
 use crate::source::Source;
+use crate::zero::{self, Zero};
 use crate::{
     cell, commands, compare_page, compare_text, console, drill, grid, input, interpolate, machines,
     mill, setup, steps, tune,
 };
-use husillo_gcode::Dialect;
 use husillo_machine::Config;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
 
@@ -317,7 +318,7 @@ fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure
     crate::program::walk(
         &mut source,
         job.name(),
-        job.dialect,
+        job.start,
         &mut findings,
         |_, command, from, _| {
             let made = match command {
@@ -348,8 +349,10 @@ fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure
 struct Job {
     file: String,
     machine: MachineFile,
-    dialect: Dialect,
     config: Config<3>,
+    /// Its language, and where it lies on the machine.
+    start: Start,
+    is_placed: bool,
     /// Standard input is read once and kept, as a run reads its program twice; of a list of moves the program.
     input: Option<Vec<u8>>,
 }
@@ -368,19 +371,50 @@ impl Job {
         Ok(Self {
             file: file.to_owned(),
             machine,
-            dialect,
             config,
+            start: dialect.into(),
+            is_placed: false,
             input: input.map(String::into_bytes),
         })
     }
 
-    /// Keeps standard input in memory, so that it can be read twice.
-    fn keep_input(&mut self) -> io::Result<()> {
-        if self.file == "-" {
-            let mut input = Vec::new();
-            input::stdin().read_to_end(&mut input)?;
-            self.input = Some(input);
+    /// Keeps what can be read once only in memory: standard input, pipes.
+    fn keep_input(&mut self) -> Result<(), Failure> {
+        let metadata = std::fs::metadata(&self.file);
+        let is_pipe = metadata.is_ok_and(|file| !file.is_file() && !file.is_dir());
+        if self.input.is_none() && (self.file == "-" || is_pipe) {
+            self.input = Some(whole(&self.file)?);
         }
+        Ok(())
+    }
+
+    /// Puts work zero where it is asked for, and the tool to it, as far as the travel goes.
+    fn place(&mut self, zero: Option<Zero>) -> Result<(), Failure> {
+        self.keep_input()?;
+        let zero = match zero {
+            None => return Ok(()),
+            Some(Zero::At(zero)) => zero,
+            Some(Zero::Fit) => {
+                let mut source = self.open()?;
+                let dialect = self.start.dialect;
+                let zero = zero::fitting(&mut source, self.name(), dialect, &self.config)?;
+                let [x, y, z] = zero;
+                eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
+                zero
+            }
+        };
+        let mut at = zero;
+        for (at, axis) in at.iter_mut().zip(&self.config.axes) {
+            if let Some([low, high]) = axis.travel {
+                *at = (*at).clamp(low, high);
+            }
+        }
+        self.start = Start {
+            zero,
+            at,
+            ..self.start
+        };
+        self.is_placed = true;
         Ok(())
     }
 
@@ -401,19 +435,34 @@ impl Job {
 
     fn check<W: Write>(&self, findings: &mut Findings<W>) -> Result<Facts, Failure> {
         let mut source = self.open()?;
-        Ok(check::check(
+        let facts = check::check(
             &mut source,
             self.name(),
-            self.dialect,
+            self.start,
             &self.machine,
             &self.config,
             findings,
-        )?)
+        )?;
+        if let Some(first) = &facts.beyond {
+            zero::tell_beyond(
+                &mut self.open()?,
+                self.name(),
+                self.start,
+                &self.machine,
+                &self.config,
+                first,
+                findings,
+            )?;
+        }
+        Ok(facts)
     }
 
     fn new_machine(&self, compensation: bool) -> Result<Mill, Failure> {
         let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
         machine.set_compensation(compensation);
+        if self.is_placed {
+            (machine.place(self.start.zero, self.start.at)).map_err(|error| error.to_string())?;
+        }
         Ok(machine)
     }
 }
@@ -504,7 +553,11 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         (None, Output::Text) => board.print(name, &mut made)?,
         (None, Output::Json) => board.print_json(errors, warnings, &mut made)?,
     }
-    write(args.output.as_deref().unwrap_or("-"), &made)?;
+    match args.output.as_deref().unwrap_or("-") {
+        // A list is for people, or one line of JSON; the others are bytes for a machine.
+        "-" if args.make == DrillOutput::List => console::stdout().write_all(&made)?,
+        path => write(path, &made)?,
+    }
     if errors > 0 {
         eprintln!("{name}: {}", verdict(errors, warnings));
         return Ok(ERRORS);
@@ -535,7 +588,9 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
                 board.check_travel(name, &load(machine)?, &mut findings)?;
             }
         } else {
-            Job::new(file, &args.target, "free")?.check(&mut findings)?;
+            let mut job = Job::new(file, &args.target, "free")?;
+            job.place(args.zero)?;
+            job.check(&mut findings)?;
         }
         let hidden = findings.hidden();
         let (errors, warnings) = (findings.errors, findings.warnings);
@@ -571,7 +626,8 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
         let message = "--format gcode is for records of the drill, *.cod";
         return Err(Failure::Usage(message.into()));
     }
-    let job = Job::new(&args.file, &args.target, "free")?;
+    let mut job = Job::new(&args.file, &args.target, "free")?;
+    job.place(args.zero)?;
     let mut source = job.open()?;
     let mut findings = to_stderr(Format::Text);
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
@@ -579,7 +635,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
     commands::print(
         &mut source,
         job.name(),
-        job.dialect,
+        job.start,
         json,
         &mut findings,
         &mut out,
@@ -596,7 +652,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    job.keep_input()?;
+    job.place(args.zero)?;
     let mut findings = to_stderr(Format::Text);
     job.check(&mut findings)?;
     if findings.errors > 0 {

@@ -1,14 +1,14 @@
 //! `husillo check`: everything that can be said about a program before anything moves.
 
-use crate::diagnostics::{Finding, Findings, Severity};
+use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::explain::At;
 use crate::machine_file::{MachineFile, Travel};
-use crate::program::{self, Meaning};
+use crate::program::{self, Meaning, Start};
 use crate::report::length;
 use crate::setup;
 use crate::source::Source;
 use crate::turns::Turns;
-use husillo_gcode::{Arc, Command, Dialect, Feed, Nm};
+use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
 use std::io::{self, Write};
 
@@ -23,6 +23,8 @@ pub struct Facts {
     pub events: f64,
     /// How often every axis turns round, the first motion counted where it is backwards.
     pub reversals: [u64; 3],
+    /// The first move that leaves the travel of an axis: for [`crate::zero::tell_beyond`].
+    pub beyond: Option<(Place, MoveError)>,
 }
 
 /// What is said once about a program, and what adds up along it.
@@ -36,9 +38,11 @@ struct Checker<'a> {
     feed_nm: f64,
     rapid_nm: f64,
     events: f64,
+    beyond: Option<(Place, MoveError)>,
 }
 
-/// Checks one program against a machine; every finding goes to `findings`.
+/// Checks one program against a machine; every finding goes to `findings`, but those about travel,
+/// which need a second reading.
 ///
 /// # Errors
 ///
@@ -46,7 +50,7 @@ struct Checker<'a> {
 pub fn check<W: Write>(
     source: &mut Source,
     file: &str,
-    dialect: Dialect,
+    start: Start,
     machine: &MachineFile,
     config: &Config<3>,
     findings: &mut Findings<W>,
@@ -65,12 +69,13 @@ pub fn check<W: Write>(
         feed_nm: 0.0,
         rapid_nm: 0.0,
         events: 0.0,
+        beyond: None,
     };
     let mut is_empty = true;
     program::walk(
         source,
         file,
-        dialect,
+        start,
         findings,
         |meaning, command, from, findings| {
             is_empty = false;
@@ -90,6 +95,7 @@ pub fn check<W: Write>(
         rapid_nm: checker.rapid_nm,
         events: checker.events,
         reversals: checker.turns.reversals(),
+        beyond: checker.beyond,
     })
 }
 
@@ -102,8 +108,16 @@ impl Checker<'_> {
         findings: &mut Findings<W>,
     ) -> io::Result<()> {
         let end = program::target(command);
-        if let Err(error) = self.config.check(&from, command) {
-            findings.add(&self.limit(&error, &meaning.at, command, end.unwrap_or(from)))?;
+        match self.config.check(&from, command) {
+            Ok(()) => {}
+            // One cause, whatever the number of moves: told when all of them are known.
+            Err(error @ MoveError::Travel { axis, .. }) => {
+                if self.beyond.is_none() {
+                    let letter = self.machine.axes[axis.min(2)].letter;
+                    self.beyond = Some((meaning.at.word(letter), error));
+                }
+            }
+            Err(error) => findings.add(&self.limit(&error, &meaning.at, command))?,
         }
         let Some(to) = end else {
             return Ok(());
@@ -152,32 +166,9 @@ impl Checker<'_> {
         step.num as f64 / step.den as f64
     }
 
-    fn limit(&self, error: &MoveError, at: &At<'_>, command: &Command<3>, to: [Nm; 3]) -> Finding {
+    fn limit(&self, error: &MoveError, at: &At<'_>, command: &Command<3>) -> Finding {
         let letter = |axis: usize| self.machine.axes[axis.min(2)].letter;
         match *error {
-            MoveError::Travel {
-                axis,
-                position,
-                limit,
-            } => {
-                let name = char::from(letter(axis));
-                let what = if to[axis.min(2)] == position {
-                    "target"
-                } else {
-                    "arc"
-                };
-                let beyond = millimetres(position.0.abs_diff(limit.0));
-                let message = format!("{name} {what} is {beyond} mm beyond the soft limit");
-                let mut finding = Finding::error("E0401", message, at.word(letter(axis)))
-                    .label(format!(
-                        "machine {name} = {position} mm; limit is {limit} mm"
-                    ))
-                    .note("grbl would start the job and stop here with `ALARM:2`");
-                if let Some(place) = self.machine.travel_place(axis) {
-                    finding.elsewhere = Some((place, "limit set here".to_owned()));
-                }
-                finding
-            }
             MoveError::Reach { axis } => {
                 let name = char::from(letter(axis));
                 let most = i64::from(i32::MAX) as f64 * self.step_nm() / 1e6;
@@ -394,11 +385,6 @@ pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
         0.0,
     )
     .map_or(0.0, |path| path.length())
-}
-
-/// Millimetres without trailing zeros.
-fn millimetres(nm: u64) -> String {
-    Nm(i64::try_from(nm).unwrap_or(i64::MAX)).to_string()
 }
 
 fn shorter(value: f64) -> String {

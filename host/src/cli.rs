@@ -5,6 +5,7 @@ mod moves;
 mod servo;
 
 use crate::diagnostics::Format;
+use crate::zero::Zero;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
     Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
@@ -190,6 +191,10 @@ pub struct Run {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
+    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
+    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
+    #[arg(long, value_name = "X..Y..Z..|fit")]
+    pub zero: Option<Zero>,
     /// Report to write [default: out/NAME.html; none with --format json]
     #[arg(short, long, value_name = "REPORT.html")]
     pub output: Option<String>,
@@ -234,6 +239,10 @@ pub struct Check {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
+    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
+    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
+    #[arg(long, value_name = "X..Y..Z..|fit")]
+    pub zero: Option<Zero>,
     /// How to print findings
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
@@ -293,6 +302,10 @@ pub struct Commands {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
+    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
+    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
+    #[arg(long, value_name = "X..Y..Z..|fit")]
+    pub zero: Option<Zero>,
     /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
     pub format: Listing,
@@ -306,6 +319,10 @@ pub struct Steps {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
+    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
+    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
+    #[arg(long, value_name = "X..Y..Z..|fit")]
+    pub zero: Option<Zero>,
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: String,

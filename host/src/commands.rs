@@ -2,9 +2,9 @@
 
 use crate::deviation::Path;
 use crate::diagnostics::Findings;
-use crate::program;
+use crate::program::{self, Start};
 use crate::source::Source;
-use husillo_gcode::{Command, Dialect, Direction, Feed, Nm, Plane, Side, SpindleDirection};
+use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
 use std::io::{self, Write};
 
 /// Prints the commands of a program.
@@ -15,7 +15,7 @@ use std::io::{self, Write};
 pub fn print<W: Write>(
     source: &mut Source,
     file: &str,
-    dialect: Dialect,
+    start: Start,
     json: bool,
     findings: &mut Findings<W>,
     out: &mut impl Write,
@@ -24,7 +24,7 @@ pub fn print<W: Write>(
     program::walk(
         source,
         file,
-        dialect,
+        start,
         findings,
         |meaning, command, from, _| {
             if json {

@@ -76,6 +76,7 @@ mod tune;
 mod turning;
 mod turns;
 mod wire;
+mod zero;
 
 use clap::Parser;
 use std::process::ExitCode;

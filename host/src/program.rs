@@ -12,6 +12,43 @@ use std::ops::ControlFlow;
 /// Most commands of a program with loops: lines are counted by the crate, but one line of a canned cycle can give 2^16.
 const MOST_COMMANDS: u64 = 50_000_000;
 
+/// How a program begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Its language.
+    pub dialect: Dialect,
+    /// Work zero, of every work frame: machine coordinates.
+    pub zero: [Nm; 3],
+    /// Where the tool is: machine coordinates.
+    pub at: [Nm; 3],
+}
+
+impl From<Dialect> for Start {
+    /// Homed, with work zero at machine zero.
+    fn from(dialect: Dialect) -> Self {
+        Self {
+            dialect,
+            zero: [Nm(0); 3],
+            at: [Nm(0); 3],
+        }
+    }
+}
+
+impl Start {
+    /// The state of the language.
+    fn modal(&self) -> Modal<3> {
+        let mut modal = Modal::new(self.dialect);
+        for system in 0..WORK_FRAMES {
+            modal.set_work_zero(system, self.zero);
+        }
+        modal.set_position(self.at);
+        modal
+    }
+}
+
+/// G54 to G59.3.
+const WORK_FRAMES: u8 = 9;
+
 /// One block that means something.
 #[derive(Debug)]
 pub struct Meaning<'a> {
@@ -92,24 +129,25 @@ impl Walker {
 pub fn walk<W: Write>(
     source: &mut Source,
     file: &str,
-    dialect: Dialect,
+    start: impl Into<Start>,
     findings: &mut Findings<W>,
     each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
-    walk_within(MOST_COMMANDS, source, file, dialect, findings, each)
+    walk_within(MOST_COMMANDS, source, file, start.into(), findings, each)
 }
 
 fn walk_within<W: Write>(
     mut left: u64,
     source: &mut Source,
     file: &str,
-    dialect: Dialect,
+    start: Start,
     findings: &mut Findings<W>,
     mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
+    let dialect = start.dialect;
     let mut walker = Walker {
-        modal: Modal::new(dialect),
-        stage: Compensation::new([Nm(0); 3]),
+        modal: start.modal(),
+        stage: Compensation::new(start.at),
         waiting: VecDeque::new(),
         last_line: 1,
         ended: false,
@@ -232,7 +270,7 @@ mod tests {
             most,
             &mut source,
             "p",
-            dialect,
+            dialect.into(),
             &mut findings,
             |_, _, _, _| {
                 commands += 1;

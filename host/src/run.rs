@@ -152,6 +152,15 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
+    /// The tool was brought to these steps before.
+    pub fn start_at(&mut self, steps: [i32; 3]) {
+        self.rig = self.rig.clone().with_tool_at(steps);
+        self.tool = self.rig.tool();
+        self.low = self.tool;
+        self.high = self.tool;
+        self.target = self.tool;
+    }
+
     /// Motors are pushed at these events.
     pub fn set_pushes(&mut self, pushes: &[Push]) {
         self.pushes = pushes.to_vec();

@@ -50,7 +50,7 @@ pub(crate) fn radius([x, y]: [i64; 2]) -> u64 {
 }
 
 /// Lowest and highest coordinate of the arc in each axis of its plane, machine frame.
-pub(crate) fn extent<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> [[Nm; 2]; 2] {
+pub(crate) fn arc_extent<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> [[Nm; 2]; 2] {
     let plane = arc.plane.axes();
     let centre = in_plane(&arc.centre, plane);
     let ends = [in_plane(from, plane), in_plane(&arc.to, plane)];

@@ -49,7 +49,7 @@ pub use motors::{Idle, Motors};
 pub use poll::NotFound;
 pub use refused::{Means, MoveError, Refused};
 pub use scale::Scale;
-pub use segment::Segment;
+pub use segment::{Segment, extent};
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
 pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};
 pub use step_encoder::{AxisEncoder, OnLoss};

@@ -5,7 +5,7 @@ use husillo_interp::{ArcMove, Moves};
 
 use crate::{
     Axis, Config, Means, MoveError,
-    arc::{Course, course, extent, in_plane},
+    arc::{Course, arc_extent, course, in_plane},
 };
 
 /// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
@@ -69,6 +69,30 @@ const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Opt
     })
 }
 
+/// Lowest and highest coordinate at which a move is on its way from `from`, machine frame: of a
+/// line that of its end, as it begins where another one ended. `None` of an axis that does not
+/// move.
+#[must_use]
+pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[Nm; 2]>; N] {
+    let mut extents = [None; N];
+    let Some(to) = command.end() else {
+        return extents;
+    };
+    for ((extent, from), to) in extents.iter_mut().zip(from).zip(to) {
+        if *from != to {
+            *extent = Some([to, to]);
+        }
+    }
+    if let Command::Arc { arc, .. } = command {
+        for (axis, span) in arc.plane.axes().into_iter().zip(arc_extent(from, arc)) {
+            if let Some(extent) = extents.get_mut(axis) {
+                *extent = Some(span);
+            }
+        }
+    }
+    extents
+}
+
 impl<const N: usize> Config<N> {
     /// Everything that can be wrong with a command on this machine.
     ///
@@ -101,7 +125,7 @@ impl<const N: usize> Config<N> {
                 self.check_point(&arc.to)?;
                 let longest = self.check_length(from, &arc.to)?;
                 let plane = arc.plane.axes();
-                for (number, [low, high]) in plane.into_iter().zip(extent(from, arc)) {
+                for (number, [low, high]) in plane.into_iter().zip(arc_extent(from, arc)) {
                     self.check_travel(number, low)?;
                     self.check_travel(number, high)?;
                 }
@@ -155,7 +179,12 @@ impl<const N: usize> Config<N> {
             .try_for_each(|(number, at)| self.check_travel(number, *at))
     }
 
-    fn check_travel(&self, number: usize, position: Nm) -> Result<(), MoveError> {
+    /// Whether a position of an axis is within its travel, machine frame. An axis without travel
+    /// takes every one, and so does one that is not there.
+    ///
+    /// # Errors
+    /// [`MoveError::Travel`]: it is more than half a step beyond.
+    pub fn check_travel(&self, number: usize, position: Nm) -> Result<(), MoveError> {
         let Some([low, high]) = self.axes.get(number).and_then(|axis| axis.travel) else {
             return Ok(());
         };

@@ -68,6 +68,11 @@ impl Axis {
         }
     }
 
+    /// The drive counts so many steps where the axis is now.
+    pub(crate) fn call(&mut self, steps: i32) {
+        self.zero -= i64::from(steps) * self.step;
+    }
+
     /// Whether something holds the rotor: then no change of the field turns it.
     pub(crate) const fn block(&mut self, is_blocked: bool) {
         self.is_blocked = is_blocked;

@@ -51,6 +51,17 @@ impl<const N: usize> Rig<N> {
         }
     }
 
+    /// A machine that was moved before: its tool is at these steps of the drives, still on the
+    /// flanks of positive motion.
+    #[must_use]
+    pub fn with_tool_at(mut self, steps: [i32; N]) -> Rig<N> {
+        for (axis, steps) in self.axes.iter_mut().zip(steps) {
+            axis.call(steps);
+        }
+        self.follow_field();
+        self
+    }
+
     /// Screws whose play is another at every place, instead of the models' one value. Costs a look-up an event.
     #[must_use]
     pub fn with_lash_field(mut self, field: Arc<dyn LashField<N>>) -> Rig<N> {

@@ -112,7 +112,7 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
     program::walk(
         &mut source,
         job.name(),
-        job.dialect,
+        job.start,
         &mut to_stderr(Format::Short),
         |meaning, command, _, _| {
             commands.push((meaning.at.line, *command));

@@ -59,9 +59,9 @@ struct Order {
 /// Puts the program of a job into mirrored order.
 fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     let mut source = job.open()?;
-    let made = mirror::mirrored(&mut source, job.name(), job.dialect)?;
+    let made = mirror::mirrored(&mut source, job.name(), job.start.dialect)?;
     job.input = Some(made.text.into_bytes());
-    job.dialect = Dialect::RS274;
+    job.start.dialect = Dialect::RS274;
     job.config.dialect = Dialect::RS274;
     let mut told = Findings::new(Vec::new(), Format::Short, false, 1);
     let as_file = std::mem::replace(facts, job.check(&mut told)?);
@@ -79,7 +79,7 @@ fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    job.keep_input()?;
+    job.place(args.zero)?;
     let text = args.format == Output::Text;
     let mut drawn = to_stderr(Format::Text);
     // The warnings are drawn now and listed in the report.
@@ -124,7 +124,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     };
     let report = match (&args.output, text) {
         (Some(path), _) => Some(path.clone()),
-        (None, true) => Some(default_report(&job.file)?),
+        (None, true) => Some(default_report(&job.file)),
         (None, false) => None,
     };
     let report = match report {
@@ -134,6 +134,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut run = Run::new(&job.machine, args.worn, trace)?;
     let mut source = job.open()?;
     let mut machine = job.new_machine(!args.no_compensation)?;
+    run.start_at(machine.position_steps());
     run.set_pushes(&args.lose);
     run.symmetry = args.symmetry.map(|mm| Symmetry::new(mm * 1e6));
     let bar = progress(facts.events);
@@ -227,14 +228,12 @@ fn progress(events: f64) -> ProgressBar {
     bar
 }
 
-/// Where the report goes if nobody says it: into a folder of its own, which is made.
-fn default_report(file: &str) -> io::Result<String> {
+fn default_report(file: &str) -> String {
     let stem = Path::new(file)
         .file_stem()
         .map_or("report".into(), |stem| stem.to_string_lossy());
     let stem = if stem == "-" { "report".into() } else { stem };
-    std::fs::create_dir_all("out")?;
-    Ok(format!("out/{stem}.html"))
+    format!("out/{stem}.html")
 }
 
 fn print_json(results: &Results) -> io::Result<()> {

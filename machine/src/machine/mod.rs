@@ -8,7 +8,10 @@ use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
-use crate::{Config, Event, Refused, Segment, schedule::Schedule, take_up::TakeUp};
+use crate::{
+    Config, Event, MoveError, Refused, Segment, schedule::Schedule, segment::lattice,
+    take_up::TakeUp,
+};
 
 /// What the event given last belongs to.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -113,6 +116,24 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     /// their stops for take-up or without them.
     pub fn set_compensation(&mut self, on: bool) {
         self.take_up.set_on(on);
+    }
+
+    /// Says where the work zeros lie, of G54 to G59.3 alike, and where the axes stand: both in the
+    /// machine frame. Before the first line; programs that set a frame themselves do so later.
+    /// Nothing moves.
+    ///
+    /// # Errors
+    /// [`MoveError::Reach`]: the axes stand beyond 2^31 steps. Nothing has changed.
+    pub fn place(&mut self, work_zero: [Nm; N], at: [Nm; N]) -> Result<(), MoveError> {
+        let load = lattice(&self.config.axes, &at)?;
+        // Nine frames with all codes, six without.
+        for system in 0..9 {
+            self.modal.set_work_zero(system, work_zero);
+        }
+        self.modal.set_position(at);
+        self.load = load;
+        self.schedule.clear(at, load);
+        Ok(())
     }
 
     /// Takes one block of text.

@@ -1,0 +1,359 @@
+//! Where on the machine a program lies: `--zero`.
+
+use crate::diagnostics::{Finding, Findings, Place};
+use crate::explain::At;
+use crate::machine_file::MachineFile;
+use crate::program::{self, Start};
+use crate::quantity::{self, Quantity};
+use crate::source::Source;
+use husillo_gcode::{Dialect, Nm};
+use husillo_machine::{Config, MoveError, extent};
+use std::io::{self, Write};
+use std::str::FromStr;
+
+/// Work zero in machine coordinates, as it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Zero {
+    /// By axis; an axis that is not named has it at machine zero.
+    At([Nm; 3]),
+    /// Where the part fits the machine.
+    Fit,
+}
+
+impl FromStr for Zero {
+    type Err = String;
+
+    /// Reads `fit`, or axes with lengths as `X20Y-3.5` or `"X20 Z1in"`: in mm where there is no
+    /// unit.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if text.eq_ignore_ascii_case("fit") {
+            return Ok(Self::Fit);
+        }
+        let wanted = || "axes with lengths, as in X20Y15 or \"X20 mm Z-3\", or fit".to_owned();
+        let mut zero = [None; 3];
+        let mut rest = text;
+        while let Some(letter) = rest.chars().next() {
+            let axis = "XYZ".find(letter.to_ascii_uppercase()).ok_or_else(wanted)?;
+            let behind = &rest[1..];
+            let end = behind.find(['X', 'Y', 'Z', 'x', 'y', 'z']);
+            let (value, more) = behind.split_at(end.unwrap_or(behind.len()));
+            if zero[axis].replace(length(value.trim())?).is_some() {
+                return Err(format!("{letter} is given twice"));
+            }
+            rest = more;
+        }
+        if zero == [None; 3] {
+            return Err(wanted());
+        }
+        Ok(Self::At(zero.map(Option::unwrap_or_default)))
+    }
+}
+
+/// A length, in mm where there is no unit.
+fn length(text: &str) -> Result<Nm, String> {
+    let is_number = text.ends_with(|last: char| last.is_ascii_digit() || last == '.');
+    let parsed = match is_number {
+        true => quantity::parse(&format!("{text} mm")),
+        false => quantity::parse(text),
+    };
+    match parsed? {
+        Quantity::Length(value) if value.rounded().abs() <= FARTHEST => Ok(Nm(value.rounded())),
+        Quantity::Length(_) => Err(format!("`{text}` is out of range")),
+        _ => Err(format!("`{text}` is no length")),
+    }
+}
+
+/// Work zero from machine zero at most: a kilometre.
+const FARTHEST: i64 = 1_000_000_000_000;
+
+/// Lowest and highest coordinate of every axis.
+type Extent = [Option<[Nm; 2]>; 3];
+
+/// How far a program reaches.
+#[derive(Debug, Default)]
+struct Reach {
+    /// From work zero, in each axis that moves with it.
+    part: Extent,
+    /// Machine coordinates of moves that do not: G53, G28 and G30, work frames that the program
+    /// sets itself.
+    machine: Extent,
+    /// Where the part first leaves the travel of each axis, and by what.
+    part_leaves: [Option<(Place, MoveError)>; 3],
+    /// The same of moves that work zero does not shift.
+    machine_leaves: [Option<(Place, MoveError)>; 3],
+    /// The axis whose travel the part leaves first of all.
+    first: usize,
+}
+
+/// Where the program is walked to tell what moves with work zero from what does not: 17 km off,
+/// farther than any machine reaches, and well within [`Nm::LIMIT`].
+const FAR: i64 = 1 << 44;
+
+fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) {
+    let [least, most] = extent.unwrap_or([low, high]);
+    *extent = Some([least.min(low), most.max(high)]);
+}
+
+impl Reach {
+    /// Of a program without errors other than those of travel, with work zero at `zero`.
+    fn of(
+        source: &mut Source,
+        file: &str,
+        dialect: Dialect,
+        config: &Config<3>,
+        zero: [Nm; 3],
+    ) -> io::Result<Self> {
+        let mut reach = Self::default();
+        let far = [Nm(FAR); 3];
+        let start = Start {
+            dialect,
+            zero: far,
+            // Beside work zero, so that a move to it is seen; it is far less than a step.
+            at: far.map(|Nm(nm)| Nm(nm + 1)),
+        };
+        // What is wrong with the program was told when it was checked.
+        let mut told = Findings::new(io::sink(), crate::diagnostics::Format::Short, false, 0);
+        program::walk(
+            source,
+            file,
+            start,
+            &mut told,
+            |meaning, command, from, _| {
+                for (axis, span) in extent(&from, command).into_iter().enumerate() {
+                    if let Some(span) = span {
+                        reach.add(axis, span, config, zero[axis], &meaning.at);
+                    }
+                }
+                Ok(())
+            },
+        )?;
+        Ok(reach)
+    }
+
+    fn add(&mut self, axis: usize, span: [Nm; 2], config: &Config<3>, zero: Nm, at: &At<'_>) {
+        // The end tells: a way from a machine coordinate begins far from the part.
+        let is_part = span[1].0 > FAR / 2;
+        let span = span.map(|Nm(nm)| if is_part { Nm(nm - FAR) } else { Nm(nm) });
+        let there = span.map(|Nm(nm)| if is_part { Nm(nm + zero.0) } else { Nm(nm) });
+        let beyond = there
+            .into_iter()
+            .find_map(|nm| config.check_travel(axis, nm).err());
+        let is_first = self.part_leaves.iter().all(Option::is_none);
+        let (extent, leaves) = if is_part {
+            (&mut self.part[axis], &mut self.part_leaves[axis])
+        } else {
+            (&mut self.machine[axis], &mut self.machine_leaves[axis])
+        };
+        widen(extent, span);
+        if let Some(beyond) = beyond.filter(|_| leaves.is_none()) {
+            let letter = *b"XYZ".get(axis).unwrap_or(&b'?');
+            *leaves = Some((at.word(letter), beyond));
+            if is_first && is_part {
+                self.first = axis;
+            }
+        }
+    }
+}
+
+/// Work zero where the part fits: X and Y in the middle of the table, its highest Z at the upper
+/// end of Z. An axis without known limits keeps machine zero, and so does one that the part does
+/// not move or is too small for it.
+///
+/// # Errors
+///
+/// The program cannot be read.
+pub fn fitting(
+    source: &mut Source,
+    file: &str,
+    dialect: Dialect,
+    config: &Config<3>,
+) -> io::Result<[Nm; 3]> {
+    let reach = Reach::of(source, file, dialect, config, [Nm(0); 3])?;
+    let mut zero = [Nm(0); 3];
+    for (axis, zero) in zero.iter_mut().enumerate() {
+        let (Some([least, most]), Some([low, high])) = (reach.part[axis], config.axes[axis].travel)
+        else {
+            continue;
+        };
+        let room = (high.0 - low.0) - (most.0 - least.0);
+        if room < 0 {
+            continue;
+        }
+        let exact = match axis {
+            2 => high.0 - most.0,
+            _ => low.0 + room / 2 - least.0,
+        };
+        // A number that can be typed, where there is room for it.
+        let even = exact.div_euclid(ROUND) * ROUND;
+        *zero = Nm(if low.0 - least.0 <= even { even } else { exact });
+    }
+    Ok(zero)
+}
+
+/// `fit` gives hundredths of a millimetre.
+const ROUND: i64 = 10_000;
+
+/// Tells where a program leaves the machine, as it does `first`: one error for the place of the
+/// part, with the zero that cures it; one for each axis in which it is too large; one for each axis
+/// whose machine coordinates are beyond.
+///
+/// # Errors
+///
+/// Reading or writing fails.
+pub fn tell_beyond<W: Write>(
+    source: &mut Source,
+    file: &str,
+    start: Start,
+    machine: &MachineFile,
+    config: &Config<3>,
+    first: &(Place, MoveError),
+    findings: &mut Findings<W>,
+) -> io::Result<()> {
+    let reach = Reach::of(source, file, start.dialect, config, start.zero)?;
+    let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
+    if leaves.all(Option::is_none) {
+        // What does not move is there: machine zero is beyond a limit, and the program begins at
+        // it.
+        let (place, beyond) = first;
+        let message = "an axis stands beyond its soft limit while another one moves";
+        let finding = Finding::error("E0401", message, place.clone());
+        return findings.add(&placed(finding, beyond, machine));
+    }
+    for (axis, leaves) in reach.machine_leaves.iter().enumerate() {
+        if let (Some((place, beyond)), Some(extent)) = (leaves, reach.machine[axis]) {
+            let name = char::from(machine.axes[axis].letter);
+            let message = format!(
+                "machine coordinates of {name} reach {}, and {} has {}",
+                span(extent),
+                machine.name,
+                config.axes[axis].travel.map_or_else(String::new, span)
+            );
+            let finding = Finding::error("E0401", message, place.clone()).note(
+                "G53, G28 and G30, or a work frame that the program sets: --zero does not move it",
+            );
+            findings.add(&placed(finding, beyond, machine))?;
+        }
+    }
+    let [mut parts, mut travels, mut moves] = [const { Vec::new() }; 3];
+    let mut cure = String::new();
+    for (axis, zero) in start.zero.into_iter().enumerate() {
+        let name = char::from(machine.axes[axis].letter);
+        let Some([low, high]) = config.axes[axis].travel else {
+            cure += &worded(name, zero);
+            continue;
+        };
+        let Some([least, most]) = reach.part[axis].map(|part| part.map(|at| Nm(at.0 + zero.0)))
+        else {
+            cure += &worded(name, zero);
+            continue;
+        };
+        let is_beyond = [least, most]
+            .iter()
+            .any(|at| config.check_travel(axis, *at).is_err());
+        let by = match (least.0 < low.0, most.0 > high.0) {
+            _ if !is_beyond => 0,
+            (true, _) => low.0 - least.0,
+            (false, _) => high.0 - most.0,
+        };
+        if is_beyond && most.0 - least.0 > high.0 - low.0 {
+            let message = format!(
+                "the part is {} mm long in {name}, and {} has {} mm: it does not fit",
+                Nm(most.0 - least.0),
+                machine.name,
+                Nm(high.0 - low.0)
+            );
+            if let Some((place, beyond)) = &reach.part_leaves[axis] {
+                let finding = Finding::error("E0401", message, place.clone());
+                findings.add(&placed(finding, beyond, machine))?;
+            }
+            continue;
+        }
+        cure += &worded(name, Nm(zero.0 + by));
+        if is_beyond {
+            parts.push(format!("{name} {}", span([least, most])));
+            travels.push(format!("{name} {}", span([low, high])));
+            moves.push(format!("{name} {}", Nm(by)));
+        }
+    }
+    let Some((place, beyond)) = reach.part_leaves[reach.first].as_ref() else {
+        return Ok(());
+    };
+    if parts.is_empty() {
+        return Ok(());
+    }
+    let message = format!(
+        "the part reaches {}, and {} {}: move zero by at least {}",
+        parts.join(", "),
+        machine.name,
+        travels.join(", "),
+        moves.join(", ")
+    );
+    let help = format!("`--zero {cure}` puts it there, `--zero fit` in the middle of the table");
+    let finding = Finding::error("E0401", message, place.clone()).help(help);
+    findings.add(&placed(
+        finding.note("grbl would start the job and stop here with `ALARM:2`"),
+        beyond,
+        machine,
+    ))
+}
+
+/// An axis word; nothing for 0.
+fn worded(name: char, at: Nm) -> String {
+    match at {
+        Nm(0) => String::new(),
+        at => format!("{name}{at}"),
+    }
+}
+
+fn span([low, high]: [Nm; 2]) -> String {
+    format!("{low} to {high} mm")
+}
+
+/// What is beyond at the place of a finding, and where the limit stands.
+fn placed(finding: Finding, beyond: &MoveError, machine: &MachineFile) -> Finding {
+    let MoveError::Travel {
+        axis,
+        position,
+        limit,
+    } = *beyond
+    else {
+        return finding;
+    };
+    let name = char::from(machine.axes[axis.min(2)].letter);
+    let mut finding = finding.label(format!(
+        "machine {name} = {position} mm; limit is {limit} mm"
+    ));
+    if let Some(place) = machine.travel_place(axis) {
+        finding.elsewhere = Some((place, "limit set here".to_owned()));
+    }
+    finding
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_as_they_are_typed() {
+        let at = |text: &str| text.parse::<Zero>();
+        let mm = |x, y, z| Ok(Zero::At([x, y, z].map(|um: i64| Nm(um * 1000))));
+        assert_eq!(at("X20Y-3.5"), mm(20_000, -3_500, 0));
+        assert_eq!(at(" z1in x 2 mm"), mm(2_000, 0, 25_400));
+        assert_eq!(at("Y+0.5 Z-1um"), mm(0, 500, -1));
+        assert_eq!(at("Fit"), Ok(Zero::Fit));
+        for wrong in [
+            "",
+            "X",
+            "20",
+            "X1X2",
+            "A3",
+            "X1 Hz",
+            "X1e3",
+            "X99999999999",
+            "fits",
+        ] {
+            assert!(at(wrong).is_err(), "{wrong}");
+        }
+    }
+}
