@@ -1,7 +1,7 @@
 //! What people see: standard output and standard error, with nothing in it that a terminal obeys.
 //!
-//! Names, cells, comments and answers of devices are written by others. A control character in them is shown as the
-//! escape that JSON has for it, so that a line of JSON stays one.
+//! Names, cells, comments and answers of devices are written by others. A control character in them
+//! is shown as the escape that JSON has for it, so that a line of JSON stays one.
 
 use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
 
@@ -30,7 +30,8 @@ pub fn stderr() -> Shown<StderrLock<'static>> {
     Shown::new(io::stderr().lock())
 }
 
-/// Standard output for bytes that are to be the same at the other end; a terminal gets them as [`stdout`] shows them.
+/// Standard output for bytes that are to be the same at the other end; a terminal gets them as
+/// [`stdout`] shows them.
 pub fn data() -> Box<dyn Write + Send> {
     let out = io::stdout();
     if out.is_terminal() {

@@ -74,7 +74,8 @@ impl Place {
         Self::new(file, line, bytes, start - line_start..end - line_start)
     }
 
-    /// The same place without what a terminal obeys. What the renderer does not replace itself becomes something as long.
+    /// The same place without what a terminal obeys. What the renderer does not replace itself
+    /// becomes something as long.
     fn shown(&self) -> Self {
         let visible = |one: char| match one.len_utf8() {
             2 if is_obeyed(one) => '\u{bf}',

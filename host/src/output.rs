@@ -1,8 +1,9 @@
 //! Files that a command writes: all of them whole, or none.
 //!
-//! Each is written beside its place under another name and renamed when all of the command are whole, in the order in which they
-//! were begun. Until then, and where the program is killed or the device is full, the old files are what they were. What is no
-//! plain file (a terminal, a pipe, `/dev/null`, `-`) is written as it comes.
+//! Each is written beside its place under another name and renamed when all of the command are
+//! whole, in the order in which they were begun. Until then, and where the program is killed or the
+//! device is full, the old files are what they were. What is no plain file (a terminal, a pipe,
+//! `/dev/null`, `-`) is written as it comes.
 
 use crate::console;
 use crate::input::{self, Identity};
@@ -148,7 +149,8 @@ impl Outputs {
     ///
     /// # Errors
     ///
-    /// A file is not whole, and then none is put anywhere; or one cannot be put into its place, and then those before it were.
+    /// A file is not whole, and then none is put anywhere; or one cannot be put into its place, and
+    /// then those before it were.
     pub fn finish(mut self) -> io::Result<()> {
         let faults = self.files.iter().map(|file| &file.fault);
         if let Some((kind, message)) = faults.chain(&self.direct).find_map(|fault| fault.get()) {
@@ -259,7 +261,8 @@ fn refused(message: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, message)
 }
 
-/// The path of a file behind all links, with its folder as the system names it. The file itself need not be there.
+/// The path of a file behind all links, with its folder as the system names it. The file need not
+/// be there, nor its folder, which is made then.
 fn place(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -267,13 +270,16 @@ fn place(path: &Path) -> io::Result<PathBuf> {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let folder = folder.canonicalize().map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => io::Error::new(
-                error.kind(),
-                format!("there is no folder {}", folder.display()),
-            ),
-            _ => error,
-        })?;
+        if !folder.exists() {
+            // One folder, such as `out`, and no path that was mistyped.
+            std::fs::create_dir(folder).map_err(|error| {
+                io::Error::new(
+                    error.kind(),
+                    format!("no folder {}: {error}", folder.display()),
+                )
+            })?;
+        }
+        let folder = folder.canonicalize()?;
         let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
         let whole = folder.join(name);
         match std::fs::read_link(&whole) {
@@ -320,8 +326,8 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
     }
 }
 
-/// From now on Ctrl-C, or a request to end, removes what is not whole and ends the program. Where somebody listens already, that is
-/// an orderly end, in which this happens, too.
+/// From now on Ctrl-C, or a request to end, removes what is not whole and ends the program. Where
+/// somebody listens already, that is an orderly end, in which this happens, too.
 fn remove_when_interrupted() {
     let _ = ctrlc::try_set_handler(|| {
         // Kept locked: nothing comes to its place any more.

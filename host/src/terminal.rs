@@ -123,6 +123,8 @@ impl Terminal {
             out.flush()?;
             if let Some(steps) = &mut self.steps {
                 steps.write_all(device.made().as_bytes())?;
+                // Somebody may read it as it grows.
+                steps.flush()?;
             }
         }
         Ok(())
