@@ -313,7 +313,12 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
                 }
                 unfinished.push(beside.clone());
                 if let Some(old) = old {
-                    file.set_permissions(old.permissions())?;
+                    let set = file.set_permissions(old.permissions());
+                    set.inspect_err(|_| {
+                        // Nothing was written to it.
+                        let _ = std::fs::remove_file(&beside);
+                        unfinished.pop();
+                    })?;
                 }
                 return Ok((file, beside));
             }
