@@ -55,7 +55,7 @@ fn check_sequence(mut motor: Sequencer, walk: &[i8]) {
 fn check_pulses(timing: PulseTiming, walk: &[i8]) {
     let mut pulses = StepDirection::new(timing);
     for delta in walk {
-        let mut next = pulses.start(*delta);
+        let mut next = pulses.start(*delta).expect("it is idle");
         let (mut ticks, mut phases) = (0_u64, 0);
         while let Some(present) = next {
             ticks += u64::from(present.ticks);

@@ -8,6 +8,7 @@ use crate::power::Power;
 use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
 use husillo_gcode::Dialect;
+use husillo_stepper::PulseNanoseconds;
 use husillo_transports::byte_commands::ByteTable;
 use std::ops::Range;
 
@@ -111,6 +112,8 @@ pub struct AxisFile {
     pub junction: Option<u32>,
     /// Driver between the controller and the coils.
     pub driver: Driver,
+    /// Times of the pulses of a step and direction driver.
+    pub pulse: PulseNanoseconds,
     /// Step mode of that driver.
     pub mode: StepMode,
     /// Homing, when the axis has a switch.
@@ -119,6 +122,19 @@ pub struct AxisFile {
     pub power: Option<Power>,
     /// Encoder on the motor, if there is one.
     pub encoder: Option<EncoderFile>,
+}
+
+impl AxisFile {
+    /// The shortest interval between two steps that the motor follows, in timer ticks, rounded down: by its pull-out rate, or
+    /// by its winding and its load. 0: it follows any.
+    pub fn pull_out_ticks(&self, timer_hz: u32) -> u32 {
+        let by_winding = || self.power.as_ref().and_then(Power::pull_out_hz);
+        match self.pull_out_rate {
+            Some(rate) => timer_hz / rate.max(1),
+            // At least a tick a step: below 2^32.
+            None => by_winding().map_or(0, |hz| (f64::from(timer_hz) / hz) as u32),
+        }
+    }
 }
 
 /// Travel of an axis.
@@ -143,8 +159,10 @@ pub enum Driver {
     L297,
     /// Four-bit unipolar motor.
     Unipolar,
-    /// Step and direction pulses.
+    /// Step and direction, a pulse a step.
     StepDirection,
+    /// Step and direction for drivers that count both edges of STEP.
+    StepToggle,
 }
 
 /// Step modes by their name in machine files.
@@ -253,9 +271,12 @@ impl MachineFile {
             .unwrap_or(1_000_000);
         let dialects = Dialect::ALL.map(|dialect| (dialect.name(), dialect));
         let dialect = root.choice("dialect", &dialects);
+        let hz = u32::try_from(timer_hz).unwrap_or(1_000_000);
         let axes = root.table("axis", |axes| {
-            let mut read =
-                |key: &str, letter| axes.table(key, |axis| read_axis(axis, letter)).flatten();
+            let mut read = |key: &str, letter| {
+                axes.table(key, |axis| read_axis(axis, letter, hz))
+                    .flatten()
+            };
             (read("x", b'X'), read("y", b'Y'), read("z", b'Z'))
         });
         let motion = root
@@ -386,7 +407,7 @@ fn read_idle(table: &mut Table<'_, '_>) -> Idle {
     policy.unwrap_or(Idle::Hold)
 }
 
-fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
+fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<AxisFile> {
     let step = table.quantity(
         "step",
         "a length as in \"0.14 um\"",
@@ -425,6 +446,28 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
         table.missing("max_rate");
     }
     let max_rate = max_rate.unwrap_or(1);
+    let driver = table
+        .choice("driver", &DRIVERS)
+        .unwrap_or(Driver::StepDirection);
+    let pulse = match driver {
+        Driver::StepDirection => table.optional_table("pulse", read_pulse),
+        _ => None,
+    };
+    let pulse = pulse.unwrap_or(PulseNanoseconds::A4988);
+    let shortest_ticks = pulse.ticks(timer_hz).shortest_interval_ticks();
+    let highest = timer_hz / shortest_ticks.max(1);
+    if let (Driver::StepDirection, Some((_, span))) = (driver, table.value("max_rate")) {
+        if max_rate > highest {
+            let message = format!(
+                "`max_rate` is {max_rate} Hz, and the pulses of the driver take at most {highest} Hz"
+            );
+            table.wrong(
+                span,
+                &message,
+                "lower it, or give the times of the driver in `pulse`",
+            );
+        }
+    }
     let acceleration = table.quantity(
         "acceleration",
         "as in \"300 mm/s^2\" or, in steps/s^2, \"2000 Hz/s\"",
@@ -457,9 +500,8 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8) -> Option<AxisFile> {
             },
         ),
         junction: rate(table, "junction", step),
-        driver: table
-            .choice("driver", &DRIVERS)
-            .unwrap_or(Driver::StepDirection),
+        driver,
+        pulse,
         mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
         home: table.optional_table("home", |home| read_home(home, step)),
         power: table.optional_table("motor", Power::read).flatten(),
@@ -476,12 +518,13 @@ const VIEWS: [(&str, [usize; 2]); 4] = [
     ("YZ", [1, 2]),
 ];
 
-const DRIVERS: [(&str, Driver); 5] = [
+const DRIVERS: [(&str, Driver); 6] = [
     ("pbl3717a", Driver::Pbl3717a),
     ("a3988", Driver::A3988),
     ("l297", Driver::L297),
     ("unipolar", Driver::Unipolar),
     ("step-direction", Driver::StepDirection),
+    ("step-toggle", Driver::StepToggle),
 ];
 
 const MODES: [(&str, StepMode); 4] = [
@@ -490,6 +533,28 @@ const MODES: [(&str, StepMode); 4] = [
     ("half", StepMode::Half),
     ("quarter", StepMode::Quarter),
 ];
+
+/// Reads `[axis.x.pulse]`; what is left out is the A4988's.
+fn read_pulse(table: &mut Table<'_, '_>) -> PulseNanoseconds {
+    let mut time = |key, default| {
+        let expected = "a time up to 1 ms as in \"200 ns\" or \"1.9 us\"";
+        let read = table.quantity(key, expected, |quantity| match quantity {
+            Quantity::Time(us) => us
+                .over(Fraction { num: 1, den: 1000 })
+                .and_then(|ns| u32::try_from(ns).ok())
+                .filter(|ns| *ns <= 1_000_000),
+            _ => None,
+        });
+        read.unwrap_or(default)
+    };
+    let default = PulseNanoseconds::A4988;
+    PulseNanoseconds {
+        setup: time("setup", default.setup),
+        hold: time("hold", default.hold),
+        high: time("high", default.high),
+        low: time("low", default.low),
+    }
+}
 
 /// A rate in steps/s, or a speed of the axis.
 fn rate(table: &mut Table<'_, '_>, key: &'static str, step: Fraction) -> Option<u32> {

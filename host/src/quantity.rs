@@ -104,6 +104,8 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "um/m" | "\u{b5}m/m" | "\u{3bc}m/m" => Quantity::Ratio(scaled(1_000, 1)?),
         "deg" => Quantity::Angle(scaled(1, 1)?),
         "ms" => Quantity::Time(scaled(1_000, 1)?),
+        "us" | "\u{b5}s" | "\u{3bc}s" => Quantity::Time(scaled(1, 1)?),
+        "ns" => Quantity::Time(scaled(1, 1000)?),
         "" => return Err(format!("`{text}` has no unit")),
         other => return Err(format!("unknown unit `{other}`")),
     })

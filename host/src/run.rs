@@ -218,8 +218,11 @@ impl<'a> Run<'a> {
         if !self.pushes.is_empty() {
             self.push();
         }
-        let levels = self.motors.step(&step.delta);
-        self.rig.apply(levels, step.wait_ticks);
+        let rig = &mut self.rig;
+        self.motors
+            .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
+                rig.apply(levels, wait_ticks);
+            });
         self.tool = self.rig.tool();
     }
 
@@ -247,9 +250,11 @@ impl<'a> Run<'a> {
             Event::Dwell { wait_ticks } => {
                 self.ticks += u64::from(*wait_ticks);
                 self.speed.stand(self.ticks, Stop::Dwell);
-                let levels = *self.motors.rest(u64::from(*wait_ticks));
+                let rig = &mut self.rig;
                 // The driver sees what idling changes at the end of the rest.
-                self.rig.apply(&levels, *wait_ticks);
+                self.motors.rest(*wait_ticks, |wait_ticks, levels| {
+                    rig.apply(levels, wait_ticks);
+                });
                 Ok(())
             }
             Event::Output(Output::Spindle {

@@ -7,7 +7,7 @@ use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
 use husillo_sim::{AxisModel, Rig};
-use husillo_stepper::{Drive, Mode, Sequencer, StepToggle};
+use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
 
 /// The lash of an axis here: one value is a map with one place.
@@ -173,7 +173,10 @@ pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
                 .map_err(|error| {
                     format!("{}: axis {}: {error}", file.path, char::from(axis.letter))
                 }),
-            None => Ok(Drive::StepDirection(StepToggle::new())),
+            None if axis.driver == Driver::StepToggle => Ok(Drive::StepToggle(StepToggle::new())),
+            None => Ok(Drive::StepDirection(StepDirection::new(
+                axis.pulse.ticks(file.timer_hz),
+            ))),
         }
     };
     let ticks = |micros: u64| micros.saturating_mul(u64::from(file.timer_hz)) / 1_000_000;
@@ -194,9 +197,10 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     let models = file.axes.each_ref().map(|axis| {
         let model = match driver(axis.driver) {
             Some(driver) => AxisModel::coils(driver, mode(axis.mode)),
-            None => AxisModel::step_toggle(),
+            None if axis.driver == Driver::StepToggle => AxisModel::step_toggle(),
+            None => AxisModel::step_direction(axis.pulse.ticks(file.timer_hz)),
         };
-        let pull_out = axis.pull_out_rate.map_or(0, |rate| file.timer_hz / rate);
+        let pull_out = axis.pull_out_ticks(file.timer_hz);
         model
             .with_lash(axis.lash_steps)
             .with_pull_out_ticks(pull_out)
@@ -204,14 +208,14 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     Rig::new(models, *motors.levels())
 }
 
-/// The coil driver of an axis; `None` for step and direction.
+/// The coil driver of an axis; `None` for step and direction of either kind.
 pub const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
     match driver {
         Driver::Pbl3717a => Some(husillo_stepper::Driver::Pbl3717a),
         Driver::A3988 => Some(husillo_stepper::Driver::A3988),
         Driver::L297 => Some(husillo_stepper::Driver::L297),
         Driver::Unipolar => Some(husillo_stepper::Driver::Unipolar),
-        Driver::StepDirection => None,
+        Driver::StepDirection | Driver::StepToggle => None,
     }
 }
 

@@ -8,7 +8,8 @@ use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
 
 /// Writes `event,wait_ticks,dx,dy,dz`, one row an event; dwells are rows with zero deltas that share the number of the
-/// event before them. With motors each row ends with the inputs of their drivers from then on, `lx,ly,lz`: bit 0 is a driver's first input.
+/// event before them. With motors each row ends with the inputs of their drivers from then on, `lx,ly,lz`: bit 0 is a driver's first
+/// input. A step of a step and direction driver is several rows there, all but that of the rising edge with zero deltas.
 ///
 /// # Errors
 ///
@@ -26,45 +27,70 @@ pub fn write(
         b"\n"
     })?;
     let mut count = 0_u64;
-    let mut numbers = [itoa::Buffer::new(), itoa::Buffer::new()];
+    let mut changes = Vec::new();
     feeder::feed(source, machine, |_, event| {
         let (wait_ticks, delta) = match event {
-            Event::Step(step) => {
-                count += 1;
-                (step.wait_ticks, step.delta)
-            }
+            Event::Step(step) => (step.wait_ticks, step.delta),
             Event::Dwell { wait_ticks } => (*wait_ticks, [0; 3]),
             _ => return Ok(()),
         };
-        let [number, wait] = &mut numbers;
-        let mut row = [0_u8; 64];
-        let mut length = 0;
-        let mut put = |text: &[u8]| {
-            row[length..length + text.len()].copy_from_slice(text);
-            length += text.len();
+        let is_step = matches!(event, Event::Step(_));
+        let Some(motors) = &mut motors else {
+            count += u64::from(is_step);
+            return write_row(out, count, wait_ticks, delta, None);
         };
-        put(number.format(count).as_bytes());
-        put(b",");
-        put(wait.format(wait_ticks).as_bytes());
-        for d in delta {
-            put(match d {
-                -1 => b",-1",
-                0 => b",0",
-                _ => b",1",
-            });
+        let present = |wait_ticks: u32, levels: &[Levels; 3]| changes.push((wait_ticks, *levels));
+        if is_step {
+            motors.step(wait_ticks, &delta, present);
+        } else {
+            motors.rest(wait_ticks, present);
         }
-        if let Some(motors) = &mut motors {
-            let levels = match event {
-                Event::Step(step) => motors.step(&step.delta),
-                _ => motors.rest(u64::from(wait_ticks)),
-            };
-            for Levels(bits) in levels {
-                put(b",");
-                put(wait.format(*bits).as_bytes());
-            }
+        let last = changes.len().saturating_sub(1);
+        for (index, (wait_ticks, levels)) in changes.drain(..).enumerate() {
+            let is_last = index == last;
+            count += u64::from(is_step && is_last);
+            let delta = if is_last { delta } else { [0; 3] };
+            write_row(out, count, wait_ticks, delta, Some(&levels))?;
         }
-        put(b"\n");
-        out.write_all(&row[..length])
+        Ok(())
     })?;
+    if let Some(motors) = &mut motors {
+        motors.end_pulses(|wait_ticks, levels| changes.push((wait_ticks, *levels)));
+    }
+    for (wait_ticks, levels) in changes {
+        write_row(out, count, wait_ticks, [0; 3], Some(&levels))?;
+    }
     Ok(count)
+}
+
+fn write_row(
+    out: &mut impl Write,
+    event: u64,
+    wait_ticks: u32,
+    delta: [i8; 3],
+    levels: Option<&[Levels; 3]>,
+) -> io::Result<()> {
+    let mut row = [0_u8; 64];
+    let mut length = 0;
+    let mut put = |text: &[u8]| {
+        row[length..length + text.len()].copy_from_slice(text);
+        length += text.len();
+    };
+    let mut number = itoa::Buffer::new();
+    put(number.format(event).as_bytes());
+    put(b",");
+    put(number.format(wait_ticks).as_bytes());
+    for d in delta {
+        put(match d {
+            -1 => b",-1",
+            0 => b",0",
+            _ => b",1",
+        });
+    }
+    for Levels(bits) in levels.into_iter().flatten() {
+        put(b",");
+        put(number.format(*bits).as_bytes());
+    }
+    put(b"\n");
+    out.write_all(&row[..length])
 }

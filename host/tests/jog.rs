@@ -58,7 +58,7 @@ fn the_same_over_a_pseudo_terminal() {
     ends(rows.len() - 1, ",0,0,0,0,0,0,0,1");
     let turns = rows
         .iter()
-        .filter(|row| row.ends_with(",15625,0,0,0,1,1,0,1"));
+        .filter(|row| row.ends_with(",3906,0,0,0,1,1,0,1"));
     assert_eq!(turns.count(), 64);
     std::fs::remove_file(made).unwrap();
 }

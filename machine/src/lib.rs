@@ -21,6 +21,7 @@ mod take_up;
 
 mod machine;
 mod motors;
+mod pulses;
 
 mod closed_loop;
 mod step_encoder;

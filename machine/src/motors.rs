@@ -1,6 +1,8 @@
 //! Events to the levels of the motors' drivers: the last stage before the pins.
 
-use husillo_stepper::{CoilDriver, Levels};
+use husillo_stepper::{CoilDriver, Levels, PulseTiming};
+
+use crate::pulses::Pulses;
 
 /// What the motors do when nothing moves.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
@@ -22,6 +24,30 @@ pub enum Idle {
 }
 
 /// The motors of a machine, one driver an axis.
+///
+/// What a step event is at the pins is theirs: one change of levels for coils; for step and direction drivers
+/// DIR, the rising edge at the step's time, and the falling edge, with the times of each driver
+/// ([`CoilDriver::timing`]).
+///
+/// ```
+/// use husillo_machine::{Idle, Motors};
+/// use husillo_stepper::{Levels, PulseNanoseconds, StepDirection};
+///
+/// let driver = StepDirection::new(PulseNanoseconds::A4988.ticks(10_000_000)); // ticks of 100 ns
+/// let mut motors = Motors::new([driver], Idle::Hold);
+/// let mut pins = Vec::new();
+/// for delta in [1, 1, -1] {
+///     motors.step(500, &[delta], |ticks, [levels]| pins.push((ticks, levels.0 & 0b11)));
+/// }
+/// assert_eq!(pins, [
+///     (500, 0b11), // STEP rises, DIR is high
+///     (10, 0b10), // and falls 1 us later
+///     (490, 0b11), // the second step, 50 us after the first one
+///     (2, 0b01), // DIR turns as soon as the hold time allows
+///     (8, 0b00),
+///     (490, 0b01), // the third step
+/// ]);
+/// ```
 #[derive(Copy, Clone, Debug)]
 pub struct Motors<const N: usize, D> {
     drivers: [D; N],
@@ -30,6 +56,8 @@ pub struct Motors<const N: usize, D> {
     rested_ticks: u64,
     is_resting: bool,
     was_released: bool,
+    /// Where a step is more than one change of levels.
+    pulses: Option<Pulses<N>>,
 }
 
 impl<const N: usize, D: CoilDriver> Motors<N, D> {
@@ -37,6 +65,11 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
     pub fn new(drivers: [D; N], idle: Idle) -> Self {
         Self {
             levels: drivers.each_ref().map(CoilDriver::levels),
+            pulses: if D::HAS_PULSES {
+                Pulses::of(&drivers)
+            } else {
+                None
+            },
             drivers,
             idle,
             rested_ticks: 0,
@@ -45,23 +78,58 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         }
     }
 
-    /// The levels after one step event.
+    /// A step event: calls `present` with the levels to show at each change, and the ticks since the last one.
+    ///
+    /// One call for coils, up to `2 N + 1` for step and direction drivers. The step itself is the last one. It comes
+    /// `wait_ticks` after the last event, or where a driver is not ready by then as soon as it is; later
+    /// steps make up for it.
     #[inline]
-    pub fn step(&mut self, delta: &[i8; N]) -> &[Levels; N] {
+    pub fn step(
+        &mut self,
+        wait_ticks: u32,
+        delta: &[i8; N],
+        mut present: impl FnMut(u32, &[Levels; N]),
+    ) {
         if self.is_resting {
             self.wake();
+            // A driver needs time to wake before its first pulse.
+            if self.pulses.is_some() {
+                present(0, &self.levels);
+            }
         }
         self.rested_ticks = 0;
+        if let (true, Some(pulses)) = (D::HAS_PULSES, &mut self.pulses) {
+            return pulses.run(
+                &mut self.drivers,
+                &mut self.levels,
+                wait_ticks,
+                delta,
+                present,
+            );
+        }
         for ((driver, levels), delta) in self.drivers.iter_mut().zip(&mut self.levels).zip(delta) {
             // Which axes step is anybody's guess on an arc: a step by 0 is cheaper than a branch.
             *levels = driver.step(*delta);
         }
-        &self.levels
+        present(wait_ticks, &self.levels);
     }
 
-    /// The levels after a time without a step: the idle policy acts here.
-    pub fn rest(&mut self, ticks: u64) -> &[Levels; N] {
-        self.rested_ticks = self.rested_ticks.saturating_add(ticks);
+    /// A time without a step: the last pulses end, and at its end the idle policy acts. Calls `present` as
+    /// [`step`](Motors::step) does.
+    pub fn rest(&mut self, wait_ticks: u32, mut present: impl FnMut(u32, &[Levels; N])) {
+        self.rested_ticks = self.rested_ticks.saturating_add(wait_ticks.into());
+        let mut left = wait_ticks;
+        if let (true, Some(pulses)) = (D::HAS_PULSES, &mut self.pulses) {
+            let mut before = None;
+            let (drivers, levels) = (&mut self.drivers, &mut self.levels);
+            pulses.run(drivers, levels, wait_ticks, &[0; N], |ticks, levels| {
+                // The last one is this rest's own, below.
+                if let Some((ticks, levels)) = before.replace((ticks, *levels)) {
+                    present(ticks, &levels);
+                }
+            });
+            left = before.map_or(0, |(ticks, _)| ticks);
+        }
         match self.idle {
             _ if self.is_resting => {}
             Idle::Off { after_ticks } if self.rested_ticks >= after_ticks => {
@@ -73,7 +141,28 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
             }
             _ => {}
         }
-        &self.levels
+        present(left, &self.levels);
+    }
+
+    /// The pulses that are under way end: at the end of a program, before nothing comes any more.
+    pub fn end_pulses(&mut self, mut present: impl FnMut(u32, &[Levels; N])) {
+        if let Some(pulses) = &mut self.pulses {
+            if let Some(ticks) = pulses.last_fall() {
+                pulses.run(
+                    &mut self.drivers,
+                    &mut self.levels,
+                    ticks,
+                    &[0; N],
+                    &mut present,
+                );
+            }
+        }
+    }
+
+    /// The shortest time between two steps of an axis that its driver takes, in ticks; 0 for coils.
+    pub fn shortest_interval_ticks(&self, axis: usize) -> u32 {
+        let driver = self.drivers.get(axis).and_then(CoilDriver::timing);
+        driver.map_or(0, PulseTiming::shortest_interval_ticks)
     }
 
     #[cold]

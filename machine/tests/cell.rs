@@ -328,14 +328,14 @@ fn a_figure_begins_at_contact_and_follows_its_lines() {
     for [now_x, _, now_z] in path.iter().rev().take(1000) {
         assert!((now_x - x).abs_diff(now_z - z) <= 1, "{now_x} {now_z}");
     }
-    // 321 + 4000 steps and a diagonal of 1414 at 100 a second; X takes up once, Z twice: back at -X, back at -Z, and both
+    // 321 + 4000 steps and a diagonal of 1414 at 400 a second; X takes up once, Z twice: back at -X, back at -Z, and both
     // again before the diagonal, where one time serves both.
     let steps = 321.0 + 4000.0 + 1000.0 * 2.0_f64.sqrt() + 600.0;
     let seconds = (model.time_ticks - before) as f64 / 1e6;
-    assert!((seconds - steps / 100.0 - 0.010).abs() < 0.05, "{seconds}");
-    // The spindle turned along at 64 steps a second.
+    assert!((seconds - steps / 400.0 - 0.010).abs() < 0.05, "{seconds}");
+    // The spindle turned along at 256 steps a second.
     let turned = cell.position_steps()[3];
-    assert!((f64::from(turned) - seconds * 64.0).abs() < 3.0, "{turned}");
+    assert!((f64::from(turned) - seconds * 256.0).abs() < 3.0, "{turned}");
 }
 
 #[test]
@@ -367,7 +367,7 @@ fn a_jog_ends_without_its_dead_man() {
     assert!(cell.command(jog), "said again");
     model.has_current = true;
     assert_eq!(model.run(&mut cell).0, [CellReport::DeadMan]);
-    assert_eq!(cell.position_steps()[1] - before, 25);
+    assert_eq!(cell.position_steps()[1] - before, 100);
 }
 
 #[test]
@@ -387,7 +387,7 @@ fn the_originals_reset_before_every_move() {
         model.run(&mut cell);
     }
     assert_eq!(model.resets, 3);
-    assert_eq!(model.time_ticks, 3 * (1_000 + 10_000 + 10_000));
+    assert_eq!(model.time_ticks, 3 * (1_000 + 10_000 + 2_500));
 }
 
 fn command() -> impl Strategy<Value = ByteCommand> {
@@ -506,9 +506,9 @@ proptest! {
                     let beside = (at_x - share * x).abs().max((at_z - share * z).abs());
                     prop_assert!(beside < 0.5 + 1e-9, "{beside}");
                     let ticks = (model.time_ticks - begins) as f64;
-                    let expected = share * length / 100.0 * 1e6;
+                    let expected = share * length / 400.0 * 1e6;
                     // A 256th of a step in the length, rounded once for all of its events, and a tick.
-                    prop_assert!((ticks - expected).abs() <= 1.0 + share * (40.0 + events / 256.0), "{ticks} {expected}");
+                    prop_assert!((ticks - expected).abs() <= 1.0 + share * (10.0 + events / 256.0), "{ticks} {expected}");
                 }
                 _ => {}
             }

@@ -98,6 +98,21 @@ impl CoilDriver for Ring {
     }
 }
 
+/// The levels after a step event.
+fn stepped<const N: usize, D: CoilDriver>(
+    motors: &mut Motors<N, D>,
+    delta: [i8; N],
+) -> [Levels; N] {
+    motors.step(1, &delta, |_, _| {});
+    *motors.levels()
+}
+
+/// The levels after a rest.
+fn rested<const N: usize, D: CoilDriver>(motors: &mut Motors<N, D>, ticks: u32) -> [Levels; N] {
+    motors.rest(ticks, |_, _| {});
+    *motors.levels()
+}
+
 #[test]
 fn interpolator_lash_and_driver_of_others() {
     let lash = [(); 3].map(|()| Worn { direction: 1 });
@@ -114,7 +129,7 @@ fn interpolator_lash_and_driver_of_others() {
             let Event::Step(step) = event else {
                 panic!("{event:?}")
             };
-            motors.step(&step.delta);
+            motors.step(step.wait_ticks, &step.delta, |_, _| {});
             let axis = step.delta.iter().position(|delta| *delta != 0).unwrap();
             trace.push(['x', 'y', 'z'][axis]);
             trace.push(if step.delta[axis] > 0 { '+' } else { '-' });
@@ -123,9 +138,12 @@ fn interpolator_lash_and_driver_of_others() {
     assert_eq!(trace, "x+x+x+x+x+y+y+x-x-x-x-x-");
     // Five steps forth and five back, three of them take-up: the ring is home again.
     assert_eq!(motors.levels(), &[Levels(1), Levels(4), Levels(1)]);
-    assert_eq!(motors.rest(10), &[Levels(0); 3]);
+    assert_eq!(rested(&mut motors, 10), [Levels(0); 3]);
     assert!(motors.was_released());
-    assert_eq!(motors.step(&[0, 0, 0]), &[Levels(1), Levels(4), Levels(1)]);
+    assert_eq!(
+        stepped(&mut motors, [0; 3]),
+        [Levels(1), Levels(4), Levels(1)]
+    );
 }
 
 #[test]
@@ -133,12 +151,12 @@ fn resting_motors_hold_with_less_current_and_step_with_all_of_it() {
     use husillo_stepper::{Driver, Mode, Sequencer};
     let driver = Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap();
     let mut motors = Motors::new([driver], Idle::Reduced { after_ticks: 100 });
-    let currents = |levels: &[Levels; 1]| Driver::Pbl3717a.currents(levels[0]).map(i16::abs);
-    assert_eq!(currents(motors.step(&[1])), [1000, 1000]);
-    assert_eq!(currents(motors.rest(99)), [1000, 1000]);
-    assert_eq!(currents(motors.rest(1)), [600, 600]);
+    let currents = |levels: [Levels; 1]| Driver::Pbl3717a.currents(levels[0]).map(i16::abs);
+    assert_eq!(currents(stepped(&mut motors, [1])), [1000, 1000]);
+    assert_eq!(currents(rested(&mut motors, 99)), [1000, 1000]);
+    assert_eq!(currents(rested(&mut motors, 1)), [600, 600]);
     assert!(!motors.was_released());
     let mut again = driver;
     again.step(1);
-    assert_eq!(motors.step(&[1]), &[again.step(1)]);
+    assert_eq!(stepped(&mut motors, [1]), [again.step(1)]);
 }

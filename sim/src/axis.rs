@@ -3,7 +3,7 @@
 //! Angles are 65536ths of an electrical cycle ("turns" of the field); a full step is a quarter of it, 16384. The rotor's
 //! position is such an angle continued over all cycles, so `i64` holds 2^47 cycles.
 
-use husillo_stepper::{Driver, Levels};
+use husillo_stepper::{Driver, Levels, PulseTiming};
 
 use crate::loss::Cause;
 use crate::model::{AxisModel, Stage};
@@ -35,7 +35,18 @@ pub(crate) struct Axis {
     zero: i64,
     step: i64,
     is_blocked: bool,
+    pulse: Pulse,
     pub(crate) lost_steps: u64,
+}
+
+/// When the inputs of a step and direction driver changed last.
+#[derive(Copy, Clone, Debug, Default)]
+struct Pulse {
+    turned_at: u64,
+    rose_at: u64,
+    fell_at: u64,
+    /// The way of the rotor at the last rising edge; 0 where none was made.
+    made: i64,
 }
 
 impl Axis {
@@ -43,7 +54,7 @@ impl Axis {
     pub(crate) fn new(model: AxisModel, levels: Levels) -> Axis {
         let equilibrium = match model.stage {
             Stage::Coils(driver) => equilibria(driver, model.reversed),
-            Stage::StepDirection { .. } => Box::new([NO_CURRENT; 256]),
+            Stage::StepDirection(_) | Stage::StepToggle => Box::new([NO_CURRENT; 256]),
         };
         let start = i64::from(equilibrium[usize::from(levels.0)] & 0xFFFF);
         // Nominal angles are quarter steps; currents come near them only (PBL3717A: 59.0 degrees for 67.5).
@@ -64,6 +75,7 @@ impl Axis {
             zero: (start + quarter / 2) / quarter * quarter,
             step,
             is_blocked: false,
+            pulse: Pulse::default(),
             lost_steps: 0,
         }
     }
@@ -87,7 +99,7 @@ impl Axis {
                 self.slip -= cycles * 65536;
                 cycles * 65536
             }
-            Stage::StepDirection { .. } => i64::from(steps) * self.step,
+            Stage::StepDirection(_) | Stage::StepToggle => i64::from(steps) * self.step,
         };
         self.turn(way);
         let made = way / self.step;
@@ -129,7 +141,8 @@ impl Axis {
         let before = std::mem::replace(&mut self.levels, levels);
         match self.stage {
             Stage::Coils(_) => self.stray(before, angle, in_time, now),
-            Stage::StepDirection { both_edges } => self.pulse(before, both_edges, now),
+            Stage::StepDirection(timing) => self.pulse(before, timing, now),
+            Stage::StepToggle => self.toggle(before, now),
         }
     }
 
@@ -178,13 +191,58 @@ impl Axis {
         (worse > 0).then(|| self.lose(worse, cause))
     }
 
-    /// A change at the inputs of a step and direction drive.
-    fn pulse(&mut self, before: u8, both_edges: bool, now: u64) -> Option<(u32, Cause)> {
-        let edge = (before ^ self.levels) & Levels::STEP.0 != 0;
-        let counts = edge && (both_edges || self.levels & Levels::STEP.0 != 0);
-        if !counts {
+    /// A change at the inputs of a driver that counts rising edges.
+    fn pulse(&mut self, before: u8, timing: PulseTiming, now: u64) -> Option<(u32, Cause)> {
+        let changed = before ^ self.levels;
+        let is_high = self.levels & Levels::STEP.0 != 0;
+        let mut lost = None;
+        if changed & Levels::DIR.0 != 0 {
+            self.pulse.turned_at = now;
+            if now - self.pulse.rose_at < u64::from(timing.hold_ticks) {
+                lost = self.take_back();
+            }
+        }
+        if changed & Levels::STEP.0 == 0 {
+            return lost;
+        }
+        if !is_high {
+            self.pulse.fell_at = now;
+            if now - self.pulse.rose_at < u64::from(timing.high()) {
+                lost = self.take_back().or(lost);
+            }
+            return lost;
+        }
+        self.pulse.rose_at = now;
+        self.pulse.made = 0;
+        let is_kept = now - self.pulse.fell_at >= u64::from(timing.low())
+            && now - self.pulse.turned_at >= u64::from(timing.setup_ticks);
+        if !is_kept {
+            return Some(self.lose(self.step, Cause::Pulse));
+        }
+        let at = self.rotor;
+        let lost = self.count(now).or(lost);
+        self.pulse.made = self.rotor - at;
+        lost
+    }
+
+    /// The last step was none: its pulse was too short, or DIR changed too early.
+    fn take_back(&mut self) -> Option<(u32, Cause)> {
+        let made = std::mem::take(&mut self.pulse.made);
+        if made == 0 {
             return None;
         }
+        self.turn(-made);
+        Some(self.lose(self.step, Cause::Pulse))
+    }
+
+    /// A change at the inputs of a driver that counts both edges.
+    fn toggle(&mut self, before: u8, now: u64) -> Option<(u32, Cause)> {
+        let is_edge = (before ^ self.levels) & Levels::STEP.0 != 0;
+        is_edge.then(|| self.count(now)).flatten()
+    }
+
+    /// An edge of STEP that counts.
+    fn count(&mut self, now: u64) -> Option<(u32, Cause)> {
         let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
         self.changed_at = now;
         if self.levels & Levels::ENABLE.0 == 0 {

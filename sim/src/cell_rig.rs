@@ -32,11 +32,21 @@ const REST: L297Inputs = L297Inputs {
 };
 
 impl CellRig {
-    /// Axes so many load steps above their home switches, the work piece so many steps of Y above where the axis is.
+    /// Axes so many load steps above their home switches, the work piece so many steps of Y above where the axis is. The motors
+    /// lose steps that come closer than `pull_out_ticks` of the timer; 0: none.
     #[must_use]
-    pub fn new(config: &CellConfig, above_switches: [u16; 3], face: i32) -> CellRig {
+    pub fn new(
+        config: &CellConfig,
+        above_switches: [u16; 3],
+        face: i32,
+        pull_out_ticks: u32,
+    ) -> CellRig {
         let [x, y, z] = config.lash_steps.map(u32::from);
-        let axis = |lash| AxisModel::coils(Driver::L297, Mode::Full).with_lash(lash);
+        let axis = |lash| {
+            AxisModel::coils(Driver::L297, Mode::Full)
+                .with_lash(lash)
+                .with_pull_out_ticks(pull_out_ticks)
+        };
         let mut chip = L297::new();
         chip.set(REST);
         // The rotors rest where state 1 holds them.

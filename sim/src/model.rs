@@ -1,6 +1,6 @@
 //! What one axis is made of.
 
-use husillo_stepper::{Driver, Mode};
+use husillo_stepper::{Driver, Mode, PulseTiming};
 
 /// Motor, drive and screw of one simulated axis.
 ///
@@ -18,10 +18,10 @@ pub struct AxisModel {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Stage {
     Coils(Driver),
-    /// Both edges of STEP count, or the rising one only.
-    StepDirection {
-        both_edges: bool,
-    },
+    /// Rising edges of STEP count, where the times are kept.
+    StepDirection(PulseTiming),
+    /// Both edges of STEP count.
+    StepToggle,
 }
 
 impl AxisModel {
@@ -31,16 +31,19 @@ impl AxisModel {
         AxisModel::new(Stage::Coils(driver), mode.steps_per_full())
     }
 
-    /// A step and direction drive that steps on both edges of STEP: what `StepToggle` drives.
+    /// A step and direction driver like the A4988: it counts rising edges of STEP alone. A step is lost where STEP is
+    /// high or low too shortly, DIR not stable around the edge, or ENABLE off. What
+    /// [`StepDirection`](husillo_stepper::StepDirection) drives.
     #[must_use]
-    pub const fn step_toggle() -> AxisModel {
-        AxisModel::new(Stage::StepDirection { both_edges: true }, 1)
+    pub const fn step_direction(timing: PulseTiming) -> AxisModel {
+        AxisModel::new(Stage::StepDirection(timing), 1)
     }
 
-    /// A step and direction drive that steps on the rising edge of STEP: what `StepDirection` drives.
+    /// A step and direction driver that counts both edges of STEP: what
+    /// [`StepToggle`](husillo_stepper::StepToggle) drives.
     #[must_use]
-    pub const fn step_pulse() -> AxisModel {
-        AxisModel::new(Stage::StepDirection { both_edges: false }, 1)
+    pub const fn step_toggle() -> AxisModel {
+        AxisModel::new(Stage::StepToggle, 1)
     }
 
     const fn new(stage: Stage, steps_per_full: u8) -> AxisModel {
@@ -59,7 +62,7 @@ impl AxisModel {
         AxisModel { lash_steps, ..self }
     }
 
-    /// The shortest interval between two changes of levels that the rotor still follows, in timer ticks.
+    /// The shortest interval between two steps (changes of levels, or counted edges of STEP) that the rotor still follows, in timer ticks.
     #[must_use]
     pub const fn with_pull_out_ticks(self, pull_out_ticks: u32) -> AxisModel {
         AxisModel {

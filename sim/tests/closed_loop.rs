@@ -82,8 +82,11 @@ impl Cell {
             };
             match entry {
                 Followed::Event(Event::Step(step)) => {
-                    let levels = *self.motors.step(&step.delta);
-                    self.rig.apply(&levels, step.wait_ticks);
+                    let rig = &mut self.rig;
+                    self.motors
+                        .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
+                            rig.apply(levels, wait_ticks);
+                        });
                     self.events += 1;
                 }
                 Followed::Event(Event::Dwell { wait_ticks }) => self.rig.wait(wait_ticks.into()),

@@ -2,7 +2,8 @@
 
 use husillo_sim::{AxisModel, Cause, Rig};
 use husillo_stepper::{
-    CoilDriver, Driver, Levels, Mode, PulseTiming, Sequencer, StepDirection, StepToggle,
+    CoilDriver, Driver, Levels, Mode, PulseNanoseconds, PulseTiming, Sequencer, StepDirection,
+    StepToggle,
 };
 use proptest::prelude::*;
 
@@ -66,17 +67,19 @@ proptest! {
         let mut toggle = StepToggle::new();
         let timing = PulseTiming { setup_ticks: 3, hold_ticks: 9, high_ticks: 2, low_ticks: 4 };
         let mut pulse = StepDirection::new(timing);
-        let models = [AxisModel::step_toggle().with_pull_out_ticks(6), AxisModel::step_pulse().reversed()];
+        let models = [AxisModel::step_toggle().with_pull_out_ticks(6), AxisModel::step_direction(timing).reversed()];
         let mut rig = Rig::new(models, [toggle.levels(), pulse.levels()]);
         let mut at = 0;
         for delta in walk {
             let toggled = toggle.step(delta);
-            let mut present = pulse.start(delta);
+            // Levels stay for their ticks: the next ones come then.
+            let (mut present, mut wait_ticks) = (pulse.start(delta).unwrap(), 10);
             while let Some(next) = present {
-                rig.apply(&[toggled, next.levels], next.ticks);
+                rig.apply(&[toggled, next.levels], wait_ticks);
+                wait_ticks = next.ticks;
                 present = pulse.advance();
             }
-            rig.apply(&[toggled, pulse.levels()], 1);
+            rig.apply(&[toggled, pulse.levels()], wait_ticks);
             at += i32::from(delta);
             prop_assert_eq!(rig.tool(), [at, -at]);
         }
@@ -164,6 +167,72 @@ fn steps_without_current_are_lost() {
     rig.apply(&[off], 10);
     rig.apply(&[Levels(off.0 ^ Levels::STEP.0)], 10);
     assert_eq!((rig.lost_steps(), rig.tool()), ([1], [0]));
+}
+
+/// 200 steps are 200 rising edges; a driver for both edges makes half as many, and the chip sees that.
+#[test]
+fn a_chip_that_counts_rising_edges_counts_no_others() {
+    let timing = PulseNanoseconds::A4988.ticks(1_000_000);
+    let mut pulses = StepDirection::new(timing);
+    let mut toggle = StepToggle::new();
+    let chip = AxisModel::step_direction(timing);
+    let mut rig = Rig::new([chip; 2], [pulses.levels(), toggle.levels()]);
+    for _ in 0..200 {
+        let edge = toggle.step(1);
+        rig.apply(&[pulses.step(1), edge], 10);
+        rig.apply(&[pulses.end_pulse(), edge], 1);
+    }
+    assert_eq!(rig.tool(), [200, 100]);
+    assert_eq!(rig.lost_steps()[0], 0);
+}
+
+/// Each time of the chip that is not kept loses the step.
+#[test]
+fn a_pulse_without_its_times_is_no_step() {
+    let timing = PulseTiming {
+        setup_ticks: 4,
+        hold_ticks: 9,
+        high_ticks: 3,
+        low_ticks: 5,
+    };
+    let low = Levels(Levels::DIR.0 | Levels::ENABLE.0);
+    let high = Levels(low.0 | Levels::STEP.0);
+    let back = Levels::ENABLE;
+    let up = Levels(back.0 | Levels::STEP.0);
+    let off = Levels(high.0 & !Levels::ENABLE.0);
+    let good: &[_] = &[(high, 100), (low, 3)];
+    let cases: [(&[(Levels, u32)], i32, u64); 7] = [
+        (good, 1, 0),
+        (&[(high, 100), (low, 2)], 0, 1), // high too shortly
+        (&[(high, 100), (low, 3), (high, 4), (low, 3)], 1, 1), // low too shortly
+        (
+            &[(high, 100), (low, 3), (back, 6), (up, 4), (back, 3)],
+            0,
+            0,
+        ), // all kept
+        (
+            &[(high, 100), (low, 3), (back, 5), (up, 4), (back, 3)],
+            -1,
+            1,
+        ), // hold
+        (
+            &[(high, 100), (low, 3), (back, 6), (up, 3), (back, 3)],
+            1,
+            1,
+        ), // set-up
+        (&[(off, 100), (low, 3)], 0, 1),  // not enabled
+    ];
+    for (changes, at, lost) in cases {
+        let mut rig = Rig::new([AxisModel::step_direction(timing)], [low]);
+        for (levels, wait_ticks) in changes {
+            rig.apply(&[*levels], *wait_ticks);
+        }
+        assert_eq!(
+            (rig.tool(), rig.lost_steps()),
+            ([at], [lost]),
+            "{changes:?}"
+        );
+    }
 }
 
 /// Half steps skipped by one are a full step: the rotor follows.

@@ -1,11 +1,15 @@
 //! What a machine needs of a motor's output stage.
 
-use crate::Levels;
+use crate::{Levels, PulseTiming};
 
 /// Turns steps into the levels of one motor's driver.
 ///
-/// [`Sequencer`](crate::Sequencer) and [`StepToggle`](crate::StepToggle) are the two of this crate; a machine is generic
-/// over it.
+/// [`Sequencer`](crate::Sequencer), [`StepDirection`](crate::StepDirection) and
+/// [`StepToggle`](crate::StepToggle) are those of this crate; a machine is generic over it.
+///
+/// With coils a step is one change of levels. Where [`timing`](CoilDriver::timing) gives times, a step is
+/// a pulse, three changes in this order: [`turn`](CoilDriver::turn) sets DIR, `step` lets STEP rise, and
+/// [`end_pulse`](CoilDriver::end_pulse) lets it fall.
 ///
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels};
@@ -26,8 +30,32 @@ use crate::Levels;
 /// assert_eq!(ring.step(-1), Levels(0b10000));
 /// ```
 pub trait CoilDriver {
+    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) is ever given. Where it is not, as here by
+    /// default, a machine does without the code for pulses.
+    const HAS_PULSES: bool = false;
+
     /// The levels after `delta` steps: -1, 0 or +1. A disabled driver stays where it is.
     fn step(&mut self, delta: i8) -> Levels;
+
+    /// The levels before a step by `delta`, as long as the set-up time of [`timing`](CoilDriver::timing).
+    ///
+    /// Nothing changes where a step is no pulse, as here by default.
+    fn turn(&mut self, delta: i8) -> Levels {
+        let _ = delta;
+        self.levels()
+    }
+
+    /// The levels after the pulse of a step.
+    ///
+    /// Nothing changes where a step is no pulse, as here by default.
+    fn end_pulse(&mut self) -> Levels {
+        self.levels()
+    }
+
+    /// The times of a step's pulse; `None`, as here by default: a step is one change of levels.
+    fn timing(&self) -> Option<PulseTiming> {
+        None
+    }
 
     /// The levels now.
     fn levels(&self) -> Levels;

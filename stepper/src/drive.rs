@@ -1,6 +1,6 @@
-//! Either kind of output stage, chosen at run time by a machine file.
+//! Any kind of output stage, chosen at run time by a machine file.
 
-use crate::{CoilDriver, Levels, Sequencer, StepToggle};
+use crate::{CoilDriver, Levels, PulseTiming, Sequencer, StepDirection, StepToggle};
 
 /// A motor's output stage when it is known at run time only.
 #[derive(Copy, Clone, Debug)]
@@ -8,16 +8,44 @@ use crate::{CoilDriver, Levels, Sequencer, StepToggle};
 pub enum Drive {
     /// Coil levels.
     Coils(Sequencer),
-    /// Step and direction, one edge a step.
-    StepDirection(StepToggle),
+    /// Step and direction, a pulse a step: rising edges count.
+    StepDirection(StepDirection),
+    /// Step and direction for drivers that count both edges of STEP.
+    StepToggle(StepToggle),
 }
 
 impl CoilDriver for Drive {
+    const HAS_PULSES: bool = true;
+
     #[inline]
     fn step(&mut self, delta: i8) -> Levels {
         match self {
             Drive::Coils(motor) => motor.step(delta),
             Drive::StepDirection(motor) => motor.step(delta),
+            Drive::StepToggle(motor) => motor.step(delta),
+        }
+    }
+
+    #[inline]
+    fn turn(&mut self, delta: i8) -> Levels {
+        match self {
+            Drive::StepDirection(motor) => motor.turn(delta),
+            _ => self.levels(),
+        }
+    }
+
+    #[inline]
+    fn end_pulse(&mut self) -> Levels {
+        match self {
+            Drive::StepDirection(motor) => motor.end_pulse(),
+            _ => self.levels(),
+        }
+    }
+
+    fn timing(&self) -> Option<PulseTiming> {
+        match self {
+            Drive::StepDirection(motor) => motor.timing(),
+            _ => None,
         }
     }
 
@@ -26,6 +54,7 @@ impl CoilDriver for Drive {
         match self {
             Drive::Coils(motor) => motor.levels(),
             Drive::StepDirection(motor) => motor.levels(),
+            Drive::StepToggle(motor) => motor.levels(),
         }
     }
 
@@ -33,6 +62,7 @@ impl CoilDriver for Drive {
         match self {
             Drive::Coils(motor) => motor.set_enabled(on),
             Drive::StepDirection(motor) => motor.set_enabled(on),
+            Drive::StepToggle(motor) => motor.set_enabled(on),
         }
     }
 
@@ -40,6 +70,7 @@ impl CoilDriver for Drive {
         match self {
             Drive::Coils(motor) => motor.set_reduced(on),
             Drive::StepDirection(motor) => motor.set_reduced(on),
+            Drive::StepToggle(motor) => motor.set_reduced(on),
         }
     }
 }

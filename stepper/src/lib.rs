@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!  delta ──► Sequencer ────► Levels  PH I0 I1 | A B C D INH1 INH2 | nibble ──► Driver::currents
-//!  -1 0 +1 ► StepToggle ───► Levels  STEP DIR, one edge a step
-//!       │
-//!       ├──► StepDirection ► Levels + ticks   STEP DIR pulses with set-up, hold, high and low times
+//!  -1 0 +1 ► StepDirection ► Levels + ticks   STEP DIR: a pulse with set-up, hold, high and low times
+//!       │                        │
+//!       ├──► StepToggle ─► Levels│ STEP DIR for drivers that count both edges
 //!       │                        └──► L297 ─► Levels  the chip behind CLOCK and CW/CCW, as a model
 //!       └──► Microstep ────► [i16; 2]         coil currents of a sine drive
 //! ```
@@ -33,6 +33,7 @@ mod levels;
 mod microstep;
 #[cfg(feature = "embedded-hal")]
 mod pins;
+mod pulse_timing;
 mod sequencer;
 mod sine;
 mod step_direction;
@@ -46,10 +47,11 @@ pub use l297::{L297, L297Inputs};
 pub use levels::Levels;
 pub use microstep::Microstep;
 #[cfg(feature = "embedded-hal")]
-pub use pins::{LevelPins, StepDirectionPins, Switch};
+pub use pins::{LevelPins, StepDirectionPins, Switch, Unwired};
+pub use pulse_timing::{PulseNanoseconds, PulseTiming};
 pub use sequencer::{Mode, Sequencer, Unsupported};
 pub use sine::{AMPLITUDE, sine};
-pub use step_direction::{Present, PulseTiming, StepDirection};
+pub use step_direction::{Busy, Present, StepDirection};
 pub use step_toggle::StepToggle;
 
 /// The README's example, as a doctest.

@@ -1,8 +1,11 @@
 //! Levels to pins, switches from pins: `embedded-hal` 1.0.
 
-use embedded_hal::digital::{InputPin, OutputPin};
+use core::marker::PhantomData;
 
-use crate::Levels;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+
+use crate::{Levels, PulseNanoseconds};
 
 /// The inputs of one driver on `PINS` pins: bit i of the levels goes to pin i. Only pins whose level changes are written.
 #[derive(Debug)]
@@ -42,32 +45,136 @@ impl<P: OutputPin, const PINS: usize> LevelPins<P, PINS> {
     }
 }
 
-/// STEP and DIR on two pins.
+/// STEP, DIR and ENABLE of a step and direction driver on three pins.
+///
+/// Two ways to use it. [`step`](StepDirectionPins::step) makes a whole pulse and waits for it: for a motor that
+/// a loop drives. [`write`](StepDirectionPins::write) shows levels: for a timer's interrupt that goes through
+/// the phases of [`StepDirection`](crate::StepDirection).
+///
+/// A driver whose ENABLE is wired for good has no third pin: give it [`Unwired`].
 #[derive(Debug)]
-pub struct StepDirectionPins<S, D> {
+pub struct StepDirectionPins<S, D, E> {
     step: S,
     direction: D,
+    enable: E,
+    enable_is_high: bool,
+    times: PulseNanoseconds,
+    /// What the pins show; unknown until the first write and after a failed one.
+    shown: Option<Levels>,
 }
 
-impl<S: OutputPin, D: OutputPin<Error = S::Error>> StepDirectionPins<S, D> {
-    /// Takes the pins; nothing is written yet.
-    pub const fn new(step: S, direction: D) -> Self {
-        StepDirectionPins { step, direction }
+impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error>>
+    StepDirectionPins<S, D, E>
+{
+    /// A driver that a low ENABLE switches on, as most do (A4988, DRV8825, TMC). Nothing is written yet.
+    pub const fn active_low(step: S, direction: D, enable: E, times: PulseNanoseconds) -> Self {
+        StepDirectionPins {
+            step,
+            direction,
+            enable,
+            enable_is_high: false,
+            times,
+            shown: None,
+        }
     }
 
-    /// Presents `levels`: DIR before STEP, so that a change of both is never a step the wrong way.
+    /// A driver that a high ENABLE switches on. Nothing is written yet.
+    pub const fn active_high(step: S, direction: D, enable: E, times: PulseNanoseconds) -> Self {
+        StepDirectionPins {
+            step,
+            direction,
+            enable,
+            enable_is_high: true,
+            times,
+            shown: None,
+        }
+    }
+
+    /// Shows `levels`: ENABLE, then DIR, then STEP. Only pins whose level changes are written.
+    ///
+    /// Where DIR changes and STEP rises in one call, the set-up time passes between them. All other times are
+    /// the caller's: `StepDirection` gives them.
     ///
     /// # Errors
-    /// The pin's error.
-    pub fn write(&mut self, levels: Levels) -> Result<(), S::Error> {
-        self.direction
-            .set_state(levels.contains(Levels::DIR).into())?;
-        self.step.set_state(levels.contains(Levels::STEP).into())
+    /// The first pin's error; the next write then writes all pins again.
+    pub fn write<W: DelayNs>(&mut self, levels: Levels, delay: &mut W) -> Result<(), S::Error> {
+        let changed = match self.shown.take() {
+            Some(shown) => Levels(levels.0 ^ shown.0),
+            None => Levels(0xFF),
+        };
+        if changed.contains(Levels::ENABLE) {
+            let is_high = levels.contains(Levels::ENABLE) == self.enable_is_high;
+            self.enable.set_state(is_high.into())?;
+        }
+        if changed.contains(Levels::DIR) {
+            self.direction
+                .set_state(levels.contains(Levels::DIR).into())?;
+            if changed.contains(Levels::STEP) && levels.contains(Levels::STEP) {
+                delay.delay_ns(self.times.setup);
+            }
+        }
+        if changed.contains(Levels::STEP) {
+            self.step.set_state(levels.contains(Levels::STEP).into())?;
+        }
+        self.shown = Some(levels);
+        Ok(())
     }
 
-    /// Gives the pins back.
-    pub fn release(self) -> (S, D) {
-        (self.step, self.direction)
+    /// One step in the direction of the sign of `delta`: DIR, the set-up time, STEP high and low for their times, and
+    /// what is left of the hold time. With `delta` 0 nothing is done. ENABLE is switched on.
+    ///
+    /// # Errors
+    /// The first pin's error; the next step then writes all pins again.
+    pub fn step<W: DelayNs>(&mut self, delta: i8, delay: &mut W) -> Result<(), S::Error> {
+        if delta == 0 {
+            return Ok(());
+        }
+        let direction = if delta > 0 { Levels::DIR.0 } else { 0 };
+        let low = Levels(Levels::ENABLE.0 | direction);
+        if self.shown != Some(low) {
+            self.write(low, delay)?;
+            delay.delay_ns(self.times.setup);
+        }
+        self.write(Levels(low.0 | Levels::STEP.0), delay)?;
+        delay.delay_ns(self.times.high);
+        self.write(low, delay)?;
+        let pulse = self.times.high.saturating_add(self.times.low);
+        let rest = self.times.hold.saturating_sub(pulse);
+        delay.delay_ns(self.times.low.saturating_add(rest));
+        Ok(())
+    }
+
+    /// Gives the pins back: STEP, DIR, ENABLE.
+    pub fn release(self) -> (S, D, E) {
+        (self.step, self.direction, self.enable)
+    }
+}
+
+/// A pin that is not there: an input of the driver that is wired for good.
+///
+/// `E` is the error type of the other pins; there is never one.
+#[derive(Copy, Clone, Debug, Default)]
+pub struct Unwired<E>(PhantomData<E>);
+
+impl<E> Unwired<E> {
+    /// No pin.
+    #[must_use]
+    pub const fn new() -> Self {
+        Unwired(PhantomData)
+    }
+}
+
+impl<E: embedded_hal::digital::Error> ErrorType for Unwired<E> {
+    type Error = E;
+}
+
+impl<E: embedded_hal::digital::Error> OutputPin for Unwired<E> {
+    fn set_low(&mut self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), E> {
+        Ok(())
     }
 }
 

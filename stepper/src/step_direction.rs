@@ -1,27 +1,6 @@
 //! Step and direction pulses with their times.
 
-use crate::Levels;
-
-/// The times a step and direction drive asks for, in timer ticks.
-///
-/// ```text
-///            set-up    high     low
-///  DIR  ─────╲_________________________________╱──────
-///  STEP ____________╱───────╲__________________
-///                   │<──── hold (from the rising edge) ──>│ before DIR may change
-/// ```
-#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PulseTiming {
-    /// DIR stable before STEP rises.
-    pub setup_ticks: u32,
-    /// DIR stable after STEP has risen.
-    pub hold_ticks: u32,
-    /// STEP high; at least 1 is used.
-    pub high_ticks: u32,
-    /// STEP low after the pulse; at least 1 is used.
-    pub low_ticks: u32,
-}
+use crate::{CoilDriver, Levels, PulseTiming};
 
 /// Levels to put on the pins now, and how long they stay.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -34,6 +13,7 @@ pub struct Present {
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum State {
     Idle,
     Hold,
@@ -42,13 +22,32 @@ enum State {
     Low,
 }
 
-/// One step at a time as a pulse; it owns neither pins nor timer.
+/// A step was asked for while the one before it is under way.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Busy;
+
+impl core::fmt::Display for Busy {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the step before is under way")
+    }
+}
+
+impl core::error::Error for Busy {}
+
+/// A step and direction driver that takes a step on each rising edge of STEP, as most chips do. DIR is
+/// high for positive steps. It owns neither pins nor timer.
+///
+/// One motor with a timer of its own: [`start`](StepDirection::start) and
+/// [`advance`](StepDirection::advance) give the levels and the time of each. Several motors on one
+/// stream of events: it is a [`CoilDriver`], and the machine keeps the times by
+/// [`timing`](CoilDriver::timing).
 ///
 /// ```
 /// use husillo_stepper::{Levels, PulseTiming, StepDirection};
 ///
 /// let mut pulse = StepDirection::new(PulseTiming { setup_ticks: 5, hold_ticks: 2, high_ticks: 3, low_ticks: 4 });
-/// let mut present = pulse.start(-1);
+/// let mut present = pulse.start(-1)?;
 /// let mut seen = Vec::new();
 /// while let Some(now) = present {
 ///     seen.push((now.levels.contains(Levels::STEP), now.ticks));
@@ -56,8 +55,10 @@ enum State {
 /// }
 /// assert_eq!(seen, [(false, 5), (true, 3), (false, 4)]); // DIR turned: set-up first
 /// assert!(pulse.is_idle());
+/// # Ok::<(), husillo_stepper::Busy>(())
 /// ```
 #[derive(Copy, Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepDirection {
     timing: PulseTiming,
     state: State,
@@ -81,34 +82,41 @@ impl StepDirection {
         }
     }
 
-    /// Begins one step in the direction of the sign of `delta`.
+    /// Begins one step in the direction of the sign of `delta`. `None`: nothing is to be done, since
+    /// `delta` is 0 or the driver is disabled.
     ///
-    /// `None` when there is nothing to do: a step is still under way, `delta` is 0, or the drive is disabled. How long
-    /// it has been idle is not known here, so a change of direction waits the rest of the hold time every time.
-    pub fn start(&mut self, delta: i8) -> Option<Present> {
-        if self.state != State::Idle || delta == 0 || !self.enabled {
-            return None;
+    /// How long it has been idle is not known here, so a change of direction waits the rest of the hold
+    /// time every time.
+    ///
+    /// # Errors
+    /// A step is still under way: nothing changes, ask again when it is complete.
+    pub fn start(&mut self, delta: i8) -> Result<Option<Present>, Busy> {
+        if self.state != State::Idle {
+            return Err(Busy);
+        }
+        if delta == 0 || !self.enabled {
+            return Ok(None);
         }
         self.wanted = delta > 0;
-        if self.wanted == self.forward {
-            return Some(self.rise());
-        }
-        if self.rest_of_hold() > 0 {
+        Ok(Some(if self.wanted == self.forward {
+            self.rise()
+        } else if self.rest_of_hold() > 0 {
             self.state = State::Hold;
-            return Some(self.present(self.rest_of_hold()));
-        }
-        Some(self.turn())
+            self.present(self.rest_of_hold())
+        } else {
+            self.turn_now()
+        }))
     }
 
     /// The next levels of the step under way, after the ticks of the last ones; `None` when the step is complete.
     pub fn advance(&mut self) -> Option<Present> {
         match self.state {
             State::Idle => None,
-            State::Hold => Some(self.turn()),
+            State::Hold => Some(self.turn_now()),
             State::SetUp => Some(self.rise()),
             State::High => {
                 self.state = State::Low;
-                Some(self.present(self.timing.low_ticks.max(1)))
+                Some(self.present(self.timing.low()))
             }
             State::Low => {
                 self.state = State::Idle;
@@ -123,9 +131,77 @@ impl StepDirection {
         self.state == State::Idle
     }
 
-    /// The levels now.
+    /// The longest time one step takes, in ticks: the shortest safe step interval when the direction turns.
     #[must_use]
-    pub fn levels(&self) -> Levels {
+    pub fn longest_step_ticks(&self) -> u32 {
+        let pulse = self.timing.high().saturating_add(self.timing.low());
+        pulse
+            .saturating_add(self.rest_of_hold())
+            .saturating_add(self.timing.setup_ticks)
+    }
+
+    /// What is left of the hold time when a step has been completed.
+    fn rest_of_hold(&self) -> u32 {
+        let since_rise = self.timing.high().saturating_add(self.timing.low());
+        self.timing.hold_ticks.saturating_sub(since_rise)
+    }
+
+    fn turn_now(&mut self) -> Present {
+        self.forward = self.wanted;
+        if self.timing.setup_ticks == 0 {
+            return self.rise();
+        }
+        self.state = State::SetUp;
+        self.present(self.timing.setup_ticks)
+    }
+
+    fn rise(&mut self) -> Present {
+        self.state = State::High;
+        self.present(self.timing.high())
+    }
+
+    fn present(&self, ticks: u32) -> Present {
+        Present {
+            levels: self.levels(),
+            ticks,
+        }
+    }
+}
+
+impl CoilDriver for StepDirection {
+    const HAS_PULSES: bool = true;
+
+    #[inline]
+    fn turn(&mut self, delta: i8) -> Levels {
+        if delta != 0 && self.enabled {
+            self.wanted = delta > 0;
+            self.forward = self.wanted;
+        }
+        self.levels()
+    }
+
+    /// STEP rises. While it is high no other step begins: [`end_pulse`](CoilDriver::end_pulse) first.
+    #[inline]
+    fn step(&mut self, delta: i8) -> Levels {
+        if delta != 0 && self.enabled {
+            self.wanted = delta > 0;
+            self.forward = self.wanted;
+            self.state = State::High;
+        }
+        self.levels()
+    }
+
+    #[inline]
+    fn end_pulse(&mut self) -> Levels {
+        self.state = State::Idle;
+        self.levels()
+    }
+
+    fn timing(&self) -> Option<PulseTiming> {
+        Some(self.timing)
+    }
+
+    fn levels(&self) -> Levels {
         let mut bits = 0;
         if self.state == State::High {
             bits |= Levels::STEP.0;
@@ -139,53 +215,9 @@ impl StepDirection {
         Levels(bits)
     }
 
-    /// Drives ENABLE. A pulse under way is completed, so that the drive counts what was started.
-    pub fn set_enabled(&mut self, on: bool) -> Levels {
+    /// Drives ENABLE. A pulse under way is completed, so that the driver counts what was started.
+    fn set_enabled(&mut self, on: bool) -> Levels {
         self.enabled = on;
         self.levels()
-    }
-
-    /// The longest time one step takes, in ticks: the shortest safe step interval when the direction turns.
-    #[must_use]
-    pub fn longest_step_ticks(&self) -> u32 {
-        let pulse = self
-            .timing
-            .high_ticks
-            .max(1)
-            .saturating_add(self.timing.low_ticks.max(1));
-        pulse
-            .saturating_add(self.rest_of_hold())
-            .saturating_add(self.timing.setup_ticks)
-    }
-
-    /// What is left of the hold time when a step has been completed.
-    fn rest_of_hold(&self) -> u32 {
-        let since_rise = self
-            .timing
-            .high_ticks
-            .max(1)
-            .saturating_add(self.timing.low_ticks.max(1));
-        self.timing.hold_ticks.saturating_sub(since_rise)
-    }
-
-    fn turn(&mut self) -> Present {
-        self.forward = self.wanted;
-        if self.timing.setup_ticks == 0 {
-            return self.rise();
-        }
-        self.state = State::SetUp;
-        self.present(self.timing.setup_ticks)
-    }
-
-    fn rise(&mut self) -> Present {
-        self.state = State::High;
-        self.present(self.timing.high_ticks.max(1))
-    }
-
-    fn present(&self, ticks: u32) -> Present {
-        Present {
-            levels: self.levels(),
-            ticks,
-        }
     }
 }

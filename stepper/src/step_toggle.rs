@@ -1,10 +1,12 @@
-//! Step and direction at the level of events: one edge a step.
+//! Step and direction for drivers that count both edges: one edge a step.
 
 use crate::{CoilDriver, Levels};
 
-/// A step and direction drive that takes a step on both edges of STEP ("double edge"), so one event is one change of levels.
+/// A step and direction driver that takes a step on both edges of STEP ("double edge": TMC2209 with
+/// `dedge` set), so that a step is one change of levels.
 ///
-/// DIR is high for positive steps. A drive that counts rising edges only needs pulses: [`StepDirection`](crate::StepDirection).
+/// DIR is high for positive steps. **Most chips count rising edges only and lose every second step of
+/// this**: they need [`StepDirection`](crate::StepDirection).
 ///
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels, StepToggle};

@@ -65,7 +65,7 @@ fn main() -> ! {
             let wait_us = match event {
                 DrillEvent::Step(step) => {
                     switches.moved(&step.delta);
-                    levels = pins(motors.step(&step.delta));
+                    motors.step(step.wait_ticks, &step.delta, |_, all| levels = pins(all));
                     Some(step.wait_ticks)
                 }
                 // Another task follows at once: its waits go on from where this one's ended.

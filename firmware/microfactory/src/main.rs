@@ -18,18 +18,21 @@ use husillo_machine::{CELL_MOTORS, CellEvent, CellReport};
 use link::Link;
 use switches::Switches;
 
-static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
+/// A step, and the end of its CLOCK pulse.
+static STEPS: Shared<Steps<(), 2>> = Shared::new(Steps::new(()));
 /// CW/CCW of the motors, bits 4 to 7; their CLOCKs are bits 0 to 3.
 static WAYS: Shared<u8> = Shared::new(0);
 /// Outputs: ENABLE of all motors, and their RESET, which acts low.
 const ENABLE: u8 = 0b01;
 const NOT_RESET: u8 = 0b10;
 
-/// The wait of a step is over: its CLOCKs rise, and fall when all is done.
+/// CLOCK is high so long: an L297 wants 0.5 us, and CW/CCW stable for 4 us after it has risen.
+const PULSE_US: u32 = 5;
+
+/// A wait is over: CLOCKs of a step rise, or fall.
 #[unsafe(no_mangle)]
 fn on_time(section: CriticalSection<'_>) {
     STEPS.within(section, |steps| steps.on_time(section));
-    WAYS.within(section, |ways| board::write(*ways));
 }
 
 /// The foreground takes them all: a step that waits is the last one.
@@ -45,6 +48,8 @@ fn main() -> ! {
     let mut link = Link::new();
     let mut switches = Switches::new();
     let mut unsent = None;
+    // The part of the next wait that the pulse before it took.
+    let mut used_us = 0;
     loop {
         while let Some(byte) = board::received() {
             link.receive(byte);
@@ -86,12 +91,21 @@ fn main() -> ! {
             board::switch(outputs);
             is_idle = event == CellEvent::Idle;
             if let Some(wait_us) = wait_us {
-                let levels = WAYS.with(|ways| *ways) | clocks;
+                let ways = WAYS.with(|ways| *ways);
                 STEPS.push(Step {
-                    wait_us,
-                    levels,
+                    wait_us: wait_us.saturating_sub(used_us),
+                    levels: ways | clocks,
                     delta: (),
                 });
+                used_us = 0;
+                if clocks != 0 {
+                    STEPS.push(Step {
+                        wait_us: PULSE_US,
+                        levels: ways,
+                        delta: (),
+                    });
+                    used_us = PULSE_US;
+                }
             }
         }
         unsent = unsent.or_else(|| link.transmit());
@@ -107,7 +121,7 @@ fn main() -> ! {
     }
 }
 
-/// CLOCKs of a step; its CW/CCW are written now, long before.
+/// CLOCKs of a step; its CW/CCW are written now, long before, and after the pulse of the last one.
 fn clocks(delta: &[i8; CELL_MOTORS]) -> u8 {
     let clocks = delta
         .iter()

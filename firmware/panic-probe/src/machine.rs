@@ -9,7 +9,7 @@ use husillo_machine::{
     Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, Scale,
     ServoAxis, ServoModule, servo_law,
 };
-use husillo_stepper::Sequencer;
+use husillo_stepper::{Drive, Levels};
 
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
@@ -17,6 +17,23 @@ type Cell = AnyCell<&'static [[i16; 2]]>;
 type CellPair = AnyCellPair<&'static [[i16; 2]]>;
 type Drill = AnyDrill<64>;
 type Mill = AnyMill<'static>;
+
+/// Where levels go.
+fn show(ticks: u32, levels: &[Levels; 3]) {
+    black_box((ticks, levels));
+}
+
+fn step(motors: &mut Motors<3, Drive>, wait_ticks: u32, delta: &[i8; 3]) {
+    Motors::<3, Drive>::step(motors, wait_ticks, delta, show);
+}
+
+fn rest(motors: &mut Motors<3, Drive>, wait_ticks: u32) {
+    Motors::<3, Drive>::rest(motors, wait_ticks, show);
+}
+
+fn end_pulses(motors: &mut Motors<3, Drive>) {
+    Motors::<3, Drive>::end_pulses(motors, show);
+}
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "machine")]
@@ -123,11 +140,13 @@ pub fn keep() {
         ServoModule::link as *const (),
         ServoModule::axis as *const (),
         ServoModule::tick as *const (),
-        Motors::<3, Sequencer>::new as *const (),
-        Motors::<3, Sequencer>::step as *const (),
-        Motors::<3, Sequencer>::rest as *const (),
-        Motors::<3, Sequencer>::set_enabled as *const (),
-        Motors::<3, Sequencer>::levels as *const (),
-        Motors::<3, Sequencer>::was_released as *const (),
+        Motors::<3, Drive>::new as *const (),
+        step as *const (),
+        rest as *const (),
+        end_pulses as *const (),
+        Motors::<3, Drive>::shortest_interval_ticks as *const (),
+        Motors::<3, Drive>::set_enabled as *const (),
+        Motors::<3, Drive>::levels as *const (),
+        Motors::<3, Drive>::was_released as *const (),
     ]);
 }

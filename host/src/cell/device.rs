@@ -55,7 +55,7 @@ impl Device {
         };
         let link = ByteCommands::new(settings.table);
         let bay = Bay {
-            rig: CellRig::new(&config, ABOVE_SWITCHES, FACE_STEPS),
+            rig: CellRig::new(&config, ABOVE_SWITCHES, FACE_STEPS, settings.pull_out_ticks),
             loading: Vec::new(),
             due: None,
             held: CellInputs::default(),

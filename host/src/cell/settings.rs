@@ -12,6 +12,8 @@ pub struct Settings {
     pub config: CellConfig,
     /// The bytes of its link.
     pub table: ByteTable,
+    /// The shortest interval of a motor's steps in ticks of the controller's timer.
+    pub pull_out_ticks: u32,
     /// A step of X and of Z in nm, as numerator and denominator.
     steps: [[i128; 2]; 2],
 }
@@ -32,6 +34,7 @@ impl Settings {
                 ..CellConfig::ORIGINAL
             },
             table,
+            pull_out_ticks: x.pull_out_ticks(CellConfig::ORIGINAL.timer_hz),
             steps: [x, z].map(|axis| [axis.step.num, axis.step.den].map(i128::from)),
         })
     }

@@ -63,8 +63,11 @@ impl Bench {
             .map_err(|why| refused(&why))?;
         while let Some(event) = self.machine.next_event() {
             let Event::Step(step) = event else { continue };
-            let levels = self.motors.step(&step.delta);
-            self.rig.apply(levels, step.wait_ticks);
+            let rig = &mut self.rig;
+            self.motors
+                .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
+                    rig.apply(levels, wait_ticks);
+                });
             let nm = |steps: [i32; 3]| {
                 [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
             };

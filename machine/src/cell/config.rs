@@ -5,7 +5,7 @@
 pub struct CellConfig {
     /// Ticks a second of the timer that counts the waits; at least one a step.
     pub timer_hz: u32,
-    /// Steps a second of X, Y and Z, and along the path of a figure; above 0.
+    /// Steps a second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse of CLOCK.
     pub axis_rate_hz: u16,
     /// Steps a second of the spindle; above 0.
     pub spindle_rate_hz: u16,
@@ -35,8 +35,8 @@ impl CellConfig {
     /// as nobody stated them.
     pub const ORIGINAL: CellConfig = CellConfig {
         timer_hz: 1_000_000,
-        axis_rate_hz: 100,
-        spindle_rate_hz: 64,
+        axis_rate_hz: 400,
+        spindle_rate_hz: 256,
         lash_steps: [200, 0, 200],
         back_off_steps: 200,
         search_steps: 20_000,

@@ -1,0 +1,130 @@
+//! The times that the pulses of a step and direction driver need.
+
+/// The times a step and direction driver needs, in timer ticks.
+///
+/// ```text
+///            set-up    high     low
+///  DIR  ─────╲_________________________________╱──────
+///  STEP ____________╱───────╲__________________
+///                   │<──── hold (from the rising edge) ──>│ before DIR may change
+/// ```
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PulseTiming {
+    /// DIR stable before STEP rises.
+    pub setup_ticks: u32,
+    /// DIR stable after STEP has risen.
+    pub hold_ticks: u32,
+    /// STEP high; at least 1 is used.
+    pub high_ticks: u32,
+    /// STEP low after the pulse; at least 1 is used.
+    pub low_ticks: u32,
+}
+
+/// The same in nanoseconds, as data sheets have them.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PulseNanoseconds {
+    /// DIR stable before STEP rises.
+    pub setup: u32,
+    /// DIR stable after STEP has risen.
+    pub hold: u32,
+    /// STEP high.
+    pub high: u32,
+    /// STEP low after the pulse.
+    pub low: u32,
+}
+
+impl PulseNanoseconds {
+    /// The A4988: 200 ns set-up and hold, 1 us high and low.
+    ///
+    /// # Source
+    /// Allegro, A4988 data sheet, figure 1 (logic interface timing).
+    pub const A4988: PulseNanoseconds = PulseNanoseconds {
+        setup: 200,
+        hold: 200,
+        high: 1000,
+        low: 1000,
+    };
+
+    /// In ticks of a timer of `timer_hz`, rounded up, so that no time is shorter than it has to be.
+    #[must_use]
+    pub const fn ticks(self, timer_hz: u32) -> PulseTiming {
+        PulseTiming {
+            setup_ticks: ticks(self.setup, timer_hz),
+            hold_ticks: ticks(self.hold, timer_hz),
+            high_ticks: ticks(self.high, timer_hz),
+            low_ticks: ticks(self.low, timer_hz),
+        }
+    }
+}
+
+const fn ticks(nanoseconds: u32, timer_hz: u32) -> u32 {
+    // Below 2^64.
+    let product = (nanoseconds as u64).wrapping_mul(timer_hz as u64);
+    let ticks = product.div_ceil(1_000_000_000);
+    if ticks > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        ticks as u32
+    }
+}
+
+impl PulseTiming {
+    /// STEP high, at least 1 tick.
+    #[must_use]
+    pub const fn high(self) -> u32 {
+        at_least_one(self.high_ticks)
+    }
+
+    /// STEP low, at least 1 tick.
+    #[must_use]
+    pub const fn low(self) -> u32 {
+        at_least_one(self.low_ticks)
+    }
+
+    /// The shortest time from one step of a driver to its next one, in ticks, also where the direction
+    /// turns between them.
+    #[must_use]
+    pub const fn shortest_interval_ticks(self) -> u32 {
+        let pulse = self.high().saturating_add(self.low());
+        let turn = self.hold_ticks.saturating_add(self.setup_ticks);
+        if turn > pulse { turn } else { pulse }
+    }
+}
+
+const fn at_least_one(ticks: u32) -> u32 {
+    if ticks == 0 { 1 } else { ticks }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_the_data_sheet_are_rounded_up() {
+        let ticks = |hz| PulseNanoseconds::A4988.ticks(hz);
+        let slow = PulseTiming {
+            setup_ticks: 1,
+            hold_ticks: 1,
+            high_ticks: 1,
+            low_ticks: 1,
+        };
+        assert_eq!(ticks(1_000_000), slow);
+        let fast = PulseTiming {
+            setup_ticks: 7,
+            hold_ticks: 7,
+            high_ticks: 32,
+            low_ticks: 32,
+        };
+        assert_eq!(ticks(32_000_000), fast);
+        assert_eq!(fast.shortest_interval_ticks(), 64);
+        let long = PulseNanoseconds {
+            setup: u32::MAX,
+            ..PulseNanoseconds::A4988
+        };
+        assert_eq!(long.ticks(u32::MAX).setup_ticks, u32::MAX);
+        let nothing = PulseTiming::default();
+        assert_eq!(nothing.shortest_interval_ticks(), 2);
+    }
+}
