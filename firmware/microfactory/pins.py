@@ -7,7 +7,6 @@ import registers  # noqa: E402
 
 MOTORS = ("dx", "dy", "dz", "dc")
 CLOCKS, ENABLE, NOT_RESET = 0xF, 0b01, 0b10
-PULSE_US = 5
 
 
 class Pins:
@@ -28,9 +27,9 @@ class Pins:
 def events(happened):
     """What was waited for, and the current when it is switched.
 
-    CLOCK is high for PULSE_US, which the wait behind it is shorter by. Between two events directions are as they will be.
+    CLOCK rises with a step and falls in an interrupt of its own. Between two events directions are as they will be.
     """
-    found, before, outputs, used = [], None, 0, 0
+    found, before, outputs = [], None, 0
     for one in happened:
         if isinstance(one, registers.Switched):
             if (one.outputs ^ outputs) & ENABLE:
@@ -40,13 +39,11 @@ def events(happened):
             if one.due is None:
                 assert not one.levels & CLOCKS, "a CLOCK rises unasked"
             elif before and before.levels & CLOCKS:
-                assert not one.levels & CLOCKS and one.due == PULSE_US, "a CLOCK is not high for its time"
+                assert not one.levels & CLOCKS and one.due != before.due, "a CLOCK is not high for its time"
                 assert one.levels >> 4 == before.levels >> 4, "a direction changes with the fall of CLOCK"
-                used, one = PULSE_US, one._replace(due=None)
             else:
-                is_ready = not before or before.due is None and before.levels >> 4 == one.levels >> 4
+                is_ready = not before or not before.levels & CLOCKS and before.levels >> 4 == one.levels >> 4
                 assert is_ready, "a CLOCK has not fallen, or its direction comes with it"
-                found.append(one._replace(due=one.due + used))
-                used = 0
+                found.append(one)
             before = one
     return found

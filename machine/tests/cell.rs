@@ -335,7 +335,10 @@ fn a_figure_begins_at_contact_and_follows_its_lines() {
     assert!((seconds - steps / 400.0 - 0.010).abs() < 0.05, "{seconds}");
     // The spindle turned along at 256 steps a second.
     let turned = cell.position_steps()[3];
-    assert!((f64::from(turned) - seconds * 256.0).abs() < 3.0, "{turned}");
+    assert!(
+        (f64::from(turned) - seconds * 256.0).abs() < 4.0,
+        "{turned}"
+    );
 }
 
 #[test]

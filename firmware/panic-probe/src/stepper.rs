@@ -3,10 +3,11 @@
 use core::convert::Infallible;
 use core::hint::black_box;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use husillo_stepper::{
-    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, Sequencer, StepDirection,
-    StepDirectionPins, StepToggle, Switch, sine,
+    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, PulseNanoseconds,
+    PulseTiming, Sequencer, StepDirection, StepDirectionPins, StepToggle, Switch, Unwired, sine,
 };
 
 /// Keeps every function in the program.
@@ -15,6 +16,9 @@ pub fn keep() {
     black_box([
         <Drive as CoilDriver>::step as *const (),
         <Drive as CoilDriver>::levels as *const (),
+        <Drive as CoilDriver>::turn as *const (),
+        <Drive as CoilDriver>::end_pulse as *const (),
+        <Drive as CoilDriver>::timing as *const (),
         <Drive as CoilDriver>::set_enabled as *const (),
         <Drive as CoilDriver>::set_reduced as *const (),
         Driver::currents as *const (),
@@ -76,6 +80,9 @@ pub fn keep() {
         StepDirectionPins::<Pin, Pin, Pin>::write::<Delay> as *const (),
         StepDirectionPins::<Pin, Pin, Pin>::step::<Delay> as *const (),
         StepDirectionPins::<Pin, Pin, Pin>::release as *const (),
+        Unwired::<Infallible>::new as *const (),
+        <Unwired<Infallible> as OutputPin>::set_low as *const (),
+        <Unwired<Infallible> as OutputPin>::set_high as *const (),
         Switch::<Pin>::active_high as *const (),
         Switch::<Pin>::active_low as *const (),
         Switch::<Pin>::is_closed as *const (),
@@ -98,6 +105,15 @@ impl OutputPin for Pin {
     fn set_high(&mut self) -> Result<(), Infallible> {
         self.0 = black_box(true);
         Ok(())
+    }
+}
+
+/// A wait that takes no time.
+struct Delay(u32);
+
+impl DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0 = black_box(ns);
     }
 }
 
