@@ -7,7 +7,7 @@ import sys
 import registers
 
 # A foreground gives one event after the other, as it has to look at the switches: one that follows within this time of another may come this late.
-FOREGROUND_US = 250
+FOREGROUND_US = 300
 
 
 class Emulated:

@@ -84,11 +84,11 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
     /// `wait_ticks` after the last event, or where a driver is not ready by then as soon as it is; later
     /// steps make up for it.
     #[inline]
-    pub fn step(
+    pub fn step<F: FnMut(u32, &[Levels; N])>(
         &mut self,
         wait_ticks: u32,
         delta: &[i8; N],
-        mut present: impl FnMut(u32, &[Levels; N]),
+        mut present: F,
     ) {
         if self.is_resting {
             self.wake();
@@ -116,7 +116,7 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
 
     /// A time without a step: the last pulses end, and at its end the idle policy acts. Calls `present` as
     /// [`step`](Motors::step) does.
-    pub fn rest(&mut self, wait_ticks: u32, mut present: impl FnMut(u32, &[Levels; N])) {
+    pub fn rest<F: FnMut(u32, &[Levels; N])>(&mut self, wait_ticks: u32, mut present: F) {
         self.rested_ticks = self.rested_ticks.saturating_add(wait_ticks.into());
         let mut left = wait_ticks;
         if let (true, Some(pulses)) = (D::HAS_PULSES, &mut self.pulses) {
@@ -145,7 +145,7 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
     }
 
     /// The pulses that are under way end: at the end of a program, before nothing comes any more.
-    pub fn end_pulses(&mut self, mut present: impl FnMut(u32, &[Levels; N])) {
+    pub fn end_pulses<F: FnMut(u32, &[Levels; N])>(&mut self, mut present: F) {
         if let Some(pulses) = &mut self.pulses {
             if let Some(ticks) = pulses.last_fall() {
                 pulses.run(

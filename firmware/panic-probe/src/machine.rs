@@ -7,7 +7,7 @@ use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
     Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, Scale,
-    ServoAxis, ServoModule, servo_law,
+    ServoAxis, ServoModule, extent, servo_law,
 };
 use husillo_stepper::{Drive, Levels};
 
@@ -17,23 +17,6 @@ type Cell = AnyCell<&'static [[i16; 2]]>;
 type CellPair = AnyCellPair<&'static [[i16; 2]]>;
 type Drill = AnyDrill<64>;
 type Mill = AnyMill<'static>;
-
-/// Where levels go.
-fn show(ticks: u32, levels: &[Levels; 3]) {
-    black_box((ticks, levels));
-}
-
-fn step(motors: &mut Motors<3, Drive>, wait_ticks: u32, delta: &[i8; 3]) {
-    Motors::<3, Drive>::step(motors, wait_ticks, delta, show);
-}
-
-fn rest(motors: &mut Motors<3, Drive>, wait_ticks: u32) {
-    Motors::<3, Drive>::rest(motors, wait_ticks, show);
-}
-
-fn end_pulses(motors: &mut Motors<3, Drive>) {
-    Motors::<3, Drive>::end_pulses(motors, show);
-}
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "machine")]
@@ -46,8 +29,11 @@ pub fn keep() {
         Scale::position as *const (),
         Axis::max_feed_nm_per_min as *const (),
         Config::<3>::check as *const (),
+        Config::<3>::check_travel as *const (),
+        extent::<3> as *const (),
         Means::name as *const (),
         Machine::new as *const (),
+        Machine::place as *const (),
         Machine::with_lash as *const (),
         Machine::set_compensation as *const (),
         Machine::line as *const (),
@@ -141,9 +127,9 @@ pub fn keep() {
         ServoModule::axis as *const (),
         ServoModule::tick as *const (),
         Motors::<3, Drive>::new as *const (),
-        step as *const (),
-        rest as *const (),
-        end_pulses as *const (),
+        Motors::<3, Drive>::step::<fn(u32, &[Levels; 3])> as *const (),
+        Motors::<3, Drive>::rest::<fn(u32, &[Levels; 3])> as *const (),
+        Motors::<3, Drive>::end_pulses::<fn(u32, &[Levels; 3])> as *const (),
         Motors::<3, Drive>::shortest_interval_ticks as *const (),
         Motors::<3, Drive>::set_enabled as *const (),
         Motors::<3, Drive>::levels as *const (),
