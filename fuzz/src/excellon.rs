@@ -1,9 +1,8 @@
 //! Any drill file.
 
-use husillo_gcode::Nm;
-use husillo_gcode::excellon::{
-    Digits, Feature, Hole, Inference, Overrides, Pattern, Profile, Reader, Slot, Units, Zeros,
-    lines,
+use husillo_excellon::{
+    Digits, Feature, Hole, Inference, LIMIT_NM, Overrides, Pattern, Profile, Reader, Slot, Units,
+    Zeros, lines,
 };
 
 /// Room for tools: small, so that it is used up.
@@ -118,7 +117,7 @@ fn read(text: &[u8], overrides: &Overrides, patterns: bool) -> Vec<Feature> {
         if let Some(Pattern::Repeat(repeat)) = reader.pattern() {
             assert!(patterns && repeat.count > 0);
             let first = features.iter().take(100);
-            let copies = first.filter_map(|feature| repeat.copy(feature, repeat.step));
+            let copies = first.filter_map(|feature| repeat.copy(feature, repeat.step_nm));
             copies.for_each(|copy| check_feature(&copy));
         }
         if let Some(warning) = reader.warning() {
@@ -134,13 +133,18 @@ fn read(text: &[u8], overrides: &Overrides, patterns: bool) -> Vec<Feature> {
 
 fn check_feature(feature: &Feature) {
     let (points, tool) = match *feature {
-        Feature::Hole(Hole { at, tool }) => ([at, at], tool),
-        Feature::Slot(Slot { from, to, tool, .. }) => ([from, to], tool),
+        Feature::Hole(Hole { at_nm, tool }) => ([at_nm, at_nm], tool),
+        Feature::Slot(Slot {
+            from_nm,
+            to_nm,
+            tool,
+            ..
+        }) => ([from_nm, to_nm], tool),
     };
     for nm in points.iter().flatten() {
-        assert!(nm.0.abs() <= Nm::LIMIT.0, "{feature:?}");
+        assert!((-LIMIT_NM..=LIMIT_NM).contains(nm), "{feature:?}");
     }
-    assert!(tool.diameter.is_none_or(|nm| nm.0 > 0), "{feature:?}");
+    assert!(tool.diameter_nm.is_none_or(|nm| nm > 0), "{feature:?}");
 }
 
 /// The states of two readers, their warnings left out, by what they make of the same lines.

@@ -1,6 +1,6 @@
 //! Any program with parameters and O-words.
 
-use husillo_gcode::excellon::lines;
+use husillo_excellon::lines;
 use husillo_gcode::parameters::{Line, Program, Value};
 use husillo_gcode::{Dialect, ErrorKind, Modal};
 

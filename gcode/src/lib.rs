@@ -90,8 +90,6 @@ mod line;
 
 #[cfg(feature = "extended")]
 pub mod contour;
-pub mod drill_record;
-pub mod excellon;
 #[cfg(feature = "parameters")]
 pub mod parameters;
 

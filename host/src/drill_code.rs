@@ -2,8 +2,8 @@
 
 use crate::cli::{Cycle, Holes, SlotHandling};
 use crate::holes::{Board, count, length};
-use husillo_gcode::excellon::{Hole, Path, Slot, Tool};
-use husillo_gcode::{Direction, Nm};
+use husillo_excellon::{Hole, Path, Slot, Tool};
+use husillo_gcode::Nm;
 use std::io::{self, Write};
 
 /// Heights, feeds and ways of working.
@@ -121,7 +121,7 @@ impl Work {
                 slots.len()
             )),
             SlotHandling::Drill => {
-                if slots.iter().any(|slot| slot.tool.diameter.is_none()) {
+                if slots.iter().any(|slot| slot.tool.diameter_nm.is_none()) {
                     return Err("a slot cannot be drilled without its diameter: see --tool".into());
                 }
                 if slots.iter().any(|slot| slot.path != Path::Straight) {
@@ -133,7 +133,7 @@ impl Work {
     }
 
     fn change(&self, number: u16, tool: Option<Tool>, out: &mut impl Write) -> io::Result<()> {
-        let diameter = tool.and_then(|tool| tool.diameter);
+        let diameter = tool.and_then(|tool| tool.diameter_nm).map(Nm);
         match diameter {
             Some(diameter) => writeln!(out, "(T{number}: {diameter} mm)")?,
             None => writeln!(out, "(T{number}: diameter unknown)")?,
@@ -150,12 +150,12 @@ impl Work {
         let Some((first, rest)) = holes.split_first() else {
             return Ok(());
         };
-        let [x, y] = first.at;
+        let [x, y] = first.at_nm.map(Nm);
         let code = match self.cycle {
             Cycle::Moves => {
                 writeln!(out, "F{}", self.feed)?;
                 for hole in holes {
-                    let [x, y] = hole.at;
+                    let [x, y] = hole.at_nm.map(Nm);
                     writeln!(
                         out,
                         "G0 X{x} Y{y}\nG0 Z{clearance}\nG1 Z{bottom}\nG0 Z{clearance}"
@@ -173,7 +173,7 @@ impl Work {
             self.feed
         )?;
         for hole in rest {
-            let [x, y] = hole.at;
+            let [x, y] = hole.at_nm.map(Nm);
             writeln!(out, "X{x} Y{y}")?;
         }
         writeln!(out, "G80")
@@ -184,8 +184,8 @@ impl Work {
         let (bottom, clearance) = (self.bottom, self.clearance);
         let mut down_at = None;
         for slot in slots {
-            if down_at != Some(slot.from) {
-                let [x, y] = slot.from;
+            if down_at != Some(slot.from_nm) {
+                let [x, y] = slot.from_nm.map(Nm);
                 if down_at.is_some() {
                     writeln!(out, "G0 Z{clearance}")?;
                 }
@@ -195,24 +195,27 @@ impl Work {
                     self.feed
                 )?;
             }
-            let [x, y] = slot.to;
-            let arc = |direction| match direction {
-                Direction::Clockwise => "G2",
-                Direction::CounterClockwise => "G3",
-            };
+            let [x, y] = slot.to_nm.map(Nm);
+            let arc = |clockwise| if clockwise { "G2" } else { "G3" };
             match slot.path {
                 Path::Straight => write!(out, "G1 X{x} Y{y}")?,
-                Path::Radius(direction, radius) => {
-                    write!(out, "{} X{x} Y{y} R{radius}", arc(direction))?;
+                Path::Radius {
+                    clockwise,
+                    radius_nm,
+                } => {
+                    write!(out, "{} X{x} Y{y} R{}", arc(clockwise), Nm(radius_nm))?;
                 }
-                Path::Centre(direction, [centre_x, centre_y]) => {
-                    let i = Nm(centre_x.0 - slot.from[0].0);
-                    let j = Nm(centre_y.0 - slot.from[1].0);
-                    write!(out, "{} X{x} Y{y} I{i} J{j}", arc(direction))?;
+                Path::Centre {
+                    clockwise,
+                    centre_nm: [centre_x, centre_y],
+                } => {
+                    let i = Nm(centre_x - slot.from_nm[0]);
+                    let j = Nm(centre_y - slot.from_nm[1]);
+                    write!(out, "{} X{x} Y{y} I{i} J{j}", arc(clockwise))?;
                 }
             }
             writeln!(out, " F{}", self.rout_feed)?;
-            down_at = Some(slot.to);
+            down_at = Some(slot.to_nm);
         }
         if down_at.is_some() {
             writeln!(out, "G0 Z{clearance}")?;
@@ -223,11 +226,11 @@ impl Work {
 
 /// The two ends of a straight slot and holes between them, no further apart than 0.7 of its width.
 pub fn overlapping(slot: &Slot) -> Vec<Hole> {
-    let [dx, dy] = [0, 1].map(|axis: usize| i128::from(slot.to[axis].0 - slot.from[axis].0));
+    let [dx, dy] = [0, 1].map(|axis: usize| i128::from(slot.to_nm[axis] - slot.from_nm[axis]));
     let width = slot
         .tool
-        .diameter
-        .map_or(1, |nm| nm.0.max(1))
+        .diameter_nm
+        .map_or(1, |nm| nm.max(1))
         .unsigned_abs();
     let length = ((dx * dx + dy * dy).unsigned_abs()).isqrt() + 1;
     let pieces = (10 * length)
@@ -239,13 +242,13 @@ pub fn overlapping(slot: &Slot) -> Vec<Hole> {
         .into_iter()
         .chain(between)
         .map(|piece| {
-            let along = |from: Nm, way: i128| {
+            let along = |from: i64, way: i128| {
                 // To the nearest nanometre, halves up.
                 let part = (2 * way * piece + pieces).div_euclid(2 * pieces);
-                Nm(from.0 + part as i64)
+                from + part as i64
             };
             Hole {
-                at: [along(slot.from[0], dx), along(slot.from[1], dy)],
+                at_nm: [along(slot.from_nm[0], dx), along(slot.from_nm[1], dy)],
                 tool: slot.tool,
             }
         })
@@ -260,25 +263,25 @@ mod tests {
     fn a_drilled_slot_has_its_ends_and_overlaps() {
         let tool = Tool {
             number: 1,
-            diameter: Some(Nm(1_000_000)),
+            diameter_nm: Some(1_000_000),
             plated: None,
         };
         let slot = Slot {
-            from: [Nm(0), Nm(0)],
-            to: [Nm(3_000_000), Nm(-4_000_000)],
+            from_nm: [0, 0],
+            to_nm: [3_000_000, -4_000_000],
             path: Path::Straight,
             tool,
         };
-        let mut at: Vec<_> = overlapping(&slot).iter().map(|hole| hole.at).collect();
-        assert_eq!(at[..2], [slot.from, slot.to]);
+        let mut at: Vec<_> = overlapping(&slot).iter().map(|hole| hole.at_nm).collect();
+        assert_eq!(at[..2], [slot.from_nm, slot.to_nm]);
         at.sort();
         assert_eq!(at.len(), 9);
         for pair in at.windows(2) {
-            let [dx, dy] = [0, 1].map(|axis: usize| pair[1][axis].0 - pair[0][axis].0);
+            let [dx, dy] = [0, 1].map(|axis: usize| pair[1][axis] - pair[0][axis]);
             assert!(dx * dx + dy * dy <= 700_000_i64.pow(2));
         }
         let point = Slot {
-            to: slot.from,
+            to_nm: slot.from_nm,
             ..slot
         };
         assert_eq!(overlapping(&point).len(), 2);

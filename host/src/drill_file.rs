@@ -4,8 +4,9 @@ use crate::cli::{Layout, SlotHandling};
 use crate::diagnostics::{Finding, Severity};
 use crate::drill_code::overlapping;
 use crate::holes::{Board, count};
-use husillo_gcode::drill_record::{OffTable, Record, Table, bytes};
-use husillo_gcode::excellon::{Hole, Path, Tool};
+use husillo_excellon::{Hole, Path, Tool};
+use husillo_gcode::Nm;
+use husillo_transports::drill::{OffTable, Record, Table, record_bytes};
 use std::io::{self, Write};
 
 /// How records are made.
@@ -74,7 +75,7 @@ impl Compiler {
             };
             let mut records = Vec::with_capacity(3 * holes.len());
             for hole in &holes {
-                match self.table.hole(hole.at) {
+                match self.table.hole(hole.at_nm) {
                     Ok(hole) => records.extend(hole),
                     Err(error) => {
                         off += 1;
@@ -105,7 +106,7 @@ impl Compiler {
             SlotHandling::Drill if slots.iter().any(|slot| slot.path != Path::Straight) => {
                 "a curved slot cannot be drilled"
             }
-            SlotHandling::Drill if slots.iter().any(|slot| slot.tool.diameter.is_none()) => {
+            SlotHandling::Drill if slots.iter().any(|slot| slot.tool.diameter_nm.is_none()) => {
                 "a slot cannot be drilled without its diameter: see --tool"
             }
             SlotHandling::Drill => return Ok(()),
@@ -143,7 +144,7 @@ impl Compiler {
             _ => {}
         }
         let records = tools.iter().flat_map(|tool| tool.records.iter().copied());
-        Ok(bytes(records).collect())
+        Ok(record_bytes(records).collect())
     }
 
     /// Writes the records of all tools as one JSON object.
@@ -161,8 +162,8 @@ impl Compiler {
             let separator = if index == 0 { "" } else { ", " };
             let diameter = tool
                 .tool
-                .diameter
-                .map_or("null".to_owned(), |nm| nm.to_string());
+                .diameter_nm
+                .map_or("null".to_owned(), |nm| Nm(nm).to_string());
             write!(
                 out,
                 "{separator}{{\"number\": {}, \"diameter\": {diameter}, \"holes\": {}, \"records\": [",
@@ -184,7 +185,7 @@ impl Compiler {
 
 fn described(tool: &ToolRecords) -> String {
     let holes = count(tool.holes, "hole");
-    match tool.tool.diameter {
+    match tool.tool.diameter_nm.map(Nm) {
         Some(diameter) => format!("T{} ({diameter} mm, {holes})", tool.tool.number),
         None => format!("T{} ({holes})", tool.tool.number),
     }

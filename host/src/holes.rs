@@ -8,11 +8,11 @@ use crate::panel::{Panel, Refused};
 use crate::placement::{Fit, Placement};
 use crate::quantity::{self, Quantity};
 use crate::source::BYTE_ORDER_MARK;
-use husillo_gcode::Nm;
-use husillo_gcode::excellon::{
+use husillo_excellon::{
     Digits, Doubt, Error, ErrorKind, Feature, Hole, Inference, Overrides, Path, Profile, Reader,
     Reason, Settings, Slot, Tool, Units, Warning, WarningKind, Zeros, lines,
 };
+use husillo_gcode::Nm;
 use std::io::{self, Write};
 
 /// Tools that one file may have.
@@ -138,7 +138,7 @@ pub fn read<W: Write>(
     let settings = inference.settle(&options.overrides);
     let mut reader = Reader::<MOST_TOOLS>::new(&settings).with_patterns();
     for (number, diameter) in &options.tools {
-        reader.set_tool(*number, *diameter);
+        reader.set_tool(*number, diameter.0);
     }
     let (mut holes, mut slots) = (Vec::new(), Vec::new());
     let mut panel = Panel::default();
@@ -363,9 +363,9 @@ impl Board {
             let Travel::Range([from, to]) = machine.axes[axis].travel else {
                 continue;
             };
-            let is_off = |at: &[Nm; 2]| !(from..=to).contains(&at[axis].0);
-            let holes = self.holes.iter().filter(|hole| is_off(&hole.at)).count();
-            let ends = |slot: &&Slot| is_off(&slot.from) || is_off(&slot.to);
+            let is_off = |at_nm: &[i64; 2]| !(from..=to).contains(&at_nm[axis]);
+            let holes = self.holes.iter().filter(|hole| is_off(&hole.at_nm)).count();
+            let ends = |slot: &&Slot| is_off(&slot.from_nm) || is_off(&slot.to_nm);
             let slots = self.slots.iter().filter(ends).count();
             let off = match (holes, slots) {
                 (0, 0) => continue,
@@ -404,7 +404,7 @@ impl Board {
                 .filter(|hole| hole.tool.number == tool)
                 .copied()
                 .collect();
-            let points: Vec<_> = of_tool.iter().map(middle).collect();
+            let points: Vec<_> = of_tool.iter().map(|hole| hole.at_nm).collect();
             let path = order::shortest(&points, at, metric);
             if metric == Metric::Straight {
                 at = path.last().map_or(at, |&last| points[last]);
@@ -427,17 +427,20 @@ impl Board {
 
     /// The way from the origin over all holes in their order, in nm.
     pub fn travel_nm(&self, metric: Metric) -> f64 {
-        order::travel(self.holes.iter().map(middle), [0; 2], metric)
+        order::travel(self.holes.iter().map(|hole| hole.at_nm), [0; 2], metric)
     }
 
     /// Least and greatest coordinates of the middles of holes and the ends of slots.
     pub fn extent(&self) -> Option<[[Nm; 2]; 2]> {
-        let ends = self.slots.iter().flat_map(|slot| [slot.from, slot.to]);
+        let ends = self
+            .slots
+            .iter()
+            .flat_map(|slot| [slot.from_nm, slot.to_nm]);
         self.holes
             .iter()
-            .map(|hole| hole.at)
+            .map(|hole| hole.at_nm)
             .chain(ends)
-            .map(|at| [at, at])
+            .map(|at_nm| [at_nm.map(Nm); 2])
             .reduce(|[low, high], [at, _]| {
                 [
                     [low[0].min(at[0]), low[1].min(at[1])],
@@ -498,7 +501,9 @@ impl Board {
                 .slots
                 .iter()
                 .filter(|slot| slot.tool.number == tool.number);
-            let diameter = tool.diameter.map_or("?".to_owned(), |nm| nm.to_string());
+            let diameter = tool
+                .diameter_nm
+                .map_or("?".to_owned(), |nm| Nm(nm).to_string());
             let plated = match tool.plated {
                 Some(true) => "yes",
                 Some(false) => "no",
@@ -535,26 +540,29 @@ impl Board {
     pub fn print_json(&self, errors: u64, warnings: u64, out: &mut impl Write) -> io::Result<()> {
         write!(out, "{{\"holes\": [")?;
         for (index, hole) in self.holes.iter().enumerate() {
-            let [x, y] = hole.at;
+            let [x, y] = hole.at_nm.map(Nm);
             write!(out, "{}[{x}, {y}, {}]", comma(index), diameter(&hole.tool))?;
         }
         write!(out, "], \"slots\": [")?;
         for (index, slot) in self.slots.iter().enumerate() {
-            let ([x, y], [to_x, to_y]) = (slot.from, slot.to);
+            let [[x, y], [to_x, to_y]] = [slot.from_nm, slot.to_nm].map(|at_nm| at_nm.map(Nm));
             let diameter = diameter(&slot.tool);
             let separator = comma(index);
-            let (direction, centre) = match slot.path {
+            let (clockwise, centre) = match slot.path {
                 Path::Straight => {
                     write!(out, "{separator}[{x}, {y}, {to_x}, {to_y}, {diameter}]")?;
                     continue;
                 }
-                Path::Radius(direction, radius) => (direction, format!("\"radius\": {radius}")),
-                Path::Centre(direction, [x, y]) => (direction, format!("\"centre\": [{x}, {y}]")),
+                Path::Radius {
+                    clockwise,
+                    radius_nm,
+                } => (clockwise, format!("\"radius\": {}", Nm(radius_nm))),
+                Path::Centre {
+                    clockwise,
+                    centre_nm: [x, y],
+                } => (clockwise, format!("\"centre\": [{}, {}]", Nm(x), Nm(y))),
             };
-            let direction = match direction {
-                husillo_gcode::Direction::Clockwise => "cw",
-                husillo_gcode::Direction::CounterClockwise => "ccw",
-            };
+            let direction = if clockwise { "cw" } else { "ccw" };
             write!(
                 out,
                 "{separator}{{\"from\": [{x}, {y}], \"to\": [{to_x}, {to_y}], \"diameter\": {diameter}, \
@@ -592,16 +600,13 @@ impl Board {
     }
 }
 
-fn middle(hole: &Hole) -> [i64; 2] {
-    hole.at.map(|nm| nm.0)
-}
-
 fn comma(index: usize) -> &'static str {
     if index == 0 { "" } else { ", " }
 }
 
 fn diameter(tool: &Tool) -> String {
-    tool.diameter.map_or("null".to_owned(), |nm| nm.to_string())
+    tool.diameter_nm
+        .map_or("null".to_owned(), |nm| Nm(nm).to_string())
 }
 
 /// `1 hole`, `2 holes`.

@@ -1,7 +1,6 @@
 //! Step and repeat of drill files: copies of what a pattern made.
 
-use husillo_gcode::Nm;
-use husillo_gcode::excellon::{Feature, Hole, Pattern, Repeat, Slot};
+use husillo_excellon::{Feature, Hole, Pattern, Repeat, Slot};
 
 /// The pattern that is being copied.
 #[derive(Debug, Default)]
@@ -11,7 +10,7 @@ pub struct Panel {
     /// How many there are with it.
     with: [usize; 2],
     /// From the pattern to its last copy.
-    by: [Nm; 2],
+    by_nm: [i64; 2],
 }
 
 /// Why a copy cannot be made.
@@ -40,7 +39,7 @@ impl Panel {
             Pattern::Begin => self.before = [holes.len(), slots.len()],
             Pattern::EndOfSet => {
                 self.with = [holes.len(), slots.len()];
-                self.by = [Nm(0); 2];
+                self.by_nm = [0; 2];
             }
             Pattern::Repeat(repeat) => {
                 for _ in 0..repeat.count {
@@ -59,21 +58,21 @@ impl Panel {
         slots: &mut Vec<Slot>,
         most: usize,
     ) -> Result<(), Refused> {
-        for (by, step) in self.by.iter_mut().zip(repeat.step) {
-            by.0 = by.0.checked_add(step.0).ok_or(Refused::Reach)?;
+        for (by, step) in self.by_nm.iter_mut().zip(repeat.step_nm) {
+            *by = by.checked_add(step).ok_or(Refused::Reach)?;
         }
         let [hole_range, slot_range] = [0, 1].map(|kind: usize| self.before[kind]..self.with[kind]);
         if holes.len() + slots.len() + hole_range.len() + slot_range.len() > most {
             return Err(Refused::Many);
         }
         for index in hole_range {
-            match repeat.copy(&Feature::Hole(holes[index]), self.by) {
+            match repeat.copy(&Feature::Hole(holes[index]), self.by_nm) {
                 Some(Feature::Hole(hole)) => holes.push(hole),
                 _ => return Err(Refused::Reach),
             }
         }
         for index in slot_range {
-            match repeat.copy(&Feature::Slot(slots[index]), self.by) {
+            match repeat.copy(&Feature::Slot(slots[index]), self.by_nm) {
                 Some(Feature::Slot(slot)) => slots.push(slot),
                 _ => return Err(Refused::Reach),
             }

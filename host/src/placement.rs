@@ -2,8 +2,8 @@
 
 use crate::cli::{Layout, Mirror};
 use crate::holes::{Board, length};
-use husillo_gcode::excellon::Path;
-use husillo_gcode::{Direction, Nm};
+use husillo_excellon::{LIMIT_NM, Path};
+use husillo_gcode::Nm;
 use std::fmt;
 
 /// What the command line says about the place of a board.
@@ -99,11 +99,11 @@ impl Affine {
     }
 
     /// The point, to the nearest nanometre; `None` out of reach.
-    fn place(&self, at: [Nm; 2]) -> Option<[Nm; 2]> {
-        let [x, y] = self.at(at.map(|nm| nm.0 as f64));
+    fn place(&self, at_nm: [i64; 2]) -> Option<[i64; 2]> {
+        let [x, y] = self.at(at_nm.map(|nm| nm as f64));
         let near = |value: f64| {
-            let nm = Nm(value.round() as i64);
-            (nm.0.abs() <= Nm::LIMIT.0).then_some(nm)
+            let nm = value.round() as i64;
+            (-LIMIT_NM..=LIMIT_NM).contains(&nm).then_some(nm)
         };
         Some([near(x)?, near(y)?])
     }
@@ -180,23 +180,22 @@ impl Placement {
 fn move_all(map: &Affine, board: &mut Board) -> Result<(), String> {
     let far = "the board is moved out of reach: see --shift, --turn and --reference";
     for hole in &mut board.holes {
-        hole.at = map.place(hole.at).ok_or(far)?;
+        hole.at_nm = map.place(hole.at_nm).ok_or(far)?;
     }
     for slot in &mut board.slots {
-        slot.from = map.place(slot.from).ok_or(far)?;
-        slot.to = map.place(slot.to).ok_or(far)?;
-        let turned = |direction| match (map.is_mirrored(), direction) {
-            (false, direction) => direction,
-            (true, Direction::Clockwise) => Direction::CounterClockwise,
-            (true, Direction::CounterClockwise) => Direction::Clockwise,
-        };
-        slot.path = match slot.path {
-            Path::Straight => Path::Straight,
-            Path::Radius(direction, radius) => Path::Radius(turned(direction), radius),
-            Path::Centre(direction, centre) => {
-                Path::Centre(turned(direction), map.place(centre).ok_or(far)?)
+        slot.from_nm = map.place(slot.from_nm).ok_or(far)?;
+        slot.to_nm = map.place(slot.to_nm).ok_or(far)?;
+        match &mut slot.path {
+            Path::Straight => {}
+            Path::Radius { clockwise, .. } => *clockwise ^= map.is_mirrored(),
+            Path::Centre {
+                clockwise,
+                centre_nm,
+            } => {
+                *clockwise ^= map.is_mirrored();
+                *centre_nm = map.place(*centre_nm).ok_or(far)?;
             }
-        };
+        }
     }
     Ok(())
 }
@@ -353,11 +352,11 @@ mod tests {
 
     #[test]
     fn quarter_turns_and_mirrors_are_exact() {
-        let at = [Nm(3_000_001), Nm(-7)];
+        let at = [3_000_001, -7];
         for (degrees, expected) in [
-            (90.0, [Nm(7), Nm(3_000_001)]),
-            (180.0, [Nm(-3_000_001), Nm(7)]),
-            (-90.0, [Nm(-7), Nm(-3_000_001)]),
+            (90.0, [7, 3_000_001]),
+            (180.0, [-3_000_001, 7]),
+            (-90.0, [-7, -3_000_001]),
         ] {
             assert_eq!(Affine::turned(degrees).place(at), Some(expected));
         }

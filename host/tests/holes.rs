@@ -3,8 +3,7 @@
 mod common;
 
 use common::{husillo, json, printed, scratch};
-use husillo_gcode::Nm;
-use husillo_gcode::drill_record::{Record, Table, records};
+use husillo_transports::drill::{Record, Table, records};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -623,7 +622,7 @@ fn the_drill_reads_the_places_of_a_board() {
         match command["kind"].as_str().unwrap() {
             "rapid" => at = [0, 1].map(|axis: usize| command["to_nm"][axis].as_i64().unwrap()),
             "drill" => {
-                let [x, y, _] = Table::DRILL.hole(at.map(Nm)).unwrap();
+                let [x, y, _] = Table::DRILL.hole(at).unwrap();
                 let (Record::X(x), Record::Y(y)) = (x, y) else {
                     panic!("{x} {y}")
                 };

@@ -47,6 +47,7 @@
 mod device;
 mod host;
 mod order;
+mod record;
 mod rules;
 mod step;
 mod timing;
@@ -54,6 +55,10 @@ mod timing;
 pub use device::Device;
 pub use host::Host;
 pub use order::{Axis, Order};
+pub use record::{
+    END_OF_PROGRAM, OffTable, Record, RecordBytes, RecordError, RecordErrorKind, Records,
+    STEPS_PER_MM, Table, record_bytes, records,
+};
 pub use rules::Rules;
 pub use step::{Failure, Outcome, Progress, Refused, Step};
 pub use timing::Timing;

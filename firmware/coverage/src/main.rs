@@ -8,8 +8,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, process};
 
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 12] = [
     "gcode",
+    "excellon",
     "interp",
     "planner",
     "stepper",

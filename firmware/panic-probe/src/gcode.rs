@@ -4,11 +4,6 @@ use core::hint::black_box;
 
 use fixed::types::I32F32;
 use husillo_gcode::contour::{Contours, needs_contours};
-use husillo_gcode::drill_record::{self, Bytes, Record, Records, Table};
-use husillo_gcode::excellon::{
-    self, Digits, Features, Inference, Lines, Number, Reader, Repeat, Settings, Tools, Units,
-    WarningKind, lines,
-};
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
     Arc, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
@@ -19,8 +14,6 @@ use husillo_gcode::{
 /// Keeps every function in the program.
 #[unsafe(export_name = "gcode")]
 pub fn keep() {
-    keep_drill_records();
-    keep_excellon();
     keep_parameters();
     black_box([
         words as *const (),
@@ -127,63 +120,6 @@ pub fn keep() {
         <Compensated<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::next as *const (),
         <Commands<3> as Iterator>::size_hint as *const (),
-    ]);
-}
-
-/// The records of the drill.
-fn keep_drill_records() {
-    black_box([
-        Record::to_bytes as *const (),
-        Record::from_bytes as *const (),
-        Table::move_x as *const (),
-        Table::move_y as *const (),
-        Table::hole as *const (),
-        drill_record::bytes::<[Record; 3]> as *const (),
-        <Bytes<core::array::IntoIter<Record, 3>> as Iterator>::next as *const (),
-        drill_record::records as *const (),
-        <Records as Iterator>::next as *const (),
-    ]);
-}
-
-/// The drill files.
-fn keep_excellon() {
-    black_box([
-        lines as *const (),
-        <Lines as Iterator>::next as *const (),
-        Inference::new as *const (),
-        Inference::observe as *const (),
-        Inference::settle as *const (),
-        Settings::format as *const (),
-        Reader::<8>::new as *const (),
-        Reader::<8>::set_tool as *const (),
-        Reader::<8>::tools as *const (),
-        Reader::<8>::warning as *const (),
-        Reader::<8>::is_ended as *const (),
-        Reader::<8>::format as *const (),
-        Reader::<8>::read as *const (),
-        Reader::<8>::with_patterns as *const (),
-        Reader::<8>::pattern as *const (),
-        Repeat::copy as *const (),
-        Tools::<8>::get as *const (),
-        Tools::<8>::iter as *const (),
-        <Features as Iterator>::next as *const (),
-        <Features as Iterator>::size_hint as *const (),
-        Number::written as *const (),
-        Number::has_point as *const (),
-        Number::is_zero as *const (),
-        Number::has_leading_zero as *const (),
-        Number::has_trailing_zero as *const (),
-        Number::whole as *const (),
-        Number::plain as *const (),
-        Number::value as *const (),
-        Number::length as *const (),
-        Digits::new as *const (),
-        Digits::whole as *const (),
-        Digits::places as *const (),
-        Digits::all as *const (),
-        Units::digits as *const (),
-        excellon::ErrorKind::code as *const (),
-        WarningKind::code as *const (),
     ]);
 }
 

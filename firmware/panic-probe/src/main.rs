@@ -8,6 +8,7 @@
 
 mod backlash;
 mod encoder;
+mod excellon;
 mod gcode;
 mod interp;
 mod machine;
@@ -22,6 +23,7 @@ mod transports;
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     gcode::keep();
+    excellon::keep();
     interp::keep();
     planner::keep();
     stepper::keep();

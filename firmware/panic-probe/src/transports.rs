@@ -217,7 +217,9 @@ impl embedded_io::ReadReady for Port {
 mod drill {
     use core::hint::black_box;
 
-    use husillo_transports::drill::{Device, Host, Timing};
+    use husillo_transports::drill::{
+        Device, Host, Record, RecordBytes, Records, Table, Timing, record_bytes, records,
+    };
 
     pub fn keep() {
         black_box([
@@ -247,6 +249,16 @@ mod drill {
             Host::wait_on as *const (),
             Timing::of as *const (),
             Timing::original as *const (),
+            Record::to_bytes as *const (),
+            Record::from_bytes as *const (),
+            Table::steps as *const (),
+            Table::move_x as *const (),
+            Table::move_y as *const (),
+            Table::hole as *const (),
+            record_bytes::<[Record; 3]> as *const (),
+            <RecordBytes<core::array::IntoIter<Record, 3>> as Iterator>::next as *const (),
+            records as *const (),
+            <Records as Iterator>::next as *const (),
         ]);
     }
 }

@@ -11,8 +11,8 @@ use crate::order::Metric;
 use crate::output::Outputs;
 use crate::setup;
 use crate::source::Source;
-use husillo_gcode::drill_record::{Record, STEPS_PER_MM, Table};
 use husillo_gcode::{Dialect, Nm};
+use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::io::{BufWriter, Write};
 
 /// What is to be drilled.
@@ -124,7 +124,7 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
             let records: Vec<_> = tool.records.into_iter().map(to_depth).collect();
             Part {
                 tool: tool.tool.number.into(),
-                diameter: tool.tool.diameter,
+                diameter: tool.tool.diameter_nm.map(Nm),
                 records: drill::lean(&records),
             }
         };

@@ -3,9 +3,8 @@
 use super::client::{Client, Trouble};
 use super::device::STROKE_STEPS;
 use crate::output::Outputs;
-use husillo_gcode::drill_record::{Record, bytes};
 use husillo_machine::DrillConfig;
-use husillo_transports::drill::{Failure, Step};
+use husillo_transports::drill::{Failure, Record, Step, record_bytes};
 use std::fmt;
 use std::time::Duration;
 
@@ -331,7 +330,7 @@ impl Hand {
             ));
         }
         let count = records.len();
-        let all: Vec<u8> = bytes(records).collect();
+        let all: Vec<u8> = record_bytes(records).collect();
         let mut outputs = Outputs::new();
         let written = outputs.write(file, &all).and_then(|()| outputs.finish());
         written.map_err(|error| Failed::Other(error.to_string()))?;

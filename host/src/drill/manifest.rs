@@ -2,7 +2,7 @@
 
 use super::part::Part;
 use husillo_gcode::Nm;
-use husillo_gcode::drill_record::{Record, records};
+use husillo_transports::drill::{Record, records};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

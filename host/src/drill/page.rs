@@ -3,7 +3,7 @@
 use super::duration::{seconds, spoken, travel_steps, way_s};
 use super::part::{Part, millimetres};
 use crate::report::{STYLE, escape};
-use husillo_gcode::drill_record::{STEPS_PER_MM, Table};
+use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
 
 /// Colours of tools, light and dark: six, then again.

@@ -1,7 +1,7 @@
 //! What is drilled with one tool.
 
 use husillo_gcode::Nm;
-use husillo_gcode::drill_record::{Record, bytes};
+use husillo_transports::drill::{Record, record_bytes};
 
 /// Records for one tool.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +96,7 @@ impl Part {
 
     /// The bytes of its file.
     pub fn bytes(&self) -> Vec<u8> {
-        bytes(self.records.iter().copied()).collect()
+        record_bytes(self.records.iter().copied()).collect()
     }
 
     /// `T1 (0.8 mm)`.
@@ -123,7 +123,7 @@ pub fn lean(records: &[Record]) -> Vec<Record> {
 /// A place in steps as millimetres, to the nanometre.
 pub fn millimetres(steps: u16) -> Nm {
     let scaled = i64::from(steps) * 1_000_000;
-    let per_mm = i64::from(husillo_gcode::drill_record::STEPS_PER_MM);
+    let per_mm = i64::from(husillo_transports::drill::STEPS_PER_MM);
     Nm((scaled + per_mm / 2) / per_mm)
 }
 

@@ -5,8 +5,8 @@ use super::part::{Part, millimetres};
 use crate::diagnostics::{Finding, Findings};
 use crate::program;
 use crate::source::Source;
-use husillo_gcode::drill_record::{Record, STEPS_PER_MM, Table};
 use husillo_gcode::{Command, Dialect, Nm};
+use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -120,7 +120,7 @@ impl Maker {
         let [x, y, z] = to;
         let steps = self
             .table
-            .steps([x, y])
+            .steps([x.0, y.0])
             .map_err(|error| ("E0401", error.to_string()))?;
         for (axis, steps) in steps.into_iter().enumerate() {
             if self.at[axis] == steps {

@@ -4,8 +4,7 @@ use super::client::{Client, Trouble};
 use super::duration::{seconds, spoken, way_s};
 use super::part::Part;
 use husillo_gcode::Nm;
-use husillo_gcode::drill_record::Record;
-use husillo_transports::drill::{MEMORY_BYTES, Step};
+use husillo_transports::drill::{MEMORY_BYTES, Record, Step};
 use std::time::Duration;
 
 /// Whom the sender talks to.

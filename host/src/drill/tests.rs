@@ -11,7 +11,7 @@ use crate::holes;
 use crate::line::Fault;
 use crate::wire::Wire;
 use husillo_gcode::Nm;
-use husillo_gcode::drill_record::{Record, Table};
+use husillo_transports::drill::{Record, Table};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -150,7 +150,7 @@ fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
         &mut findings,
     )
     .unwrap();
-    let wanted: Vec<[Nm; 2]> = board.holes.iter().map(|hole| hole.at).collect();
+    let wanted: Vec<[i64; 2]> = board.holes.iter().map(|hole| hole.at_nm).collect();
     let records = wanted.iter().flat_map(|at| Table::DRILL.hole(*at).unwrap());
     let part = Part {
         tool: 1,
@@ -162,7 +162,7 @@ fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
     let found = drilled(&mut client);
     assert_eq!(found.len(), wanted.len());
     for (steps, wanted) in found.iter().zip(&wanted) {
-        for (steps, Nm(nm)) in steps.iter().zip(wanted) {
+        for (steps, nm) in steps.iter().zip(wanted) {
             let off_nm = f64::from(*steps) * 1e6 / 107.0 - *nm as f64;
             assert!(
                 off_nm.abs() <= 0.5e6 / 107.0 + 1e-6,

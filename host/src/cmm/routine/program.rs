@@ -10,7 +10,7 @@ use super::runner::Runner;
 use crate::cmm::trouble::Trouble;
 use crate::diagnostics::Finding;
 use crate::explain::{self, At};
-use husillo_gcode::excellon::lines;
+use husillo_excellon::lines;
 use husillo_gcode::parameters::{Program, System, Value, needs_program};
 use husillo_gcode::{Block, Command, Dialect, Feed, Modal, Nm, SpindleDirection, Units, words};
 use husillo_probe::{Edge, UnitVector};

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! ```
-//! use husillo_gcode::excellon::{Feature, Inference, Overrides, Reader, lines};
+//! use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 //!
 //! let text = b"M48\nINCH,LZ\nT1C0.0315\n%\nT1\nX015607Y007\nX02Y\nM30\n";
 //! let mut inference = Inference::new();
@@ -21,13 +21,13 @@
 //! for (number, line) in lines(text) {
 //!     match reader.read(line) {
 //!         Ok(features) => printed.extend(features.map(|feature| match feature {
-//!             Feature::Hole(hole) => format!("{} {}", hole.at[0], hole.at[1]),
+//!             Feature::Hole(hole) => format!("{} {}", hole.at_nm[0], hole.at_nm[1]),
 //!             Feature::Slot(_) => "slot".to_owned(),
 //!         })),
 //!         Err(error) => printed.push(format!("{number}:{}: {error}", error.at + 1)),
 //!     }
 //! }
-//! assert_eq!(printed, ["39.64178 17.78", "7:4: `Y` without a number"]);
+//! assert_eq!(printed, ["39641780 17780000", "7:4: `Y` without a number"]);
 //! ```
 //!
 //! The grammar is that of Excellon format 2 as layout programs write it. Step and repeat (M25, M01, M02, M08) needs the features
@@ -35,11 +35,16 @@
 //! Not taken, and refused by name: hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than
 //! zero (G92, G93).
 
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
 mod error;
 mod feature;
 mod format;
 mod hint;
 mod inference;
+mod length;
 mod lines;
 mod number;
 mod operands;
@@ -54,8 +59,13 @@ pub use error::{Error, ErrorKind, Warning, WarningKind};
 pub use feature::{Feature, Features, Hole, Path, Slot};
 pub use format::{Digits, Format, Units, Zeros};
 pub use inference::{Doubt, Inference, Overrides, Profile, Reason, Settings, Settled};
+pub use length::LIMIT_NM;
 pub use lines::{Lines, lines};
-pub use number::Number;
 pub use pattern::{Pattern, Repeat};
 pub use reader::Reader;
 pub use tool::{Tool, Tools};
+
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,20 +1,20 @@
 //! Records of the drill: every example of its protocol, every record both ways, any bytes at all.
 
-use husillo_gcode::Nm;
-use husillo_gcode::drill_record::{
-    END, Error, ErrorKind, OffTable, Record, STEPS_PER_MM, Table, bytes, records,
+use husillo_transports::drill::{
+    END_OF_PROGRAM, OffTable, Record, RecordError, RecordErrorKind, STEPS_PER_MM, Table,
+    record_bytes, records,
 };
 use proptest::prelude::*;
 
-fn millimetres(x: i64, y: i64) -> [Nm; 2] {
-    [Nm(x * 1_000_000), Nm(y * 1_000_000)]
+fn millimetres(x: i64, y: i64) -> [i64; 2] {
+    [x * 1_000_000, y * 1_000_000]
 }
 
-fn read(bytes: &[u8]) -> Result<Vec<Record>, Error> {
+fn read(bytes: &[u8]) -> Result<Vec<Record>, RecordError> {
     records(bytes).collect()
 }
 
-fn fault(bytes: &[u8]) -> (ErrorKind, usize, usize) {
+fn fault(bytes: &[u8]) -> (RecordErrorKind, usize, usize) {
     let error = read(bytes).unwrap_err();
     (error.kind, error.at, error.end)
 }
@@ -23,18 +23,18 @@ fn fault(bytes: &[u8]) -> (ErrorKind, usize, usize) {
 fn the_examples_of_the_protocol() {
     // A hole at 10 mm, 5 mm, and the byte that ends the download.
     let hole = Table::DRILL.hole(millimetres(10, 5)).unwrap();
-    let file: Vec<u8> = bytes(hole).collect();
+    let file: Vec<u8> = record_bytes(hole).collect();
     assert_eq!(
         file,
         [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0x00, 0x00, 0x66]
     );
     assert_eq!(read(&file), Ok(hole.to_vec()));
     // 1070 steps are the 10 mm that homing backs off a switch.
-    assert_eq!(Table::DRILL.move_x(Nm(10_000_000)), Ok(Record::X(1070)));
+    assert_eq!(Table::DRILL.move_x(10_000_000), Ok(Record::X(1070)));
     // A step is 0.009346 mm.
-    assert_eq!(Table::DRILL.move_y(Nm(9_346)), Ok(Record::Y(1)));
+    assert_eq!(Table::DRILL.move_y(9_346), Ok(Record::Y(1)));
     // The buffer: 8192 = 3 * 2730 + 2, so a record straddles its end.
-    let full: Vec<u8> = bytes([Record::Drill(0); 2731]).collect();
+    let full: Vec<u8> = record_bytes([Record::Drill(0); 2731]).collect();
     assert_eq!((full.len() - 1, full[8190], full[8192]), (8193, b'Z', 0));
 }
 
@@ -69,7 +69,7 @@ fn every_place_of_the_table_is_its_nearest_step() {
         let next = (2 * steps + 1) * 1_000_000;
         let highest = next.div_euclid(214) + i64::from(next.rem_euclid(214) != 0) - 1;
         for nm in [lowest.max(-4_672), highest] {
-            let record = Table::UNBOUNDED.move_x(Nm(nm));
+            let record = Table::UNBOUNDED.move_x(nm);
             assert_eq!(record, Ok(Record::X(steps as u16)), "{nm} nm");
             let off_by = (nm * i64::from(STEPS_PER_MM) - steps * 1_000_000).abs();
             assert!(2 * off_by <= 1_000_000);
@@ -84,47 +84,53 @@ fn the_table_ends_where_it_ends() {
         table.hole(millimetres(220, 45)),
         Ok([Record::X(23_540), Record::Y(4_815), Record::Drill(0)])
     );
-    let off = |letter, at: Nm, last| Err(OffTable { letter, at, last });
-    let at = Nm(220_004_673);
-    assert_eq!(table.move_x(Nm(220_004_672)), Ok(Record::X(23_540)));
+    let off = |letter, at_nm: i64, last| {
+        Err(OffTable {
+            letter,
+            at_nm,
+            last,
+        })
+    };
+    let at = 220_004_673;
+    assert_eq!(table.move_x(220_004_672), Ok(Record::X(23_540)));
     assert_eq!(table.move_x(at), off(b'X', at, 23_540));
     assert_eq!(
-        table.hole([at, Nm(-1_000_000)]).unwrap_err().to_string(),
+        table.hole([at, -1_000_000]).unwrap_err().to_string(),
         "X220.004673 is off the table, 0 to 220 mm"
     );
     assert_eq!(
         table.hole(millimetres(1, 46)).unwrap_err().to_string(),
         "Y46 is off the table, 0 to 45 mm"
     );
-    assert_eq!(table.move_y(Nm(-4_672)), Ok(Record::Y(0)));
-    assert_eq!(table.move_y(Nm(-4_673)), off(b'Y', Nm(-4_673), 4_815));
-    assert_eq!(
-        Table::UNBOUNDED.move_x(Nm(612_481_307)),
-        Ok(Record::X(65_535))
-    );
+    assert_eq!(table.move_y(-4_672), Ok(Record::Y(0)));
+    assert_eq!(table.move_y(-4_673), off(b'Y', -4_673, 4_815));
+    assert_eq!(Table::UNBOUNDED.move_x(612_481_307), Ok(Record::X(65_535)));
     assert_eq!(
         Table::UNBOUNDED
-            .move_x(Nm(612_481_309))
+            .move_x(612_481_309)
             .unwrap_err()
             .to_string(),
         "X612.481309 is off the table, 0 to 612.476 mm"
     );
-    for nm in [i64::MIN, i64::MAX, Nm::LIMIT.0] {
-        assert!(Table::UNBOUNDED.move_y(Nm(nm)).is_err());
+    for nm in [i64::MIN, i64::MAX, 1 << 50] {
+        assert!(Table::UNBOUNDED.move_y(nm).is_err());
     }
 }
 
 #[test]
 fn faults_have_their_place() {
-    assert_eq!(fault(b""), (ErrorKind::NoEnd, 0, 0));
-    assert_eq!(fault(b"f"), (ErrorKind::Empty, 0, 1));
-    assert_eq!(fault(b"fXX"), (ErrorKind::Empty, 0, 1));
-    assert_eq!(fault(b"X\x01\x00"), (ErrorKind::NoEnd, 3, 3));
-    assert_eq!(fault(b"X\x01\x00Y\x01"), (ErrorKind::CutOff, 3, 5));
-    assert_eq!(fault(b"Z"), (ErrorKind::CutOff, 0, 1));
-    assert_eq!(fault(b"Z\0\0x\0\0f"), (ErrorKind::UnknownAxis(b'x'), 3, 4));
-    assert_eq!(fault(b"Z\0\0x"), (ErrorKind::UnknownAxis(b'x'), 3, 4));
-    assert_eq!(fault(b"Z\0\0ff\n"), (ErrorKind::AfterEnd, 4, 6));
+    assert_eq!(fault(b""), (RecordErrorKind::NoEnd, 0, 0));
+    assert_eq!(fault(b"f"), (RecordErrorKind::Empty, 0, 1));
+    assert_eq!(fault(b"fXX"), (RecordErrorKind::Empty, 0, 1));
+    assert_eq!(fault(b"X\x01\x00"), (RecordErrorKind::NoEnd, 3, 3));
+    assert_eq!(fault(b"X\x01\x00Y\x01"), (RecordErrorKind::CutOff, 3, 5));
+    assert_eq!(fault(b"Z"), (RecordErrorKind::CutOff, 0, 1));
+    assert_eq!(
+        fault(b"Z\0\0x\0\0f"),
+        (RecordErrorKind::UnknownAxis(b'x'), 3, 4)
+    );
+    assert_eq!(fault(b"Z\0\0x"), (RecordErrorKind::UnknownAxis(b'x'), 3, 4));
+    assert_eq!(fault(b"Z\0\0ff\n"), (RecordErrorKind::AfterEnd, 4, 6));
     // Inside of a record `f` is a number.
     assert_eq!(
         read(b"XffYffZfff"),
@@ -171,7 +177,7 @@ proptest! {
     /// What is written is read back, and takes three bytes a record and one.
     #[test]
     fn programs_come_back(program in prop::collection::vec(record(), 1..200)) {
-        let file: Vec<u8> = bytes(program.iter().copied()).collect();
+        let file: Vec<u8> = record_bytes(program.iter().copied()).collect();
         prop_assert_eq!(file.len(), 3 * program.len() + 1);
         prop_assert_eq!(read(&file), Ok(program));
     }
@@ -193,8 +199,8 @@ proptest! {
                 3 * taken.len()
             }
         };
-        let written: Vec<u8> = bytes(taken.iter().copied()).collect();
-        prop_assert_eq!(written.last(), Some(&END));
+        let written: Vec<u8> = record_bytes(taken.iter().copied()).collect();
+        prop_assert_eq!(written.last(), Some(&END_OF_PROGRAM));
         for (at, (byte, original)) in written.iter().zip(&file).take(whole).enumerate() {
             let behind_z = at % 3 > 0 && file[at / 3 * 3] == b'Z';
             prop_assert!(byte == original || behind_z);
@@ -204,7 +210,7 @@ proptest! {
     /// A place on the table is off by at most half a step, and holes are independent of each other.
     #[test]
     fn places_are_off_by_half_a_step(x in -4_672_i64..=220_004_672, y in -4_672_i64..=45_004_672) {
-        let hole = Table::DRILL.hole([Nm(x), Nm(y)]).unwrap();
+        let hole = Table::DRILL.hole([x, y]).unwrap();
         let [Record::X(x_steps), Record::Y(y_steps), Record::Drill(0)] = hole else {
             panic!("{hole:?}")
         };
@@ -223,13 +229,13 @@ fn places_in_steps() {
     let off = table
         .steps(millimetres(-10, 500))
         .expect_err("off the table");
-    assert_eq!((off.letter, off.at), (b'X', Nm(-10_000_000)));
+    assert_eq!((off.letter, off.at_nm), (b'X', -10_000_000));
     let off = table
         .steps(millimetres(10, 500))
         .expect_err("off the table");
-    assert_eq!((off.letter, off.at), (b'Y', Nm(500_000_000)));
+    assert_eq!((off.letter, off.at_nm), (b'Y', 500_000_000));
     // Far beyond all coordinates: its steps would come round to the table again.
-    let at = Nm(-172_399_477_324_388_332);
+    let at = -172_399_477_324_388_332;
     assert!(table.move_x(at).is_err());
     assert_ne!(Record::X(1).to_string(), Record::Y(1).to_string());
     assert!(Record::X(1070).to_string().contains("1070"));

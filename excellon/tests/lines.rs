@@ -1,10 +1,9 @@
 //! Excellon: what each kind of line means, and properties, each in words.
 
-use husillo_gcode::excellon::{
-    Digits, Error, ErrorKind, Feature, Format, Inference, Overrides, Path, Pattern, Reader, Repeat,
-    Settings, Units, Warning, WarningKind, Zeros, lines,
+use husillo_excellon::{
+    Digits, Error, ErrorKind, Feature, Format, Inference, LIMIT_NM, Overrides, Path, Pattern,
+    Reader, Repeat, Settings, Units, Warning, WarningKind, Zeros, lines,
 };
-use husillo_gcode::{Direction, Nm};
 use proptest::prelude::*;
 
 /// Features, and errors with their lines.
@@ -58,12 +57,18 @@ fn holes(text: &str) -> Vec<[i64; 3]> {
     assert_eq!(errors, [], "{text}");
     let of_hole = |feature: &Feature| match feature {
         Feature::Hole(hole) => {
-            let diameter = hole.tool.diameter.map_or(0, |nm| nm.0);
-            Some([hole.at[0].0, hole.at[1].0, diameter].map(|nm| nm / 1000))
+            let diameter = hole.tool.diameter_nm.unwrap_or(0);
+            Some([hole.at_nm[0], hole.at_nm[1], diameter].map(|nm| nm / 1000))
         }
         Feature::Slot(_) => None,
     };
     features.iter().filter_map(of_hole).collect()
+}
+
+/// A place that is whole millimetres.
+fn millimetres(at_nm: [i64; 2]) -> [i64; 2] {
+    assert_eq!(at_nm.map(|nm| nm % 1_000_000), [0; 2]);
+    at_nm.map(|nm| nm / 1_000_000)
 }
 
 fn kinds(text: &str) -> Vec<(usize, ErrorKind)> {
@@ -131,7 +136,7 @@ fn units_may_change_and_the_usual_digits_with_them() {
     let Feature::Hole(hole) = features[0] else {
         panic!("a slot")
     };
-    assert_eq!(hole.at, [Nm(25_400_000), Nm(5_080_000)]);
+    assert_eq!(hole.at_nm, [25_400_000, 5_080_000]);
 }
 
 #[test]
@@ -143,14 +148,20 @@ fn slots_and_routs() {
     let described: Vec<_> = features
         .iter()
         .map(|feature| match feature {
-            Feature::Hole(hole) => format!("hole {} {}", hole.at[0], hole.at[1]),
+            Feature::Hole(hole) => {
+                let [x, y] = millimetres(hole.at_nm);
+                format!("hole {x} {y}")
+            }
             Feature::Slot(slot) => {
                 let path = match slot.path {
                     Path::Straight => "to".to_owned(),
-                    Path::Radius(Direction::Clockwise, radius) => format!("cw {radius} to"),
+                    Path::Radius {
+                        clockwise: true,
+                        radius_nm,
+                    } => format!("cw {} to", radius_nm / 1_000_000),
                     other => format!("{other:?}"),
                 };
-                let ([x, y], [to_x, to_y]) = (slot.from, slot.to);
+                let ([x, y], [to_x, to_y]) = (millimetres(slot.from_nm), millimetres(slot.to_nm));
                 format!("{x} {y} {path} {to_x} {to_y}")
             }
         })
@@ -374,13 +385,13 @@ proptest! {
         let nm = |value: i64| {
             let product = i128::from(value % most) * nm_per_unit;
             let rounded = (2 * product.abs() + scale) / (2 * scale);
-            Nm((rounded * product.signum()) as i64)
+            (rounded * product.signum()) as i64
         };
         let found: Vec<_> = features
             .iter()
             .map(|feature| match feature {
-                Feature::Hole(hole) => hole.at,
-                Feature::Slot(slot) => slot.to,
+                Feature::Hole(hole) => hole.at_nm,
+                Feature::Slot(slot) => slot.to_nm,
             })
             .collect();
         let wanted: Vec<_> = points.iter().map(|(x, y)| [nm(*x), nm(*y)]).collect();
@@ -435,10 +446,10 @@ proptest! {
         let (features, ..) = read_with(&text, &Overrides::default());
         for feature in features {
             let at = match feature {
-                Feature::Hole(hole) => hole.at,
-                Feature::Slot(slot) => slot.to,
+                Feature::Hole(hole) => hole.at_nm,
+                Feature::Slot(slot) => slot.to_nm,
             };
-            prop_assert!(at.iter().all(|nm| nm.0.abs() <= Nm::LIMIT.0));
+            prop_assert!(at.iter().all(|nm| nm.abs() <= LIMIT_NM));
         }
     }
 }
@@ -448,7 +459,7 @@ fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
     let settings = settings(text.as_bytes(), &Overrides::default());
     let mut reader = Reader::<8>::new(&settings).with_patterns();
     let (mut features, mut errors) = (Vec::new(), Vec::new());
-    let (mut before, mut with, mut by) = (0, 0, [Nm(0); 2]);
+    let (mut before, mut with, mut by) = (0, 0, [0; 2]);
     for (number, line) in lines(text.as_bytes()) {
         match reader.read(line) {
             Ok(made) => features.extend(made),
@@ -460,11 +471,11 @@ fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
         }
         match reader.pattern() {
             Some(Pattern::Begin) => before = features.len(),
-            Some(Pattern::EndOfSet) => (with, by) = (features.len(), [Nm(0); 2]),
+            Some(Pattern::EndOfSet) => (with, by) = (features.len(), [0; 2]),
             Some(Pattern::Repeat(repeat)) => {
                 for _ in 0..repeat.count {
-                    for (by, step) in by.iter_mut().zip(repeat.step) {
-                        by.0 += step.0;
+                    for (by, step) in by.iter_mut().zip(repeat.step_nm) {
+                        *by += step;
                     }
                     for index in before..with {
                         let copy = repeat.copy(&features[index], by).expect("within reach");
@@ -476,8 +487,8 @@ fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
         }
     }
     let places = features.iter().map(|feature| match feature {
-        Feature::Hole(hole) => hole.at.map(|nm| nm.0 / 1000),
-        Feature::Slot(slot) => slot.from.map(|nm| nm.0 / 1000),
+        Feature::Hole(hole) => hole.at_nm.map(|nm| nm / 1000),
+        Feature::Slot(slot) => slot.from_nm.map(|nm| nm / 1000),
     });
     (places.collect(), errors)
 }
@@ -545,7 +556,7 @@ fn sets_of_copies_are_copied() {
     let slot = slot.unwrap();
     let mut repeat = Repeat {
         count: 1,
-        step: [Nm(0); 2],
+        step_nm: [0; 2],
         mirror_x: true,
         mirror_y: false,
         swap: false,
@@ -555,16 +566,22 @@ fn sets_of_copies_are_copied() {
         other => panic!("{other:?}"),
     };
     assert_eq!(
-        path(repeat.copy(&slot, [Nm(0), Nm(7)])),
-        Path::Centre(Direction::CounterClockwise, [Nm(-1_000_000), Nm(7)])
+        path(repeat.copy(&slot, [0, 7])),
+        Path::Centre {
+            clockwise: false,
+            centre_nm: [-1_000_000, 7]
+        }
     );
     repeat.swap = true;
     assert_eq!(
-        path(repeat.copy(&slot, [Nm(0); 2])),
-        Path::Centre(Direction::Clockwise, [Nm(0), Nm(-1_000_000)])
+        path(repeat.copy(&slot, [0; 2])),
+        Path::Centre {
+            clockwise: true,
+            centre_nm: [0, -1_000_000]
+        }
     );
-    assert_eq!(repeat.copy(&slot, [Nm(Nm::LIMIT.0 + 1), Nm(1)]), None);
-    assert_eq!(repeat.copy(&slot, [Nm(i64::MAX), Nm(i64::MIN)]), None);
+    assert_eq!(repeat.copy(&slot, [LIMIT_NM + 1, 1]), None);
+    assert_eq!(repeat.copy(&slot, [i64::MAX, i64::MIN]), None);
 }
 
 #[test]
@@ -647,7 +664,7 @@ fn settled(text: &str) -> Settings {
 /// tool.
 #[test]
 fn what_numbers_show() {
-    use husillo_gcode::excellon::Doubt;
+    use husillo_excellon::Doubt;
     let zeros = |body: &str| settled(&format!("INCH\nT1C.1\n{body}")).zeros.value;
     assert_eq!(zeros("X1000Y100\nX0100\n"), Zeros::Leading);
     assert_eq!(zeros("X1000Y1000\nR2X01\n"), Zeros::Trailing);
@@ -752,13 +769,22 @@ fn arcs_of_routs() {
             Feature::Hole(_) => Path::Straight,
         })
         .collect();
-    let nm = |mm: i64| Nm(mm * 1_000_000);
+    let nm = |mm: i64| mm * 1_000_000;
     assert_eq!(
         paths,
         [
-            Path::Radius(Direction::CounterClockwise, nm(5)),
-            Path::Centre(Direction::Clockwise, [nm(5), nm(0)]),
-            Path::Centre(Direction::CounterClockwise, [nm(0), nm(5)]),
+            Path::Radius {
+                clockwise: false,
+                radius_nm: nm(5)
+            },
+            Path::Centre {
+                clockwise: true,
+                centre_nm: [nm(5), nm(0)]
+            },
+            Path::Centre {
+                clockwise: false,
+                centre_nm: [nm(0), nm(5)]
+            },
         ]
     );
 }
@@ -802,11 +828,11 @@ fn words_and_tools_from_outside() {
         assert!(!text.is_empty() && !texts[..at].contains(text), "{text}");
     }
     let mut reader = Reader::<2>::new(&settled("METRIC\n"));
-    assert!(!reader.set_tool(1, Nm(0)) && !reader.set_tool(1, Nm(-1)));
-    assert!(reader.set_tool(1, Nm(1)) && reader.set_tool(2, Nm(2)));
-    assert!(!reader.set_tool(3, Nm(3)));
+    assert!(!reader.set_tool(1, 0) && !reader.set_tool(1, -1));
+    assert!(reader.set_tool(1, 1) && reader.set_tool(2, 2));
+    assert!(!reader.set_tool(3, 3));
     assert!(reader.read(b"T2X1.").expect("a hole").next().is_some_and(
-        |feature| matches!(feature, Feature::Hole(hole) if hole.tool.diameter == Some(Nm(2)))
+        |feature| matches!(feature, Feature::Hole(hole) if hole.tool.diameter_nm == Some(2))
     ));
     assert!(!reader.is_ended());
     assert_eq!(reader.read(b"M30").expect("an end").len(), 0);

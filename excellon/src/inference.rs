@@ -1,10 +1,10 @@
 //! How a file writes its coordinates, found out before any of them is read.
 
-use super::format::{Digits, Format, Units, Zeros};
-use super::hint::Hint;
-use super::number::Number;
-use super::scanner::Scanner;
-use super::statement::Statement;
+use crate::format::{Digits, Format, Units, Zeros};
+use crate::hint::Hint;
+use crate::number::Number;
+use crate::scanner::Scanner;
+use crate::statement::Statement;
 
 /// The kind of file, for what it does not say itself.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
@@ -259,8 +259,8 @@ impl Inference {
     }
 
     fn tool(&mut self, diameter: &Number) {
-        // In millionths of the unit.
-        let millionths = diameter.plain().and_then(|value| value.scaled(1, 6));
+        // A nanometre is a millionth of a millimetre, so these are millionths of any unit.
+        let millionths = diameter.plain_nm(Units::Millimetres, 0);
         if millionths.is_none_or(|millionths| millionths > 500_000) {
             self.large_tool = self.large_tool.or(Some(self.line));
         }
@@ -308,7 +308,7 @@ fn said<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excellon::lines;
+    use crate::lines::lines;
 
     fn settings(text: &str, overrides: &Overrides) -> Settings {
         let mut inference = Inference::new();

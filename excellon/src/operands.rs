@@ -1,11 +1,11 @@
 //! The coordinate words of a line, before it is known what they are for.
 
-use super::error::{Error, ErrorKind};
-use super::scanner::Word;
+use crate::error::{Error, ErrorKind};
+use crate::scanner::Word;
 
 /// At most one word a letter.
 #[derive(Copy, Clone, Debug, Default)]
-pub(super) struct Operands {
+pub(crate) struct Operands {
     pub x: Option<Word>,
     pub y: Option<Word>,
     pub a: Option<Word>,
@@ -15,7 +15,7 @@ pub(super) struct Operands {
 
 impl Operands {
     /// Keeps a word; an error for a letter that is there already.
-    pub(super) fn set(&mut self, word: Word) -> Result<(), Error> {
+    pub(crate) fn set(&mut self, word: Word) -> Result<(), Error> {
         let room = match word.letter {
             b'X' => &mut self.x,
             b'Y' => &mut self.y,
@@ -31,22 +31,22 @@ impl Operands {
     }
 
     /// The first word of the list of letters that is there.
-    pub(super) fn first(&self) -> Option<Word> {
+    pub(crate) fn first(&self) -> Option<Word> {
         self.x.or(self.y).or(self.of_arc())
     }
 
     /// The first word that only an arc has.
-    pub(super) fn of_arc(&self) -> Option<Word> {
+    pub(crate) fn of_arc(&self) -> Option<Word> {
         self.a.or(self.i).or(self.j)
     }
 
     /// Whether there is a coordinate.
-    pub(super) fn has_point(&self) -> bool {
+    pub(crate) fn has_point(&self) -> bool {
         self.x.is_some() || self.y.is_some()
     }
 
     /// An error about all of the words.
-    pub(super) fn error(&self, kind: ErrorKind) -> Error {
+    pub(crate) fn error(&self, kind: ErrorKind) -> Error {
         let words = [self.x, self.y, self.a, self.i, self.j];
         let words = words.iter().flatten();
         let at = words.clone().map(|word| word.at).min().unwrap_or(0);

@@ -1,21 +1,20 @@
 //! What the lines so far leave behind, and what coordinates mean by it.
 
-use super::error::{Error, ErrorKind};
-use super::feature::{Feature, Features, Hole, Path, Slot};
-use super::format::{Format, Units};
-use super::operands::Operands;
-use super::pattern::{Repeat, Stage};
-use super::scanner::Word;
-use super::tool::Tool;
-use crate::arc::Direction;
-use crate::nm::Nm;
+use crate::error::{Error, ErrorKind};
+use crate::feature::{Feature, Features, Hole, Path, Slot};
+use crate::format::{Format, Units};
+use crate::length::within_limit;
+use crate::operands::Operands;
+use crate::pattern::{Repeat, Stage};
+use crate::scanner::Word;
+use crate::tool::Tool;
 
 /// The most repeats of one `R`.
 const MOST_REPEATS: u16 = 9999;
 
 /// What the caller has said and no line changes.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Pinned {
+pub(crate) struct Pinned {
     pub units: bool,
     pub zeros: bool,
     pub digits: bool,
@@ -23,7 +22,7 @@ pub(super) struct Pinned {
 
 /// What the lines so far leave behind.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct State {
+pub(crate) struct State {
     pub format: Format,
     /// Nothing has said the digits: they follow the unit.
     pub usual_digits: bool,
@@ -31,7 +30,7 @@ pub(super) struct State {
     pub incremental: bool,
     pub mode: Mode,
     pub tool_down: bool,
-    pub at: [Nm; 2],
+    pub at_nm: [i64; 2],
     /// The last feature was a hole.
     pub hole_before: bool,
     pub tool: Option<Tool>,
@@ -43,7 +42,7 @@ pub(super) struct State {
 
 /// An `M02` and what stands beside it.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Copies {
+pub(crate) struct Copies {
     pub word: Word,
     /// `R` before it.
     pub repeat: Option<Word>,
@@ -55,7 +54,7 @@ pub(super) struct Copies {
 
 /// What a coordinate does.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// G05, G81: a hole.
     Drill,
     /// G00: a move of the rout.
@@ -63,11 +62,11 @@ pub(super) enum Mode {
     /// G01: a straight rout.
     Line,
     /// G02, G03: a circular rout.
-    Arc(Direction),
+    Arc { clockwise: bool },
 }
 
 impl State {
-    pub(super) fn set_units(&mut self, units: Units, pinned: Pinned) {
+    pub(crate) fn set_units(&mut self, units: Units, pinned: Pinned) {
         if pinned.units {
             return;
         }
@@ -77,19 +76,19 @@ impl State {
         self.format.units = units;
     }
 
-    pub(super) fn length(&self, word: &Word) -> Result<Nm, Error> {
+    pub(crate) fn length(&self, word: &Word) -> Result<i64, Error> {
         word.number
-            .length(&self.format)
+            .length_nm(&self.format)
             .ok_or(word.error(ErrorKind::NumberTooLarge))
     }
 
     /// The length of a word, or zero.
-    pub(super) fn offset(&self, word: Option<&Word>) -> Result<Nm, Error> {
-        word.map_or(Ok(Nm(0)), |word| self.length(word))
+    pub(crate) fn offset(&self, word: Option<&Word>) -> Result<i64, Error> {
+        word.map_or(Ok(0), |word| self.length(word))
     }
 
     /// The point that the words name, seen from `from`.
-    pub(super) fn target(&self, from: [Nm; 2], operands: &Operands) -> Result<[Nm; 2], Error> {
+    pub(crate) fn target(&self, from: [i64; 2], operands: &Operands) -> Result<[i64; 2], Error> {
         let [x, y] = from;
         Ok([
             self.coordinate(x, operands.x.as_ref())?,
@@ -97,19 +96,17 @@ impl State {
         ])
     }
 
-    pub(super) fn coordinate(&self, from: Nm, word: Option<&Word>) -> Result<Nm, Error> {
+    pub(crate) fn coordinate(&self, from: i64, word: Option<&Word>) -> Result<i64, Error> {
         let Some(word) = word else { return Ok(from) };
         let length = self.length(word)?;
         if !self.incremental {
             return Ok(length);
         }
         // Both are within 2^50.
-        Nm(from.0.wrapping_add(length.0))
-            .within_limit()
-            .ok_or(word.error(ErrorKind::NumberTooLarge))
+        within_limit(from.wrapping_add(length)).ok_or(word.error(ErrorKind::NumberTooLarge))
     }
 
-    pub(super) fn tool_for(&self, operands: &Operands) -> Result<Tool, Error> {
+    pub(crate) fn tool_for(&self, operands: &Operands) -> Result<Tool, Error> {
         let tool = self.tool.ok_or(operands.error(ErrorKind::NoTool))?;
         Ok(Tool {
             plated: tool.plated.or(self.plated),
@@ -117,7 +114,7 @@ impl State {
         })
     }
 
-    pub(super) fn slot(
+    pub(crate) fn slot(
         &mut self,
         start: &Operands,
         end: &Operands,
@@ -129,21 +126,21 @@ impl State {
         if let Some(odd) = start.of_arc().or(end.of_arc()) {
             return Err(odd.error(ErrorKind::UnknownWord(odd.letter)));
         }
-        let from = self.target(self.at, start)?;
+        let from = self.target(self.at_nm, start)?;
         let to = self.target(from, end)?;
         let tool = self.tool_for(start)?;
-        self.at = to;
+        self.at_nm = to;
         self.hole_before = false;
         let slot = Slot {
-            from,
-            to,
+            from_nm: from,
+            to_nm: to,
             path: Path::Straight,
             tool,
         };
         Ok(Features::one(Feature::Slot(slot)))
     }
 
-    pub(super) fn repeat(&mut self, step: &Operands, word: &Word) -> Result<Features, Error> {
+    pub(crate) fn repeat(&mut self, step: &Operands, word: &Word) -> Result<Features, Error> {
         let count = word.whole(MOST_REPEATS)?;
         if count == 0 {
             return Err(word.error(ErrorKind::StepAndRepeat));
@@ -162,27 +159,24 @@ impl State {
             plated: tool.plated.or(self.plated),
             ..tool
         };
-        let steps = [
-            self.offset(step.x.as_ref())?.0,
-            self.offset(step.y.as_ref())?.0,
-        ];
-        let [x, y] = self.at;
-        let after = |from: Nm, step: i64, count: u16| {
-            let way = step.checked_mul(i64::from(count))?;
-            Nm(from.0.checked_add(way)?).within_limit()
+        let steps = [self.offset(step.x.as_ref())?, self.offset(step.y.as_ref())?];
+        let [x, y] = self.at_nm;
+        let after = |from: i64, step: i64, count: u16| {
+            let distance = step.checked_mul(i64::from(count))?;
+            within_limit(from.checked_add(distance)?)
         };
         let [step_x, step_y] = steps;
         let point = |count| Some([after(x, step_x, count)?, after(y, step_y, count)?]);
         let (Some(first), Some(last)) = (point(1), point(count)) else {
             return Err(word.error(ErrorKind::NumberTooLarge));
         };
-        self.at = last;
-        let hole = Hole { at: first, tool };
+        self.at_nm = last;
+        let hole = Hole { at_nm: first, tool };
         Ok(Features::repeated(hole, steps, count))
     }
 
     /// What `M02` with these coordinates asks for; `flags` are M70, M80, M90.
-    pub(super) fn copies(
+    pub(crate) fn copies(
         &self,
         copy: &Copies,
         operands: &Operands,
@@ -205,7 +199,7 @@ impl State {
         }
         Ok(Some(Repeat {
             count,
-            step: [
+            step_nm: [
                 self.offset(operands.x.as_ref())?,
                 self.offset(operands.y.as_ref())?,
             ],
@@ -215,7 +209,7 @@ impl State {
         }))
     }
 
-    pub(super) fn origin(&mut self, operands: &Operands) -> Result<Features, Error> {
+    pub(crate) fn origin(&mut self, operands: &Operands) -> Result<Features, Error> {
         for word in [operands.x, operands.y].iter().flatten() {
             if !word.number.is_zero() {
                 return Err(word.error(ErrorKind::Origin));
@@ -224,28 +218,33 @@ impl State {
         Ok(Features::NONE)
     }
 
-    pub(super) fn arc(&self, direction: Direction, operands: &Operands) -> Result<Path, Error> {
+    pub(crate) fn arc(&self, clockwise: bool, operands: &Operands) -> Result<Path, Error> {
         if let Some(radius) = &operands.a {
-            let length = self.length(radius)?;
-            if length.0 <= 0 {
+            let radius_nm = self.length(radius)?;
+            if radius_nm <= 0 {
                 return Err(radius.error(ErrorKind::NoDiameter));
             }
-            return Ok(Path::Radius(direction, length));
+            return Ok(Path::Radius {
+                clockwise,
+                radius_nm,
+            });
         }
         if operands.i.is_none() && operands.j.is_none() {
             return Err(operands.error(ErrorKind::NoCentre));
         }
-        let [x, y] = self.at;
-        let centre = |from: Nm, word: Option<&Word>| {
+        let [x, y] = self.at_nm;
+        let centre = |from: i64, word: Option<&Word>| {
             // Both are within 2^50.
-            let at = Nm(from.0.wrapping_add(self.offset(word)?.0));
-            at.within_limit()
-                .ok_or(operands.error(ErrorKind::NumberTooLarge))
+            let at = from.wrapping_add(self.offset(word)?);
+            within_limit(at).ok_or(operands.error(ErrorKind::NumberTooLarge))
         };
-        let centre = [
+        let centre_nm = [
             centre(x, operands.i.as_ref())?,
             centre(y, operands.j.as_ref())?,
         ];
-        Ok(Path::Centre(direction, centre))
+        Ok(Path::Centre {
+            clockwise,
+            centre_nm,
+        })
     }
 }

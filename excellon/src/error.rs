@@ -29,8 +29,8 @@ pub enum ErrorKind {
     MissingNumber(u8),
     /// A second point in a number.
     MalformedNumber,
-    /// A number beyond what can be represented: a coordinate beyond [`Nm::LIMIT`](crate::Nm::LIMIT), a tool above 65535,
-    /// more than 9999 repeats.
+    /// A number beyond what can be represented: a coordinate beyond
+    /// [`LIMIT_NM`](crate::LIMIT_NM), a tool above 65535, more than 9999 repeats.
     NumberTooLarge,
     /// A number of more than 18 digits.
     TooManyDigits,

@@ -1,8 +1,6 @@
 //! What a drill file makes: holes and slots.
 
-use super::tool::Tool;
-use crate::arc::Direction;
-use crate::nm::Nm;
+use crate::tool::Tool;
 
 /// A hole or a slot.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -18,8 +16,8 @@ pub enum Feature {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hole {
-    /// X and Y of its middle.
-    pub at: [Nm; 2],
+    /// X and Y of its middle, in nanometres.
+    pub at_nm: [i64; 2],
     /// The tool with its diameter.
     pub tool: Tool,
 }
@@ -28,10 +26,10 @@ pub struct Hole {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Slot {
-    /// X and Y of one end.
-    pub from: [Nm; 2],
-    /// X and Y of the other end.
-    pub to: [Nm; 2],
+    /// X and Y of one end, in nanometres.
+    pub from_nm: [i64; 2],
+    /// X and Y of the other end, in nanometres.
+    pub to_nm: [i64; 2],
     /// The way between them.
     pub path: Path,
     /// The tool with its diameter.
@@ -44,10 +42,22 @@ pub struct Slot {
 pub enum Path {
     /// Straight: `G85`, or `G01` of a rout.
     Straight,
-    /// An arc with this radius (`A`), of at most half a turn. Whether the ends are that near is not checked.
-    Radius(Direction, Nm),
-    /// An arc about this centre (`I` and `J`, from the start). Whether the end is on it is not checked.
-    Centre(Direction, [Nm; 2]),
+    /// An arc of a given radius (`A`), of at most half a turn. Whether the ends are that near is
+    /// not checked.
+    Radius {
+        /// `G02`; `G03` otherwise.
+        clockwise: bool,
+        /// Above zero, in nanometres.
+        radius_nm: i64,
+    },
+    /// An arc about a given centre (`I` and `J`, from the start). Whether the end is on it is not
+    /// checked.
+    Centre {
+        /// `G02`; `G03` otherwise.
+        clockwise: bool,
+        /// X and Y in nanometres.
+        centre_nm: [i64; 2],
+    },
 }
 
 /// The features of one line, an iterator: none, one, or the holes of a repeat.
@@ -59,13 +69,13 @@ pub struct Features {
 }
 
 impl Features {
-    pub(super) const NONE: Features = Features {
+    pub(crate) const NONE: Features = Features {
         next: None,
         step: [0; 2],
         left: 0,
     };
 
-    pub(super) const fn one(feature: Feature) -> Features {
+    pub(crate) const fn one(feature: Feature) -> Features {
         Features {
             next: Some(feature),
             step: [0; 2],
@@ -73,8 +83,9 @@ impl Features {
         }
     }
 
-    /// `count` holes, each `step` nanometres from the one before; the last one is within [`Nm::LIMIT`], so all are.
-    pub(super) const fn repeated(first: Hole, step: [i64; 2], count: u16) -> Features {
+    /// `count` holes, each `step` nanometres from the one before; the last one is within
+    /// [`LIMIT_NM`](crate::LIMIT_NM), so all are.
+    pub(crate) const fn repeated(first: Hole, step: [i64; 2], count: u16) -> Features {
         Features {
             next: Some(Feature::Hole(first)),
             step,
@@ -89,11 +100,11 @@ impl Iterator for Features {
     fn next(&mut self) -> Option<Feature> {
         self.left = self.left.checked_sub(1)?;
         let feature = self.next?;
-        if let Some(Feature::Hole(Hole { at: [x, y], .. })) = &mut self.next {
+        if let Some(Feature::Hole(Hole { at_nm: [x, y], .. })) = &mut self.next {
             let [step_x, step_y] = self.step;
             // Below 2^50 + 2^50.
-            x.0 = x.0.wrapping_add(step_x);
-            y.0 = y.0.wrapping_add(step_y);
+            *x = x.wrapping_add(step_x);
+            *y = y.wrapping_add(step_y);
         }
         Some(feature)
     }

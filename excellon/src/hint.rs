@@ -1,14 +1,11 @@
 //! What layout programs say in comments.
 
-use super::format::{Digits, Units, Zeros};
-use super::number::length;
-use super::scanner::Scanner;
-use crate::decimal::Decimal;
-use crate::nm::Nm;
+use crate::format::{Digits, Units, Zeros};
+use crate::scanner::Scanner;
 
 /// A comment that says something.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
-pub(super) enum Hint {
+pub(crate) enum Hint {
     /// How coordinates are written, as far as it is said: `FILE_FORMAT=2:4` (Altium, EasyEDA, P-CAD), `FORMAT={3:3/ absolute
     /// / metric / suppress leading zeros}` (KiCad), `Format : 3.3 / Absolute / MM / Leading` (Mentor).
     Format {
@@ -23,7 +20,7 @@ pub(super) enum Hint {
     /// `T01 Holesize 1. = 13.000000 Tolerance = +0.0/-0.0 PLATED MILS Quantity = 20` (Allegro).
     Size {
         tool: u16,
-        diameter: Nm,
+        diameter_nm: i64,
         units: Units,
         plated: Option<bool>,
     },
@@ -31,7 +28,7 @@ pub(super) enum Hint {
 
 impl Hint {
     /// Reads the text of a comment; `None` when it says nothing that is understood. What is malformed says nothing.
-    pub(super) fn parse(text: Scanner<'_>) -> Option<Hint> {
+    pub(crate) fn parse(text: Scanner<'_>) -> Option<Hint> {
         file_format(text)
             .or_else(|| format(text))
             .or_else(|| plating(text))
@@ -179,15 +176,13 @@ fn size(mut text: Scanner<'_>) -> Option<Hint> {
     }
     let (units, shift) = scale?;
     let tool = named.unwrap_or(index).whole()?;
-    let size = written.plain()?;
-    let places = size.places().checked_add(shift)?;
-    let diameter = length(Decimal::new(size.digits(), places)?, units)?;
-    if diameter.0 <= 0 {
+    let diameter_nm = written.plain_nm(units, shift)?;
+    if diameter_nm <= 0 {
         return None;
     }
     Some(Hint::Size {
         tool: u16::try_from(tool).ok()?,
-        diameter,
+        diameter_nm,
         units,
         plated: is_plated,
     })
@@ -274,7 +269,7 @@ mod tests {
             hint(text),
             Some(Hint::Size {
                 tool: 1,
-                diameter: Nm(330_200),
+                diameter_nm: 330_200,
                 units: Units::Inches,
                 plated: Some(true)
             })
@@ -284,7 +279,7 @@ mod tests {
             hint(text),
             Some(Hint::Size {
                 tool: 12,
-                diameter: Nm(300_000),
+                diameter_nm: 300_000,
                 units: Units::Millimetres,
                 plated: Some(false)
             })

@@ -1,19 +1,16 @@
 //! The second pass: lines in, holes and slots out.
 
-use super::error::{Error, ErrorKind, Warning, WarningKind};
-use super::feature::{Feature, Features, Hole, Path, Slot};
-use super::format::{Digits, Format, Units, Zeros};
-use super::hint::Hint;
-use super::inference::{Reason, Settings};
-use super::number::length;
-use super::operands::Operands;
-use super::pattern::{Pattern, Stage};
-use super::scanner::{Scanner, Word};
-use super::state::{Copies, Mode, Pinned, State};
-use super::statement::Statement;
-use super::tool::{Source, Tool, Tools};
-use crate::arc::Direction;
-use crate::nm::Nm;
+use crate::error::{Error, ErrorKind, Warning, WarningKind};
+use crate::feature::{Feature, Features, Hole, Path, Slot};
+use crate::format::{Digits, Format, Units, Zeros};
+use crate::hint::Hint;
+use crate::inference::{Reason, Settings};
+use crate::operands::Operands;
+use crate::pattern::{Pattern, Stage};
+use crate::scanner::{Scanner, Word};
+use crate::state::{Copies, Mode, Pinned, State};
+use crate::statement::Statement;
+use crate::tool::{Source, Tool, Tools};
 
 /// Reads a drill file line by line, with room for `TOOLS` tools. A line with an error changes nothing.
 ///
@@ -62,7 +59,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                 incremental: settings.incremental,
                 mode: Mode::Drill,
                 tool_down: false,
-                at: [Nm(0); 2],
+                at_nm: [0; 2],
                 hole_before: false,
                 tool: None,
                 plated: None,
@@ -96,13 +93,13 @@ impl<const TOOLS: usize> Reader<TOOLS> {
 
     /// Sets the diameter of a tool, whatever the file says; to be called before the first line. `false` when there is
     /// no room, or the diameter is not above zero.
-    pub fn set_tool(&mut self, number: u16, diameter: Nm) -> bool {
+    pub fn set_tool(&mut self, number: u16, diameter_nm: i64) -> bool {
         let tool = Tool {
             number,
-            diameter: Some(diameter),
+            diameter_nm: Some(diameter_nm),
             plated: None,
         };
-        diameter.0 > 0 && self.tools.define(tool, Source::Caller)
+        diameter_nm > 0 && self.tools.define(tool, Source::Caller)
     }
 
     /// The tools so far.
@@ -200,13 +197,13 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             Some(Hint::Plated(plated)) => self.state.plated = plated,
             Some(Hint::Size {
                 tool,
-                diameter,
+                diameter_nm,
                 plated,
                 ..
             }) => {
                 let tool = Tool {
                     number: tool,
-                    diameter: Some(diameter),
+                    diameter_nm: Some(diameter_nm),
                     plated: plated.or(self.state.plated),
                 };
                 // A tool too many is an error where it is chosen.
@@ -311,8 +308,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         match code {
             0 => state.mode = Mode::Move,
             1 => state.mode = Mode::Line,
-            2 => state.mode = Mode::Arc(Direction::Clockwise),
-            3 => state.mode = Mode::Arc(Direction::CounterClockwise),
+            2 => state.mode = Mode::Arc { clockwise: true },
+            3 => state.mode = Mode::Arc { clockwise: false },
             5 | 81 => {
                 state.mode = Mode::Drill;
                 state.tool_down = false;
@@ -384,7 +381,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         state.hole_before = false;
         if code == 1 && state.incremental {
             // The manual: the accumulators are cleared at the end of a pattern.
-            state.at = [Nm(0); 2];
+            state.at_nm = [0; 2];
         }
         Ok(true)
     }
@@ -426,18 +423,17 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         let number = word.whole(u16::MAX)?;
         let mut tool = Tool {
             number,
-            diameter: None,
+            diameter_nm: None,
             plated: state.plated,
         };
         let source = match diameter {
             Some(diameter) => {
-                let value = diameter.number.plain();
-                let nm = value.and_then(|value| length(value, state.format.units));
+                let nm = diameter.number.plain_nm(state.format.units, 0);
                 let nm = nm.ok_or(diameter.error(ErrorKind::NumberTooLarge))?;
-                if nm.0 <= 0 {
+                if nm <= 0 {
                     return Err(diameter.error(ErrorKind::NoDiameter));
                 }
-                tool.diameter = Some(nm);
+                tool.diameter_nm = Some(nm);
                 Source::Definition
             }
             None => match self.tools.get(number) {
@@ -456,12 +452,12 @@ impl<const TOOLS: usize> Reader<TOOLS> {
     fn apply(&mut self, state: &mut State, request: &mut Request) -> Result<(), Error> {
         if let (Some((word, diameter)), false) = (&request.tool, request.used) {
             let (tool, source) = self.tool(state, word, diameter.as_ref())?;
-            let unloads = tool.number == 0 && source.is_none() && tool.diameter.is_none();
+            let unloads = tool.number == 0 && source.is_none() && tool.diameter_nm.is_none();
             if unloads {
                 state.tool = None;
             } else if diameter.is_none() || !state.header {
                 let tool = source.map_or(tool, |source| self.tools.preview(tool, source).0);
-                if tool.diameter.is_none() {
+                if tool.diameter_nm.is_none() {
                     self.warn(WarningKind::NoDiameter(tool.number), word.at, word.end);
                 }
                 state.tool = Some(tool);
@@ -509,28 +505,28 @@ impl<const TOOLS: usize> Reader<TOOLS> {
 
     /// One coordinate: a hole, a move or a piece of a rout.
     fn point(&mut self, state: &mut State, operands: &Operands) -> Result<Features, Error> {
-        let is_arc = matches!(state.mode, Mode::Arc(_));
+        let is_arc = matches!(state.mode, Mode::Arc { .. });
         if let (Some(word), false) = (operands.of_arc(), is_arc) {
             return Err(word.error(ErrorKind::UnknownWord(word.letter)));
         }
-        let from = state.at;
+        let from = state.at_nm;
         let to = state.target(from, operands)?;
         let path = match state.mode {
             Mode::Drill => {
                 let tool = state.tool_for(operands)?;
-                state.at = to;
+                state.at_nm = to;
                 state.hole_before = true;
-                let hole = Hole { at: to, tool };
+                let hole = Hole { at_nm: to, tool };
                 return Ok(Features::one(Feature::Hole(hole)));
             }
             Mode::Move => {
-                state.at = to;
+                state.at_nm = to;
                 return Ok(Features::NONE);
             }
             Mode::Line => Path::Straight,
-            Mode::Arc(direction) => state.arc(direction, operands)?,
+            Mode::Arc { clockwise } => state.arc(clockwise, operands)?,
         };
-        state.at = to;
+        state.at_nm = to;
         state.hole_before = false;
         if !state.tool_down {
             let at = operands.error(ErrorKind::NoTool);
@@ -539,8 +535,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
         let tool = state.tool_for(operands)?;
         let slot = Slot {
-            from,
-            to,
+            from_nm: from,
+            to_nm: to,
             path,
             tool,
         };

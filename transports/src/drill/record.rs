@@ -10,23 +10,21 @@
 //! ```
 //!
 //! ```
-//! use husillo_gcode::Nm;
-//! use husillo_gcode::drill_record::{Record, Table, bytes, records};
+//! use husillo_transports::drill::{Record, Table, record_bytes, records};
 //!
-//! let hole = Table::DRILL.hole([Nm(10_000_000), Nm(5_000_000)])?;
+//! let hole = Table::DRILL.hole([10_000_000, 5_000_000])?;
 //! assert_eq!(hole, [Record::X(1070), Record::Y(535), Record::Drill(0)]);
-//! let file: Vec<u8> = bytes(hole).collect();
+//! let file: Vec<u8> = record_bytes(hole).collect();
 //! assert_eq!(file, [0x58, 0x2e, 0x04, 0x59, 0x17, 0x02, 0x5a, 0, 0, 0x66]);
 //! let back: Result<Vec<_>, _> = records(&file).collect();
 //! assert_eq!(back, Ok(hole.to_vec()));
-//! # Ok::<(), husillo_gcode::drill_record::OffTable>(())
+//! # Ok::<(), husillo_transports::drill::OffTable>(())
 //! ```
 //!
 //! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps ([`Table::DRILL`]). A place
 //! is rounded to the nearest step, so it is off by at most half of one, 4.673 um, and that does not add up. The controller's
 //! buffer holds 8192 bytes, 2730 records and two bytes of the next; a longer file is sent in pieces.
 
-use crate::nm::Nm;
 use core::fmt;
 use core::iter::FusedIterator;
 
@@ -35,7 +33,7 @@ use core::iter::FusedIterator;
 pub const STEPS_PER_MM: u16 = 107;
 
 /// The byte behind the last record.
-pub const END: u8 = b'f';
+pub const END_OF_PROGRAM: u8 = b'f';
 
 /// One record.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -109,41 +107,41 @@ impl Table {
         y: u16::MAX,
     };
 
-    /// The record that moves X there.
+    /// The record that moves X there, nanometres from home.
     ///
     /// # Errors
     /// The place is not on the table.
-    pub const fn move_x(&self, to: Nm) -> Result<Record, OffTable> {
-        match steps(to, self.x) {
+    pub const fn move_x(&self, to_nm: i64) -> Result<Record, OffTable> {
+        match steps(to_nm, self.x) {
             Some(steps) => Ok(Record::X(steps)),
             None => Err(OffTable {
                 letter: b'X',
-                at: to,
+                at_nm: to_nm,
                 last: self.x,
             }),
         }
     }
 
-    /// The record that moves Y there.
+    /// The record that moves Y there, nanometres from home.
     ///
     /// # Errors
     /// The place is not on the table.
-    pub const fn move_y(&self, to: Nm) -> Result<Record, OffTable> {
-        match steps(to, self.y) {
+    pub const fn move_y(&self, to_nm: i64) -> Result<Record, OffTable> {
+        match steps(to_nm, self.y) {
             Some(steps) => Ok(Record::Y(steps)),
             None => Err(OffTable {
                 letter: b'Y',
-                at: to,
+                at_nm: to_nm,
                 last: self.y,
             }),
         }
     }
 
-    /// The place in steps of X and Y.
+    /// A place in nanometres from home as steps of X and Y.
     ///
     /// # Errors
     /// It is not on the table; of X where both are off.
-    pub const fn steps(&self, [x, y]: [Nm; 2]) -> Result<[u16; 2], OffTable> {
+    pub const fn steps(&self, [x, y]: [i64; 2]) -> Result<[u16; 2], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(Record::X(x)), Ok(Record::Y(y))) => Ok([x, y]),
             (Err(error), _) | (_, Err(error)) => Err(error),
@@ -152,11 +150,11 @@ impl Table {
         }
     }
 
-    /// The records of one hole: X, Y, drill.
+    /// The records of one hole, nanometres from home: X, Y, drill.
     ///
     /// # Errors
     /// The place is not on the table; of X where both are off.
-    pub const fn hole(&self, [x, y]: [Nm; 2]) -> Result<[Record; 3], OffTable> {
+    pub const fn hole(&self, [x, y]: [i64; 2]) -> Result<[Record; 3], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(x), Ok(y)) => Ok([x, y, Record::Drill(0)]),
             (Err(error), _) | (_, Err(error)) => Err(error),
@@ -165,22 +163,41 @@ impl Table {
 }
 
 /// The nearest step, halves away from zero, if it is on the table.
-const fn steps(at: Nm, last: u16) -> Option<u16> {
+const fn steps(at_nm: i64, last: u16) -> Option<u16> {
     const NM_PER_MM: i64 = 1_000_000;
-    // Beyond the first test, at is at most 2^50 nm (of LIMIT): 2^57 after the factor.
-    if at.0 > Nm::LIMIT.0 || at.0 < -Nm::LIMIT.0 {
+    let Some(scaled) = at_nm.checked_mul(STEPS_PER_MM as i64) else {
         return None;
-    }
-    let scaled = at.0.wrapping_mul(STEPS_PER_MM as i64);
+    };
     if scaled <= -NM_PER_MM / 2 {
         return None;
     }
-    // Not below -half: the sum is above zero, and the quotient towards zero is the nearest.
-    let steps = scaled.wrapping_add(NM_PER_MM / 2) / NM_PER_MM;
+    // Above -half: the sum is above zero, and the quotient towards zero is the nearest. The
+    // quotients are below 2^44.
+    let (whole, rest) = (scaled / NM_PER_MM, scaled % NM_PER_MM);
+    let steps = whole.wrapping_add(rest.wrapping_add(NM_PER_MM / 2) / NM_PER_MM);
     if steps <= last as i64 {
         Some(steps as u16)
     } else {
         None
+    }
+}
+
+/// Nanometres that print as millimetres, without trailing zeros.
+struct Millimetres(i64);
+
+impl fmt::Display for Millimetres {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (sign, nm) = (if self.0 < 0 { "-" } else { "" }, self.0.unsigned_abs());
+        write!(f, "{sign}{}", nm / 1_000_000)?;
+        let (mut rest, mut place) = (nm % 1_000_000, 100_000);
+        if rest > 0 {
+            f.write_str(".")?;
+        }
+        while rest > 0 {
+            write!(f, "{}", rest / place)?;
+            (rest, place) = (rest % place, place / 10);
+        }
+        Ok(())
     }
 }
 
@@ -190,8 +207,8 @@ const fn steps(at: Nm, last: u16) -> Option<u16> {
 pub struct OffTable {
     /// `X` or `Y`.
     pub letter: u8,
-    /// The place.
-    pub at: Nm,
+    /// The place, nanometres from home.
+    pub at_nm: i64,
     /// The last step of that axis.
     pub last: u16,
 }
@@ -207,18 +224,18 @@ impl fmt::Display for OffTable {
             f,
             "{}{} is off the table, 0 to {} mm",
             char::from(self.letter),
-            self.at,
-            Nm((micrometres as i64).saturating_mul(1000))
+            Millimetres(self.at_nm),
+            Millimetres((micrometres as i64).saturating_mul(1000))
         )
     }
 }
 
 impl core::error::Error for OffTable {}
 
-/// The bytes of a program: its records, then [`END`]. A program without records is one that the controller cannot take: its
+/// The bytes of a program: its records, then [`END_OF_PROGRAM`]. A program without records is one that the controller cannot take: its
 /// download has no end before the first record.
-pub fn bytes<R: IntoIterator<Item = Record>>(records: R) -> Bytes<R::IntoIter> {
-    Bytes {
+pub fn record_bytes<R: IntoIterator<Item = Record>>(records: R) -> RecordBytes<R::IntoIter> {
+    RecordBytes {
         records: records.into_iter(),
         rest: [0; 2],
         left: 0,
@@ -226,9 +243,9 @@ pub fn bytes<R: IntoIterator<Item = Record>>(records: R) -> Bytes<R::IntoIter> {
     }
 }
 
-/// Iterator over the bytes of a program; see [`bytes`].
+/// Iterator over the bytes of a program; see [`record_bytes`].
 #[derive(Clone, Debug)]
-pub struct Bytes<R> {
+pub struct RecordBytes<R> {
     records: R,
     /// The second and the third byte of the present record.
     rest: [u8; 2],
@@ -237,7 +254,7 @@ pub struct Bytes<R> {
     ended: bool,
 }
 
-impl<R: Iterator<Item = Record>> Iterator for Bytes<R> {
+impl<R: Iterator<Item = Record>> Iterator for RecordBytes<R> {
     type Item = u8;
 
     fn next(&mut self) -> Option<u8> {
@@ -262,19 +279,19 @@ impl<R: Iterator<Item = Record>> Iterator for Bytes<R> {
             }
             None => {
                 self.ended = true;
-                Some(END)
+                Some(END_OF_PROGRAM)
             }
         }
     }
 }
 
-impl<R: Iterator<Item = Record>> FusedIterator for Bytes<R> {}
+impl<R: Iterator<Item = Record>> FusedIterator for RecordBytes<R> {}
 
 /// What is wrong with bytes that should be a program.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum ErrorKind {
+pub enum RecordErrorKind {
     /// A record begins with this byte, which is none of `X`, `Y`, `Z` and `f`.
     UnknownAxis(u8),
     /// One or two bytes of a record, and no more.
@@ -290,28 +307,28 @@ pub enum ErrorKind {
 /// Where bytes stop to be a program, and why.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Error {
+pub struct RecordError {
     /// What is wrong.
-    pub kind: ErrorKind,
+    pub kind: RecordErrorKind,
     /// Offset of the first wrong byte.
     pub at: usize,
     /// Offset behind the last one; equal to `at` where something is missing at the end.
     pub end: usize,
 }
 
-impl fmt::Display for Error {
+impl fmt::Display for RecordError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
-            ErrorKind::UnknownAxis(byte) => write!(f, "record of unknown axis {byte:#04x}"),
-            ErrorKind::CutOff => f.write_str("record cut off"),
-            ErrorKind::NoEnd => f.write_str("program without an end"),
-            ErrorKind::Empty => f.write_str("program without a record"),
-            ErrorKind::AfterEnd => f.write_str("bytes behind the end"),
+            RecordErrorKind::UnknownAxis(byte) => write!(f, "record of unknown axis {byte:#04x}"),
+            RecordErrorKind::CutOff => f.write_str("record cut off"),
+            RecordErrorKind::NoEnd => f.write_str("program without an end"),
+            RecordErrorKind::Empty => f.write_str("program without a record"),
+            RecordErrorKind::AfterEnd => f.write_str("bytes behind the end"),
         }
     }
 }
 
-impl core::error::Error for Error {}
+impl core::error::Error for RecordError {}
 
 /// The records of a program. The first error is the last item.
 pub fn records(bytes: &[u8]) -> Records<'_> {
@@ -331,7 +348,7 @@ pub struct Records<'a> {
 }
 
 impl Iterator for Records<'_> {
-    type Item = Result<Record, Error>;
+    type Item = Result<Record, RecordError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.done {
@@ -341,33 +358,33 @@ impl Iterator for Records<'_> {
         // All offsets are at most the length of the bytes.
         let behind = |count: usize| at.saturating_add(count);
         let (kind, start, end) = match *self.rest {
-            [letter, low, high, ref rest @ ..] if letter != END => {
+            [letter, low, high, ref rest @ ..] if letter != END_OF_PROGRAM => {
                 match Record::from_bytes([letter, low, high]) {
                     Some(record) => {
                         (self.rest, self.at) = (rest, behind(3));
                         return Some(Ok(record));
                     }
-                    None => (ErrorKind::UnknownAxis(letter), at, behind(1)),
+                    None => (RecordErrorKind::UnknownAxis(letter), at, behind(1)),
                 }
             }
-            [] => (ErrorKind::NoEnd, at, at),
-            [END, ..] if at == 0 => (ErrorKind::Empty, at, behind(1)),
-            [END] => {
+            [] => (RecordErrorKind::NoEnd, at, at),
+            [END_OF_PROGRAM, ..] if at == 0 => (RecordErrorKind::Empty, at, behind(1)),
+            [END_OF_PROGRAM] => {
                 self.done = true;
                 return None;
             }
-            [END, ref rest @ ..] => (
-                ErrorKind::AfterEnd,
+            [END_OF_PROGRAM, ref rest @ ..] => (
+                RecordErrorKind::AfterEnd,
                 behind(1),
                 behind(1).saturating_add(rest.len()),
             ),
             [letter, ..] if Record::from_bytes([letter, 0, 0]).is_none() => {
-                (ErrorKind::UnknownAxis(letter), at, behind(1))
+                (RecordErrorKind::UnknownAxis(letter), at, behind(1))
             }
-            [..] => (ErrorKind::CutOff, at, behind(self.rest.len())),
+            [..] => (RecordErrorKind::CutOff, at, behind(self.rest.len())),
         };
         self.done = true;
-        Some(Err(Error {
+        Some(Err(RecordError {
             kind,
             at: start,
             end,

@@ -1,6 +1,6 @@
-//! Lists the holes of a drill file: `cargo run -p husillo-gcode --example holes -- FILE [--time]`.
+//! Lists the holes of a drill file: `cargo run -p husillo-excellon --example holes -- FILE [--time]`.
 
-use husillo_gcode::excellon::{Feature, Inference, Overrides, Reader, lines};
+use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::time::Instant;
 
 /// Both passes over the text; each feature goes to `found`.
@@ -24,11 +24,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let text = std::fs::read(file)?;
     if arguments.next().is_none() {
         read(&text, |feature| match feature {
-            Feature::Hole(hole) => println!("{} {} T{}", hole.at[0], hole.at[1], hole.tool.number),
-            Feature::Slot(slot) => println!(
-                "{} {} to {} {} T{}",
-                slot.from[0], slot.from[1], slot.to[0], slot.to[1], slot.tool.number
-            ),
+            Feature::Hole(hole) => {
+                let [x, y] = hole.at_nm.map(|nm| nm as f64 / 1e6);
+                println!("{x} {y} T{}", hole.tool.number);
+            }
+            Feature::Slot(slot) => {
+                let [[x, y], [to_x, to_y]] =
+                    [slot.from_nm, slot.to_nm].map(|at| at.map(|nm| nm as f64 / 1e6));
+                println!("{x} {y} to {to_x} {to_y} T{}", slot.tool.number);
+            }
         });
         return Ok(());
     }

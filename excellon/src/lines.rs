@@ -1,7 +1,5 @@
 //! The lines of a text.
 
-use crate::line::first_line;
-
 /// The lines of `text` with their numbers from 1, without their ends: LF, CR LF or CR alone. An end at the very end
 /// begins no further line. Costs one look at each byte.
 pub const fn lines(text: &[u8]) -> Lines<'_> {
@@ -22,8 +20,14 @@ impl<'a> Iterator for Lines<'a> {
     type Item = (usize, &'a [u8]);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let (line, behind) = first_line(self.rest)?;
-        self.rest = behind;
+        if self.rest.is_empty() {
+            return None;
+        }
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        let end = self.rest.iter().position(is_end);
+        let (line, behind) = self.rest.split_at_checked(end.unwrap_or(self.rest.len()))?;
+        let length = if behind.starts_with(b"\r\n") { 2 } else { 1 };
+        self.rest = behind.get(length..).unwrap_or_default();
         // There are not more lines than bytes.
         self.number = self.number.wrapping_add(1);
         Some((self.number, line))

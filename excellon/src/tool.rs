@@ -1,22 +1,20 @@
 //! The tools of a drill file.
 
-use crate::nm::Nm;
-
 /// A tool.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tool {
     /// Its number, as in `T1`.
     pub number: u16,
-    /// Its diameter, above zero; `None` when nothing says it.
-    pub diameter: Option<Nm>,
+    /// Its diameter in nanometres, above zero; `None` when nothing says it.
+    pub diameter_nm: Option<i64>,
     /// Whether its holes are plated; `None` when nothing says it.
     pub plated: Option<bool>,
 }
 
 /// Who says the diameter of a tool; a later one of the list wins.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
-pub(super) enum Source {
+pub(crate) enum Source {
     /// Nobody: only chosen.
     Chosen,
     /// A comment.
@@ -35,7 +33,7 @@ pub struct Tools<const N: usize> {
 }
 
 impl<const N: usize> Tools<N> {
-    pub(super) const EMPTY: Tools<N> = Tools { tools: [None; N] };
+    pub(crate) const EMPTY: Tools<N> = Tools { tools: [None; N] };
 
     /// The tool of that number.
     pub fn get(&self, number: u16) -> Option<&Tool> {
@@ -48,12 +46,12 @@ impl<const N: usize> Tools<N> {
     }
 
     /// Whether another tool has room.
-    pub(super) fn takes(&self, number: u16) -> bool {
+    pub(crate) fn takes(&self, number: u16) -> bool {
         self.get(number).is_some() || self.tools.iter().any(Option::is_none)
     }
 
     /// The tool as [`Tools::define`] would leave it, and whether that replaces a diameter of the same source.
-    pub(super) fn preview(&self, tool: Tool, source: Source) -> (Tool, bool) {
+    pub(crate) fn preview(&self, tool: Tool, source: Source) -> (Tool, bool) {
         let known = self
             .tools
             .iter()
@@ -61,13 +59,17 @@ impl<const N: usize> Tools<N> {
             .find(|(known, _)| known.number == tool.number);
         match known {
             Some((known, known_source)) => {
-                let wins = source >= *known_source && tool.diameter.is_some();
+                let wins = source >= *known_source && tool.diameter_nm.is_some();
                 let merged = Tool {
                     number: tool.number,
-                    diameter: if wins { tool.diameter } else { known.diameter },
+                    diameter_nm: if wins {
+                        tool.diameter_nm
+                    } else {
+                        known.diameter_nm
+                    },
                     plated: tool.plated.or(known.plated),
                 };
-                let replaced = known.diameter != merged.diameter && source == *known_source;
+                let replaced = known.diameter_nm != merged.diameter_nm && source == *known_source;
                 (merged, replaced)
             }
             None => (tool, false),
@@ -75,7 +77,7 @@ impl<const N: usize> Tools<N> {
     }
 
     /// Adds a tool, or changes it if `source` is as good as what is known; `false` when there is no room.
-    pub(super) fn define(&mut self, tool: Tool, source: Source) -> bool {
+    pub(crate) fn define(&mut self, tool: Tool, source: Source) -> bool {
         let (merged, _) = self.preview(tool, source);
         let known = self
             .tools
@@ -84,7 +86,7 @@ impl<const N: usize> Tools<N> {
             .find(|(known, _)| known.number == tool.number);
         if let Some((known, known_source)) = known {
             *known = merged;
-            if source > *known_source && tool.diameter.is_some() {
+            if source > *known_source && tool.diameter_nm.is_some() {
                 *known_source = source;
             }
             return true;
@@ -106,7 +108,7 @@ mod tests {
     fn tool(number: u16, nm: i64) -> Tool {
         Tool {
             number,
-            diameter: Some(Nm(nm)),
+            diameter_nm: Some(nm),
             plated: None,
         }
     }

@@ -3,9 +3,8 @@
 //! As the programming manual of Excellon's CNC-7 has it, with the eight mirrored and turned corners of its sample program
 //! as the test of the order of swapping and mirroring.
 
-use super::feature::{Feature, Hole, Path, Slot};
-use crate::arc::Direction;
-use crate::nm::Nm;
+use crate::feature::{Feature, Hole, Path, Slot};
+use crate::length::within_limit;
 
 /// What a line says about step and repeat.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -28,8 +27,9 @@ pub enum Pattern {
 pub struct Repeat {
     /// How many, 1 to 9999: `R3M02` makes three.
     pub count: u16,
-    /// From one copy to the next, and to the first one from the last copy before, or from the set itself.
-    pub step: [Nm; 2],
+    /// From one copy to the next, and to the first one from the last copy before, or from the set
+    /// itself, in nanometres.
+    pub step_nm: [i64; 2],
     /// `M80`: X with the other sign, before the axes are swapped.
     pub mirror_x: bool,
     /// `M90`: Y with the other sign, before the axes are swapped.
@@ -39,57 +39,63 @@ pub struct Repeat {
 }
 
 impl Repeat {
-    /// One feature of a copy that is `by` away from the set; `None` when it would be beyond [`Nm::LIMIT`].
-    pub fn copy(&self, feature: &Feature, by: [Nm; 2]) -> Option<Feature> {
+    /// One feature of a copy that is `by_nm` away from the set; `None` when it would be beyond
+    /// [`LIMIT_NM`](crate::LIMIT_NM).
+    pub fn copy(&self, feature: &Feature, by_nm: [i64; 2]) -> Option<Feature> {
         Some(match *feature {
-            Feature::Hole(Hole { at, tool }) => Feature::Hole(Hole {
-                at: self.place(at, by)?,
+            Feature::Hole(Hole { at_nm, tool }) => Feature::Hole(Hole {
+                at_nm: self.place(at_nm, by_nm)?,
                 tool,
             }),
             Feature::Slot(Slot {
-                from,
-                to,
+                from_nm,
+                to_nm,
                 path,
                 tool,
             }) => Feature::Slot(Slot {
-                from: self.place(from, by)?,
-                to: self.place(to, by)?,
+                from_nm: self.place(from_nm, by_nm)?,
+                to_nm: self.place(to_nm, by_nm)?,
                 path: match path {
                     Path::Straight => Path::Straight,
-                    Path::Radius(direction, radius) => Path::Radius(self.turned(direction), radius),
-                    Path::Centre(direction, centre) => {
-                        Path::Centre(self.turned(direction), self.place(centre, by)?)
-                    }
+                    Path::Radius {
+                        clockwise,
+                        radius_nm,
+                    } => Path::Radius {
+                        clockwise: clockwise ^ self.turns_arcs(),
+                        radius_nm,
+                    },
+                    Path::Centre {
+                        clockwise,
+                        centre_nm,
+                    } => Path::Centre {
+                        clockwise: clockwise ^ self.turns_arcs(),
+                        centre_nm: self.place(centre_nm, by_nm)?,
+                    },
                 },
                 tool,
             }),
         })
     }
 
-    fn place(&self, [x, y]: [Nm; 2], by: [Nm; 2]) -> Option<[Nm; 2]> {
-        let signed = |nm: Nm, mirror: bool| Some(if mirror { nm.0.checked_neg()? } else { nm.0 });
+    fn place(&self, [x, y]: [i64; 2], by_nm: [i64; 2]) -> Option<[i64; 2]> {
+        let signed = |nm: i64, mirror: bool| Some(if mirror { nm.checked_neg()? } else { nm });
         let (x, y) = (signed(x, self.mirror_x)?, signed(y, self.mirror_y)?);
         let [x, y] = if self.swap { [y, x] } else { [x, y] };
         Some([
-            Nm(x.checked_add(by[0].0)?).within_limit()?,
-            Nm(y.checked_add(by[1].0)?).within_limit()?,
+            within_limit(x.checked_add(by_nm[0])?)?,
+            within_limit(y.checked_add(by_nm[1])?)?,
         ])
     }
 
     /// Each mirror and the swap turn the sense of an arc round.
-    fn turned(&self, direction: Direction) -> Direction {
-        let turns = self.mirror_x ^ self.mirror_y ^ self.swap;
-        match (turns, direction) {
-            (false, direction) => direction,
-            (true, Direction::Clockwise) => Direction::CounterClockwise,
-            (true, Direction::CounterClockwise) => Direction::Clockwise,
-        }
+    const fn turns_arcs(&self) -> bool {
+        self.mirror_x ^ self.mirror_y ^ self.swap
     }
 }
 
 /// Where a reader is among patterns.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
-pub(super) enum Stage {
+pub(crate) enum Stage {
     Outside,
     /// Between M25 and M01.
     Set,

@@ -3,7 +3,7 @@
 //! The files are not part of this repository. `HUSILLO_EXCELLON` names their folder (with `expected/`); without it
 //! `../shared/excellon` beside the workspace is tried, and without that the test passes with a message.
 
-use husillo_gcode::excellon::{Feature, Inference, Overrides, Reader, lines};
+use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -42,8 +42,8 @@ fn read(text: &[u8]) -> (Vec<[f64; 3]>, usize) {
         for feature in features {
             match feature {
                 Feature::Hole(hole) => {
-                    let diameter = hole.tool.diameter.expect("a diameter");
-                    holes.push([hole.at[0], hole.at[1], diameter].map(|nm| nm.0 as f64));
+                    let diameter = hole.tool.diameter_nm.expect("a diameter");
+                    holes.push([hole.at_nm[0], hole.at_nm[1], diameter].map(|nm| nm as f64));
                 }
                 Feature::Slot(_) => slots += 1,
             }

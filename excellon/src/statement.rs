@@ -1,12 +1,12 @@
 //! What kind of line a line is, before its words are read.
 
-use super::error::{Error, ErrorKind, WarningKind};
-use super::format::{Digits, Units, Zeros};
-use super::scanner::Scanner;
+use crate::error::{Error, ErrorKind, WarningKind};
+use crate::format::{Digits, Units, Zeros};
+use crate::scanner::Scanner;
 
 /// A line by its first characters.
 #[derive(Copy, Clone, Debug)]
-pub(super) enum Statement<'a> {
+pub(crate) enum Statement<'a> {
     /// Nothing, or what says nothing about holes and needs no word about it.
     Nothing,
     /// The text of a comment.
@@ -66,7 +66,7 @@ impl<'a> Statement<'a> {
     /// # Errors
     ///
     /// A Gerber command, or text behind `%`.
-    pub(super) fn parse(line: &'a [u8]) -> Result<Statement<'a>, Error> {
+    pub(crate) fn parse(line: &'a [u8]) -> Result<Statement<'a>, Error> {
         let mut scanner = Scanner::new(line);
         let at = scanner.at();
         let Some(first) = scanner.peek() else {

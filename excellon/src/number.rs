@@ -1,13 +1,11 @@
 //! A number as it is written: without a point its zeros matter.
 
-use super::format::{Format, Units, Zeros};
-use crate::decimal::Decimal;
-use crate::nm::Nm;
+use crate::format::{Format, Units, Zeros};
+use crate::length::length_nm;
 
 /// A number with the digits that were written, not yet a length.
-#[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Number {
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Number {
     /// Below 10^18.
     digits: i64,
     /// Digits written, leading zeros included: at most 18.
@@ -18,11 +16,11 @@ pub struct Number {
 }
 
 /// The most digits of one number, so that they fit 64 bits.
-pub(super) const MOST_DIGITS: u8 = 18;
+pub(crate) const MOST_DIGITS: u8 = 18;
 
 impl Number {
     /// No digits yet.
-    pub(super) const EMPTY: Number = Number {
+    pub(crate) const EMPTY: Number = Number {
         digits: 0,
         written: 0,
         places: None,
@@ -30,7 +28,7 @@ impl Number {
     };
 
     /// Appends a digit; `false` when there is no room.
-    pub(super) fn push(&mut self, digit: u8) -> bool {
+    pub(crate) fn push(&mut self, digit: u8) -> bool {
         if self.written >= MOST_DIGITS {
             return false;
         }
@@ -45,7 +43,7 @@ impl Number {
     }
 
     /// Sets the point behind the digits so far; `false` when there is one.
-    pub(super) fn set_point(&mut self) -> bool {
+    pub(crate) fn set_point(&mut self) -> bool {
         let first = self.places.is_none();
         if first {
             self.places = Some(0);
@@ -53,7 +51,7 @@ impl Number {
         first
     }
 
-    pub(super) fn set_negative(&mut self) {
+    pub(crate) fn set_negative(&mut self) {
         self.negative = true;
     }
 
@@ -78,11 +76,6 @@ impl Number {
         self.written > 0 && least.is_some_and(|least| self.digits < least)
     }
 
-    /// Whether the last digit is a zero.
-    pub const fn has_trailing_zero(&self) -> bool {
-        self.written > 0 && self.digits % 10 == 0
-    }
-
     /// The value of a whole number without sign and without digits behind a point.
     pub const fn whole(&self) -> Option<u64> {
         match (self.places, self.negative) {
@@ -91,65 +84,54 @@ impl Number {
         }
     }
 
-    /// The value where a missing point is one at the end, as in tool diameters.
-    pub fn plain(&self) -> Option<Decimal> {
-        self.decimal(self.places.unwrap_or(0))
+    /// The length in nanometres where a missing point is one at the end, as in tool diameters, and
+    /// where the point is `shift` digits further left than written.
+    pub fn plain_nm(&self, units: Units, shift: u8) -> Option<i64> {
+        let places = self.places.unwrap_or(0).wrapping_add(shift); // at most 18 + 3
+        length_nm(self.signed(), places, units)
     }
 
-    /// The value in units of the file; `None` when its digits do not fit 64 bits. With `TZ` it is
-    /// `digits / 10^places`; with `LZ` the point is behind the first `whole` digits, so that digits beyond
-    /// `whole + places` are further places.
-    pub fn value(&self, format: &Format) -> Option<Decimal> {
+    /// The length in nanometres, rounded once, halves away from zero; `None` beyond
+    /// [`LIMIT_NM`](crate::LIMIT_NM). With `TZ` it is `digits / 10^places` units of the file. With
+    /// `LZ` the point is behind the first `whole` digits: digits beyond `whole + places` are
+    /// further places.
+    pub fn length_nm(&self, format: &Format) -> Option<i64> {
+        let length = |places| length_nm(self.signed(), places, format.units);
         if let Some(places) = self.places {
-            return self.decimal(places);
+            return length(places);
         }
         match format.zeros {
-            Zeros::Trailing => self.decimal(format.digits.places()),
+            Zeros::Trailing => length(format.digits.places()),
             Zeros::Leading => {
                 let whole = format.digits.whole();
                 match self.written.checked_sub(whole) {
-                    Some(places) => self.decimal(places),
+                    Some(places) => length(places),
                     None => {
                         // At most 10^9 in the exponent, as whole <= 9.
                         let left_out = u32::from(whole.wrapping_sub(self.written));
                         let digits = 10_i64
                             .checked_pow(left_out)
-                            .and_then(|scale| self.digits.checked_mul(scale))?;
-                        Number { digits, ..*self }.decimal(0)
+                            .and_then(|scale| self.signed().checked_mul(scale))?;
+                        length_nm(digits, 0, format.units)
                     }
                 }
             }
         }
     }
 
-    /// The length in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
-    pub fn length(&self, format: &Format) -> Option<Nm> {
-        length(self.value(format)?, format.units)
-    }
-
-    fn decimal(&self, places: u8) -> Option<Decimal> {
-        let digits = if self.negative {
+    const fn signed(&self) -> i64 {
+        if self.negative {
             self.digits.wrapping_neg()
         } else {
             self.digits
-        };
-        Decimal::new(digits, places)
+        }
     }
-}
-
-/// A value in file units as nanometres.
-pub(super) fn length(value: Decimal, units: Units) -> Option<Nm> {
-    let nm = match units {
-        Units::Millimetres => value.scaled(1, 6),
-        Units::Inches => value.scaled(254, 5),
-    };
-    Nm(nm?).within_limit()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excellon::Digits;
+    use crate::format::Digits;
 
     fn number(text: &str) -> Number {
         let mut number = Number::EMPTY;
@@ -170,7 +152,7 @@ mod tests {
             zeros,
             digits,
         };
-        number(text).length(&format).map(|nm| nm.0)
+        number(text).length_nm(&format)
     }
 
     #[test]
@@ -209,8 +191,8 @@ mod tests {
 
     #[test]
     fn zeros_are_seen() {
-        assert!(number("010").has_leading_zero() && number("010").has_trailing_zero());
-        assert!(!number("10").has_leading_zero() && !number("11").has_trailing_zero());
+        assert!(number("010").has_leading_zero());
+        assert!(!number("10").has_leading_zero());
         assert!(number("0").has_leading_zero() && !Number::EMPTY.has_leading_zero());
         assert_eq!(number("0070").whole(), Some(70));
         assert_eq!(number("-1").whole(), None);

@@ -1,18 +1,18 @@
 //! Words of one line: a letter and a number, blanks anywhere.
 
-use super::error::{Error, ErrorKind};
-use super::number::Number;
+use crate::error::{Error, ErrorKind};
+use crate::number::Number;
 
 /// A place in a line. Blanks are stepped over everywhere; letters are given in upper case.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Scanner<'a> {
+pub(crate) struct Scanner<'a> {
     text: &'a [u8],
     at: usize,
 }
 
 /// A letter with its number and the bytes it was read from.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Word {
+pub(crate) struct Word {
     pub letter: u8,
     pub number: Number,
     pub at: usize,
@@ -21,7 +21,7 @@ pub(super) struct Word {
 
 impl Word {
     /// An error about the whole word.
-    pub(super) fn error(&self, kind: ErrorKind) -> Error {
+    pub(crate) fn error(&self, kind: ErrorKind) -> Error {
         Error {
             kind,
             at: self.at,
@@ -30,7 +30,7 @@ impl Word {
     }
 
     /// The number as a whole one up to `most`.
-    pub(super) fn whole(&self, most: u16) -> Result<u16, Error> {
+    pub(crate) fn whole(&self, most: u16) -> Result<u16, Error> {
         let Some(whole) = self.number.whole() else {
             return Err(self.error(ErrorKind::NotWhole(self.letter)));
         };
@@ -42,12 +42,12 @@ impl Word {
 }
 
 impl<'a> Scanner<'a> {
-    pub(super) const fn new(text: &'a [u8]) -> Scanner<'a> {
+    pub(crate) const fn new(text: &'a [u8]) -> Scanner<'a> {
         Scanner { text, at: 0 }
     }
 
     /// The next byte that is no blank, in upper case.
-    pub(super) fn peek(&mut self) -> Option<u8> {
+    pub(crate) fn peek(&mut self) -> Option<u8> {
         while let Some(b' ' | b'\t') = self.text.get(self.at) {
             self.at = self.at.wrapping_add(1); // at < len
         }
@@ -55,14 +55,14 @@ impl<'a> Scanner<'a> {
     }
 
     /// Steps over that byte.
-    pub(super) fn next(&mut self) -> Option<u8> {
+    pub(crate) fn next(&mut self) -> Option<u8> {
         let byte = self.peek()?;
         self.at = self.at.wrapping_add(1); // at < len
         Some(byte)
     }
 
     /// Steps over that byte if it is this one.
-    pub(super) fn take(&mut self, wanted: u8) -> bool {
+    pub(crate) fn take(&mut self, wanted: u8) -> bool {
         let is = self.peek() == Some(wanted);
         if is {
             self.at = self.at.wrapping_add(1); // at < len
@@ -71,7 +71,7 @@ impl<'a> Scanner<'a> {
     }
 
     /// Steps over these bytes (letters in upper case) if all of them come next.
-    pub(super) fn take_name(&mut self, name: &[u8]) -> bool {
+    pub(crate) fn take_name(&mut self, name: &[u8]) -> bool {
         let mut ahead = *self;
         let is = name.iter().all(|byte| ahead.take(*byte));
         if is {
@@ -81,18 +81,18 @@ impl<'a> Scanner<'a> {
     }
 
     /// The first byte not yet read; blanks before it count as read.
-    pub(super) fn at(&mut self) -> usize {
+    pub(crate) fn at(&mut self) -> usize {
         self.peek();
         self.at
     }
 
     /// Nothing, or a comment to the end of the line.
-    pub(super) fn is_at_end(&mut self) -> bool {
+    pub(crate) fn is_at_end(&mut self) -> bool {
         matches!(self.peek(), None | Some(b';'))
     }
 
     /// A number with its sign; `None` if there is no digit.
-    pub(super) fn number(&mut self) -> Result<Option<Number>, Error> {
+    pub(crate) fn number(&mut self) -> Result<Option<Number>, Error> {
         let start = self.at();
         let mut number = Number::EMPTY;
         match self.peek() {
@@ -130,7 +130,7 @@ impl<'a> Scanner<'a> {
     }
 
     /// The next word; `None` at the end of the line or at a comment.
-    pub(super) fn word(&mut self) -> Option<Result<Word, Error>> {
+    pub(crate) fn word(&mut self) -> Option<Result<Word, Error>> {
         if self.is_at_end() {
             return None;
         }
