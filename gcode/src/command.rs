@@ -1,9 +1,11 @@
 //! Commands: what a block means, in the machine frame, with nothing left to look up.
 
-use crate::arc::{Arc, Direction, Plane};
-use crate::code::Side;
-use crate::letters::axis_letter;
-use crate::nm::Nm;
+pub(crate) mod arc;
+
+use crate::codes::code::Side;
+use crate::codes::letters::axis_letter;
+use crate::command::arc::{Arc, Direction, Plane};
+use crate::values::nm::Nm;
 use core::fmt;
 
 /// How fast a move is.

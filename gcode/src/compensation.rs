@@ -5,16 +5,18 @@
 //!                 contour      one move behind        tool centre
 //! ```
 
-use crate::arc::{Arc, Direction, Plane, with_centre};
-use crate::code::Side;
+pub(crate) mod offset;
+
+use crate::codes::code::Side;
+use crate::command::arc::{Arc, Direction, Plane, with_centre};
 use crate::command::{Command, Feed};
-use crate::commands::Commands;
-use crate::error::ErrorKind;
-use crate::nm::{Measure, Nm};
-use crate::offset::{
+use crate::compensation::offset::{
     Vector, along, circles, is_between, left, length, line_and_circle, minus, mitre, opposite,
     plus, turn, unit,
 };
+use crate::error::ErrorKind;
+use crate::modal::commands::Commands;
+use crate::values::nm::{Measure, Nm};
 
 /// Commands between two moves of a contour that can wait for the corner.
 const WAITING: usize = 4;
@@ -83,7 +85,7 @@ impl Course {
         }
         match self.arc {
             None => {
-                let ahead = |vector| crate::offset::dot(vector, self.first) > 0;
+                let ahead = |vector| crate::compensation::offset::dot(vector, self.first) > 0;
                 ahead(minus(point, self.start)) && ahead(minus(self.end, point))
             }
             Some((centre, _, counter_clockwise)) => {

@@ -1,9 +1,9 @@
 //! What can be wrong with a line, and where.
 
-use crate::framing::FramingError;
-use crate::nm::Measure;
 #[cfg(feature = "parameters")]
-use crate::parameters::Fault;
+use crate::program::parameters::Fault;
+use crate::text::framing::FramingError;
+use crate::values::nm::Measure;
 use core::fmt;
 
 /// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text given.

@@ -36,84 +36,45 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod nm;
-mod wide;
-
-mod decimal;
-mod error;
-mod fault;
-mod numeral;
-mod scanner;
-mod word;
-mod word_reader;
-
-mod framing;
-mod line_reader;
-
-mod letters;
-
-mod code;
-mod dialect;
-mod number;
-
-mod block;
-
-mod arc;
+mod blocks;
+mod codes;
 mod command;
 #[cfg(feature = "extended")]
-mod cycle;
-mod kind;
-#[cfg(feature = "extended")]
-mod thread;
-mod tools;
-
-mod commands;
-#[cfg(feature = "extended")]
 mod compensation;
+#[cfg(feature = "extended")]
+mod cycles;
+mod error;
 mod modal;
-mod modes;
-#[cfg(feature = "extended")]
-mod offset;
-mod state;
+mod program;
+mod text;
+mod values;
+mod words;
 
-#[cfg(feature = "extended")]
-mod canned;
-mod drill;
-mod frames;
-mod motion;
-mod settings;
-#[cfg(feature = "extended")]
-mod special;
-
-mod format;
-mod line;
-
-#[cfg(feature = "extended")]
-pub mod contour;
-#[cfg(feature = "parameters")]
-pub mod parameters;
-
-pub use arc::{Arc, Direction, Plane};
-pub use block::Block;
-pub use code::Side;
+pub use blocks::block::Block;
+pub use codes::code::Side;
+pub use codes::dialect::{Blocks, Dialect};
+pub use codes::kind::Kind as Cycle;
+pub use command::arc::{Arc, Direction, Plane};
 pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
-pub use commands::Commands;
 #[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};
-pub use decimal::Decimal;
-pub use dialect::{Blocks, Dialect};
 pub use error::{Error, ErrorKind};
-pub use format::{Formatted, formatted};
-pub use framing::{Framing, FramingError, Receiver, Rule};
-pub use kind::Kind as Cycle;
-pub use line::Line;
-pub use line_reader::{LineReader, LineTooLong};
 pub use modal::Modal;
-pub use modes::{Distance, FeedMode, Motion, Units};
-pub use nm::{Measure, Nm};
-pub use tools::Tool;
-pub use word::{Token, Tokens, Word, Words, tokens, words};
-pub use word_reader::WordReader;
+pub use modal::commands::Commands;
+pub use modal::modes::{Distance, FeedMode, Motion, Units};
+pub use modal::tools::Tool;
+#[cfg(feature = "extended")]
+pub use program::contour;
+pub use program::format::{Formatted, formatted};
+pub use program::line::Line;
+#[cfg(feature = "parameters")]
+pub use program::parameters;
+pub use text::framing::{Framing, FramingError, Receiver, Rule};
+pub use text::line_reader::{LineReader, LineTooLong};
+pub use values::decimal::Decimal;
+pub use values::nm::{Measure, Nm};
+pub use words::word::{Token, Tokens, Word, Words, tokens, words};
+pub use words::word_reader::WordReader;
 
 /// The example of the README, compiled.
 #[cfg(all(doctest, feature = "extended"))]

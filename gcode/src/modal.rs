@@ -1,17 +1,30 @@
 //! The modal state, and the order in which a block changes it.
 
-use crate::block::Block;
-use crate::code::{Code, EXTENDED, Group, ROOMY};
-use crate::commands::Commands;
-use crate::dialect::{Dialect, Flavour};
-use crate::error::Error;
-use crate::fault::{Fault, Reason};
-use crate::letters::first_of;
 #[cfg(feature = "extended")]
-use crate::modes::Sticky;
-use crate::modes::{FeedMode, Modes, Units, initial};
-use crate::nm::{Measure, Nm};
-use crate::tools::Tools;
+mod canned;
+pub(crate) mod commands;
+mod drill;
+mod frames;
+pub(crate) mod modes;
+mod motion;
+mod settings;
+#[cfg(feature = "extended")]
+mod special;
+mod state;
+pub(crate) mod tools;
+
+use crate::blocks::block::Block;
+use crate::blocks::fault::{Fault, Reason};
+use crate::codes::code::{Code, EXTENDED, Group, ROOMY};
+use crate::codes::dialect::{Dialect, Flavour};
+use crate::codes::letters::first_of;
+use crate::error::Error;
+use crate::modal::commands::Commands;
+#[cfg(feature = "extended")]
+use crate::modal::modes::Sticky;
+use crate::modal::modes::{FeedMode, Modes, Units, initial};
+use crate::modal::tools::Tools;
+use crate::values::nm::{Measure, Nm};
 
 /// How many work frames there are: G54 to G59, with the extended codes to G59.3.
 const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };

@@ -107,22 +107,23 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
-/// The file that says what is public of a file in a module the library declares with `pub mod`.
+/// The file that says what is public of a file in a module that the library declares with `pub mod`, or exports with `pub use`
+/// out of another one.
 fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     let inside = file.strip_prefix(source).expect("a file of this crate");
     let module = inside.with_extension("");
-    let first = module.iter().next().unwrap_or_default().to_string_lossy();
-    library
-        .lines()
-        .any(|line| line == format!("pub mod {first};"))
-        .then(|| {
-            let own = source.join(format!("{first}.rs"));
-            if own.exists() {
-                own
-            } else {
-                source.join(&*first).join("mod.rs")
-            }
-        })
+    let parents = module
+        .ancestors()
+        .filter(|path| !path.as_os_str().is_empty());
+    let path = parents.into_iter().find(|path| {
+        let names: Vec<_> = path.iter().map(|name| name.to_string_lossy()).collect();
+        let path = names.join("::");
+        let exports = [format!("pub mod {path};"), format!("pub use {path};")];
+        library
+            .lines()
+            .any(|line| exports.iter().any(|export| line == export))
+    })?;
+    Some(source.join(path).with_extension("rs"))
 }
 
 /// Every word of the `pub use` statements.

@@ -1,0 +1,305 @@
+//! What is given in a block: asked by the modal state, stage by stage.
+
+use super::{Block, Span};
+use crate::blocks::fault::{Fault, Place, Reason};
+use crate::codes::code::{Code, EXTENDED, Group};
+#[cfg(feature = "extended")]
+use crate::codes::letters::LETTERS;
+use crate::codes::letters::{AXES, Letters, axis_letter, bit, first_of, slot_of};
+use crate::error::Error;
+use crate::values::decimal::Decimal;
+use crate::values::nm::Measure;
+
+/// Slot of U; V and W follow.
+const INCREMENTS: u8 = 21;
+
+/// The letters that must have a code that uses them.
+const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
+
+impl Block {
+    /// The value of a word, by its upper-case letter; `None` when the block has none (always for G and M).
+    pub fn word(&self, letter: u8) -> Option<Decimal> {
+        self.value(letter).copied()
+    }
+
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn value(&self, letter: u8) -> Option<&Decimal> {
+        self.slot(slot_of(letter))
+    }
+
+    /// Whether one of these words is given.
+    #[inline]
+    pub(crate) const fn has_any(&self, letters: Letters) -> bool {
+        self.present & letters.0 != 0
+    }
+
+    /// Whether all of these words are given.
+    #[inline]
+    pub(crate) const fn has_all(&self, letters: Letters) -> bool {
+        self.present & letters.0 == letters.0
+    }
+
+    /// The most places that one of these words has.
+    pub(crate) fn most_places(&self, letters: Letters) -> u8 {
+        let (mut given, mut most) = (self.present & letters.0, 0);
+        for value in &self.values {
+            if given & 1 != 0 {
+                most = value.places().max(most);
+            }
+            given >>= 1;
+        }
+        most
+    }
+
+    /// Whether a word is below zero.
+    pub(crate) fn is_negative(&self, letter: u8) -> bool {
+        self.value(letter).is_some_and(|value| value.is_negative())
+    }
+
+    /// Whether the block was skipped, or would be with block delete on: it starts with `/`.
+    pub const fn is_deleted(&self) -> bool {
+        self.deleted
+    }
+
+    /// Whether the block asks for nothing: no code and no word but `N`.
+    pub fn is_empty(&self) -> bool {
+        self.present & !bit(b'N') == 0 && self.groups == 0
+    }
+
+    /// The number behind `N`, if it is a whole number of 32 bits. It means nothing to the program.
+    pub fn line_number(&self) -> Option<u32> {
+        self.word(b'N')
+            .and_then(Decimal::whole)
+            .and_then(|number| u32::try_from(number).ok())
+    }
+
+    #[inline]
+    fn slot(&self, slot: u8) -> Option<&Decimal> {
+        if self.present & 1u32.wrapping_shl(u32::from(slot)) == 0 {
+            return None;
+        }
+        self.values.get(usize::from(slot))
+    }
+
+    /// The word of axis 0..6.
+    #[inline]
+    pub(crate) fn axis(&self, axis: usize) -> Option<&Decimal> {
+        if axis < AXES {
+            self.slot(axis as u8)
+        } else {
+            None
+        }
+    }
+
+    /// The words of the axes in their order, each with whether it is given.
+    #[inline(always)]
+    pub(crate) fn axis_words(&self) -> impl Iterator<Item = (&Decimal, bool)> {
+        let mut given = self.present;
+        self.values.iter().map(move |value| {
+            let this = given & 1 != 0;
+            given >>= 1;
+            (value, this)
+        })
+    }
+
+    /// Bit n: the word of axis n is given.
+    pub(crate) fn axes(&self) -> u16 {
+        // The slots of U, V and W are those of X, Y and Z in the same order.
+        let increments = if EXTENDED {
+            (self.present >> INCREMENTS) & 0b111
+        } else {
+            0
+        };
+        ((self.present & 0b11_1111) | increments) as u16
+    }
+
+    /// The increment (U, V, W) of axis 0..3; without the extended codes no dialect has them.
+    #[inline]
+    pub(crate) fn increment(&self, axis: usize) -> Option<&Decimal> {
+        if EXTENDED && axis < 3 {
+            self.slot(INCREMENTS.wrapping_add(axis as u8))
+        } else {
+            None
+        }
+    }
+
+    /// Refuses increments (U, V, W) beside anything but a contour cycle.
+    pub(crate) fn check_increments(&self) -> Result<(), Fault> {
+        let given = (0..3).find(|&axis| self.increment(axis).is_some());
+        let contour = || self.code(Group::Motion).and_then(Code::contour_cycle);
+        match given {
+            Some(axis) if contour().is_none() => {
+                let letter = self.letter_of(axis);
+                Err(Fault::at(Reason::UnknownWord, letter))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses all codes but the motion, and all words but these and N.
+    #[cfg(feature = "extended")]
+    pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {
+        if self.groups & !1u32.wrapping_shl(Group::Motion as u32) != 0 {
+            return Err(Fault::at_motion(Reason::TwoUsersOfWords));
+        }
+        let foreign = |letter: u8| letter != b'N' && !letters.contains(&letter);
+        let mut given = LETTERS
+            .into_iter()
+            .filter(|&letter| self.present & bit(letter) != 0);
+        match given.find(|&letter| foreign(letter)) {
+            Some(letter) => Err(Fault::at(Reason::UnusedWord, letter)),
+            None => Ok(()),
+        }
+    }
+
+    /// The letter by which an axis is given here: U, V or W, or its own.
+    pub(crate) fn letter_of(&self, axis: usize) -> u8 {
+        let increments = *b"UVW";
+        match increments.get(axis) {
+            Some(&letter) if self.increment(axis).is_some() => letter,
+            _ => axis_letter(axis),
+        }
+    }
+
+    /// Whether there is a word that some code must use.
+    #[inline]
+    pub(crate) fn has_claims(&self) -> bool {
+        self.present & CLAIMED.0 != 0
+    }
+
+    /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
+    /// of what is in effect without a code of its own in the block.
+    pub(crate) fn check_users(&self, more: Letters) -> Result<(), Fault> {
+        let given = self.present & CLAIMED.0;
+        if given == 0 {
+            return Ok(());
+        }
+        let (mut once, mut twice) = (more.0, 0);
+        for code in self.codes.iter().flatten() {
+            let claim = code.letters().0;
+            twice |= once & claim;
+            once |= claim;
+        }
+        let (unused, shared) = (given & !once, given & twice);
+        if unused != 0 {
+            return Err(Fault::at(Reason::UnusedWord, first_of(unused)));
+        }
+        if shared != 0 {
+            return Err(Fault::at(Reason::TwoUsersOfWords, first_of(shared)));
+        }
+        Ok(())
+    }
+
+    /// The number of a program: `O` alone in its block (dialect `iso`).
+    pub fn program_number(&self) -> Option<u32> {
+        self.word(b'O')
+            .and_then(Decimal::whole)
+            .and_then(|number| u32::try_from(number).ok())
+    }
+
+    #[inline]
+    pub(crate) fn code(&self, group: Group) -> Option<Code> {
+        self.codes.get(group as usize).copied().flatten()
+    }
+
+    /// Whether a word is given; of a letter that is known when this is compiled it is one test.
+    #[inline(always)]
+    pub(crate) const fn has(&self, letter: u8) -> bool {
+        self.present & bit(letter) != 0
+    }
+
+    /// Whether none of the groups but these is given.
+    #[inline]
+    pub(crate) fn has_only(&self, groups: u32) -> bool {
+        self.groups & !groups == 0
+    }
+
+    /// The codes by their groups.
+    #[inline]
+    pub(crate) const fn codes(&self) -> &[Option<Code>; Group::COUNT] {
+        &self.codes
+    }
+
+    /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it is.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    pub(crate) fn scaled(
+        &self,
+        letter: u8,
+        factor: u8,
+        exponent: u8,
+        to: &mut i64,
+    ) -> Result<(), Fault> {
+        if let Some(value) = self.value(letter) {
+            match value.scaled(i32::from(factor), exponent) {
+                Some(scaled) => *to = scaled,
+                None => return Err(Fault::at(Reason::NumberTooLarge, letter)),
+            }
+        }
+        Ok(())
+    }
+
+    /// A word that is a whole number up to a limit; without it the number stays as it is.
+    pub(crate) fn whole(&self, letter: u8, most: u32, to: &mut u32) -> Result<(), Fault> {
+        if let Some(value) = self.value(letter) {
+            let Some(number) = value.whole() else {
+                return Err(Fault::at(Reason::NotWhole, letter));
+            };
+            if number as u64 > u64::from(most) {
+                return Err(Fault::at(Reason::OutOfRange, letter));
+            }
+            *to = number as u32;
+        }
+        Ok(())
+    }
+
+    /// Whether there is no code but of the motion, and no word but those of a move, `F` and `N`.
+    #[inline]
+    pub(crate) fn is_move(&self) -> bool {
+        const OF_MOVES: u32 = Letters::new(b"XYZABCUVWIJKRPFN").0;
+        self.has_only(1 << Group::Motion as u32) && self.present & !OF_MOVES == 0
+    }
+
+    /// The error of a fault: where its words stand. The measure is that of an arc that does not fit.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {
+        let place = fault.place();
+        let code = match place {
+            Place::Code(group) => Some(usize::from(group)),
+            Place::Motion => self.code(Group::Motion).map(|_| Group::Motion as usize),
+            _ => None,
+        };
+        let span = match code {
+            Some(group) => self.code_spans.get(group).copied(),
+            None => {
+                let words = match place {
+                    Place::Word => bit(fault.letter()),
+                    _ => 0b11_1111,
+                };
+                self.span_of(words, place == Place::Motion)
+            }
+        };
+        span.unwrap_or_default().error(fault.kind(measure))
+    }
+
+    /// Where the first of some words stands, or all of them, as far as they are given.
+    fn span_of(&self, words: u32, first: bool) -> Option<Span> {
+        let mut given = words & self.present;
+        let mut all: Option<Span> = None;
+        for &span in &self.word_spans {
+            if given & 1 != 0 {
+                all = match all {
+                    None => Some(span),
+                    Some(other) if first && span.at < other.at => Some(span),
+                    Some(other) if first => Some(other),
+                    Some(other) => Some(Span {
+                        at: span.at.min(other.at),
+                        end: span.end.max(other.end),
+                    }),
+                };
+            }
+            given >>= 1;
+        }
+        all
+    }
+}

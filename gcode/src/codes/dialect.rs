@@ -1,0 +1,291 @@
+//! What differs between the programs of different machines.
+
+use crate::codes::code::EXTENDED;
+use crate::codes::letters::Letters;
+use crate::text::framing::Framing;
+
+/// A dialect of G-code: plain data, compared and copied freely.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Dialect {
+    pub(crate) flavour: Flavour,
+    block_delete: bool,
+}
+
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub(crate) enum Flavour {
+    Rs274,
+    Grbl,
+    Micromill,
+    Lathe,
+    LatheA,
+    Iso,
+    Drill,
+    Printer,
+}
+
+/// The letters of words in each dialect, by its flavour.
+static WORDS: [Letters; 8] = {
+    let rs274 = Letters::ALL.without(b"OUVW");
+    [
+        rs274,
+        rs274.without(b"DEHQ"),
+        rs274.without(b"DEHLQ"),
+        // U and W are words of the contour cycles only: `Modal::check_axes`.
+        if EXTENDED { rs274.and(b"UW") } else { rs274 },
+        if EXTENDED {
+            rs274.and(b"OUW")
+        } else {
+            rs274.and(b"O")
+        },
+        rs274.and(b"O"),
+        Letters::new(b"XY"),
+        rs274,
+    ]
+};
+
+impl Dialect {
+    /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block a line, `;` starts a comment.
+    ///
+    /// Lines that start with `/` are skipped (block delete on, LinuxCNC's default); see [`Dialect::with_block_delete`].
+    pub const RS274: Dialect = Dialect {
+        flavour: Flavour::Rs274,
+        block_delete: true,
+    };
+
+    /// The strings of the micro mill's link: micrometres, absolute arc centres, `;` ends a block, feed in 0.1 mm/min,
+    /// `G04 P` in whole seconds, `G54` stores the present position as work zero, `G28` goes straight to machine zero,
+    /// each string has its own code (motion is not modal), at most 64 characters with its `;`, and `Z` alone.
+    pub const MICROMILL: Dialect = Dialect {
+        flavour: Flavour::Micromill,
+        block_delete: true,
+    };
+
+    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at the end of a program. It has
+    /// no block delete: lines that start with `/` are executed.
+    pub const GRBL: Dialect = Dialect {
+        flavour: Flavour::Grbl,
+        block_delete: false,
+    };
+
+    /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a diameter and G18 the
+    /// plane at the start, `G90`/`G91` and `G94`/`G95` mean what they mean on a mill, and the single turning, threading
+    /// and facing cycles are `G77`, `G78`, `G79`.
+    pub const LATHE: Dialect = Dialect {
+        flavour: Flavour::Lathe,
+        block_delete: true,
+    };
+
+    /// A turning machine with the numbers of code system A: `G90`, `G92` and `G94` are the turning, threading and facing
+    /// cycles, not distance mode, shift and feed mode; `G98`/`G99` are feed a minute and a revolution, `G50` shifts the
+    /// frame, `G32` cuts a thread, and increments are `U` and `W`. X is always a diameter.
+    pub const LATHE_A: Dialect = Dialect {
+        flavour: Flavour::LatheA,
+        block_delete: true,
+    };
+
+    /// Programs of ISO 6983 controls: RS-274's list, and `O1234` alone as the number of a program.
+    pub const ISO: Dialect = Dialect {
+        flavour: Flavour::Iso,
+        block_delete: true,
+    };
+
+    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully, then Y, then comes one
+    /// drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`, which is not homing here, there is none. `G20` `G21` `G90` `G91` are
+    /// the usual ones, `G92` gives the present place the coordinates of its words, or zero without any. Nothing else:
+    /// no Z, no feed, no M code.
+    pub const DRILL: Dialect = Dialect {
+        flavour: Flavour::Drill,
+        block_delete: true,
+    };
+
+    /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as [`Framing::PRINTER`] checks them; see
+    /// [`Dialect::framing`].
+    pub const PRINTER: Dialect = Dialect {
+        flavour: Flavour::Printer,
+        block_delete: true,
+    };
+
+    /// All of them.
+    pub const ALL: [Dialect; 8] = [
+        Dialect::RS274,
+        Dialect::GRBL,
+        Dialect::MICROMILL,
+        Dialect::LATHE,
+        Dialect::LATHE_A,
+        Dialect::ISO,
+        Dialect::DRILL,
+        Dialect::PRINTER,
+    ];
+
+    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso`, `drill` or `printer`.
+    pub fn by_name(name: &str) -> Option<Dialect> {
+        Dialect::ALL
+            .into_iter()
+            .find(|dialect| dialect.name() == name)
+    }
+
+    /// Its name, as [`Dialect::by_name`] takes it.
+    pub const fn name(&self) -> &'static str {
+        match self.flavour {
+            Flavour::Rs274 => "rs274",
+            Flavour::Grbl => "grbl",
+            Flavour::Micromill => "micromill",
+            Flavour::Lathe => "lathe",
+            Flavour::LatheA => "lathe-a",
+            Flavour::Iso => "iso",
+            Flavour::Drill => "drill",
+            Flavour::Printer => "printer",
+        }
+    }
+
+    /// The same dialect with the block delete switch on (lines with `/` are skipped) or off (they are executed).
+    pub const fn with_block_delete(self, on: bool) -> Dialect {
+        Dialect {
+            block_delete: on,
+            ..self
+        }
+    }
+
+    /// Whether lines that start with `/` are skipped.
+    pub const fn block_delete(&self) -> bool {
+        self.block_delete
+    }
+
+    /// The longest block, blanks not counted, its `;` counted; `None` without limit.
+    pub const fn buffer(&self) -> Option<u8> {
+        match self.flavour {
+            Flavour::Micromill => Some(64),
+            _ => None,
+        }
+    }
+
+    /// What a [`Receiver`](crate::Receiver) checks of each line before its words are read; `None` where lines have no checksums.
+    pub const fn framing(&self) -> Option<Framing> {
+        match self.flavour {
+            Flavour::Printer => Some(Framing::PRINTER),
+            _ => None,
+        }
+    }
+
+    /// Whether lines are strings of a link: `;` ends a block, and none has blanks.
+    pub(crate) const fn has_strings(&self) -> bool {
+        matches!(self.flavour, Flavour::Micromill)
+    }
+
+    /// The letters other than G and M that can start a word here.
+    #[inline(always)]
+    pub(crate) const fn letters(&self) -> Letters {
+        WORDS[self.flavour as usize]
+    }
+
+    /// Whether lines may have parameters `#` and expressions `[ ]`.
+    #[cfg(feature = "parameters")]
+    pub const fn has_parameters(&self) -> bool {
+        !matches!(
+            self.flavour,
+            Flavour::Grbl | Flavour::Micromill | Flavour::Drill | Flavour::Printer
+        )
+    }
+
+    /// Whether an `O` steers the program: where it is not the number of one.
+    #[cfg(feature = "parameters")]
+    pub(crate) const fn has_flow(&self) -> bool {
+        matches!(self.flavour, Flavour::Rs274 | Flavour::Lathe)
+    }
+
+    /// Whether G80 may stand beside another motion code.
+    pub(crate) const fn joins_cancel(&self) -> bool {
+        !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)
+    }
+
+    /// Whether X is a diameter at the start.
+    pub(crate) const fn is_lathe(&self) -> bool {
+        matches!(self.flavour, Flavour::Lathe | Flavour::LatheA)
+    }
+
+    /// The blocks of one physical line, each with its offset in it.
+    ///
+    /// For RS-274 that is the line itself; for micromill the strings before each `;`, and what stands behind the last
+    /// `;` unless it is blank (the end of a line ends a string too).
+    pub fn blocks<'a>(&self, line: &'a [u8]) -> Blocks<'a> {
+        Blocks {
+            rest: Some(line),
+            at: 0,
+            split: self.has_strings(),
+        }
+    }
+}
+
+/// Iterator over the blocks of a line; see [`Dialect::blocks`].
+#[derive(Clone, Debug)]
+pub struct Blocks<'a> {
+    rest: Option<&'a [u8]>,
+    at: usize,
+    split: bool,
+}
+
+impl<'a> Iterator for Blocks<'a> {
+    type Item = (usize, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let rest = self.rest.take()?;
+        let at = self.at;
+        if !self.split {
+            return Some((at, rest));
+        }
+        let mut parts = rest.splitn(2, |&byte| byte == b';');
+        let text = parts.next()?;
+        self.rest = parts.next();
+        if self.rest.is_none() && text.iter().all(u8::is_ascii_whitespace) {
+            return None;
+        }
+        // An offset inside the line: text.len() < line.len() when a `;` follows.
+        self.at = at.wrapping_add(text.len()).wrapping_add(1);
+        Some((at, text))
+    }
+}
+
+impl core::iter::FusedIterator for Blocks<'_> {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    #[test]
+    fn splits_lines_into_blocks() {
+        let blocks = |dialect: Dialect, line: &'static str| -> Vec<(usize, &[u8])> {
+            dialect.blocks(line.as_bytes()).collect()
+        };
+        assert_eq!(
+            blocks(Dialect::RS274, "G0 X1;a"),
+            vec![(0, &b"G0 X1;a"[..])]
+        );
+        assert_eq!(
+            blocks(Dialect::MICROMILL, "G90;G00X1Y2; M05 \r\n"),
+            vec![
+                (0, &b"G90"[..]),
+                (4, &b"G00X1Y2"[..]),
+                (12, &b" M05 \r\n"[..])
+            ]
+        );
+        assert_eq!(
+            blocks(Dialect::MICROMILL, "G90; \r\n"),
+            vec![(0, &b"G90"[..])]
+        );
+        assert_eq!(blocks(Dialect::MICROMILL, ""), vec![]);
+    }
+
+    #[test]
+    fn has_names() {
+        for dialect in Dialect::ALL {
+            assert_eq!(Dialect::by_name(dialect.name()), Some(dialect));
+        }
+        assert_eq!(Dialect::by_name("excellon"), None);
+    }
+}

@@ -1,0 +1,390 @@
+//! Arcs: their centre, and how far the end is off the circle through the start. All in integers.
+
+use crate::blocks::fault::{Fault, Reason};
+use crate::codes::letters::Letters;
+use crate::modal::coordinate;
+use crate::values::nm::Nm;
+use crate::values::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};
+
+/// A plane of arcs.
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Plane {
+    /// G17.
+    #[default]
+    Xy,
+    /// G18.
+    Zx,
+    /// G19.
+    Yz,
+}
+
+impl Plane {
+    /// Its axes in the order that makes clockwise clockwise: seen from the positive end of the third axis.
+    pub const fn axes(self) -> [usize; 2] {
+        match self {
+            Plane::Xy => [0, 1],
+            Plane::Zx => [2, 0],
+            Plane::Yz => [1, 2],
+        }
+    }
+
+    /// The axis across it.
+    #[cfg(feature = "extended")]
+    pub(crate) const fn across(self) -> usize {
+        match self {
+            Plane::Xy => 2,
+            Plane::Zx => 1,
+            Plane::Yz => 0,
+        }
+    }
+
+    /// The letters of its centre words, in the order of [`Plane::axes`].
+    pub(crate) const fn centre_letters(self) -> [u8; 2] {
+        match self {
+            Plane::Xy => [b'I', b'J'],
+            Plane::Zx => [b'K', b'I'],
+            Plane::Yz => [b'J', b'K'],
+        }
+    }
+
+    /// The letters of its centre words.
+    pub(crate) const fn centre(self) -> Letters {
+        match self {
+            Plane::Xy => const { Letters::new(b"IJ") },
+            Plane::Zx => const { Letters::new(b"IK") },
+            Plane::Yz => const { Letters::new(b"JK") },
+        }
+    }
+
+    /// The letters that shape an arc in it, and those of them that are axes.
+    pub(crate) const fn shape(self) -> (Letters, Letters) {
+        match self {
+            Plane::Xy => const { (Letters::new(b"XYIJR"), Letters::new(b"XY")) },
+            Plane::Zx => const { (Letters::new(b"ZXIKR"), Letters::new(b"ZX")) },
+            Plane::Yz => const { (Letters::new(b"YZJKR"), Letters::new(b"YZ")) },
+        }
+    }
+
+    /// The letters of an arc in it, beside those of axes.
+    pub(crate) const fn arc_letters(self) -> Letters {
+        match self {
+            Plane::Xy => const { Letters::new(b"IJRP") },
+            Plane::Zx => const { Letters::new(b"IKRP") },
+            Plane::Yz => const { Letters::new(b"JKRP") },
+        }
+    }
+
+    /// Its name in lower case: `xy`, `zx` or `yz`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Plane::Xy => "xy",
+            Plane::Zx => "zx",
+            Plane::Yz => "yz",
+        }
+    }
+}
+
+/// The sense of an arc, seen from the positive end of the axis across its plane.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Direction {
+    /// G2.
+    Clockwise,
+    /// G3.
+    CounterClockwise,
+}
+
+/// An arc or a helix from the position before it. Start and end equal in the plane mean one full turn.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Arc<const N: usize> {
+    /// The end, machine frame.
+    pub to: [Nm; N],
+    /// The centre, machine frame, rounded once; entries outside the plane are those of the start.
+    pub centre: [Nm; N],
+    /// Its plane.
+    pub plane: Plane,
+    /// Its sense.
+    pub direction: Direction,
+    /// Complete extra turns: `P` less one.
+    pub turns: u32,
+    /// The radius where the program gives it (`R`), without sign; `None` with a centre, or for a half circle whose `R`
+    /// was stretched to reach the end.
+    pub radius: Option<Nm>,
+    /// How far the radii at start and end differ, rounded to nm; for a stretched half circle how much `R` was short.
+    pub mismatch: Nm,
+    /// One unit of the last printed digit of the arc's words, the finest of them.
+    pub resolution: Nm,
+}
+
+impl<const N: usize> Arc<N> {
+    /// A flat arc round a centre, all in the machine frame: what a line with `I` and `J` comes to, the same verdict included. `None` where
+    /// such a line is refused: the end is not on the circle, or the start is the centre. Start and end equal is one full turn.
+    pub fn around(
+        from: &[Nm; N],
+        to: [Nm; N],
+        centre: [Nm; N],
+        plane: Plane,
+        direction: Direction,
+    ) -> Option<Arc<N>> {
+        let mut mismatch = Nm(0);
+        with_centre(from, &to, &centre, plane.axes(), &mut mismatch).ok()?;
+        Some(Arc {
+            to,
+            centre,
+            plane,
+            direction,
+            turns: 0,
+            radius: None,
+            mismatch,
+            resolution: Nm(1),
+        })
+    }
+}
+
+/// The way from one point to another in the plane of two axes; false if one of them is beyond [`Nm::LIMIT`].
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) fn between<const N: usize>(
+    from: &[Nm; N],
+    to: &[Nm; N],
+    axes: [usize; 2],
+    way: &mut [i64; 2],
+) -> bool {
+    for (way, &axis) in way.iter_mut().zip(&axes) {
+        let (from, to) = (coordinate(from, axis), coordinate(to, axis));
+        let Some(delta) = to.0.checked_sub(from.0) else {
+            return false;
+        };
+        *way = delta;
+        if delta.unsigned_abs() > 1 << 52 {
+            return false;
+        }
+    }
+    true
+}
+
+/// Places behind the point of a distance.
+const BITS: u32 = 9;
+
+/// The distance of two points in 2^-9 nm, rounded down; 2^64 - 1 where one is beyond [`Nm::LIMIT`].
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn distance<const N: usize>(from: &[Nm; N], to: &[Nm; N], axes: [usize; 2]) -> u64 {
+    let mut way = [0; 2];
+    if !between(from, to, axes, &mut way) {
+        return u64::MAX;
+    }
+    // A square of at most 2^105, its root below 2^53.
+    root_to(square(way[0], way[1]), WHOLE_DIGITS + BITS).0
+}
+
+/// How far two distances differ, in whole nanometres, off by at most 0.502 nm.
+const fn apart(start: u64, end: u64) -> Nm {
+    Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
+}
+
+/// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict against it.
+///
+/// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius: what other
+/// controllers accept is accepted.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn with_centre<const N: usize>(
+    from: &[Nm; N],
+    to: &[Nm; N],
+    centre: &[Nm; N],
+    axes: [usize; 2],
+    mismatch: &mut Nm,
+) -> Result<(), Fault> {
+    let (start, end) = (distance(centre, from, axes), distance(centre, to, axes));
+    // A start out of range differs too much.
+    if end == u64::MAX {
+        return Err(Fault::at_motion(Reason::NumberTooLarge));
+    }
+    if start == 0 {
+        return Err(Fault::at_motion(Reason::NoCentre));
+    }
+    let off = apart(start, end);
+    *mismatch = off;
+    // start < 2^62, off < 2^53: no overflow.
+    let radius = (start >> BITS) as i64;
+    if off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius) {
+        // Without axis words in the plane the arc is a full circle, which fits.
+        return Err(Fault::at_axes(Reason::EndOffArc));
+    }
+    Ok(())
+}
+
+/// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple of half the way between
+/// them.
+///
+/// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits) is stretched to it:
+/// then `short` is by how much. With an error of a radius it is what it should have been at least.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn beside(
+    chord: &[i64; 2],
+    radius: Nm,
+    short: &mut Nm,
+    ratio: &mut Ratio,
+) -> Result<(), Fault> {
+    if chord[0] == 0 && chord[1] == 0 {
+        return Err(Fault::at_motion(Reason::RadiusToSamePoint));
+    }
+    let chord_square = square(chord[0], chord[1]);
+    let diameter = radius.0.unsigned_abs() << 1;
+    let four = product(diameter, diameter); // radius <= 2^50
+    let numerator = match four.checked_sub(chord_square) {
+        Some(rest) => rest,
+        None => {
+            // Half the chord, rounded up: the least m with (2 m)^2 > chord^2 - 1.
+            let least = (root(chord_square.wrapping_sub(1)) >> 1).wrapping_add(1) as i64;
+            let missing = least.wrapping_sub(radius.0);
+            // missing <= 5000 where it is multiplied.
+            if missing > 5_000 || missing.wrapping_mul(100) > radius.0 {
+                *short = Nm(least);
+                return Err(Fault::at(Reason::RadiusTooSmall, b'R'));
+            }
+            *short = Nm(missing);
+            0
+        }
+    };
+    *ratio = Ratio::of_roots(numerator, chord_square);
+    Ok(())
+}
+
+/// Turns the way from the start to the end of an arc into the way to its centre, rounded once to nm; `left` of the way to
+/// the end, or right of it.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+pub(crate) fn turn(chord: &mut [i64; 2], ratio: &Ratio, left: bool) {
+    let [x, y] = *chord;
+    let (mut right, mut up) = (ratio.of(y), ratio.of(x));
+    if left {
+        right = right.wrapping_neg();
+    } else {
+        up = up.wrapping_neg();
+    }
+    for (way, across) in chord.iter_mut().zip(&[right, up]) {
+        // Both below 2^53, in 2^-6: halved and rounded, halves away from zero.
+        let twice = (*way << 6).wrapping_add(*across);
+        *way = twice.wrapping_add(1 << 6).wrapping_add(twice >> 63) >> 7;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn point(x: i64, y: i64) -> [Nm; 2] {
+        [Nm(x), Nm(y)]
+    }
+
+    fn centred(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> (Result<(), Fault>, Nm) {
+        let mut off = Nm(0);
+        let done = with_centre(&from, &to, &centre, [0, 1], &mut off);
+        (done, off)
+    }
+
+    #[test]
+    fn mismatch_is_the_difference_of_radii() {
+        // The micro mill's own example: 362.00 um against 362.5617 um.
+        let off = centred(
+            point(2_650_000, 3_040_000),
+            point(2_969_000, 3_400_000),
+            point(3_012_000, 3_040_000),
+        );
+        assert_eq!(off, (Ok(()), Nm(559)));
+        assert_eq!(
+            centred(point(0, 0), point(2_000, 0), point(1_000, 0)),
+            (Ok(()), Nm(0))
+        );
+        assert_eq!(
+            centred(point(0, 0), point(2_600_001, 0), point(1_000_000, 0)),
+            (Err(Fault::at_axes(Reason::EndOffArc)), Nm(600_001))
+        );
+        // 100 m radius, 0.4 mm off: within 0.1 %.
+        let far = 100_000_000_000;
+        assert_eq!(
+            centred(point(far, 0), point(0, far + 400_000), point(0, 0)),
+            (Ok(()), Nm(400_000))
+        );
+        // 1000 km: still no overflow.
+        let limit = Nm::LIMIT.0;
+        assert_eq!(
+            centred(point(limit, limit), point(-limit, -limit), point(0, 0)),
+            (Ok(()), Nm(0))
+        );
+        let (done, _) = centred(point(i64::MAX, 0), point(i64::MIN, 0), point(0, 0));
+        assert!(done.is_err());
+    }
+
+    /// The centre, and by how much the radius was short.
+    fn by_radius(
+        from: [Nm; 2],
+        to: [Nm; 2],
+        radius: i64,
+        direction: Direction,
+    ) -> (Result<[Nm; 2], Fault>, Nm) {
+        let (mut way, mut short) = ([0; 2], Nm(0));
+        assert!(between(&from, &to, [0, 1], &mut way));
+        let left = (direction == Direction::CounterClockwise) != (radius < 0);
+        let mut ratio = Ratio::NONE;
+        let done = beside(&way, Nm(radius.abs()), &mut short, &mut ratio);
+        turn(&mut way, &ratio, left);
+        let centre = [Nm(from[0].0 + way[0]), Nm(from[1].0 + way[1])];
+        (done.map(|()| centre), short)
+    }
+
+    #[test]
+    fn radius_gives_the_centre() {
+        let centre = |to, radius, direction| by_radius(point(0, 0), to, radius, direction).0;
+        let quarter = point(10, 10);
+        assert_eq!(
+            centre(quarter, 10, Direction::CounterClockwise),
+            Ok(point(0, 10))
+        );
+        assert_eq!(centre(quarter, 10, Direction::Clockwise), Ok(point(10, 0)));
+        assert_eq!(
+            centre(quarter, -10, Direction::CounterClockwise),
+            Ok(point(10, 0))
+        );
+        assert_eq!(
+            centre(point(20, 0), 10, Direction::Clockwise),
+            Ok(point(10, 0))
+        );
+        // 3-4-5: half chord 3, height 4, in metres and in hundreds of kilometres.
+        for scale in [1_000_000_000, 100_000_000_000_000] {
+            let to = point(6 * scale, 0);
+            assert_eq!(
+                centre(to, 5 * scale, Direction::CounterClockwise),
+                Ok(point(3 * scale, 4 * scale))
+            );
+        }
+        // A large radius and a chord of 1 nm: 1/2 rounds away from zero.
+        assert_eq!(
+            centre(point(1, 0), 1 << 49, Direction::CounterClockwise),
+            Ok(point(1, 1 << 49))
+        );
+    }
+
+    #[test]
+    fn short_radius() {
+        let arc = |radius| {
+            by_radius(
+                point(0, 0),
+                point(2_000_000, 0),
+                radius,
+                Direction::Clockwise,
+            )
+        };
+        let small = Err(Fault::at(Reason::RadiusTooSmall, b'R'));
+        assert_eq!(arc(900_000), (small, Nm(1_000_000)));
+        assert_eq!(arc(0), (small, Nm(1_000_000)));
+        assert_eq!(arc(999_000), (Ok(point(1_000_000, 0)), Nm(1_000)));
+        // Half of an odd chord, rounded up, and of one whose square is none.
+        let (_, least) = by_radius(point(0, 0), point(2_000_001, 0), 0, Direction::Clockwise);
+        assert_eq!(least, Nm(1_000_001));
+        let (_, least) = by_radius(point(0, 0), point(3, 3), 0, Direction::Clockwise);
+        assert_eq!(least, Nm(3));
+        let (same, _) = by_radius(point(1, 1), point(1, 1), 5, Direction::Clockwise);
+        assert_eq!(same, Err(Fault::at_motion(Reason::RadiusToSamePoint)));
+    }
+}

@@ -1,0 +1,432 @@
+//! The commands of one block, pulled one by one.
+
+use crate::codes::code::Code;
+#[cfg(feature = "extended")]
+use crate::codes::code::Side;
+use crate::command::arc::{Arc, Direction, Plane};
+use crate::command::{Command, Feed, PathMode, SpindleDirection};
+#[cfg(feature = "extended")]
+use crate::command::{Input, Spline, Switch, WaitFor};
+#[cfg(feature = "extended")]
+use crate::cycles::cycle::{Cycle, Holes};
+use crate::modal::modes::Modes;
+use crate::values::nm::Nm;
+
+/// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a canned cycle makes
+/// its moves as they are pulled, at most 2^21 of them.
+///
+/// What is looked at most stands first: short instructions reach 32 bytes from its address.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Commands<const N: usize> {
+    /// Bit n: the command of place n is still to come.
+    pending: u16,
+    /// Of a series of codes one: G5 is any spline, G81 any cycle.
+    motion: Option<Code>,
+    /// A code of the group of stops; `None` is the drilling of the drill.
+    last: Option<Code>,
+    spindle: SpindleDirection,
+    mist: bool,
+    flood: bool,
+    tool: u32,
+    length_number: u32,
+    milli_rpm: u64,
+    dwell_micros: u64,
+    /// Of all feed moves.
+    pub(crate) feed: Feed,
+    /// The arc. Its end is that of all moves; where an arc does not fit, its mismatch is the measure of the error.
+    pub(crate) arc: Arc<N>,
+    length: [Nm; N],
+    /// The modes before the block, while it is executed.
+    pub(crate) before: Modes<N>,
+    /// The point a G28 goes through.
+    pub(crate) via: [Nm; N],
+    #[cfg(feature = "extended")]
+    path: PathMode,
+    /// Of G33.
+    #[cfg(feature = "extended")]
+    pub(crate) lead: Nm,
+    /// Of a spline.
+    #[cfg(feature = "extended")]
+    pub(crate) points: [[Nm; 2]; 4],
+    #[cfg(feature = "extended")]
+    more: More<N>,
+}
+
+/// The commands of the extended codes.
+#[cfg(feature = "extended")]
+#[derive(Clone, Debug)]
+struct More<const N: usize> {
+    tool_is: bool,
+    compensation: (Option<Side>, Nm, Plane),
+    /// M48 to M53, M62 to M68: no motion in it.
+    switch: Plain,
+    io: Plain,
+    turn: Plain,
+    cycle: Option<Cycle<N>>,
+}
+
+/// Those without a position, which fit a few words.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Debug)]
+pub(crate) enum Plain {
+    Surface(SpindleDirection, Nm, Option<u64>),
+    Orient(u64, u8),
+    Switch(Switch, bool),
+    Output(u8, bool, bool),
+    Analog(u8, i64, bool),
+    Wait(Input, WaitFor, u64),
+}
+
+#[cfg(feature = "extended")]
+impl Plain {
+    const fn command<const N: usize>(self) -> Command<N> {
+        match self {
+            Plain::Surface(direction, speed, most_milli_rpm) => Command::Surface {
+                direction,
+                speed,
+                most_milli_rpm,
+            },
+            Plain::Orient(micro_degrees, way) => Command::Orient { micro_degrees, way },
+            Plain::Switch(what, on) => Command::Switch { what, on },
+            Plain::Output(number, on, with_motion) => Command::Output {
+                number,
+                on,
+                with_motion,
+            },
+            Plain::Analog(number, micro, with_motion) => Command::Analog {
+                number,
+                micro,
+                with_motion,
+            },
+            Plain::Wait(input, until, timeout_micros) => Command::Wait {
+                input,
+                until,
+                timeout_micros,
+            },
+        }
+    }
+}
+
+#[cfg(feature = "extended")]
+const IO: u16 = 1 << 0;
+const TOOL: u16 = 1 << 1;
+const SPINDLE: u16 = 1 << 2;
+#[cfg(feature = "extended")]
+const TURN: u16 = 1 << 3;
+const COOLANT: u16 = 1 << 4;
+#[cfg(feature = "extended")]
+const SWITCH: u16 = 1 << 5;
+const DWELL: u16 = 1 << 6;
+#[cfg(feature = "extended")]
+const COMPENSATION: u16 = 1 << 7;
+const LENGTH: u16 = 1 << 8;
+const PATH: u16 = 1 << 9;
+const VIA: u16 = 1 << 10;
+const MOTION: u16 = 1 << 11;
+const LAST: u16 = 1 << 12;
+
+impl<const N: usize> Commands<N> {
+    /// None: to be filled by [`Modal::apply`](crate::Modal::apply).
+    pub const fn new() -> Self {
+        Self::EMPTY
+    }
+
+    /// All bytes of it are zero, as far as the extended codes add none: nothing that must be copied from a constant.
+    const EMPTY: Self = Commands {
+        pending: 0,
+        motion: None,
+        last: None,
+        #[cfg(feature = "extended")]
+        path: PathMode::ExactPath,
+        spindle: SpindleDirection::Off,
+        mist: false,
+        flood: false,
+        tool: 0,
+        length_number: 0,
+        milli_rpm: 0,
+        dwell_micros: 0,
+        length: [Nm(0); N],
+        before: Modes::NONE,
+        via: [Nm(0); N],
+        feed: Feed::PerMinute(Nm(0)),
+        arc: Arc {
+            to: [Nm(0); N],
+            centre: [Nm(0); N],
+            plane: Plane::Xy,
+            direction: Direction::Clockwise,
+            turns: 0,
+            radius: None,
+            mismatch: Nm(0),
+            resolution: Nm(0),
+        },
+        #[cfg(feature = "extended")]
+        lead: Nm(0),
+        #[cfg(feature = "extended")]
+        points: [[Nm(0); 2]; 4],
+        #[cfg(feature = "extended")]
+        more: More {
+            tool_is: false,
+            compensation: (None, Nm(0), Plane::Xy),
+            switch: Plain::Orient(0, 0),
+            io: Plain::Orient(0, 0),
+            turn: Plain::Orient(0, 0),
+            cycle: None,
+        },
+    };
+
+    /// None to come; what the fields hold is no longer looked at.
+    pub(crate) fn clear(&mut self) {
+        self.pending = 0;
+    }
+
+    pub(crate) fn tool(&mut self, number: u32) {
+        (self.tool, self.pending) = (number, self.pending | TOOL);
+        #[cfg(feature = "extended")]
+        {
+            self.more.tool_is = false;
+        }
+    }
+
+    pub(crate) fn spindle(&mut self, direction: SpindleDirection, milli_rpm: u64) {
+        (self.spindle, self.milli_rpm) = (direction, milli_rpm);
+        self.pending |= SPINDLE;
+    }
+
+    pub(crate) fn coolant(&mut self, mist: bool, flood: bool) {
+        (self.mist, self.flood, self.pending) = (mist, flood, self.pending | COOLANT);
+    }
+
+    pub(crate) fn dwell(&mut self, micros: u64) {
+        (self.dwell_micros, self.pending) = (micros, self.pending | DWELL);
+    }
+
+    pub(crate) fn length(&mut self, number: u32, offset: &[Nm; N]) {
+        (self.length_number, self.length) = (number, *offset);
+        self.pending |= LENGTH;
+    }
+
+    #[cfg_attr(
+        not(feature = "extended"),
+        expect(unused_variables, reason = "there is one")
+    )]
+    pub(crate) fn path(&mut self, mode: PathMode) {
+        self.pending |= PATH;
+        #[cfg(feature = "extended")]
+        {
+            self.path = mode;
+        }
+    }
+
+    /// A rapid to `via` first.
+    pub(crate) fn go_via(&mut self) {
+        self.pending |= VIA;
+    }
+
+    /// A motion to the end of the arc, whatever it is.
+    pub(crate) fn motion(&mut self, motion: Code) {
+        (self.motion, self.pending) = (Some(motion), self.pending | MOTION);
+    }
+
+    pub(crate) fn finish(&mut self, last: Option<Code>) {
+        (self.last, self.pending) = (last, self.pending | LAST);
+    }
+}
+
+#[cfg(feature = "extended")]
+impl<const N: usize> Commands<N> {
+    pub(crate) fn tool_is(&mut self, number: u32) {
+        (self.tool, self.pending) = (number, self.pending | TOOL);
+        self.more.tool_is = true;
+    }
+
+    /// A spindle at constant surface speed, or at an angle.
+    pub(crate) fn turn(&mut self, turn: Plain) {
+        (self.more.turn, self.pending) = (turn, self.pending | TURN);
+    }
+
+    pub(crate) fn switch(&mut self, switch: Plain) {
+        (self.more.switch, self.pending) = (switch, self.pending | SWITCH);
+    }
+
+    pub(crate) fn io(&mut self, io: Plain) {
+        (self.more.io, self.pending) = (io, self.pending | IO);
+    }
+
+    pub(crate) fn compensation(&mut self, side: Option<Side>, radius: Nm, plane: Plane) {
+        self.more.compensation = (side, radius, plane);
+        self.pending |= COMPENSATION;
+    }
+
+    /// Holes to be filled in.
+    pub(crate) fn holes(&mut self) -> Option<&mut Holes<N>> {
+        self.more.cycle = Some(Cycle::Holes(Holes::NONE));
+        self.holes_made()
+    }
+
+    /// Those that were made last.
+    pub(crate) fn holes_made(&mut self) -> Option<&mut Holes<N>> {
+        match &mut self.more.cycle {
+            Some(Cycle::Holes(holes)) => Some(holes),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn cycle(&mut self, cycle: Cycle<N>) {
+        self.more.cycle = Some(cycle);
+        self.motion(Code::DrillCycle);
+    }
+}
+
+impl<const N: usize> Default for Commands<N> {
+    fn default() -> Self {
+        Commands::new()
+    }
+}
+
+impl<const N: usize> Iterator for Commands<N> {
+    type Item = Command<N>;
+
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn next(&mut self) -> Option<Command<N>> {
+        #[cfg_attr(not(feature = "extended"), expect(unused_mut))]
+        let mut lowest = self.pending & self.pending.wrapping_neg();
+        #[cfg(feature = "extended")]
+        if lowest == MOTION && self.motion == Some(Code::DrillCycle) {
+            if let Some(command) = self.more.cycle.as_mut().and_then(Cycle::next) {
+                return Some(command);
+            }
+            self.pending &= !MOTION;
+            lowest = self.pending & self.pending.wrapping_neg();
+        }
+        self.pending &= !lowest;
+        let (to, feed) = (self.arc.to, self.feed);
+        Some(match lowest {
+            #[cfg(feature = "extended")]
+            IO => self.more.io.command(),
+            #[cfg(feature = "extended")]
+            TOOL if self.more.tool_is => Command::ToolIs { number: self.tool },
+            TOOL => Command::Tool { number: self.tool },
+            SPINDLE => Command::Spindle {
+                direction: self.spindle,
+                milli_rpm: self.milli_rpm,
+            },
+            #[cfg(feature = "extended")]
+            TURN => self.more.turn.command(),
+            COOLANT => Command::Coolant {
+                mist: self.mist,
+                flood: self.flood,
+            },
+            #[cfg(feature = "extended")]
+            SWITCH => self.more.switch.command(),
+            DWELL => Command::Dwell {
+                micros: self.dwell_micros,
+            },
+            #[cfg(feature = "extended")]
+            COMPENSATION => Command::Compensation {
+                side: self.more.compensation.0,
+                radius: self.more.compensation.1,
+                plane: self.more.compensation.2,
+            },
+            LENGTH => Command::ToolLength {
+                number: self.length_number,
+                offset: self.length,
+            },
+            #[cfg(feature = "extended")]
+            PATH => Command::Path { mode: self.path },
+            #[cfg(not(feature = "extended"))]
+            PATH => Command::Path {
+                mode: PathMode::ExactPath,
+            },
+            VIA => Command::Rapid { to: self.via },
+            MOTION => match self.motion? {
+                Code::Rapid => Command::Rapid { to },
+                Code::Linear => Command::Linear { to, feed },
+                Code::Clockwise | Code::CounterClockwise => Command::Arc {
+                    arc: self.arc,
+                    feed,
+                },
+                #[cfg(feature = "extended")]
+                Code::Thread => Command::Thread {
+                    to,
+                    lead: self.lead,
+                },
+                #[cfg(feature = "extended")]
+                Code::Cubic => Command::Spline {
+                    spline: Spline {
+                        to,
+                        points: self.points,
+                    },
+                    feed,
+                },
+                code => {
+                    let (away, must) = code.probe();
+                    Command::Probe {
+                        to,
+                        feed,
+                        away,
+                        must,
+                    }
+                }
+            },
+            LAST => match self.last {
+                Some(code @ (Code::Stop | Code::OptionalStop)) => Command::Stop {
+                    optional: code == Code::OptionalStop,
+                },
+                Some(code @ (Code::End | Code::EndAndRewind)) => Command::End {
+                    rewind: code == Code::EndAndRewind,
+                },
+                Some(_) => Command::Pallet,
+                None => Command::Drill,
+            },
+            _ => return None,
+        })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let count = self.pending.count_ones() as usize;
+        #[cfg(feature = "extended")]
+        if self.motion == Some(Code::DrillCycle) && self.pending & MOTION != 0 {
+            return (count.saturating_sub(1), None);
+        }
+        (count, Some(count))
+    }
+}
+
+impl<const N: usize> core::iter::FusedIterator for Commands<N> {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+    use std::vec::Vec;
+
+    #[test]
+    fn commands_come_in_order_of_execution() {
+        let mut commands = Commands::<2>::new();
+        commands.finish(Some(Code::EndAndRewind));
+        commands.arc.to = [Nm(1_500_000), Nm(-1)];
+        commands.motion(Code::Rapid);
+        commands.dwell(1_500_000);
+        commands.spindle(SpindleDirection::CounterClockwise, 1_000_500);
+        commands.coolant(true, true);
+        commands.path(PathMode::ExactPath);
+        commands.tool(3);
+        assert_eq!(commands.size_hint(), (7, Some(7)));
+        let lines: Vec<_> = commands.map(|command| command.to_string()).collect();
+        assert_eq!(
+            lines,
+            [
+                "tool 3",
+                "spindle ccw 1000.5 rpm",
+                "coolant mist flood",
+                "dwell 1.5 s",
+                "path exact",
+                "rapid X1.5 Y-0.000001",
+                "end rewind"
+            ]
+        );
+    }
+}

@@ -1,0 +1,435 @@
+//! Frames and tools: G10, G28 and G30, G43 and G49, G92, and the sides of G41 and G42.
+
+use crate::blocks::block::Block;
+use crate::blocks::fault::{Fault, Reason};
+#[cfg(feature = "extended")]
+use crate::codes::code::Side;
+use crate::codes::code::{Code, EXTENDED, Group};
+use crate::codes::dialect::Flavour;
+use crate::codes::letters::{AXES, axis_letter};
+use crate::modal::commands::Commands;
+use crate::modal::modes::Units;
+use crate::modal::settings::missing;
+#[cfg(feature = "extended")]
+use crate::modal::settings::whole;
+use crate::modal::tools::Tool;
+use crate::modal::{Modal, coordinate};
+use crate::values::nm::Nm;
+
+/// What counts beside an axis word: some zeros, and the position or what the position shall read.
+#[derive(Copy, Clone)]
+pub(crate) struct Terms(u8);
+
+const SYSTEM: u8 = 1;
+const SHIFT: u8 = 2;
+const LENGTH: u8 = 4;
+#[cfg(feature = "extended")]
+const FIXTURE: u8 = 8;
+const POSITION: u8 = 16;
+const HERE: u8 = 32;
+/// An end of a move: increments count from the position.
+const END: u8 = 64;
+
+impl Terms {
+    /// The value itself.
+    pub(crate) const NONE: Terms = Terms(0);
+    /// The end of a move in the machine frame, in the work frame, or as a way from the position.
+    pub(crate) const MACHINE: Terms = Terms(END);
+    pub(crate) const WORK: Terms = Terms(END | SYSTEM | SHIFT | LENGTH);
+    pub(crate) const INCREMENT: Terms = Terms(END | POSITION);
+    /// Where the zero of a frame is, so that the present position reads the value: in the work frame (G10 L20), by G92.
+    const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
+    const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
+    /// How long the tool is, so that it reads the value: in the work frame (G10 L10) or in the fixture of G59.3, whatever
+    /// shifts the others (G10 L11).
+    #[cfg(feature = "extended")]
+    const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
+    #[cfg(feature = "extended")]
+    const TO_LENGTH_IN_FIXTURE: Terms = Terms(HERE | FIXTURE);
+
+    const fn has(self, term: u8) -> bool {
+        self.0 & term != 0
+    }
+}
+
+impl<const N: usize> Modal<N> {
+    /// Replaces the coordinates whose axes the block gives.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn read_axes(
+        &self,
+        block: &Block,
+        terms: Terms,
+        to: &mut [Nm; N],
+    ) -> Result<(), Fault> {
+        let mut given = block.axes();
+        // Beyond the axes with letters there is nothing, and no bit of `given`.
+        for (axis, to) in (0..AXES).zip(to.iter_mut()) {
+            if given & 1 != 0 {
+                self.read_axis(block, terms, axis, to)?;
+            }
+            given >>= 1;
+        }
+        Ok(())
+    }
+
+    /// The end of a move: what [`Modal::read_axes`] makes of the position, without diameters and increments, with what is
+    /// the same for all axes looked up once.
+    #[inline(always)]
+    pub(crate) fn read_end(
+        &self,
+        block: &Block,
+        terms: Terms,
+        to: &mut [Nm; N],
+    ) -> Result<(), Fault> {
+        let none = [Nm(0); N];
+        let system = self.offsets.get(usize::from(self.work_system()));
+        let zeros = system.unwrap_or(&none).iter();
+        let zeros = zeros.zip(&self.modes.shift).zip(&self.modes.length);
+        let axes = (0..AXES).zip(to.iter_mut()).zip(&self.modes.position);
+        let (lengths, degrees) = (self.units().scale(false), Units::Millimetres.scale(false));
+        let (absolute, incremental) = (terms.has(SYSTEM), terms.has(POSITION));
+        let words = block.axis_words();
+        for (((axis, to), position), ((word, given), ((system, shift), length))) in
+            axes.zip(words.zip(zeros))
+        {
+            *to = *position;
+            if !given {
+                continue;
+            }
+            let (factor, exponent) = if axis < 3 { lengths } else { degrees };
+            let value = word.scaled(i32::from(factor), exponent);
+            let value = value.and_then(|value| Nm(value).within_limit());
+            // Each within Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+            let zero = if absolute {
+                system.0.saturating_add(shift.0).saturating_add(length.0)
+            } else if incremental {
+                position.0
+            } else {
+                0
+            };
+            let end = value.and_then(|value| Nm(value.0.wrapping_add(zero)).within_limit());
+            match end {
+                Some(end) => *to = end,
+                None => return Err(Fault::at(Reason::NumberTooLarge, axis_letter(axis))),
+            }
+        }
+        Ok(())
+    }
+
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
+    fn read_axis(
+        &self,
+        block: &Block,
+        mut terms: Terms,
+        axis: usize,
+        to: &mut Nm,
+    ) -> Result<(), Fault> {
+        let letter = block.letter_of(axis);
+        if EXTENDED && terms.has(END) && block.increment(axis).is_some() {
+            if block.axis(axis).is_some() {
+                return Err(Fault::at(Reason::TwoUsersOfWords, letter));
+            }
+            terms = Terms::INCREMENT;
+        }
+        let mut value = Nm(0);
+        self.add_word(block, letter, &mut value)?;
+        // All within a few times Nm::LIMIT.
+        value.0 = value.0.wrapping_add(self.sum_of(axis, terms).0);
+        if terms.has(HERE) {
+            let here = coordinate(&self.modes.position, axis);
+            value.0 = here.0.wrapping_sub(value.0);
+        }
+        *to = value
+            .within_limit()
+            .ok_or(Fault::at(Reason::NumberTooLarge, letter))?;
+        Ok(())
+    }
+
+    /// The sum of some coordinates.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn sum_of(&self, axis: usize, terms: Terms) -> Nm {
+        let system = self.offsets.get(usize::from(self.work_system()));
+        let mut sum = 0i64;
+        for (term, point) in [
+            (SYSTEM, system),
+            (SHIFT, Some(&self.modes.shift)),
+            (LENGTH, Some(&self.modes.length)),
+            (POSITION, Some(&self.modes.position)),
+            #[cfg(feature = "extended")]
+            (FIXTURE, self.offsets.last()),
+        ] {
+            if let Some(point) = point.filter(|_| terms.has(term)) {
+                // A few times Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+                sum = sum.saturating_add(coordinate(point, axis).0);
+            }
+        }
+        Nm(sum)
+    }
+
+    /// The active work zero of one axis, without the tool length.
+    pub(crate) fn work_offset_of(&self, axis: usize) -> Nm {
+        self.sum_of(axis, Terms(SYSTEM | SHIFT))
+    }
+
+    /// The work zero of the programmed point: with the tool length.
+    pub(crate) fn zero_of(&self, axis: usize) -> Nm {
+        self.sum_of(axis, Terms::WORK)
+    }
+
+    #[cfg(feature = "extended")]
+    #[inline(never)]
+    pub(crate) fn set_compensation(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let (side, direct) = match block.code(Group::Compensation) {
+            None => return Ok(()),
+            Some(Code::CompensateLeft) => (Side::Left, false),
+            Some(Code::CompensateLeftDirect) => (Side::Left, true),
+            Some(Code::CompensateRight) => (Side::Right, false),
+            Some(Code::CompensateRightDirect) => (Side::Right, true),
+            Some(_) => {
+                if self.modes.more.compensation.take().is_some() {
+                    commands.compensation(None, Nm(0), self.plane());
+                }
+                return Ok(());
+            }
+        };
+        if self.modes.more.compensation.is_some() {
+            return Err(Fault::at_code(
+                Reason::UnderCompensation,
+                Group::Compensation,
+            ));
+        }
+        let radius = if direct {
+            let value = block
+                .word(b'D')
+                .ok_or_else(|| missing(b'D', Group::Compensation))?;
+            self.units()
+                .half(value)
+                .ok_or_else(|| Fault::at(Reason::NumberTooLarge, b'D'))?
+        } else {
+            match whole(block, b'D', u32::MAX)? {
+                Some(0) => Nm(0),
+                Some(number) => {
+                    let tool = self.tools.get(number);
+                    tool.ok_or_else(|| Fault::at(Reason::UnknownTool, b'D'))?
+                        .radius
+                }
+                None => {
+                    let tool = self.tools.get(self.modes.loaded);
+                    let unknown = || Fault::at_code(Reason::UnknownTool, Group::Compensation);
+                    tool.ok_or_else(unknown)?.radius
+                }
+            }
+        };
+        // A negative radius is a tool on the other side.
+        let side = match (side, radius < Nm(0)) {
+            (Side::Left, true) => Side::Right,
+            (Side::Right, true) => Side::Left,
+            (side, false) => side,
+        };
+        self.modes.more.compensation = Some(side);
+        commands.compensation(Some(side), Nm(radius.0.saturating_abs()), self.plane());
+        Ok(())
+    }
+
+    #[inline(never)]
+    pub(crate) fn set_tool_length(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let Some(code) = block.code(Group::ToolLength) else {
+            return Ok(());
+        };
+        #[cfg_attr(not(feature = "extended"), expect(unused_mut))]
+        let mut number = 0;
+        let to = &mut commands.arc.to;
+        *to = self.modes.length;
+        match code {
+            #[cfg(feature = "extended")]
+            Code::ToolLength => {
+                number = self.modes.loaded;
+                block.whole(b'H', u32::MAX, &mut number)?;
+                // A tool that is not in the table has no length of its own: its length is in the work zero.
+                *to = self.tools.get(number).unwrap_or_default().offset;
+            }
+            Code::DirectToolLength => {
+                if block.axes() == 0 {
+                    return Err(Fault::at_code(Reason::NoAxisWords, Group::ToolLength));
+                }
+                self.read_axes(block, Terms::NONE, to)?;
+            }
+            _ => {
+                *to = [Nm(0); N];
+                // G49 in the first line of many a program.
+                if self.modes.length == *to {
+                    return Ok(());
+                }
+            }
+        }
+        #[cfg(feature = "extended")]
+        if self.compensation().is_some() {
+            // The contour stays where it is in its plane.
+            let differs = |axis: usize| self.modes.length.get(axis) != to.get(axis);
+            if self.plane().axes().into_iter().any(differs) {
+                return Err(Fault::at_code(Reason::UnderCompensation, Group::ToolLength));
+            }
+        }
+        self.modes.length = *to;
+        commands.length(number, &self.modes.length);
+        Ok(())
+    }
+
+    /// G10 and its `L`.
+    #[inline(never)]
+    pub(crate) fn set_data(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let (mut kind, mut number) = (0, 0);
+        needed(block, b'L', u8::MAX.into(), &mut kind)?;
+        needed(block, b'P', u32::MAX, &mut number)?;
+        let terms = match kind {
+            #[cfg(feature = "extended")]
+            1 | 10 | 11 if self.modes.dialect.flavour != Flavour::Grbl => {
+                return self.write_tool(block, kind, number);
+            }
+            2 => Terms::NONE,
+            20 => Terms::TO_SYSTEM,
+            _ => return Err(Fault::at(Reason::OutOfRange, b'L')),
+        };
+        if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
+            return Err(Fault::at(Reason::OutOfRange, b'R'));
+        }
+        let system = match number.checked_sub(1) {
+            None => u32::from(self.work_system()),
+            Some(system) => system,
+        };
+        let grbl = self.modes.dialect.flavour == Flavour::Grbl;
+        let zero = self.offsets.get(system as usize);
+        let zero = zero.filter(|_| !(EXTENDED && grbl && system >= 6));
+        let to = &mut commands.arc.to;
+        *to = *zero.ok_or(Fault::at(Reason::OutOfRange, b'P'))?;
+        self.read_axes(block, terms, to)?;
+        if let Some(zero) = self.offsets.get_mut(system as usize) {
+            *zero = *to;
+        }
+        Ok(())
+    }
+
+    /// G10 L1, L10, L11: the length and the radius of a tool.
+    #[cfg(feature = "extended")]
+    fn write_tool(&mut self, block: &Block, kind: u32, number: u32) -> Result<(), Fault> {
+        if number == 0 {
+            return Err(Fault::at(Reason::OutOfRange, b'P'));
+        }
+        let mut tool = self.tools.get(number).unwrap_or_default();
+        let terms = match kind {
+            1 => Terms::NONE,
+            10 => Terms::TO_LENGTH,
+            _ => Terms::TO_LENGTH_IN_FIXTURE,
+        };
+        self.read_axes(block, terms, &mut tool.offset)?;
+        if let Some(radius) = self.length_of(block, b'R')? {
+            tool.radius = radius;
+        }
+        if self.tools.set(number, tool) {
+            Ok(())
+        } else {
+            Err(Fault::at(Reason::ToolTableFull, b'P'))
+        }
+    }
+
+    /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
+    #[inline(never)]
+    pub(crate) fn set_shift(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            if self.modes.dialect.flavour != Flavour::Drill {
+                return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
+            }
+            for axis in 0..N {
+                let here = coordinate(&self.modes.position, axis);
+                let zero = self.sum_of(axis, Terms(SYSTEM | LENGTH));
+                if let Some(shift) = self.modes.shift.get_mut(axis) {
+                    *shift = Nm(here.0.saturating_sub(zero.0));
+                }
+            }
+        }
+        let to = &mut commands.arc.to;
+        *to = self.modes.shift;
+        self.read_axes(block, Terms::TO_SHIFT, to)?;
+        (self.modes.shift, self.modes.kept_shift) = (*to, *to);
+        Ok(())
+    }
+
+    /// G28 and G30: through the given point to the stored position, only the axes named; all axes straight where none
+    /// is.
+    #[inline(never)]
+    pub(crate) fn go_home(
+        &mut self,
+        block: &Block,
+        second: bool,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let mut given = block.axes();
+        self.aim(block, self.terms(), commands)?;
+        if self.modes.dialect.flavour == Flavour::Micromill {
+            if given == 0 {
+                return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
+            }
+            self.check_z_alone(block)?;
+            for axis in 0..AXES {
+                if block.axis(axis).is_some_and(|value| !value.is_zero()) {
+                    return Err(Fault::at(Reason::NotZero, axis_letter(axis)));
+                }
+            }
+        } else if given != 0 {
+            commands.via = commands.arc.to;
+            commands.go_via();
+        }
+        if given == 0 {
+            given = u16::MAX;
+        }
+        commands.arc.to = self.modes.position;
+        let [first, other] = &self.homes;
+        let home = if second { other } else { first };
+        for (to, home) in commands.arc.to.iter_mut().zip(home) {
+            if given & 1 != 0 {
+                *to = *home;
+            }
+            given >>= 1;
+        }
+        self.go(Code::Rapid, commands);
+        Ok(())
+    }
+}
+
+/// A whole number that G10 needs.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+fn needed(block: &Block, letter: u8, most: u32, to: &mut u32) -> Result<(), Fault> {
+    if !block.has(letter) {
+        return Err(missing(letter, Group::NonModal));
+    }
+    block.whole(letter, most, to)
+}
+
+impl<const N: usize> Tool<N> {
+    /// A tool without length.
+    pub const fn of_radius(radius: Nm) -> Self {
+        Tool {
+            offset: [Nm(0); N],
+            radius,
+        }
+    }
+}

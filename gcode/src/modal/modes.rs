@@ -1,0 +1,267 @@
+//! The modes that a block may change, by name and as they are kept.
+
+#[cfg(feature = "extended")]
+use crate::codes::code::Side;
+use crate::codes::code::{Code, Group};
+use crate::codes::dialect::{Dialect, Flavour};
+use crate::codes::kind::Kind;
+#[cfg(feature = "extended")]
+use crate::values::decimal::Decimal;
+use crate::values::nm::Nm;
+
+/// The motion mode: what axis words alone do.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Motion {
+    /// G0.
+    Rapid,
+    /// G1.
+    Linear,
+    /// G2.
+    Clockwise,
+    /// G3.
+    CounterClockwise,
+    /// G5.
+    Cubic,
+    /// G5.1.
+    Quadratic,
+    /// G33.
+    Thread,
+    /// G38.2 to G38.5.
+    Probe {
+        /// G38.4, G38.5.
+        away: bool,
+        /// G38.2, G38.4.
+        must: bool,
+    },
+    /// A canned cycle.
+    Cycle(Kind),
+}
+
+/// The unit of lengths.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Units {
+    /// G21.
+    Millimetres,
+    /// G20; exactly 25.4 mm.
+    Inches,
+    /// The micromill dialect's.
+    Micrometres,
+}
+
+impl Units {
+    /// A unit in nanometres, as a factor and a power of ten; or half of it.
+    pub(crate) const fn scale(self, half: bool) -> (u8, u8) {
+        match (self, half) {
+            (Units::Millimetres, false) => (1, 6),
+            (Units::Millimetres, true) => (5, 5),
+            (Units::Inches, false) => (254, 5),
+            (Units::Inches, true) => (127, 5),
+            (Units::Micrometres, false) => (1, 3),
+            (Units::Micrometres, true) => (5, 2),
+        }
+    }
+
+    /// This many units in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
+    #[cfg(feature = "extended")]
+    pub(crate) fn length(self, value: Decimal) -> Option<Nm> {
+        let (factor, exponent) = self.scale(false);
+        let scaled = value.scaled(i32::from(factor), exponent);
+        scaled.and_then(|nm| Nm(nm).within_limit())
+    }
+
+    /// Half of it, rounded once: a diameter as a radius.
+    #[cfg(feature = "extended")]
+    pub(crate) fn half(self, value: Decimal) -> Option<Nm> {
+        let (factor, exponent) = self.scale(true);
+        let scaled = value.scaled(i32::from(factor), exponent);
+        scaled.and_then(|nm| Nm(nm).within_limit())
+    }
+}
+
+/// How coordinates (G90, G91) or arc centres (G90.1, G91.1) are meant.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Distance {
+    /// In the work frame.
+    Absolute,
+    /// From the position before the move.
+    Incremental,
+}
+
+/// What `F` means.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FeedMode {
+    /// G94: length a minute.
+    PerMinute,
+    /// G93: moves a minute; every feed move has its own `F`.
+    InverseTime,
+    /// G95: length a revolution of the spindle.
+    PerRevolution,
+}
+
+/// What a refused block must leave as it was, small enough to be kept aside meanwhile.
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+#[repr(C)]
+pub(crate) struct Modes<const N: usize> {
+    pub(crate) tool: u32,
+    /// The tool in the spindle: by M6 or M61.
+    pub(crate) loaded: u32,
+    /// The code in effect of each modal group.
+    pub(crate) active: [Option<Code>; Group::MODAL],
+    pub(crate) mist: bool,
+    pub(crate) flood: bool,
+    /// What it was made for; it never changes.
+    pub(crate) dialect: Dialect,
+    /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
+    pub(crate) feed: u64,
+    pub(crate) milli_rpm: u64,
+    pub(crate) position: [Nm; N],
+    /// The shift of all work frames by G92.
+    pub(crate) shift: [Nm; N],
+    /// The tool length in effect.
+    pub(crate) length: [Nm; N],
+    /// The shift G92.3 brings back.
+    pub(crate) kept_shift: [Nm; N],
+    #[cfg(feature = "extended")]
+    pub(crate) sticky: Sticky,
+    #[cfg(feature = "extended")]
+    pub(crate) more: More,
+}
+
+impl<const N: usize> Modes<N> {
+    /// All bytes zero, as far as the extended codes add none: no codes in effect.
+    pub(crate) const NONE: Self = Modes {
+        dialect: Dialect::RS274.with_block_delete(false),
+        active: [None; Group::MODAL],
+        mist: false,
+        flood: false,
+        tool: 0,
+        loaded: 0,
+        feed: 0,
+        milli_rpm: 0,
+        position: [Nm(0); N],
+        shift: [Nm(0); N],
+        length: [Nm(0); N],
+        kept_shift: [Nm(0); N],
+        #[cfg(feature = "extended")]
+        sticky: Sticky::NONE,
+        #[cfg(feature = "extended")]
+        more: More::NONE,
+    };
+
+    /// Copies it field by field: as a whole it is moved by a function that nothing else of the basic codes needs.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn write_to(&self, to: &mut Self) {
+        (to.dialect, to.active) = (self.dialect, self.active);
+        (to.mist, to.flood) = (self.mist, self.flood);
+        (to.tool, to.loaded) = (self.tool, self.loaded);
+        (to.feed, to.milli_rpm) = (self.feed, self.milli_rpm);
+        to.position = self.position;
+        to.shift = self.shift;
+        to.length = self.length;
+        to.kept_shift = self.kept_shift;
+        #[cfg(feature = "extended")]
+        {
+            to.sticky = self.sticky;
+            to.more = self.more;
+        }
+    }
+}
+
+/// What the extended codes leave to the next block, besides the canned cycles.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+pub(crate) struct More {
+    /// G96: surface speed a minute and the most thousandths of a revolution; `None` under G97.
+    pub(crate) surface: Option<(Nm, Option<u64>)>,
+    /// G5: from the end of the curve back to its second control point, turned round.
+    pub(crate) tail: Option<[Nm; 2]>,
+    pub(crate) compensation: Option<Side>,
+    /// `P` of G64.
+    pub(crate) tolerance: Option<Nm>,
+}
+
+#[cfg(feature = "extended")]
+impl More {
+    const NONE: More = More {
+        surface: None,
+        tail: None,
+        compensation: None,
+        tolerance: None,
+    };
+}
+
+/// What a canned cycle keeps for the next block of its series, lengths as they were programmed.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub(crate) struct Sticky {
+    pub(crate) retract: Option<Nm>,
+    pub(crate) bottom: Option<Nm>,
+    pub(crate) peck: Option<Nm>,
+    pub(crate) dwell_micros: u64,
+    pub(crate) back_bore: Option<[Nm; 3]>,
+    /// Height before the series, machine frame: where G98 goes back to.
+    pub(crate) initial: Option<Nm>,
+    /// The far corner of a turning cycle, X and Z, machine frame.
+    pub(crate) corner: Option<[Nm; 2]>,
+    /// The taper of a turning cycle, and the lead of a thread.
+    pub(crate) taper: Nm,
+    pub(crate) lead: Nm,
+}
+
+#[cfg(feature = "extended")]
+impl Sticky {
+    pub(crate) const NONE: Sticky = Sticky {
+        retract: None,
+        bottom: None,
+        peck: None,
+        dwell_micros: 0,
+        back_bore: None,
+        initial: None,
+        corner: None,
+        taper: Nm(0),
+        lead: Nm(0),
+    };
+}
+
+/// The codes in effect at the start of a program.
+#[inline(always)]
+pub(crate) fn initial(dialect: Dialect) -> [Option<Code>; Group::MODAL] {
+    let micromill = dialect.flavour == Flavour::Micromill;
+    let lathe = dialect.is_lathe();
+    // In the order of the groups.
+    [
+        Some(if lathe { Code::PlaneZx } else { Code::PlaneXy }),
+        Some(if micromill {
+            Code::Micrometres
+        } else {
+            Code::Millimetres
+        }),
+        Some(if lathe {
+            Code::DiameterMode
+        } else {
+            Code::RadiusMode
+        }),
+        Some(Code::G54),
+        Some(Code::Absolute),
+        Some(if micromill {
+            Code::AbsoluteCentres
+        } else {
+            Code::IncrementalCentres
+        }),
+        Some(Code::ReturnToInitial),
+        Some(Code::ExactPath),
+        Some(Code::PerMinute),
+        Some(if dialect.flavour == Flavour::Grbl {
+            Code::Rapid
+        } else {
+            Code::CancelMotion
+        }),
+        Some(Code::SpindleOff),
+        Some(Code::SpindleSpeed),
+    ]
+}

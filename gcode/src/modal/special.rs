@@ -1,0 +1,165 @@
+//! Splines and synchronised moves: G5, G5.1, G33.
+
+use crate::blocks::block::Block;
+use crate::blocks::fault::{Fault, Reason};
+use crate::codes::code::Code;
+use crate::codes::code::Group;
+use crate::codes::dialect::Flavour;
+use crate::command::arc::Plane;
+use crate::modal::commands::Commands;
+use crate::modal::{Modal, shifted};
+use crate::values::nm::Nm;
+
+impl<const N: usize> Modal<N> {
+    /// X and Y of a point.
+    fn plane_point(point: &[Nm; N]) -> [Nm; 2] {
+        [0, 1].map(|axis| point.get(axis).copied().unwrap_or_default())
+    }
+
+    /// A pair of words added to a point; `None` when the block has neither.
+    fn offset(
+        &self,
+        block: &Block,
+        letters: [u8; 2],
+        from: [Nm; 2],
+    ) -> Result<Option<[Nm; 2]>, Fault> {
+        if letters.iter().all(|&letter| block.word(letter).is_none()) {
+            return Ok(None);
+        }
+        let mut point = from;
+        for (entry, letter) in point.iter_mut().zip(letters) {
+            if let Some(length) = self.length_of(block, letter)? {
+                *entry = shifted(*entry, length, letter)?;
+            }
+        }
+        Ok(Some(point))
+    }
+
+    /// Start and end of a spline, which is in XY only.
+    fn spline_ends(&self, block: &Block) -> Result<([Nm; 2], [Nm; N]), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
+        if self.plane() != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
+            return Err(Fault::at_motion(Reason::SplinePlane));
+        }
+        let to = self.target(block)?;
+        Ok((Self::plane_point(&self.modes.position), to))
+    }
+
+    /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a smooth join.
+    #[inline(never)]
+    pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        let (from, to) = self.spline_ends(block)?;
+        let end = Self::plane_point(&to);
+        let first = match (
+            self.offset(block, [b'I', b'J'], from)?,
+            self.modes.more.tail,
+        ) {
+            (Some(first), _) => first,
+            (None, Some(tail)) => {
+                let mut first = from;
+                for (first, tail) in first.iter_mut().zip(tail) {
+                    // Each within 2^50.
+                    first.0 = first.0.saturating_add(tail.0);
+                }
+                first
+            }
+            (None, None) => return Err(Fault::at_motion(Reason::MissingWord).of(b'I')),
+        };
+        for letter in [b'P', b'Q'] {
+            if block.word(letter).is_none() {
+                return Err(Fault::at_motion(Reason::MissingWord).of(letter));
+            }
+        }
+        let second = self.offset(block, [b'P', b'Q'], end)?.unwrap_or(end);
+        let mut tail = end;
+        for (tail, second) in tail.iter_mut().zip(second) {
+            tail.0 = tail.0.saturating_sub(second.0);
+        }
+        self.modes.more.tail = Some(tail);
+        self.spline(to, [from, first, second, end], commands)
+    }
+
+    /// G5.1: I J from the start to the only control point.
+    #[inline(never)]
+    pub(crate) fn quadratic(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        let (from, to) = self.spline_ends(block)?;
+        let end = Self::plane_point(&to);
+        let control = self
+            .offset(block, [b'I', b'J'], from)?
+            .filter(|&control| control != from)
+            .ok_or_else(|| Fault::at_motion(Reason::MissingWord).of(b'I'))?;
+        let points = [from, toward(from, control), toward(end, control), end];
+        self.spline(to, points, commands)
+    }
+
+    fn spline(
+        &mut self,
+        to: [Nm; N],
+        points: [[Nm; 2]; 4],
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        self.set_feed_of(commands)?;
+        commands.arc.to = to;
+        commands.points = points;
+        self.go(Code::Cubic, commands);
+        Ok(())
+    }
+
+    /// G33: `K` is the lead; in code system A of lathes (G32) `F` is.
+    #[inline(never)]
+    pub(crate) fn thread(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
+        let lead = self.lead(block)?;
+        self.check_turning()?;
+        self.aim(block, self.terms(), commands)?;
+        commands.lead = lead;
+        self.go(Code::Thread, commands);
+        Ok(())
+    }
+
+    /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a series.
+    pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Fault> {
+        let letter = if self.modes.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none()
+        {
+            b'F'
+        } else {
+            b'K'
+        };
+        let lead = match self.length_of(block, letter)? {
+            Some(lead) => lead,
+            None => self.modes.sticky.lead,
+        };
+        if lead == Nm(0) && block.word(letter).is_none() {
+            return Err(Fault::at_motion(Reason::MissingWord).of(letter));
+        }
+        if lead <= Nm(0) {
+            return Err(Fault::at(Reason::OutOfRange, letter));
+        }
+        self.modes.sticky.lead = lead;
+        Ok(lead)
+    }
+}
+
+/// Two thirds of the way from an end to the control point, to the nearest nanometre, halves (there are none) up.
+fn toward(end: [Nm; 2], control: [Nm; 2]) -> [Nm; 2] {
+    let mut point = end;
+    for (point, control) in point.iter_mut().zip(control) {
+        // Below 2^52, twice that and one fit.
+        let twice = control.0.saturating_sub(point.0).wrapping_mul(2);
+        let third = twice.wrapping_add(1).wrapping_div_euclid(3);
+        point.0 = point.0.saturating_add(third);
+    }
+    point
+}

@@ -1,0 +1,64 @@
+//! The tool table: lengths and radii by number.
+
+use crate::codes::code::EXTENDED;
+use crate::values::nm::Nm;
+
+/// One tool.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tool<const N: usize> {
+    /// What G43 adds to the work frame, by axis.
+    pub offset: [Nm; N],
+    /// Its radius, for G41 and G42.
+    pub radius: Nm,
+}
+
+impl<const N: usize> Default for Tool<N> {
+    fn default() -> Self {
+        Tool {
+            offset: [Nm(0); N],
+            radius: Nm(0),
+        }
+    }
+}
+
+/// How many tools the table holds; none where no code uses it.
+const CAPACITY: usize = if EXTENDED { 8 } else { 0 };
+
+/// At most eight tools of any number. Tool 0 is no tool: it has no entry.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub(crate) struct Tools<const N: usize> {
+    entries: [(u32, Tool<N>); CAPACITY],
+}
+
+impl<const N: usize> Tools<N> {
+    pub(crate) const fn new() -> Self {
+        Tools {
+            entries: [(0, Tool::of_radius(Nm(0))); CAPACITY],
+        }
+    }
+
+    pub(crate) fn get(&self, number: u32) -> Option<Tool<N>> {
+        self.entries
+            .iter()
+            .find(|entry| number != 0 && entry.0 == number)
+            .map(|entry| entry.1)
+    }
+
+    /// Writes an entry; `false` when there is no room, or the number is 0.
+    pub(crate) fn set(&mut self, number: u32, tool: Tool<N>) -> bool {
+        if number == 0 {
+            return false;
+        }
+        let there = self.entries.iter().position(|entry| entry.0 == number);
+        let free = || self.entries.iter().position(|entry| entry.0 == 0);
+        let place = there.or_else(free);
+        match place.and_then(|place| self.entries.get_mut(place)) {
+            Some(entry) => {
+                *entry = (number, tool);
+                true
+            }
+            None => false,
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The moves of a roughing cycle: cuts straight to the contour, one below the other, then once along it.
+
+use super::shape::{Shape, Ways};
+use crate::compensation::offset::{Vector, minus, plus};
+
+/// Most cuts of one cycle.
+pub(super) const MOST_PASSES: i64 = 1 << 16;
+
+/// A move of a cycle: X as radius and Z, machine frame.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub(super) enum Move {
+    Rapid(Vector),
+    Feed(Vector),
+    /// G33, by system A's number G32.
+    Thread {
+        to: Vector,
+        lead: i64,
+    },
+    Arc {
+        to: Vector,
+        centre: Vector,
+        clockwise: bool,
+    },
+}
+
+/// Where a cycle is; what the states do stands in [`Passes::next`].
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+enum State {
+    Shift,
+    Sink,
+    Cut,
+    Lift,
+    Back,
+    Last,
+    Entry,
+    Along(usize),
+    Leave,
+    Home,
+    Down,
+    Done,
+}
+
+/// Roughing: all lengths in deep and far, see [`Ways`].
+///
+/// ```text
+///        far ──►          start
+///  deep   ┌──────────────────────────────────────── first cut ──────┐  <- 45 degrees back by the retract
+///   │     │◄── rapid ───────────────────────────────────────────────┘
+///   ▼     └─────────────── second cut ─────┐ ...        contour with its allowance
+/// ```
+#[derive(Clone, Debug)]
+pub(super) struct Passes<const CAPACITY: usize> {
+    pub(super) ways: Ways,
+    pub(super) shape: Shape<CAPACITY>,
+    /// Where the cycle starts and ends.
+    pub(super) start: Vector,
+    /// The allowance by which the contour is moved, away from the material: deep and far are zero or below.
+    pub(super) shift: Vector,
+    /// Depth of a cut, above zero.
+    pub(super) depth: i64,
+    /// Retract, zero or above.
+    pub(super) retract: i64,
+    /// Down to the depth of a cut at a feed: the contour begins with G1.
+    pub(super) feeds_in: bool,
+    cut: i64,
+    at: Vector,
+    state: State,
+}
+
+impl<const CAPACITY: usize> Passes<CAPACITY> {
+    pub(super) fn new(ways: Ways, shape: Shape<CAPACITY>, start: Vector) -> Self {
+        let start = ways.course(start);
+        Passes {
+            ways,
+            shape,
+            start,
+            shift: [0, 0],
+            depth: 1,
+            retract: 0,
+            feeds_in: false,
+            cut: 1,
+            at: start,
+            state: State::Shift,
+        }
+    }
+
+    /// Whether the start lies outside of the contour with its allowance, so that the tool may leave it and come back.
+    pub(super) fn starts_free(&self) -> bool {
+        let [deep, far] = self.start;
+        let end = plus(self.ways.course(self.shape.end()), self.shift);
+        self.whole() > 0 && (deep <= end[0] || far <= self.reach(deep))
+    }
+
+    /// How deep all cuts together go; not above zero where the start lies below the contour's bottom.
+    pub(super) fn whole(&self) -> i64 {
+        let bottom = self.ways.course(self.shape.from)[0].saturating_add(self.shift[0]);
+        bottom.saturating_sub(self.start[0])
+    }
+
+    /// How many cuts there are, at most.
+    pub(super) fn count(&self) -> i64 {
+        let whole = self.whole().max(0);
+        let most = whole.saturating_add(self.depth.saturating_sub(1).max(0));
+        most.checked_div(self.depth).unwrap_or(i64::MAX)
+    }
+
+    /// The next move; lengths are differences of coordinates, below 2^53.
+    pub(super) fn next(&mut self) -> Option<Move> {
+        let begin = self.start[1].saturating_add(self.shift[1]);
+        let entry = plus(self.ways.course(self.shape.from), self.shift);
+        loop {
+            match self.state {
+                // To where the cuts begin: the start, moved by the allowance.
+                State::Shift => {
+                    self.state = State::Sink;
+                    if begin != self.start[1] {
+                        return Some(self.rapid([self.start[0], begin]));
+                    }
+                }
+                State::Sink => {
+                    let whole = self.whole();
+                    let down = self.depth.saturating_mul(self.cut).min(whole);
+                    let deep = self.start[0].saturating_add(down);
+                    // Deeper cuts are shorter: behind the first one without length there is no other.
+                    let is_over = whole <= 0 || self.cut > self.count();
+                    if is_over || self.reach(deep) <= begin {
+                        self.state = State::Last;
+                        continue;
+                    }
+                    self.state = State::Cut;
+                    return Some(self.sink([deep, begin]));
+                }
+                State::Cut => {
+                    self.state = State::Lift;
+                    let far = self.reach(self.at[0]);
+                    return Some(self.feed([self.at[0], far]));
+                }
+                State::Lift => {
+                    self.state = State::Back;
+                    // Not behind where the cut began.
+                    let by = self.retract.min(self.at[1].saturating_sub(begin));
+                    if by > 0 {
+                        return Some(self.rapid(minus(self.at, [by, by])));
+                    }
+                }
+                State::Back => {
+                    self.state = State::Sink;
+                    // At most 2^16.
+                    self.cut = self.cut.wrapping_add(1);
+                    if self.at[1] != begin {
+                        return Some(self.rapid([self.at[0], begin]));
+                    }
+                }
+                // Along the contour.
+                State::Last => {
+                    self.state = State::Entry;
+                    return Some(self.sink([entry[0], begin]));
+                }
+                State::Entry => {
+                    self.state = State::Along(0);
+                    if self.at != entry {
+                        return Some(self.feed(entry));
+                    }
+                }
+                State::Along(index) => {
+                    let Some(segment) = self.shape.get(index) else {
+                        self.state = State::Leave;
+                        continue;
+                    };
+                    // At most CAPACITY.
+                    self.state = State::Along(index.wrapping_add(1));
+                    let shift = self.ways.point(self.shift);
+                    let to = plus(segment.to, shift);
+                    self.at = self.ways.course(to);
+                    return Some(match segment.arc {
+                        None => Move::Feed(to),
+                        Some((centre, clockwise)) => Move::Arc {
+                            to,
+                            centre: plus(centre, shift),
+                            clockwise,
+                        },
+                    });
+                }
+                // Out of the material, back, and to the start.
+                State::Leave => {
+                    self.state = State::Home;
+                    if self.at[0] > self.start[0] {
+                        return Some(self.rapid([self.start[0], self.at[1]]));
+                    }
+                }
+                State::Home => {
+                    self.state = State::Down;
+                    if self.at[1] != self.start[1] {
+                        return Some(self.rapid([self.at[0], self.start[1]]));
+                    }
+                }
+                State::Down => {
+                    self.state = State::Done;
+                    if self.at != self.start {
+                        return Some(self.rapid(self.start));
+                    }
+                }
+                State::Done => return None,
+            }
+        }
+    }
+
+    /// How far a cut at this depth goes.
+    fn reach(&self, deep: i64) -> i64 {
+        let far = self
+            .shape
+            .reach(self.ways, deep.saturating_sub(self.shift[0]));
+        far.saturating_add(self.shift[1])
+    }
+
+    fn rapid(&mut self, to: Vector) -> Move {
+        self.at = to;
+        Move::Rapid(self.ways.point(to))
+    }
+
+    fn feed(&mut self, to: Vector) -> Move {
+        self.at = to;
+        Move::Feed(self.ways.point(to))
+    }
+
+    fn sink(&mut self, to: Vector) -> Move {
+        if self.feeds_in {
+            self.feed(to)
+        } else {
+            self.rapid(to)
+        }
+    }
+}
+
+/// The way back from the end of a finished contour: out of the material first, where the contour says where that is.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Return {
+    pub(super) ways: Option<Ways>,
+    pub(super) start: Vector,
+    pub(super) at: Vector,
+}
+
+impl Return {
+    /// The next move, always towards the start.
+    pub(super) fn next(&mut self) -> Option<Move> {
+        if self.at == self.start {
+            return None;
+        }
+        self.at = match self.ways {
+            None => self.start,
+            Some(ways) => {
+                let (at, start) = (ways.course(self.at), ways.course(self.start));
+                ways.point(if at[0] > start[0] && at[1] != start[1] {
+                    [start[0], at[1]]
+                } else if at[1] != start[1] {
+                    [at[0], start[1]]
+                } else {
+                    start
+                })
+            }
+        };
+        Some(Move::Rapid(self.at))
+    }
+}

@@ -1,0 +1,395 @@
+//! Programs that steer themselves: subroutines, loops, branches.
+
+mod flow;
+mod nesting;
+
+use self::nesting::{Call, Loop};
+use super::fault::Fault;
+use super::line::{Assignments, Evaluated};
+use super::statement::{self, Keyword, Label};
+use super::system::System;
+use super::table::{self, Key, Table};
+use super::value::Value;
+use crate::blocks::block::Block;
+use crate::codes::dialect::Dialect;
+use crate::error::{Error, ErrorKind};
+use crate::program::line::{Line, first_line};
+
+/// How many subroutines are remembered by their place; others are looked for in the text at each call.
+const REMEMBERED: usize = 16;
+
+/// A place between two lines.
+#[derive(Copy, Clone, Debug)]
+struct Place {
+    at: usize,
+    /// Number of the line behind it.
+    number: usize,
+}
+
+/// A line of the text.
+#[derive(Copy, Clone, Debug)]
+struct Raw<'t> {
+    place: Place,
+    text: &'t [u8],
+    after: Place,
+}
+
+/// A program with parameters, expressions and O-words, given line by line in the order of execution, as blocks of plain
+/// numbers. The text stays where it is (flash, say); loops jump back in it.
+///
+/// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those of all subroutines
+/// under way together. `DEPTH`: how many calls, and how many loops, may be under way inside each other. With the defaults
+/// the whole is at most 7.2 kB.
+///
+/// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or passed over on the way
+/// to an `endif` or a subroutine. A program that has used up its steps ends with E0638, so every program ends.
+/// The first 16 subroutines called are found again at once; others cost a search from the start of the text at each call.
+///
+/// **Errors.** An error on a line that steers (and one for want of room) ends the program; after another one the caller
+/// may go on, as it may after a wrong line of a plain program: its assignments are not made.
+///
+/// ```
+/// use husillo_gcode::{Dialect, Modal, parameters::Program};
+///
+/// let text = b"#1 = 3\no1 while [#1 gt 0]\nG0 X[#1 * 0.5]\n#1 = [#1 - 1]\no1 endwhile\n";
+/// let mut program: Program = Program::new(text, Dialect::RS274);
+/// let mut modal = Modal::<3>::new(Dialect::RS274);
+/// let mut printed = Vec::new();
+/// while let Some(line) = program.next_line(&modal) {
+///     let (next, commands) = modal.plan(&line.block?)?;
+///     printed.extend(commands.map(|command| format!("{}: {command}", line.number)));
+///     modal = next;
+/// }
+/// assert_eq!(printed, ["3: rapid X1.5 Y0 Z0", "3: rapid X1 Y0 Z0", "3: rapid X0.5 Y0 Z0"]);
+/// # Ok::<(), husillo_gcode::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Program<'t, const GLOBALS: usize = 64, const LOCALS: usize = 96, const DEPTH: usize = 10>
+{
+    text: &'t [u8],
+    dialect: Dialect,
+    first: Place,
+    next: Place,
+    table: Table<'t, GLOBALS, LOCALS>,
+    calls: [Option<Call<'t>>; DEPTH],
+    call_count: usize,
+    loops: [Option<Loop<'t>>; DEPTH],
+    loop_count: usize,
+    remembered: [Option<(Label<'t>, Place)>; REMEMBERED],
+    remembered_count: usize,
+    steps_left: u64,
+    /// `#<_value>` and whether the last subroutine gave one.
+    returned: Option<Value>,
+    /// How many arguments the call has that the last line left to the caller.
+    outside: Option<usize>,
+    /// The next line is an `elseif` whose condition counts.
+    is_choosing: bool,
+    is_over: bool,
+}
+
+impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
+    Program<'t, GLOBALS, LOCALS, DEPTH>
+{
+    /// The steps a program has when nothing else is said.
+    pub const STEPS: u64 = 10_000_000;
+
+    /// A program at its first line. In dialects without parameters it gives the lines as they are.
+    pub const fn new(text: &'t [u8], dialect: Dialect) -> Self {
+        Program {
+            text,
+            dialect,
+            first: Place { at: 0, number: 1 },
+            next: Place { at: 0, number: 1 },
+            table: Table::new(),
+            calls: [None; DEPTH],
+            call_count: 0,
+            loops: [None; DEPTH],
+            loop_count: 0,
+            remembered: [None; REMEMBERED],
+            remembered_count: 0,
+            steps_left: Self::STEPS,
+            returned: None,
+            outside: None,
+            is_choosing: false,
+            is_over: false,
+        }
+    }
+
+    /// The same with so many steps.
+    pub const fn with_steps(mut self, steps: u64) -> Self {
+        self.steps_left = steps;
+        self
+    }
+
+    /// The same for a text that begins with this line of a longer one.
+    pub const fn with_first_line(mut self, number: usize) -> Self {
+        self.first.number = number;
+        self.next.number = number;
+        self
+    }
+
+    /// Goes on with another line: the byte where it begins, and its number. For who has given the lines between itself,
+    /// as [`Contours`](crate::program::contour::Contours) does; loops and calls under way stay.
+    pub fn go_to(&mut self, at: usize, number: usize) {
+        self.next = Place { at, number };
+    }
+
+    /// How many steps are left.
+    pub const fn steps_left(&self) -> u64 {
+        self.steps_left
+    }
+
+    /// The name of the subroutine that the last line calls and the [`System`] has (`bore` of `o<bore> call`), and how many arguments
+    /// it is given: they are the [`parameter`](Program::parameter)s #1, #2, ... until the next line. Its block is empty; what is to be
+    /// done, the caller does before it asks for that line.
+    pub fn outside_call(&self) -> Option<(&'t [u8], usize)> {
+        let count = self.outside?;
+        match self.current_call()?.label {
+            Label::Name(name) => Some((name, count)),
+            Label::Number(_) => None,
+        }
+    }
+
+    /// How many subroutines are under way.
+    pub const fn call_level(&self) -> usize {
+        self.call_count
+    }
+
+    /// The value of a numbered parameter as lines see it now; zero before its first assignment. System parameters are not
+    /// among them.
+    pub fn parameter(&self, number: u16) -> Value {
+        self.table.get(Key::Number(number)).unwrap_or(Value::ZERO)
+    }
+
+    /// The value of a named parameter (`b"_depth"`), `None` before its first assignment.
+    pub fn named_parameter(&self, name: &[u8]) -> Option<Value> {
+        self.table.get(Key::Name(name))
+    }
+
+    /// Gives a numbered parameter (1 to 5602) a value, as an assignment would.
+    ///
+    /// # Errors
+    /// A number out of range; no room.
+    pub fn set_parameter(&mut self, number: u16, value: Value) -> Result<(), Fault> {
+        let key = Key::numbered(Value::from(i32::from(number))).ok_or(Fault::NoSuchParameter)?;
+        self.table.set(key, value)
+    }
+
+    /// Gives a named parameter a value, as an assignment would.
+    ///
+    /// # Errors
+    /// No room.
+    pub fn set_named_parameter(&mut self, name: &'t [u8], value: Value) -> Result<(), Fault> {
+        self.table.set(Key::Name(name), value)
+    }
+
+    /// The next line; `None` behind the end of the text, and after an error that ends the program.
+    ///
+    /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal) that has planned all lines
+    /// before, or [`NoMachine`](super::NoMachine). M2 and M30 end nothing here: the caller sees their command.
+    ///
+    /// Cost: one pass over the line; O-words that jump forward pass over the lines between.
+    pub fn next_line<S: System>(&mut self, system: &S) -> Option<Line<'t>> {
+        if self.is_over {
+            return None;
+        }
+        if self.outside.take().is_some() {
+            self.drop_call(None);
+        }
+        let Some(raw) = self.line_at(self.next) else {
+            return self.end();
+        };
+        self.next = raw.after;
+        let block = self.execute(&raw, system);
+        Some(raw.given(block))
+    }
+
+    /// The line behind a place.
+    fn line_at(&self, place: Place) -> Option<Raw<'t>> {
+        let (text, behind) = first_line(self.text.get(place.at..)?)?;
+        Some(Raw {
+            place,
+            text,
+            after: Place {
+                // What stands behind is the end of the text.
+                at: self.text.len().wrapping_sub(behind.len()),
+                number: place.number.wrapping_add(1),
+            },
+        })
+    }
+
+    /// Pays for looking at a line.
+    fn pay(&mut self, text: &[u8]) -> Result<(), Fault> {
+        let steps = (text.len() as u64 >> 6).wrapping_add(1);
+        match self.steps_left.checked_sub(steps) {
+            Some(left) => self.steps_left = left,
+            None => {
+                self.steps_left = 0;
+                return Err(Fault::OutOfSteps);
+            }
+        }
+        Ok(())
+    }
+
+    fn execute(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
+        if let Err(fault) = self.pay(raw.text) {
+            self.is_over = true;
+            return Err(whole(fault, raw.text));
+        }
+        if self.dialect.has_parameters() {
+            let passes_delete = !self.dialect.block_delete();
+            if let Some(at) = statement::place(raw.text, passes_delete) {
+                if !self.dialect.has_flow() {
+                    return self.numbered(raw);
+                }
+                if let Err(error) = self.steer(raw, at, system) {
+                    self.is_over = true;
+                    return Err(error);
+                }
+                return Block::from_words([], &self.dialect);
+            }
+            if statement::needs_program(raw.text, &self.dialect) {
+                return self.evaluate(raw, system);
+            }
+        }
+        Block::parse(raw.text, &self.dialect)
+    }
+
+    /// A line with an `O` where that is the number of a program.
+    fn numbered(&self, raw: &Raw<'t>) -> Result<Block, Error> {
+        match statement::seen(raw.text, !self.dialect.block_delete()) {
+            Some(seen) => Err(Error {
+                kind: ErrorKind::Program(Fault::FlowNotOfDialect),
+                at: seen.at,
+                end: seen.end,
+            }),
+            None => Block::parse(raw.text, &self.dialect),
+        }
+    }
+
+    /// A line with an O-word.
+    fn steer(&mut self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<(), Error> {
+        let order = self.order(raw, at, system)?;
+        // Asked here, so that what steers is there once for all systems.
+        let is_outside = match (order.statement.keyword, order.statement.label) {
+            (Keyword::Call, Label::Name(name)) => system.has_subroutine(name),
+            _ => false,
+        };
+        self.obey(raw, &order, is_outside).map_err(|fault| Error {
+            kind: ErrorKind::Program(fault),
+            at: order.statement.at,
+            end: order.end,
+        })
+    }
+
+    /// A line of words and assignments.
+    fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
+        let mut assignments = Assignments::NONE;
+        let block = {
+            let lookup = self.lookup_at(raw.place.number, system);
+            let mut line = Evaluated::new(raw.text, &mut assignments, lookup);
+            let words = core::iter::from_fn(|| line.word().transpose());
+            Block::from_words(words, &self.dialect)?
+        };
+        for assignment in assignments.iter() {
+            let fault = |fault| Error {
+                kind: ErrorKind::Program(fault),
+                at: assignment.at,
+                end: assignment.end,
+            };
+            if self.is_read_only(assignment.key, system) {
+                return Err(fault(Fault::ReadOnly));
+            }
+        }
+        for assignment in assignments.iter() {
+            if let Err(fault) = self.table.set(assignment.key, assignment.value) {
+                self.is_over = true;
+                return Err(Error {
+                    kind: ErrorKind::Program(fault),
+                    at: assignment.at,
+                    end: assignment.end,
+                });
+            }
+        }
+        Ok(block)
+    }
+
+    /// [`Program::lookup`] as a function: one type for all who read values, so that their code is there once.
+    fn lookup_at<S: System>(&self, line: usize, system: &S) -> impl Fn(Key<'t>) -> Option<Value> {
+        move |key| self.lookup(key, line, system)
+    }
+
+    /// The value of a parameter at a line.
+    fn lookup(&self, key: Key<'_>, line: usize, system: &impl System) -> Option<Value> {
+        let known = match key {
+            Key::Number(number) if number > table::LAST_USER => system.numbered(number),
+            Key::Name(name) => match table::predefined(name) {
+                Some(name) => self
+                    .own(name.bytes(), line)
+                    .or_else(|| system.named(name.bytes())),
+                None => None,
+            },
+            Key::Number(_) => None,
+        };
+        known.or_else(|| self.table.get(key))
+    }
+
+    fn is_read_only(&self, key: Key<'_>, system: &impl System) -> bool {
+        match key {
+            Key::Number(number) => number > table::LAST_USER && system.numbered(number).is_some(),
+            Key::Name(name) => table::predefined(name).is_some_and(|name| {
+                self.own(name.bytes(), 0).is_some() || system.named(name.bytes()).is_some()
+            }),
+        }
+    }
+
+    /// The predefined names that the program itself knows.
+    fn own(&self, name: &[u8], line: usize) -> Option<Value> {
+        let number = |number: usize| Value::new(i64::try_from(number).ok()?, 0);
+        match name {
+            b"VALUE" => Some(self.returned.unwrap_or(Value::ZERO)),
+            b"VALUE_RETURNED" => Some(Value::truth(self.returned.is_some())),
+            b"LINE" => number(line),
+            b"CALL_LEVEL" => number(self.call_count),
+            _ => None,
+        }
+    }
+
+    /// The end of the text: nothing, or the line that is still open.
+    fn end(&mut self) -> Option<Line<'t>> {
+        self.is_over = true;
+        let inner = self
+            .loop_count
+            .checked_sub(1)
+            .and_then(|last| self.loops.get(last).copied().flatten());
+        let open = match (self.current_call(), inner) {
+            (Some(call), _) => call.begin,
+            (None, Some(inner)) => inner.begin,
+            (None, None) => return None,
+        };
+        let raw = self.line_at(open)?;
+        let error = whole(Fault::NotClosed, raw.text);
+        Some(raw.given(Err(error)))
+    }
+}
+
+impl<'t> Raw<'t> {
+    fn given(&self, block: Result<Block, Error>) -> Line<'t> {
+        Line {
+            number: self.place.number,
+            at: self.place.at,
+            text: self.text,
+            block,
+        }
+    }
+}
+
+/// An error about a whole line.
+fn whole(fault: Fault, text: &[u8]) -> Error {
+    let blank = text.len().wrapping_sub(text.trim_ascii_start().len());
+    Error {
+        kind: ErrorKind::Program(fault),
+        at: blank,
+        end: blank.wrapping_add(text.trim_ascii().len()),
+    }
+}

@@ -1,0 +1,225 @@
+//! The lines that steer a program: `o100 while [#1 lt 10]`.
+
+use super::cursor::Cursor;
+use super::expression::Reader;
+use super::fault::Fault;
+use super::table::{Key, is_same_name};
+use super::value::Value;
+use crate::codes::dialect::Dialect;
+use crate::error::Error;
+
+/// What an O-word is called: a number, or a name as it stands in the text.
+#[derive(Copy, Clone, Debug)]
+pub(super) enum Label<'t> {
+    Number(u32),
+    Name(&'t [u8]),
+}
+
+impl Label<'_> {
+    /// Whether two labels are the same; case and blanks of names do not count.
+    pub(super) fn is(self, other: Label<'_>) -> bool {
+        match (self, other) {
+            (Label::Number(left), Label::Number(right)) => left == right,
+            (Label::Name(left), Label::Name(right)) => is_same_name(left, right),
+            _ => false,
+        }
+    }
+}
+
+/// What an O-word does.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+pub(super) enum Keyword {
+    Sub,
+    EndSub,
+    Call,
+    Return,
+    If,
+    ElseIf,
+    Else,
+    EndIf,
+    While,
+    EndWhile,
+    Do,
+    Repeat,
+    EndRepeat,
+    Break,
+    Continue,
+}
+
+/// Names in capitals.
+const NAMES: [(&[u8], Keyword); 15] = [
+    (b"SUB", Keyword::Sub),
+    (b"ENDSUB", Keyword::EndSub),
+    (b"CALL", Keyword::Call),
+    (b"RETURN", Keyword::Return),
+    (b"IF", Keyword::If),
+    (b"ELSEIF", Keyword::ElseIf),
+    (b"ELSE", Keyword::Else),
+    (b"ENDIF", Keyword::EndIf),
+    (b"WHILE", Keyword::While),
+    (b"ENDWHILE", Keyword::EndWhile),
+    (b"DO", Keyword::Do),
+    (b"REPEAT", Keyword::Repeat),
+    (b"ENDREPEAT", Keyword::EndRepeat),
+    (b"BREAK", Keyword::Break),
+    (b"CONTINUE", Keyword::Continue),
+];
+
+/// A line that begins with an O-word, up to its keyword.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Statement<'t> {
+    pub(super) label: Label<'t>,
+    pub(super) keyword: Keyword,
+    /// The `O`.
+    pub(super) at: usize,
+    /// Behind the keyword.
+    pub(super) end: usize,
+}
+
+/// Where the `O` of a line stands, behind `/`, comments and `N`; `None` for other lines. `/` is passed where lines with it
+/// are executed.
+pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
+    let (mut at, mut number) = (0usize, false);
+    loop {
+        let byte = text.get(at).copied()?;
+        match byte {
+            b'o' | b'O' => return Some(at),
+            b' ' | b'\t' | b'\r' => {}
+            b'/' if passes_delete && !number => {}
+            b'n' | b'N' if !number => number = true,
+            b'0'..=b'9' | b'.' if number => {}
+            b'(' => {
+                let rest = text.get(at..)?;
+                let (length, _) = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b')')?;
+                at = at.wrapping_add(length);
+            }
+            _ => return None,
+        }
+        at = at.wrapping_add(1);
+    }
+}
+
+/// Whether a line takes a [`Program`](super::Program) to be read: it has a parameter or a bracket outside of comments, or
+/// begins with an O-word. Always `false` in a dialect without them. Cost: one look at each byte.
+pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
+    if !dialect.has_parameters()
+        || (dialect.block_delete() && line.trim_ascii_start().starts_with(b"/"))
+    {
+        return false;
+    }
+    if place(line, !dialect.block_delete()).is_some()
+        && (dialect.has_flow() || seen(line, false).is_some())
+    {
+        return true;
+    }
+    let mut is_comment = false;
+    for byte in line {
+        match byte {
+            b'(' => is_comment = true,
+            b')' => is_comment = false,
+            b';' if !is_comment => return false,
+            b'#' | b'[' if !is_comment => return true,
+            _ => {}
+        }
+    }
+    false
+}
+
+/// Whether a line begins with an O-word that steers the program, and then whether its keyword is one; a label that is worked
+/// out passes unread. `None` for other lines.
+pub(crate) fn is_flow(text: &[u8], dialect: &Dialect) -> Option<Result<(), Error>> {
+    let at = place(text, !dialect.block_delete()).filter(|_| dialect.has_flow())?;
+    let mut label = Cursor::new(text, at.wrapping_add(1));
+    Some(match label.peek() {
+        Some(b'#' | b'[') => Ok(()),
+        _ => read(&mut Reader::new(text, at, |_| None)).map(|_| ()),
+    })
+}
+
+/// Reads label and keyword; `reader` stands at the `O`.
+pub(super) fn read<'t, F>(reader: &mut Reader<'t, F>) -> Result<Statement<'t>, Error>
+where
+    F: Fn(Key<'t>) -> Option<Value>,
+{
+    let at = reader.at();
+    reader.advance();
+    let label = match reader.peek() {
+        Some(b'<') => Label::Name(reader.name(at)?),
+        Some(b'0'..=b'9' | b'#' | b'[') => {
+            let number = reader
+                .value()?
+                .whole()
+                .and_then(|number| u32::try_from(number).ok());
+            Label::Number(number.ok_or_else(|| reader.error(Fault::MalformedLabel, at))?)
+        }
+        _ => return Err(reader.error_here(Fault::MalformedLabel)),
+    };
+    reader.peek();
+    let from = reader.at();
+    let name = reader.letters();
+    let Some((_, keyword)) = NAMES.iter().find(|(known, _)| *known == name.bytes()) else {
+        return Err(match name.bytes() {
+            [] => reader.error(Fault::UnknownKeyword, at),
+            _ => reader.error(Fault::UnknownKeyword, from),
+        });
+    };
+    Ok(Statement {
+        label,
+        keyword: *keyword,
+        at,
+        end: reader.end(),
+    })
+}
+
+/// Label and keyword of a line that is only looked at on the way to another. Labels that are worked out are not found.
+pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
+    let at = place(text, passes_delete)?;
+    let mut cursor = Cursor::new(text, at);
+    cursor.advance();
+    let label = match cursor.peek()? {
+        b'<' => Label::Name(cursor.name(at).ok()?),
+        b'0'..=b'9' => {
+            let mut number = 0u32;
+            while let Some(digit @ b'0'..=b'9') = cursor.peek() {
+                let digit = u32::from(digit.wrapping_sub(b'0'));
+                number = number.checked_mul(10)?.checked_add(digit)?;
+                cursor.advance();
+            }
+            Label::Number(number)
+        }
+        _ => return None,
+    };
+    let name = cursor.letters();
+    let (_, keyword) = NAMES.iter().find(|(known, _)| *known == name.bytes())?;
+    Some(Statement {
+        label,
+        keyword: *keyword,
+        at,
+        end: cursor.end(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which lines steer, and whether their keyword is one; a label that is worked out passes unread.
+    #[test]
+    fn lines_that_steer() {
+        let shown = Dialect::RS274;
+        let executed = shown.with_block_delete(false);
+        for (line, dialect, expected) in [
+            ("o1 call", shown, Some(true)),
+            ("o1 cell", shown, Some(false)),
+            ("o#<nobody> call", shown, Some(true)),
+            ("o[1/0] call", shown, Some(true)),
+            ("/o1 call", shown, None),
+            ("/o1 call", executed, Some(true)),
+            ("X1", shown, None),
+            ("o1 call", Dialect::ISO, None),
+        ] {
+            let is_right = is_flow(line.as_bytes(), &dialect).map(|result| result.is_ok());
+            assert_eq!(is_right, expected, "{line}");
+        }
+    }
+}

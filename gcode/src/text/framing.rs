@@ -1,0 +1,343 @@
+//! The checksums and line numbers of a link that may lose bytes, as 3D printers have them.
+
+use core::fmt;
+
+use crate::words::word::words;
+
+/// What is asked of a line: plain data. The default asks for nothing.
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Framing {
+    /// `*` and the exclusive or of all bytes before it, in decimal, at the end of a line: `N3 G1 X1*98`.
+    pub checksum: Rule,
+    /// `N` at the start of a line, one more than that of the line before.
+    pub number: Rule,
+}
+
+impl Framing {
+    /// What 3D printers do: both are checked where they are given, and a numbered line has a checksum.
+    pub const PRINTER: Framing = Framing {
+        checksum: Rule::WhereGiven,
+        number: Rule::WhereGiven,
+    };
+
+    /// Both on every line.
+    pub const STRICT: Framing = Framing {
+        checksum: Rule::Always,
+        number: Rule::Always,
+    };
+}
+
+/// Whether something is checked.
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Rule {
+    /// It is not looked at: a `*` stays in the line, for the parser to refuse.
+    #[default]
+    Never,
+    /// It is checked where it is given.
+    WhereGiven,
+    /// A line without it is refused. Lines that are empty up to blanks need nothing.
+    Always,
+}
+
+/// Why a line was refused. The answer to the sender is to send again from [`Receiver::expected`] on.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FramingError {
+    /// A line without its checksum.
+    NoChecksum,
+    /// A `*` with anything but a number from 0 to 255 behind it.
+    MalformedChecksum,
+    /// The checksum of the line, and the one computed.
+    Checksum {
+        /// As given.
+        given: u8,
+        /// Of the bytes received.
+        computed: u8,
+    },
+    /// A line without its number, or with one that is no whole number of 32 bits.
+    NoNumber,
+    /// The number of the line is not the next one.
+    Number {
+        /// As given.
+        given: u32,
+        /// The next one.
+        expected: u32,
+    },
+}
+
+impl fmt::Display for FramingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FramingError::NoChecksum => f.write_str("line without a checksum"),
+            FramingError::MalformedChecksum => {
+                f.write_str("checksum is not a number from 0 to 255")
+            }
+            FramingError::Checksum { given, computed } => {
+                write!(f, "checksum is {given}, the line has {computed}")
+            }
+            FramingError::NoNumber => f.write_str("line without a number"),
+            FramingError::Number { given, expected } => {
+                write!(f, "line number is {given}, expected {expected}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FramingError {}
+
+/// The receiving end: checks each line and counts. 12 bytes.
+///
+/// ```
+/// use husillo_gcode::{Framing, FramingError, Receiver};
+/// let mut receiver = Receiver::new(Framing::PRINTER);
+/// assert_eq!(receiver.check(b"N1 G28*18"), Ok(&b"N1 G28"[..]));
+/// let lost = FramingError::Number { given: 3, expected: 2 };
+/// assert_eq!(receiver.check(b"N3 T0*57"), Err(lost));
+/// assert_eq!(receiver.expected(), 2); // the sender is asked for this line again
+/// ```
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Receiver {
+    framing: Framing,
+    expected: u32,
+}
+
+impl Receiver {
+    /// Expects line 1.
+    pub const fn new(framing: Framing) -> Receiver {
+        Receiver {
+            framing,
+            expected: 1,
+        }
+    }
+
+    /// The number of the next line: the one to ask for after an error.
+    pub const fn expected(&self) -> u32 {
+        self.expected
+    }
+
+    /// Expects this number next: for a reader of a file, which cannot ask for a line again.
+    pub fn expect(&mut self, number: u32) {
+        self.expected = number;
+    }
+
+    /// Checks a line and gives its text without the checksum. A comment behind the checksum is cut with it. `M110` with an `N` sets the number of
+    /// its own line, so that a sender can start anew: `N0 M110`, `M110 N0`. The number of a refused line is
+    /// not counted.
+    ///
+    /// A `*` inside `[ ]` or a comment is no checksum. Cost: one pass over the line where the checksum is looked at, and its words
+    /// where numbers are.
+    ///
+    /// # Errors
+    /// [`FramingError`]; the line must not be executed.
+    pub fn check<'a>(&mut self, line: &'a [u8]) -> Result<&'a [u8], FramingError> {
+        if line.iter().all(u8::is_ascii_whitespace) {
+            return Ok(line);
+        }
+        let (text, summed) = self.sum(line)?;
+        if self.framing.number == Rule::Never {
+            return Ok(text);
+        }
+        match number(text) {
+            Number::None if self.framing.number == Rule::Always => Err(FramingError::NoNumber),
+            Number::None => Ok(text),
+            Number::Malformed => Err(FramingError::NoNumber),
+            _ if !summed && self.framing.checksum != Rule::Never => Err(FramingError::NoChecksum),
+            Number::Given(given) if given != self.expected => Err(FramingError::Number {
+                given,
+                expected: self.expected,
+            }),
+            Number::Given(given) | Number::Set(given) => {
+                // The last of 2^32 lines is followed by line 0.
+                self.expected = given.wrapping_add(1);
+                Ok(text)
+            }
+        }
+    }
+
+    /// The text before the checksum, and whether there is one.
+    fn sum<'a>(&self, line: &'a [u8]) -> Result<(&'a [u8], bool), FramingError> {
+        if self.framing.checksum == Rule::Never {
+            return Ok((line, false));
+        }
+        let (star, computed) = match last_star(line) {
+            Some(found) => found,
+            None if self.framing.checksum == Rule::Always => return Err(FramingError::NoChecksum),
+            None => return Ok((line, false)),
+        };
+        let text = line.get(..star).unwrap_or_default();
+        let tail = line.get(star.wrapping_add(1)..).unwrap_or_default();
+        let given = byte_number(tail).ok_or(FramingError::MalformedChecksum)?;
+        if given != computed {
+            return Err(FramingError::Checksum { given, computed });
+        }
+        Ok((text, true))
+    }
+}
+
+/// The place of the last `*` that is outside of brackets and comments, and the exclusive or of the bytes before it.
+fn last_star(line: &[u8]) -> Option<(usize, u8)> {
+    let (mut sum, mut depth, mut comment, mut found) = (0, 0_u32, false, None);
+    for (at, &byte) in (0..line.len()).zip(line) {
+        match byte {
+            b')' => comment = false,
+            _ if comment => {}
+            b'(' => comment = true,
+            b';' => break,
+            b'[' => depth = depth.saturating_add(1),
+            b']' => depth = depth.saturating_sub(1),
+            b'*' if depth == 0 => found = Some((at, sum)),
+            _ => {}
+        }
+        sum ^= byte;
+    }
+    found
+}
+
+/// A decimal number up to 255, blanks around it, perhaps a comment behind it.
+fn byte_number(text: &[u8]) -> Option<u8> {
+    let text = text.split(|&byte| byte == b';').next()?.trim_ascii();
+    if text.is_empty() || text.len() > 3 {
+        return None;
+    }
+    let digit = |&byte: &u8| Some(u32::from(byte.wrapping_sub(b'0'))).filter(|&digit| digit < 10);
+    let value = text.iter().try_fold(0_u32, |value, byte| {
+        // At most three digits.
+        Some(value.wrapping_mul(10).wrapping_add(digit(byte)?))
+    })?;
+    u8::try_from(value).ok()
+}
+
+/// What a line says about its number.
+enum Number {
+    None,
+    Malformed,
+    /// `N` first.
+    Given(u32),
+    /// With M110: the number of this line is this, whatever it should be.
+    Set(u32),
+}
+
+fn number(text: &[u8]) -> Number {
+    let (mut number, mut set) = (Number::None, false);
+    let mut first = true;
+    for word in words(text) {
+        // The free text of a code such as M117 is no matter here.
+        let Ok(word) = word else { break };
+        let whole = word.value.whole();
+        set |= word.letter == b'M' && whole == Some(110);
+        if word.letter == b'N' && (first || set) {
+            number = match whole.and_then(|whole| u32::try_from(whole).ok()) {
+                Some(given) => Number::Given(given),
+                None => return Number::Malformed,
+            };
+        }
+        first = false;
+    }
+    match number {
+        Number::Given(given) if set => Number::Set(given),
+        number => number,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn errors_say_what_is_wrong() {
+        let (given, computed, expected) = (57, 56, 2);
+        for (error, part) in [
+            (FramingError::NoChecksum, "without a checksum"),
+            (FramingError::MalformedChecksum, "0 to 255"),
+            (
+                FramingError::Checksum { given, computed },
+                "57, the line has 56",
+            ),
+            (FramingError::NoNumber, "without a number"),
+            (FramingError::Number { given: 3, expected }, "3, expected 2"),
+        ] {
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
+
+    #[test]
+    fn checksums_are_the_exclusive_or_of_what_stands_before() {
+        let mut receiver = Receiver::new(Framing {
+            checksum: Rule::Always,
+            number: Rule::Never,
+        });
+        // The sums of a widely quoted example.
+        assert_eq!(receiver.check(b"N3 T0*57"), Ok(&b"N3 T0"[..]));
+        assert_eq!(
+            receiver.check(b"N4 G92 E0*67 ; reset\r"),
+            Ok(&b"N4 G92 E0"[..])
+        );
+        assert_eq!(receiver.check(b" \r"), Ok(&b" \r"[..]));
+        for (line, error) in [
+            (
+                &b"N3 T1*57"[..],
+                FramingError::Checksum {
+                    given: 57,
+                    computed: 56,
+                },
+            ),
+            (b"G1 X1", FramingError::NoChecksum),
+            (b"G1 X1 (*57)", FramingError::NoChecksum),
+            (b"G1 X[2*57]", FramingError::NoChecksum),
+            (b"G1 X1*", FramingError::MalformedChecksum),
+            (b"G1 X1*256", FramingError::MalformedChecksum),
+            (b"G1 X1*0057", FramingError::MalformedChecksum),
+            (b"G1 X1*5 7", FramingError::MalformedChecksum),
+        ] {
+            assert_eq!(receiver.check(line), Err(error));
+        }
+    }
+
+    #[test]
+    fn numbers_go_up_by_one() {
+        let mut receiver = Receiver::new(Framing {
+            checksum: Rule::Never,
+            number: Rule::WhereGiven,
+        });
+        let expect = |given, expected| Err(FramingError::Number { given, expected });
+        assert_eq!(receiver.check(b"n 1 G0"), Ok(&b"n 1 G0"[..]));
+        assert_eq!(receiver.check(b"G0"), Ok(&b"G0"[..]));
+        assert_eq!(receiver.check(b"N1 G0"), expect(1, 2));
+        assert_eq!(receiver.check(b"N3 G0"), expect(3, 2));
+        assert_eq!(receiver.check(b"N2 G0"), Ok(&b"N2 G0"[..]));
+        assert_eq!(receiver.check(b"N2.5"), Err(FramingError::NoNumber));
+        assert_eq!(receiver.check(b"N0 M110"), Ok(&b"N0 M110"[..]));
+        assert_eq!(receiver.expected(), 1);
+        assert_eq!(receiver.check(b"N1 M110 N40"), Ok(&b"N1 M110 N40"[..]));
+        assert_eq!(receiver.expected(), 41);
+        assert_eq!(
+            receiver.check(b"N41 M117 100 % (done"),
+            Ok(&b"N41 M117 100 % (done"[..])
+        );
+        receiver.expect(50);
+        assert_eq!(receiver.expected(), 50);
+        assert_eq!(receiver.check(b"N50 M105 N7"), Ok(&b"N50 M105 N7"[..]));
+        assert_eq!(receiver.expected(), 51);
+        assert_eq!(
+            Receiver::new(Framing::default()).check(b"N9 G1*7"),
+            Ok(&b"N9 G1*7"[..])
+        );
+    }
+
+    #[test]
+    fn a_numbered_line_of_a_printer_has_a_checksum() {
+        let mut receiver = Receiver::new(Framing::PRINTER);
+        assert_eq!(receiver.check(b"N1 G28"), Err(FramingError::NoChecksum));
+        assert_eq!(receiver.check(b"G28"), Ok(&b"G28"[..]));
+        assert_eq!(receiver.check(b"N1 G28*18"), Ok(&b"N1 G28"[..]));
+        assert_eq!(
+            Receiver::new(Framing::STRICT).check(b"G28*77"),
+            Err(FramingError::NoNumber)
+        );
+    }
+}

@@ -1,0 +1,6 @@
+//! From a line, or from bytes as they come, to words: letters with exact numbers.
+
+mod numeral;
+mod scanner;
+pub(crate) mod word;
+pub(crate) mod word_reader;
