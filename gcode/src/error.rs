@@ -1,8 +1,12 @@
 //! What can be wrong with a line, and where.
 
+pub(crate) mod framing;
 #[cfg(feature = "parameters")]
-use crate::program::parameters::Fault;
-use crate::text::framing::FramingError;
+pub(crate) mod parameters;
+
+use crate::error::framing::FramingError;
+#[cfg(feature = "parameters")]
+use crate::error::parameters::Fault;
 use crate::values::nm::Measure;
 use core::fmt;
 

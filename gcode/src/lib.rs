@@ -44,6 +44,7 @@ mod compensation;
 #[cfg(feature = "extended")]
 mod cycles;
 mod error;
+mod features;
 mod modal;
 mod program;
 mod text;
@@ -58,6 +59,7 @@ pub use command::arc::{Arc, Direction, Plane};
 pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
 #[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};
+pub use error::framing::FramingError;
 pub use error::{Error, ErrorKind};
 pub use modal::Modal;
 pub use modal::commands::Commands;
@@ -69,7 +71,7 @@ pub use program::format::{Formatted, formatted};
 pub use program::line::Line;
 #[cfg(feature = "parameters")]
 pub use program::parameters;
-pub use text::framing::{Framing, FramingError, Receiver, Rule};
+pub use text::framing::{Framing, Receiver, Rule};
 pub use text::line_reader::{LineReader, LineTooLong};
 pub use values::decimal::Decimal;
 pub use values::nm::{Measure, Nm};

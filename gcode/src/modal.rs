@@ -15,10 +15,11 @@ pub(crate) mod tools;
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
-use crate::codes::code::{Code, EXTENDED, Group, ROOMY};
+use crate::codes::code::{Code, Group};
 use crate::codes::dialect::{Dialect, Flavour};
 use crate::codes::letters::first_of;
 use crate::error::Error;
+use crate::features::{EXTENDED, ROOMY};
 use crate::modal::commands::Commands;
 #[cfg(feature = "extended")]
 use crate::modal::modes::Sticky;
@@ -47,11 +48,6 @@ pub struct Modal<const N: usize> {
     pub(crate) homes: [[Nm; N]; 2],
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
     pub(crate) tools: Tools<N>,
-}
-
-/// One coordinate; 0 of an axis that is not there.
-pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
-    point.get(axis).copied().unwrap_or_default()
 }
 
 /// The sum of a coordinate and the length of a word.

@@ -73,13 +73,18 @@ fn read(path: &Path) -> String {
 /// `Type::function` or `function` of everything a crate exports.
 fn public_functions(source: &Path) -> BTreeSet<String> {
     let library = read(&source.join("lib.rs"));
-    let exported = exported_names(&library);
+    let mut exported = exported_names(&library, "pub use ");
     let mut files = Vec::new();
     rust_files(source, &mut files);
+    for file in &files {
+        if let Some(module) = public_module(file, source, &library) {
+            exported.extend(exported_names(&read(&module), "pub use crate::"));
+        }
+    }
     let mut found = BTreeSet::new();
     for file in files {
         let exported = match public_module(&file, source, &library) {
-            Some(module) => exported_names(&read(&module)),
+            Some(module) => exported_names(&read(&module), "pub use "),
             None => exported.clone(),
         };
         let open = file.ends_with("lib.rs");
@@ -126,10 +131,10 @@ fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     Some(source.join(path).with_extension("rs"))
 }
 
-/// Every word of the `pub use` statements.
-fn exported_names(library: &str) -> BTreeSet<String> {
+/// Every word of the statements that begin with `pub use`, or with that and where from.
+fn exported_names(library: &str, begin: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
-    for statement in library.split("pub use ").skip(1) {
+    for statement in library.split(begin).skip(1) {
         let end = statement.find(';').unwrap_or(statement.len());
         let words = statement[..end].split(|character: char| !is_word(character));
         names.extend(words.filter(|word| !word.is_empty()).map(String::from));

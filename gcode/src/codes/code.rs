@@ -3,7 +3,7 @@
 use crate::codes::dialect::Flavour;
 use crate::codes::kind::Kind;
 use crate::codes::letters::Letters;
-use crate::codes::number::of_number;
+use crate::features::EXTENDED;
 
 /// The side of the contour on which the tool is, seen along the move.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -189,12 +189,6 @@ impl Group {
     pub(crate) const PLAIN: usize = Group::Path as usize;
 }
 
-/// Whether the codes beyond Grbl's list are there.
-pub(crate) const EXTENDED: bool = cfg!(feature = "extended");
-
-/// Whether there is room for code that is faster and longer. Processors without compare-and-swap (Cortex-M0) have little.
-pub(crate) const ROOMY: bool = cfg!(target_has_atomic = "32");
-
 // Dialects, by the bit of their flavour.
 const NONE: u8 = 0;
 const GRBL: u8 = 1 << Flavour::Grbl as u8;
@@ -364,31 +358,6 @@ const KINDS: [Kind; 16] = [
 ];
 
 impl Code {
-    /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for one nobody knows.
-    pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
-        let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
-        if !lathe || letter == b'M' {
-            return of_number(letter, tenths);
-        }
-        match (flavour, tenths) {
-            (_, 740) => Some(Code::LathePeckCycle),
-            // Code system A of turning machines.
-            (Flavour::LatheA, 900) => Some(Code::TurnBoxCycle),
-            (Flavour::LatheA, 920) => Some(Code::ThreadBoxCycle),
-            (Flavour::LatheA, 940) => Some(Code::FaceBoxCycle),
-            (Flavour::LatheA, 980) => Some(Code::PerMinute),
-            (Flavour::LatheA, 990) => Some(Code::PerRevolution),
-            // Shift of the work frame, which G92 is not there.
-            (Flavour::LatheA, 500) => Some(Code::Shift),
-            (Flavour::LatheA, 320) => Some(Code::Thread),
-            (
-                Flavour::LatheA,
-                770 | 780 | 790 | 910 | 921 | 922 | 923 | 930 | 950 | 330 | 70 | 80,
-            ) => Some(Code::Foreign),
-            _ => of_number(letter, tenths),
-        }
-    }
-
     pub(crate) fn group(self) -> Group {
         let group = COLUMNS.0.get(self.since(Code::Rapid) as usize).copied();
         group.unwrap_or(Group::NonModal)

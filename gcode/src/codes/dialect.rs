@@ -1,7 +1,7 @@
 //! What differs between the programs of different machines.
 
-use crate::codes::code::EXTENDED;
 use crate::codes::letters::Letters;
+use crate::features::EXTENDED;
 use crate::text::framing::Framing;
 
 /// A dialect of G-code: plain data, compared and copied freely.

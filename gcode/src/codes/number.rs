@@ -1,6 +1,8 @@
 //! The numbers of codes.
 
-use crate::codes::code::{Code, EXTENDED};
+use crate::codes::code::Code;
+use crate::codes::dialect::Flavour;
+use crate::features::EXTENDED;
 
 /// G codes by their number in tenths, in order, with the meaning they have in most dialects. What no dialect here has (NURBS,
 /// plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling, macros, ...) is foreign.
@@ -197,8 +199,35 @@ const fn spread<const COUNT: usize>(rows: &[(u8, Code); COUNT]) -> [Option<Code>
 static BY_G: [Option<Code>; NUMBERS] = spread(&packed(&G));
 static BY_M: [Option<Code>; NUMBERS] = spread(&packed(&M));
 
+impl Code {
+    /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for one nobody knows.
+    pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
+        let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
+        if !lathe || letter == b'M' {
+            return of_number(letter, tenths);
+        }
+        match (flavour, tenths) {
+            (_, 740) => Some(Code::LathePeckCycle),
+            // Code system A of turning machines.
+            (Flavour::LatheA, 900) => Some(Code::TurnBoxCycle),
+            (Flavour::LatheA, 920) => Some(Code::ThreadBoxCycle),
+            (Flavour::LatheA, 940) => Some(Code::FaceBoxCycle),
+            (Flavour::LatheA, 980) => Some(Code::PerMinute),
+            (Flavour::LatheA, 990) => Some(Code::PerRevolution),
+            // Shift of the work frame, which G92 is not there.
+            (Flavour::LatheA, 500) => Some(Code::Shift),
+            (Flavour::LatheA, 320) => Some(Code::Thread),
+            (
+                Flavour::LatheA,
+                770 | 780 | 790 | 910 | 921 | 922 | 923 | 930 | 950 | 330 | 70 | 80,
+            ) => Some(Code::Foreign),
+            _ => of_number(letter, tenths),
+        }
+    }
+}
+
 /// The code of a letter (`G` or `M`) and a number in tenths; `None` for one nobody knows.
-pub(crate) fn of_number(letter: u8, tenths: u16) -> Option<Code> {
+fn of_number(letter: u8, tenths: u16) -> Option<Code> {
     if cfg!(target_has_atomic = "32") {
         let codes = if letter == b'M' { &BY_M } else { &BY_G };
         codes.get(usize::from(tenths)).copied().flatten()

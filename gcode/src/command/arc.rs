@@ -2,8 +2,7 @@
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::letters::Letters;
-use crate::modal::coordinate;
-use crate::values::nm::Nm;
+use crate::values::nm::{Nm, coordinate};
 use crate::values::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};
 
 /// A plane of arcs.

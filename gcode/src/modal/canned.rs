@@ -13,8 +13,8 @@ use crate::cycles::thread::{MOST_PASSES, Passes, tangent};
 use crate::modal::commands::Commands;
 use crate::modal::modes::{Distance, FeedMode, Sticky};
 use crate::modal::settings::{unsigned, whole};
-use crate::modal::{Modal, coordinate, shifted};
-use crate::values::nm::Nm;
+use crate::modal::{Modal, shifted};
+use crate::values::nm::{Nm, coordinate};
 
 /// Most pecks of one block, all its holes together.
 const MOST_PECKS: u64 = 1 << 16;

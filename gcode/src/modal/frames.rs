@@ -4,17 +4,18 @@ use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
 #[cfg(feature = "extended")]
 use crate::codes::code::Side;
-use crate::codes::code::{Code, EXTENDED, Group};
+use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
 use crate::codes::letters::{AXES, axis_letter};
+use crate::features::EXTENDED;
+use crate::modal::Modal;
 use crate::modal::commands::Commands;
 use crate::modal::modes::Units;
 use crate::modal::settings::missing;
 #[cfg(feature = "extended")]
 use crate::modal::settings::whole;
 use crate::modal::tools::Tool;
-use crate::modal::{Modal, coordinate};
-use crate::values::nm::Nm;
+use crate::values::nm::{Nm, coordinate};
 
 /// What counts beside an axis word: some zeros, and the position or what the position shall read.
 #[derive(Copy, Clone)]

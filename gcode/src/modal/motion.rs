@@ -2,13 +2,14 @@
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
-use crate::codes::code::{Code, Group, ROOMY};
+use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
 use crate::codes::letters::Letters;
 use crate::command::Feed;
 #[cfg(feature = "extended")]
 use crate::command::SpindleDirection;
 use crate::command::arc::{self, Arc, Direction, Plane};
+use crate::features::ROOMY;
 use crate::modal::Modal;
 use crate::modal::commands::Commands;
 use crate::modal::frames::Terms;

@@ -1,9 +1,10 @@
 //! What the modal state tells, and what may be written into it from outside.
 
-use crate::codes::code::{Code, EXTENDED, Group, Side};
+use crate::codes::code::{Code, Group, Side};
 use crate::codes::dialect::Dialect;
 use crate::command::arc::Plane;
 use crate::command::{PathMode, SpindleDirection};
+use crate::features::EXTENDED;
 use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
 use crate::modal::tools::Tool;

@@ -1,6 +1,6 @@
 //! The tool table: lengths and radii by number.
 
-use crate::codes::code::EXTENDED;
+use crate::features::EXTENDED;
 use crate::values::nm::Nm;
 
 /// One tool.

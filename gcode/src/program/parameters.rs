@@ -30,7 +30,6 @@
 //!
 //! Words take a rounded value with 12 places.
 
-mod fault;
 mod value;
 
 mod elementary;
@@ -47,9 +46,9 @@ mod statement;
 
 mod program;
 
+pub use crate::error::parameters::Fault;
 pub use crate::program::line::Line;
 pub(crate) use extent::{extent, is_plain, program_words};
-pub use fault::Fault;
 pub use program::Program;
 pub(crate) use statement::is_flow;
 pub use statement::needs_program;

@@ -26,6 +26,11 @@ impl Nm {
     }
 }
 
+/// One coordinate; 0 of an axis that is not there.
+pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
+    point.get(axis).copied().unwrap_or_default()
+}
+
 /// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes eight.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

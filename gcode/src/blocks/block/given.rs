@@ -2,11 +2,12 @@
 
 use super::{Block, Span};
 use crate::blocks::fault::{Fault, Place, Reason};
-use crate::codes::code::{Code, EXTENDED, Group};
+use crate::codes::code::{Code, Group};
 #[cfg(feature = "extended")]
 use crate::codes::letters::LETTERS;
 use crate::codes::letters::{AXES, Letters, axis_letter, bit, first_of, slot_of};
 use crate::error::Error;
+use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::values::nm::Measure;
 

@@ -1,7 +1,7 @@
 //! A place in a line, and what can be read there without knowing any value.
 
-use super::fault::Fault;
 use super::table::Capitals;
+use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 
 /// Walks over the bytes of a line; blanks count nowhere.

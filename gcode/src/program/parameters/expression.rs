@@ -1,10 +1,10 @@
 //! Values in the text of a line: numbers, parameters, brackets, functions.
 
 use super::cursor::Cursor;
-use super::fault::Fault;
 use super::function::{Function, Operator};
 use super::table::{Capitals, Key};
 use super::value::Value;
+use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 
 /// The most operations that wait for their right side.

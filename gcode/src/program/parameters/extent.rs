@@ -1,8 +1,8 @@
 //! Where a value ends, without its value: for those who only pass it on.
 
 use super::cursor::Cursor;
-use super::fault::Fault;
 use super::line::pass_comment;
+use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
 use crate::words::word::{Word, words};

@@ -1,8 +1,8 @@
 //! The functions of expressions.
 
 use super::elementary;
-use super::fault::Fault;
 use super::value::Value;
+use crate::error::parameters::Fault;
 
 /// A function of RS-274/NGC. Angles are in degrees.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]

@@ -2,9 +2,9 @@
 
 use super::cursor::Cursor;
 use super::expression::Reader;
-use super::fault::Fault;
 use super::table::Key;
 use super::value::Value;
+use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::words::word::Word;
 

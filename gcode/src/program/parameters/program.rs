@@ -4,7 +4,6 @@ mod flow;
 mod nesting;
 
 use self::nesting::{Call, Loop};
-use super::fault::Fault;
 use super::line::{Assignments, Evaluated};
 use super::statement::{self, Keyword, Label};
 use super::system::System;
@@ -12,6 +11,7 @@ use super::table::{self, Key, Table};
 use super::value::Value;
 use crate::blocks::block::Block;
 use crate::codes::dialect::Dialect;
+use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::program::line::{Line, first_line};
 

@@ -2,11 +2,11 @@
 
 use super::cursor::Cursor;
 use super::expression::Reader;
-use super::fault::Fault;
 use super::table::{Key, is_same_name};
 use super::value::Value;
 use crate::codes::dialect::Dialect;
 use crate::error::Error;
+use crate::error::parameters::Fault;
 
 /// What an O-word is called: a number, or a name as it stands in the text.
 #[derive(Copy, Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Where parameters are kept.
 
-use super::fault::Fault;
 use super::value::Value;
+use crate::error::parameters::Fault;
 
 /// The highest number of a parameter.
 pub(super) const LAST: i64 = 5602;

@@ -3,8 +3,8 @@
 use super::nesting::Kind;
 use super::{Place, Program, Raw};
 use crate::error::Error;
+use crate::error::parameters::Fault;
 use crate::program::parameters::expression::Reader;
-use crate::program::parameters::fault::Fault;
 use crate::program::parameters::line::pass_comment;
 use crate::program::parameters::statement::{self, Keyword, Label, Statement};
 use crate::program::parameters::system::System;

@@ -2,7 +2,7 @@
 
 use super::flow::Order;
 use super::{Place, Program, Raw};
-use crate::program::parameters::fault::Fault;
+use crate::error::parameters::Fault;
 use crate::program::parameters::statement::{Keyword, Label};
 use crate::program::parameters::value::Value;
 
