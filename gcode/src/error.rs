@@ -1,11 +1,11 @@
 //! What can be wrong with a line, and where.
 
 pub(crate) mod framing;
-#[cfg(feature = "parameters")]
+#[cfg(feature = "program")]
 pub(crate) mod parameters;
 
 use crate::error::framing::FramingError;
-#[cfg(feature = "parameters")]
+#[cfg(feature = "program")]
 use crate::error::parameters::Fault;
 use crate::values::nm::Measure;
 use core::fmt;
@@ -157,7 +157,7 @@ pub enum ErrorKind {
     /// More commands between two moves of a compensated contour than can wait for the corner: four.
     TooManyWaiting,
     /// A fault of parameters, expressions or the flow of a program.
-    #[cfg(feature = "parameters")]
+    #[cfg(feature = "program")]
     Program(Fault),
 }
 
@@ -231,7 +231,7 @@ impl ErrorKind {
             ErrorKind::ContourTooLong => 331,
             ErrorKind::ContourStart => 332,
             ErrorKind::ThreadStart => 333,
-            #[cfg(feature = "parameters")]
+            #[cfg(feature = "program")]
             ErrorKind::Program(fault) => fault.code(),
         }
     }
@@ -240,7 +240,7 @@ impl ErrorKind {
 impl fmt::Display for ErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fixed = match *self {
-            #[cfg(feature = "parameters")]
+            #[cfg(feature = "program")]
             ErrorKind::Program(fault) => return fault.fmt(f),
             ErrorKind::NotALetter(byte) if byte.is_ascii_graphic() => {
                 return write!(

@@ -46,6 +46,7 @@ mod cycles;
 mod error;
 mod features;
 mod modal;
+#[cfg(feature = "program")]
 mod program;
 mod text;
 mod values;
@@ -65,11 +66,13 @@ pub use modal::Modal;
 pub use modal::commands::Commands;
 pub use modal::modes::{Distance, FeedMode, Motion, Units};
 pub use modal::tools::Tool;
-#[cfg(feature = "extended")]
+#[cfg(all(feature = "program", feature = "extended"))]
 pub use program::contour;
+#[cfg(feature = "program")]
 pub use program::format::{Formatted, formatted};
+#[cfg(feature = "program")]
 pub use program::line::Line;
-#[cfg(feature = "parameters")]
+#[cfg(feature = "program")]
 pub use program::parameters;
 pub use text::framing::{Framing, Receiver, Rule};
 pub use text::line_reader::{LineReader, LineTooLong};
@@ -79,6 +82,6 @@ pub use words::word::{Token, Tokens, Word, Words, tokens, words};
 pub use words::word_reader::WordReader;
 
 /// The example of the README, compiled.
-#[cfg(all(doctest, feature = "extended"))]
+#[cfg(all(doctest, feature = "program", feature = "extended"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

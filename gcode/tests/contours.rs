@@ -1,6 +1,6 @@
 //! Contour cycles against a geometry of their own, in floats.
 
-#![cfg(feature = "extended")]
+#![cfg(all(feature = "program", feature = "extended"))]
 
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::{Command, Dialect, Direction, ErrorKind, Modal, Nm};

@@ -4,7 +4,7 @@
 //! `MANIFEST.tsv` and `AGREE.txt`); without it `../shared/gcode` beside the workspace is tried, and without that the
 //! tests pass with a message.
 
-#![cfg(all(feature = "parameters", feature = "extended"))]
+#![cfg(all(feature = "program", feature = "extended"))]
 
 use flate2::read::GzDecoder;
 use husillo_gcode::parameters::Program;

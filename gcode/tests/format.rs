@@ -1,5 +1,5 @@
 //! Lines written back in their one form: the same meaning, nothing lost, and the same again.
-#![cfg(feature = "extended")]
+#![cfg(all(feature = "program", feature = "extended"))]
 
 use husillo_gcode::{Block, Command, Compensation, Dialect, Error, Modal, formatted};
 use proptest::prelude::*;
@@ -67,7 +67,6 @@ fn comments(line: &[u8]) -> Vec<u8> {
 
 /// Every command and error of a program; places of errors are not compared.
 fn run(program: &[u8], dialect: Dialect) -> Vec<Result<Command<3>, (usize, u16)>> {
-    #[cfg(feature = "parameters")]
     if program
         .split(|&byte| byte == b'\n')
         .any(|line| husillo_gcode::parameters::needs_program(line, &dialect))
@@ -83,7 +82,6 @@ fn run(program: &[u8], dialect: Dialect) -> Vec<Result<Command<3>, (usize, u16)>
     state.made
 }
 
-#[cfg(feature = "parameters")]
 fn run_whole(program: &[u8], dialect: Dialect) -> Vec<Result<Command<3>, (usize, u16)>> {
     use husillo_gcode::parameters::Program;
     let mut state = State::new(dialect);

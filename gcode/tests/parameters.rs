@@ -1,6 +1,6 @@
 //! Expressions and programs that steer themselves.
 
-#![cfg(feature = "parameters")]
+#![cfg(feature = "program")]
 
 use husillo_gcode::parameters::{NoMachine, Program, System, Value};
 use husillo_gcode::{Block, Dialect, Error, Modal};

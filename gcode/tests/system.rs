@@ -1,6 +1,6 @@
 //! What a machine tells a program: system parameters by number and by name.
 
-#![cfg(all(feature = "parameters", feature = "extended"))]
+#![cfg(all(feature = "program", feature = "extended"))]
 
 use husillo_gcode::parameters::{NoMachine, System};
 use husillo_gcode::{Block, Dialect, Modal, Nm, Tool};

@@ -182,7 +182,7 @@ impl Dialect {
     }
 
     /// Whether lines may have parameters `#` and expressions `[ ]`.
-    #[cfg(feature = "parameters")]
+    #[cfg(feature = "program")]
     pub const fn has_parameters(&self) -> bool {
         !matches!(
             self.flavour,
@@ -191,7 +191,7 @@ impl Dialect {
     }
 
     /// Whether an `O` steers the program: where it is not the number of one.
-    #[cfg(feature = "parameters")]
+    #[cfg(feature = "program")]
     pub(crate) const fn has_flow(&self) -> bool {
         matches!(self.flavour, Flavour::Rs274 | Flavour::Lathe)
     }

@@ -3,7 +3,6 @@
 use crate::blocks::block::Block;
 use crate::codes::dialect::Dialect;
 use crate::error::Error;
-#[cfg(feature = "parameters")]
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
 
 /// The pieces of a line in its one form; joined they are the line, without a line end. They borrow from the line, so that
@@ -50,14 +49,12 @@ enum Kind {
     /// Words and comments.
     Words,
     /// The same with expressions and assignments.
-    #[cfg(feature = "parameters")]
     Expressions,
     /// Nothing.
     Whole,
 }
 
 fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
-    #[cfg(feature = "parameters")]
     if needs_program(line, dialect) {
         if let Some(checked) = is_flow(line, dialect) {
             return checked.map(|()| Kind::Whole);
@@ -81,7 +78,6 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
 pub struct Formatted<'a> {
     text: &'a [u8],
     at: usize,
-    #[cfg(feature = "parameters")]
     kind: Kind,
     /// Strings of a link: no blanks, `;` ends one, numbers as they are.
     strings: bool,
@@ -120,7 +116,6 @@ impl<'a> Formatted<'a> {
         let mut pieces = Formatted {
             text: line,
             at: 0,
-            #[cfg(feature = "parameters")]
             kind,
             strings,
             spaced: false,
@@ -174,7 +169,6 @@ impl<'a> Formatted<'a> {
                 .next()
                 .map_or(1, <[u8]>::len),
             b';' if !self.strings => rest.len(),
-            #[cfg(feature = "parameters")]
             b'#' => {
                 // Checked before: the line is one of expressions, and there is an end.
                 let end = extent(self.text, self.at).unwrap_or(self.text.len());
@@ -193,7 +187,6 @@ impl<'a> Formatted<'a> {
     /// Prepares the value of the word that `rest` begins with and gives the length of the word.
     fn word(&mut self, rest: &'a [u8], letter: &'a [u8]) -> usize {
         let behind = rest.get(1..).unwrap_or_default();
-        #[cfg(feature = "parameters")]
         if self.kind == Kind::Expressions {
             let value = behind.trim_ascii_start();
             if !is_plain(value) {
@@ -349,7 +342,6 @@ mod tests {
         );
     }
 
-    #[cfg(feature = "parameters")]
     #[test]
     fn expressions_stay_as_they_are() {
         for (line, expected) in [

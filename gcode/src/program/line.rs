@@ -19,7 +19,6 @@ pub struct Line<'t> {
 
 /// The first line of a text without its end (CR, LF or CR LF; none at the end of the text), and what stands behind it; `None` for an
 /// empty text. The one rule for all who cut a text into lines.
-#[cfg(any(feature = "parameters", feature = "extended"))]
 pub(crate) fn first_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
     if text.is_empty() {
         return None;

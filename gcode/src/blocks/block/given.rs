@@ -3,7 +3,7 @@
 use super::{Block, Span};
 use crate::blocks::fault::{Fault, Place, Reason};
 use crate::codes::code::{Code, Group};
-#[cfg(feature = "extended")]
+#[cfg(all(feature = "program", feature = "extended"))]
 use crate::codes::letters::LETTERS;
 use crate::codes::letters::{AXES, Letters, axis_letter, bit, first_of, slot_of};
 use crate::error::Error;
@@ -138,7 +138,7 @@ impl Block {
     }
 
     /// Refuses all codes but the motion, and all words but these and N.
-    #[cfg(feature = "extended")]
+    #[cfg(all(feature = "program", feature = "extended"))]
     pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {
         if self.groups & !1u32.wrapping_shl(Group::Motion as u32) != 0 {
             return Err(Fault::at_motion(Reason::TwoUsersOfWords));
