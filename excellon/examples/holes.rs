@@ -1,4 +1,5 @@
-//! Lists the holes of a drill file: `cargo run -p husillo-excellon --example holes -- FILE [--time]`.
+//! Lists the holes of a drill file:
+//! `cargo run -p husillo-excellon --example holes -- FILE [--time]`.
 
 use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::time::Instant;

@@ -14,7 +14,8 @@ pub struct Error {
     pub end: usize,
 }
 
-/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's message.
+/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's
+/// message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -50,7 +51,8 @@ pub enum ErrorKind {
     NoDiameter,
     /// Step and repeat: M01, M02, M08, M25 and what belongs to them, for a reader without patterns.
     StepAndRepeat,
-    /// Step and repeat out of its order: M25, the pattern, M01, an M02 for each copy, M08. Or `R0` with M02.
+    /// Step and repeat out of its order: M25, the pattern, M01, an M02 for each copy, M08. Or `R0`
+    /// with M02.
     PatternOrder,
     /// `R` without a hole before it.
     NothingToRepeat,

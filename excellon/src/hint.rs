@@ -6,16 +6,17 @@ use crate::scanner::Scanner;
 /// A comment that says something.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Hint {
-    /// How coordinates are written, as far as it is said: `FILE_FORMAT=2:4` (Altium, EasyEDA, P-CAD), `FORMAT={3:3/ absolute
-    /// / metric / suppress leading zeros}` (KiCad), `Format : 3.3 / Absolute / MM / Leading` (Mentor).
+    /// How coordinates are written, as far as it is said: `FILE_FORMAT=2:4` (Altium, EasyEDA,
+    /// P-CAD), `FORMAT={3:3/ absolute / metric / suppress leading zeros}` (KiCad),
+    /// `Format : 3.3 / Absolute / MM / Leading` (Mentor).
     Format {
         units: Option<Units>,
         zeros: Option<Zeros>,
         digits: Option<Digits>,
         incremental: bool,
     },
-    /// `TYPE=PLATED` (Altium), `TA.AperFunction,Plated`, `TF.FileFunction,NonPlated` (KiCad), `Contents: Thru / Drill /
-    /// Non-Plated` (Mentor); `None` for mixed plating.
+    /// `TYPE=PLATED` (Altium), `TA.AperFunction,Plated`, `TF.FileFunction,NonPlated` (KiCad),
+    /// `Contents: Thru / Drill / Non-Plated` (Mentor); `None` for mixed plating.
     Plated(Option<bool>),
     /// `T01 Holesize 1. = 13.000000 Tolerance = +0.0/-0.0 PLATED MILS Quantity = 20` (Allegro).
     Size {
@@ -27,7 +28,8 @@ pub(crate) enum Hint {
 }
 
 impl Hint {
-    /// Reads the text of a comment; `None` when it says nothing that is understood. What is malformed says nothing.
+    /// Reads the text of a comment; `None` when it says nothing that is understood. What is
+    /// malformed says nothing.
     pub(crate) fn parse(text: Scanner<'_>) -> Option<Hint> {
         file_format(text)
             .or_else(|| format(text))

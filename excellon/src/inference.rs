@@ -13,8 +13,8 @@ pub enum Profile {
     /// Excellon: inches 2.4 or millimetres 3.3, `TZ`.
     #[default]
     Excellon,
-    /// TANGO, reconstructed from its descendants (no file of its own is at hand): Excellon without a header, inches 2.3,
-    /// `TZ`, tools without diameters. A header wins over it.
+    /// TANGO, reconstructed from its descendants (no file of its own is at hand): Excellon without
+    /// a header, inches 2.3, `TZ`, tools without diameters. A header wins over it.
     Tango,
 }
 
@@ -66,7 +66,8 @@ pub struct Settled<T> {
 pub enum Doubt {
     /// A number without a point has more digits than the format: its line and its digits.
     LongNumber(u32, u8),
-    /// Some coordinates have a point, and the one of this line has none: perhaps it means whole units.
+    /// Some coordinates have a point, and the one of this line has none: perhaps it means whole
+    /// units.
     MixedPoints(u32),
 }
 
@@ -164,11 +165,12 @@ impl Inference {
         }
     }
 
-    /// How to read the file. In this order: what the caller says, what a command says first, what a comment says (the
-    /// last well-formed `FILE_FORMAT`), the profile, what the numbers show, what is usual.
+    /// How to read the file. In this order: what the caller says, what a command says first, what a
+    /// comment says (the last well-formed `FILE_FORMAT`), the profile, what the numbers show, what
+    /// is usual.
     ///
-    /// The numbers show `LZ` when one of them begins with a zero and not all are of one length, and millimetres when a
-    /// tool is wider than half a unit.
+    /// The numbers show `LZ` when one of them begins with a zero and not all are of one length, and
+    /// millimetres when a tool is wider than half a unit.
     pub fn settle(&self, overrides: &Overrides) -> Settings {
         let tango = overrides.profile == Profile::Tango;
         let units = said(overrides.units, self.units, self.comment_units).unwrap_or_else(|| {

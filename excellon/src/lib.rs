@@ -1,11 +1,12 @@
 //! Excellon drill files in, holes and slots out.
 //!
-//! A drill file is read twice, line by line: [`Inference`] sees all lines and says how coordinates are to be read, with
-//! the reason of each choice; [`Reader`] then gives the holes and slots of each line in exact nanometres.
+//! A drill file is read twice, line by line: [`Inference`] sees all lines and says how coordinates
+//! are to be read, with the reason of each choice; [`Reader`] then gives the holes and slots of
+//! each line in exact nanometres.
 //!
 //! ```text
 //! line &[u8] ──► Inference ──► Settings ─┐        units, zeros, digits, each with its Reason
-//! line &[u8] ────────────────────────► Reader ──► Features: Hole, Slot     (or an error with its columns)
+//! line &[u8] ────────────────────────► Reader ──► Features: Hole, Slot    (or an error)
 //! ```
 //!
 //! ```
@@ -30,10 +31,11 @@
 //! assert_eq!(printed, ["39641780 17780000", "7:4: `Y` without a number"]);
 //! ```
 //!
-//! The grammar is that of Excellon format 2 as layout programs write it. Step and repeat (M25, M01, M02, M08) needs the features
-//! of the pattern again, and a reader keeps none: it is refused, unless the caller keeps them ([`Reader::with_patterns`]).
-//! Not taken, and refused by name: hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than
-//! zero (G92, G93).
+//! The grammar is that of Excellon format 2 as layout programs write it. Step and repeat (M25, M01,
+//! M02, M08) needs the features of the pattern again, and a reader keeps none: it is refused,
+//! unless the caller keeps them ([`Reader::with_patterns`]). Not taken, and refused by name: hole
+//! patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than zero (G92,
+//! G93).
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,7 +1,7 @@
 //! Step and repeat: what lines say about patterns, and how a copy of a pattern is made.
 //!
-//! As the programming manual of Excellon's CNC-7 has it, with the eight mirrored and turned corners of its sample program
-//! as the test of the order of swapping and mirroring.
+//! As the programming manual of Excellon's CNC-7 has it, with the eight mirrored and turned corners
+//! of its sample program as the test of the order of swapping and mirroring.
 
 use crate::feature::{Feature, Hole, Path, Slot};
 use crate::length::within_limit;
@@ -12,8 +12,8 @@ use crate::length::within_limit;
 pub enum Pattern {
     /// `M25`: the features from here on are the set.
     Begin,
-    /// `M01`: all features since [`Pattern::Begin`], copies included, are the set that is copied next, and offsets count from
-    /// zero again.
+    /// `M01`: all features since [`Pattern::Begin`], copies included, are the set that is copied
+    /// next, and offsets count from zero again.
     EndOfSet,
     /// `M02X..Y..`: copies of the set.
     Repeat(Repeat),

@@ -12,9 +12,11 @@ use crate::state::{Copies, Mode, Pinned, State};
 use crate::statement::Statement;
 use crate::tool::{Source, Tool, Tools};
 
-/// Reads a drill file line by line, with room for `TOOLS` tools. A line with an error changes nothing.
+/// Reads a drill file line by line, with room for `TOOLS` tools. A line with an error changes
+/// nothing.
 ///
-/// Memory is that of the tools, 40 bytes each, and about 150 bytes; a line costs a few instructions a byte.
+/// Memory is that of the tools, 40 bytes each, and about 150 bytes; a line costs a few instructions
+/// a byte.
 #[derive(Clone, Debug)]
 pub struct Reader<const TOOLS: usize> {
     state: State,
@@ -79,20 +81,21 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
     }
 
-    /// The same reader, which takes step and repeat: its caller keeps the features and makes the copies that
-    /// [`Reader::pattern`] asks for.
+    /// The same reader, which takes step and repeat: its caller keeps the features and makes the
+    /// copies that [`Reader::pattern`] asks for.
     pub const fn with_patterns(mut self) -> Reader<TOOLS> {
         self.takes_patterns = true;
         self
     }
 
-    /// What the line read last says about step and repeat; always `None` without [`Reader::with_patterns`].
+    /// What the line read last says about step and repeat; always `None` without
+    /// [`Reader::with_patterns`].
     pub const fn pattern(&self) -> Option<Pattern> {
         self.pattern
     }
 
-    /// Sets the diameter of a tool, whatever the file says; to be called before the first line. `false` when there is
-    /// no room, or the diameter is not above zero.
+    /// Sets the diameter of a tool, whatever the file says; to be called before the first line.
+    /// `false` when there is no room, or the diameter is not above zero.
     pub fn set_tool(&mut self, number: u16, diameter_nm: i64) -> bool {
         let tool = Tool {
             number,
@@ -191,7 +194,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
     }
 
-    /// The settings hold what comments say about formats; plating and sizes take effect where they stand.
+    /// The settings hold what comments say about formats; plating and sizes take effect where they
+    /// stand.
     fn comment(&mut self, text: Scanner<'_>) {
         match Hint::parse(text) {
             Some(Hint::Plated(plated)) => self.state.plated = plated,
@@ -413,7 +417,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         Ok(false)
     }
 
-    /// The tool that a `T` word with or without `C` means; with a source when the list of tools is to know it.
+    /// The tool that a `T` word with or without `C` means; with a source when the list of tools is
+    /// to know it.
     fn tool(
         &self,
         state: &State,

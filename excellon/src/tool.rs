@@ -25,8 +25,8 @@ pub(crate) enum Source {
     Caller,
 }
 
-/// Up to `N` tools in the order of their first mention. A look-up costs up to `N` comparisons; it is made for each `T`,
-/// not for each hole.
+/// Up to `N` tools in the order of their first mention. A look-up costs up to `N` comparisons; it
+/// is made for each `T`, not for each hole.
 #[derive(Clone, Debug)]
 pub struct Tools<const N: usize> {
     tools: [Option<(Tool, Source)>; N],
@@ -50,7 +50,8 @@ impl<const N: usize> Tools<N> {
         self.get(number).is_some() || self.tools.iter().any(Option::is_none)
     }
 
-    /// The tool as [`Tools::define`] would leave it, and whether that replaces a diameter of the same source.
+    /// The tool as [`Tools::define`] would leave it, and whether that replaces a diameter of the
+    /// same source.
     pub(crate) fn preview(&self, tool: Tool, source: Source) -> (Tool, bool) {
         let known = self
             .tools
@@ -76,7 +77,8 @@ impl<const N: usize> Tools<N> {
         }
     }
 
-    /// Adds a tool, or changes it if `source` is as good as what is known; `false` when there is no room.
+    /// Adds a tool, or changes it if `source` is as good as what is known; `false` when there is no
+    /// room.
     pub(crate) fn define(&mut self, tool: Tool, source: Source) -> bool {
         let (merged, _) = self.preview(tool, source);
         let known = self

@@ -1,7 +1,8 @@
 //! Drill files of real layout programs against the holes that independent readers agree on.
 //!
-//! The files are not part of this repository. `HUSILLO_EXCELLON` names their folder (with `expected/`); without it
-//! `../shared/excellon` beside the workspace is tried, and without that the test passes with a message.
+//! The files are not part of this repository. `HUSILLO_EXCELLON` names their folder (with
+//! `expected/`); without it `../shared/excellon` beside the workspace is tried, and without that
+//! the test passes with a message.
 
 use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::fs;

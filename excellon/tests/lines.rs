@@ -90,7 +90,8 @@ fn headers_and_tools() {
         "%\nM48\nMETRIC,000.000\nT100C0.80\n%\nT100\n x 10 00 y2.0\nM30",
         "M48\nFMAT,2\nICI,OFF\nR,T\nVER,1\nMETRIC\nT1C0.8\n%\nG93X0Y0\nG05\nT1\nX1000Y2000M30",
         "M48\nMETRIC,LZ\nT1C0.8\n%\nT1\nX001Y002M30\n",
-        ";T01 Holesize 1. = 0.8 Tolerance = +0.0/-0.0 PLATED MM Quantity = 1\n%\nT01\nX1.0Y2.0\nM30",
+        ";T01 Holesize 1. = 0.8 Tolerance = +0.0/-0.0 PLATED MM Quantity = 1\n%\n\
+         T01\nX1.0Y2.0\nM30",
         "; FORMAT={-:-/ absolute / metric / decimal}\nT1C0.8\n%\nT1\nX1.0Y2.0\nT0\nM30",
     ] {
         assert_eq!(holes(text), wanted, "{text}");
@@ -361,17 +362,24 @@ fn drill_lines() -> impl Strategy<Value = Vec<String>> {
 }
 
 proptest! {
-    /// What is printed in a format is read back exactly, with and without a point, whatever the zeros.
+    /// What is printed in a format is read back exactly, with and without a point, whatever the
+    /// zeros.
     #[test]
     fn print_and_parse(
         format in formats(),
-        points in prop::collection::vec((-9_999_999_i64..9_999_999, -9_999_999_i64..9_999_999), 1..8),
+        points in prop::collection::vec(
+            (-9_999_999_i64..9_999_999, -9_999_999_i64..9_999_999),
+            1..8,
+        ),
         point: bool,
     ) {
         let most = 10_i64.pow(u32::from(format.digits.all()));
         let mut text = String::from("T1C1.0\n");
         for (x, y) in &points {
-            let (x, y) = (written(x % most, &format, point), written(y % most, &format, point));
+            let (x, y) = (
+                written(x % most, &format, point),
+                written(y % most, &format, point),
+            );
             text += &format!("X{x}Y{y}\n");
         }
         let (features, errors, _) = read_with(text.as_bytes(), &overrides(&format));
@@ -495,9 +503,11 @@ fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
 
 #[test]
 fn eight_corners_of_a_frame() {
-    // The sample program of the CNC-7's manual: 13 holes of a corner, mirrored and turned to eight, 104 in all.
-    let text = "M48\nINCH,LZ\nT4C.052\n%\nT4\nM25\nX01Y018\nR8Y-001\nR4X001\nM01\nM02X002Y002M70\nM02X043M90M70\n\
-                M02X002Y-002M80\nM02X-002Y038M80M90M70\nM02X002Y002M80M90\nM02X-047M90\nM02X002Y-002M80M70\nM02\nM08\nM30\n";
+    // The sample program of the CNC-7's manual: 13 holes of a corner, mirrored and turned to eight,
+    // 104 in all.
+    let text = "M48\nINCH,LZ\nT4C.052\n%\nT4\nM25\nX01Y018\nR8Y-001\nR4X001\nM01\n\
+                M02X002Y002M70\nM02X043M90M70\nM02X002Y-002M80\nM02X-002Y038M80M90M70\n\
+                M02X002Y002M80M90\nM02X-047M90\nM02X002Y-002M80M70\nM02\nM08\nM30\n";
     let (places, errors) = panel(text);
     assert_eq!((places.len(), errors), (104, vec![]));
     let mut all = places.clone();
@@ -519,7 +529,8 @@ fn eight_corners_of_a_frame() {
 
 #[test]
 fn sets_of_copies_are_copied() {
-    let text = "METRIC\nT1C1\n%\nT1\nX50.Y50.\nM25\nX1.Y2.\nM01\nR2M02XY10.\nM01\nR2M02X20.Y\nM02\nM08\nX60.\n";
+    let text = "METRIC\nT1C1\n%\nT1\nX50.Y50.\nM25\nX1.Y2.\nM01\nR2M02XY10.\nM01\n\
+                R2M02X20.Y\nM02\nM08\nX60.\n";
     let (places, errors) = panel(text);
     assert_eq!(errors, []);
     let mut grid: Vec<_> = (0..9)
@@ -640,7 +651,9 @@ fn pattern_line() -> impl Strategy<Value = &'static str> {
 proptest! {
     /// A line with an error changes nothing: without it the same features come out.
     #[test]
-    fn wrong_lines_of_patterns_change_nothing(program in prop::collection::vec(pattern_line(), 0..24)) {
+    fn wrong_lines_of_patterns_change_nothing(
+        program in prop::collection::vec(pattern_line(), 0..24),
+    ) {
         // At most seven sets, so that copies of copies stay few.
         let mut sets = 0;
         let few = program.iter().filter(|line| {
@@ -651,7 +664,11 @@ proptest! {
         let lines: Vec<&str> = head.iter().chain(few).copied().collect();
         let (places, errors) = panel(&lines.join("\n"));
         let wrong: Vec<_> = errors.iter().map(|(line, _)| *line).collect();
-        let right: Vec<_> = (1..).zip(&lines).filter(|(number, _)| !wrong.contains(number)).map(|(_, line)| *line).collect();
+        let right: Vec<_> = (1..)
+            .zip(&lines)
+            .filter(|(number, _)| !wrong.contains(number))
+            .map(|(_, line)| *line)
+            .collect();
         prop_assert_eq!(panel(&right.join("\n")), (places, vec![]));
     }
 }
@@ -660,8 +677,8 @@ fn settled(text: &str) -> Settings {
     settings(text.as_bytes(), &Overrides::default())
 }
 
-/// What the numbers of a file show, and what shows nothing: steps of repeats, what stands behind the end, words without a
-/// tool.
+/// What the numbers of a file show, and what shows nothing: steps of repeats, what stands behind
+/// the end, words without a tool.
 #[test]
 fn what_numbers_show() {
     use husillo_excellon::Doubt;
@@ -693,7 +710,8 @@ fn what_numbers_show() {
     assert!(!settled(&format.replace("incremental", "absolute")).incremental);
 }
 
-/// Units, zeros and digits that a file changes under way hold from there on; digits of its own stay.
+/// Units, zeros and digits that a file changes under way hold from there on; digits of its own
+/// stay.
 #[test]
 fn formats_under_way() {
     let at = |text: &str| holes(text).iter().map(|hole| hole[0]).collect::<Vec<_>>();
@@ -741,7 +759,8 @@ fn what_is_passed_over() {
     );
 }
 
-/// A tool has the plating it was told, else that which holds where it is used: for holes, their repeats and slots.
+/// A tool has the plating it was told, else that which holds where it is used: for holes, their
+/// repeats and slots.
 #[test]
 fn plating_where_a_tool_is_used() {
     let (features, errors, _) = read("METRIC\nT1C1\n;TYPE=PLATED\nX1.\nR1X1.\nX5.G85X6.\n");

@@ -1,6 +1,7 @@
 //! Prints the commands of a program, one line each, and its errors with their place.
 //!
-//! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` only counts, and times, them.
+//! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` only counts,
+//! and times, them.
 
 use husillo_gcode::{Block, Commands, Dialect, Modal};
 use std::io::Write;

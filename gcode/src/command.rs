@@ -14,7 +14,8 @@ use core::fmt;
 pub enum Feed {
     /// G94: nanometres of path a minute, above zero.
     PerMinute(Nm),
-    /// G93: so many millionths of this move a minute, above zero (2 000 000: the move takes half a minute).
+    /// G93: so many millionths of this move a minute, above zero (2 000 000: the move takes half a
+    /// minute).
     InverseTime {
         /// Moves a minute times 10^6.
         micro_per_minute: u64,
@@ -79,8 +80,8 @@ pub enum PathMode {
 pub struct Spline<const N: usize> {
     /// The end, machine frame.
     pub to: [Nm; N],
-    /// Start, two control points and end, X and Y, machine frame. Exact for G5; those of a quadratic curve are rounded
-    /// to the nanometre, so the curve is off by less than one.
+    /// Start, two control points and end, X and Y, machine frame. Exact for G5; those of a
+    /// quadratic curve are rounded to the nanometre, so the curve is off by less than one.
     pub points: [[Nm; 2]; 4],
 }
 
@@ -158,7 +159,8 @@ pub enum Command<const N: usize> {
         /// Its speed.
         feed: Feed,
     },
-    /// A straight move synchronised with the spindle (G33, and within G76 and the threading cycles of lathes).
+    /// A straight move synchronised with the spindle (G33, and within G76 and the threading cycles
+    /// of lathes).
     Thread {
         /// The end.
         to: [Nm; N],
@@ -167,7 +169,8 @@ pub enum Command<const N: usize> {
     },
     /// A straight move that stops where the probe changes (G38.2 to G38.5).
     Probe {
-        /// The end if the probe does not change; the modal state stands there until it is told otherwise.
+        /// The end if the probe does not change; the modal state stands there until it is told
+        /// otherwise.
         to: [Nm; N],
         /// Its speed.
         feed: Feed,
@@ -228,7 +231,8 @@ pub enum Command<const N: usize> {
         /// What is added to the work frame. Zero also for a tool that the table has not.
         offset: [Nm; N],
     },
-    /// G40, G41, G42: radius compensation from the next move on. The moves of the stream are those of the contour.
+    /// G40, G41, G42: radius compensation from the next move on. The moves of the stream are those
+    /// of the contour.
     Compensation {
         /// The side; `None` for G40.
         side: Option<Side>,
@@ -271,8 +275,8 @@ pub enum Command<const N: usize> {
         /// Microseconds at most; 0 does not wait.
         timeout_micros: u64,
     },
-    /// One drilling where the tool is: down to the lower end switch and up to the upper one (dialect `drill`, whose Z has
-    /// no coordinate).
+    /// One drilling where the tool is: down to the lower end switch and up to the upper one
+    /// (dialect `drill`, whose Z has no coordinate).
     Drill,
     /// M60: change the pallet and wait for the operator.
     Pallet,

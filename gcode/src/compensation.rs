@@ -21,22 +21,25 @@ use crate::values::nm::{Measure, Nm};
 /// Commands between two moves of a contour that can wait for the corner.
 const WAITING: usize = 4;
 
-/// What one command can set free: the move before, what waited behind it, a corner of two, and itself.
+/// What one command can set free: the move before, what waited behind it, a corner of two, and
+/// itself.
 const FREED: usize = WAITING + 5;
 
 /// Differences of points that are rounding.
 const ROUNDING: i64 = 4;
 
-/// The stage between [`Modal`](crate::Modal) and a machine that turns a contour into the path of the tool's centre.
+/// The stage between [`Modal`](crate::Modal) and a machine that turns a contour into the path of
+/// the tool's centre.
 ///
-/// It works in the plane that was active at G41 or G42 and looks one move ahead: a move is given out when the next one
-/// has told where it ends. Outside corners get an arc of the tool's radius about the corner (between rapids: straight
-/// lines clear of it), inside corners end at the common point of the two offset curves. Every point is within 2 nm of
-/// its exact offset curve. The first move must be straight and longer than the radius: it ends square to its own end.
-/// Under G40 the next straight move goes from wherever the tool is to its programmed end.
+/// It works in the plane that was active at G41 or G42 and looks one move ahead: a move is given
+/// out when the next one has told where it ends. Outside corners get an arc of the tool's radius
+/// about the corner (between rapids: straight lines clear of it), inside corners end at the common
+/// point of the two offset curves. Every point is within 2 nm of its exact offset curve. The first
+/// move must be straight and longer than the radius: it ends square to its own end. Under G40 the
+/// next straight move goes from wherever the tool is to its programmed end.
 ///
-/// Where LinuxCNC differs: it takes arcs as first moves; we refuse them. It asks for a feed rate under G93 and
-/// converts it; we refuse G93 while compensating.
+/// Where LinuxCNC differs: it takes arcs as first moves; we refuse them. It asks for a feed rate
+/// under G93 and converts it; we refuse G93 while compensating.
 #[derive(Clone, Debug)]
 pub struct Compensation<const N: usize> {
     active: Option<Active>,
@@ -172,13 +175,13 @@ impl<const N: usize> Compensation<N> {
         self.active.is_some()
     }
 
-    /// What the commands of one block become: the stage after them, and the commands that are decided now. All or
-    /// nothing, as [`Modal::plan`](crate::Modal::plan): with an error nothing has changed. Costs one pass over the
-    /// commands here and one when they are pulled.
+    /// What the commands of one block become: the stage after them, and the commands that are
+    /// decided now. All or nothing, as [`Modal::plan`](crate::Modal::plan): with an error nothing
+    /// has changed. Costs one pass over the commands here and one when they are pulled.
     ///
     /// # Errors
-    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0324 when more than four commands that do not move in the
-    /// plane stand between two moves that do.
+    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0324 when more than four commands that
+    /// do not move in the plane stand between two moves that do.
     pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
         let mut next = self.clone();
         let mut freed = Freed::new();
@@ -194,8 +197,8 @@ impl<const N: usize> Compensation<N> {
         Ok((next, compensated))
     }
 
-    /// How many commands wait: a move for its end, and what stands behind it. When a later block sets anything free, they come
-    /// first, all of them, and then what is that block's own.
+    /// How many commands wait: a move for its end, and what stands behind it. When a later block
+    /// sets anything free, they come first, all of them, and then what is that block's own.
     pub fn held(&self) -> usize {
         let moves = self.pending.iter().map(|_| ());
         moves
@@ -297,7 +300,8 @@ impl<const N: usize> Compensation<N> {
         }
     }
 
-    /// Gives out the pending move, to a point or to where it ends by itself, and what waits behind it.
+    /// Gives out the pending move, to a point or to where it ends by itself, and what waits behind
+    /// it.
     fn flush(&mut self, end: Option<Vector>, out: &mut Freed<N>) {
         let (Some(pending), Some(active)) = (self.pending.take(), self.active) else {
             return;
@@ -371,7 +375,8 @@ impl<const N: usize> Compensation<N> {
         out: &mut Freed<N>,
     ) -> Result<Vector, ErrorKind> {
         let (sine, cosine) = turn(before.course.last, course.first);
-        // How far the two offset points of the corner are apart: little in small turns, or with a tool of no size.
+        // How far the two offset points of the corner are apart: little in small turns, or with a
+        // tool of no size.
         let gap = length(minus(before.course.end, course.start));
         if gap <= 2 {
             self.flush(None, out);

@@ -10,7 +10,8 @@ use crate::error::parameters::Fault;
 use crate::values::nm::Measure;
 use core::fmt;
 
-/// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text given.
+/// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text
+/// given.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
@@ -22,7 +23,8 @@ pub struct Error {
     pub end: usize,
 }
 
-/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's message.
+/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's
+/// message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -49,7 +51,8 @@ pub enum ErrorKind {
     NotWhole(u8),
     /// A letter that is no axis and no parameter here.
     UnknownWord(u8),
-    /// A code outside the list: its letter, and its number in tenths (`None` when it has more places or is out of range).
+    /// A code outside the list: its letter, and its number in tenths (`None` when it has more
+    /// places or is out of range).
     UnknownCode(u8, Option<u16>),
     /// A code of the list that this dialect lacks: its letter and its number in tenths.
     NotOfDialect(u8, u16),
@@ -90,7 +93,8 @@ pub enum ErrorKind {
     NotZero(u8),
     /// An arc without a centre and without a radius, or with its centre at its start.
     NoCentre,
-    /// One word of a centre given in absolute coordinates (G90.1, micromill dialect), which takes both.
+    /// One word of a centre given in absolute coordinates (G90.1, micromill dialect), which takes
+    /// both.
     HalfCentre,
     /// An arc whose end is not on it: radii differ by so much.
     EndOffArc(Measure),
@@ -301,7 +305,8 @@ impl fmt::Display for ErrorKind {
             ErrorKind::EntryTooShort(least) => {
                 return write!(
                     f,
-                    "first move of the compensation is not longer than the tool radius of {least} mm"
+                    "first move of the compensation is not longer than the tool radius of \
+                     {least} mm"
                 );
             }
             ErrorKind::ArcSmallerThanTool(radius) => {

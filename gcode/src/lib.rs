@@ -1,15 +1,15 @@
 //! G-code text in, exact commands out.
 //!
-//! Nothing here knows a machine, a clock or a float: lengths are integer nanometres ([`Nm`]), numbers exact decimals
-//! ([`Decimal`]), and a line is `&[u8]`.
+//! Nothing here knows a machine, a clock or a float: lengths are integer nanometres ([`Nm`]),
+//! numbers exact decimals ([`Decimal`]), and a line is `&[u8]`.
 //!
 //! ```text
-//! bytes of a port ──► LineReader ──► Receiver ──► line            or   bytes ──► WordReader ──► Word
+//! bytes of a port ──► LineReader ──► Receiver ──► line      or   bytes ──► WordReader ──► Word
 //!                     fixed buffer   checksum, N
 //!
 //! line &[u8] ──► Words ──► Word ──► Block ──► Modal::plan ──► (new Modal, Commands) ──► Command
-//!               letters,  decimal   groups,   modes, frames,   all or nothing          Rapid, Linear, Arc, ...
-//!               comments            repeats   missing, unused
+//!               letters,  decimal   groups,   modes, frames,   all or nothing          Rapid,
+//!               comments            repeats   missing, unused                          Linear, ...
 //! ```
 //!
 //! ```

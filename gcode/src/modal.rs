@@ -30,11 +30,12 @@ use crate::values::nm::{Measure, Nm};
 /// How many work frames there are: G54 to G59, with the extended codes to G59.3.
 const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 
-/// The state that one block leaves to the next: modes, frames, eight tools and the programmed position. Cheap to clone.
+/// The state that one block leaves to the next: modes, frames, eight tools and the programmed
+/// position. Cheap to clone.
 ///
-/// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49, G98, G97, G8, no motion
-/// mode (axis words before the first motion code are an error), no feed, spindle and coolant off. Micromill: micrometres,
-/// absolute centres. Grbl: G0. Lathes: G18 and G7.
+/// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49,
+/// G98, G97, G8, no motion mode (axis words before the first motion code are an error), no feed,
+/// spindle and coolant off. Micromill: micrometres, absolute centres. Grbl: G0. Lathes: G18 and G7.
 ///
 /// A, B and C are turned in degrees whatever the unit: a millionth of a degree is one [`Nm`].
 ///
@@ -68,7 +69,8 @@ impl<const N: usize> Modal<N> {
         modal
     }
 
-    /// All bytes zero, as far as the extended codes add none: nothing that must be copied from a constant.
+    /// All bytes zero, as far as the extended codes add none: nothing that must be copied from a
+    /// constant.
     const ZERO: Self = Modal {
         modes: Modes::NONE,
         homes: [[Nm(0); N]; 2],
@@ -76,17 +78,19 @@ impl<const N: usize> Modal<N> {
         tools: Tools::new(),
     };
 
-    /// What a block means: the state after it and its commands, in the order of execution of RS-274. All or nothing:
-    /// `self` stays as it was, and with an error there is nothing else.
+    /// What a block means: the state after it and its commands, in the order of execution of
+    /// RS-274. All or nothing: `self` stays as it was, and with an error there is nothing else.
     ///
-    /// Order: feed mode, F, spindle mode, S, T, M62 to M68, M6, spindle, coolant, M48 to M53, G4, plane, units, cutter
-    /// compensation, tool length, work frame, path mode, distance modes, G98, then one of G10, G28, G30, G92 and the
-    /// motion, stop. So an `F` beside `G20` still counts in the unit before it.
+    /// Order: feed mode, F, spindle mode, S, T, M62 to M68, M6, spindle, coolant, M48 to M53, G4,
+    /// plane, units, cutter compensation, tool length, work frame, path mode, distance modes, G98,
+    /// then one of G10, G28, G30, G92 and the motion, stop. So an `F` beside `G20` still counts in
+    /// the unit before it.
     ///
     /// # Errors
-    /// What depends on the state: axis words without motion (E0206) or missing (E0207), unused words (E0208), axes
-    /// this machine has not (E0201), arcs, cycles and splines (E03xx), feed and ranges (E05xx), words that a code misses
-    /// (E0213), what compensation forbids (E0217), coordinates beyond [`Nm::LIMIT`] (E0103).
+    /// What depends on the state: axis words without motion (E0206) or missing (E0207), unused
+    /// words (E0208), axes this machine has not (E0201), arcs, cycles and splines (E03xx), feed and
+    /// ranges (E05xx), words that a code misses (E0213), what compensation forbids (E0217),
+    /// coordinates beyond [`Nm::LIMIT`] (E0103).
     pub fn plan(&self, block: &Block) -> Result<(Modal<N>, Commands<N>), Error> {
         let mut next = self.clone();
         let mut commands = Commands::new();
@@ -94,8 +98,9 @@ impl<const N: usize> Modal<N> {
         Ok((next, commands))
     }
 
-    /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3 with axis words, `F` and
-    /// `N` what these change) is kept aside, in `commands`. `commands` are replaced. With an error there are none, and the state is as it was.
+    /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3
+    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. `commands` are
+    /// replaced. With an error there are none, and the state is as it was.
     ///
     /// # Errors
     /// Those of [`Modal::plan`].
@@ -149,7 +154,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The motion of a block with nothing else, if it is one of G0 to G3, and that before it too, or none.
+    /// The motion of a block with nothing else, if it is one of G0 to G3, and that before it too,
+    /// or none.
     #[inline(always)]
     fn plain_move(&self, block: &Block) -> Option<Code> {
         let before = self.active(Group::Motion);
@@ -182,7 +188,8 @@ impl<const N: usize> Modal<N> {
         self.moves(block, commands)
     }
 
-    /// What G28.1, G30.1 and the micro mill's G54 keep of the position before the block, when it can no longer fail.
+    /// What G28.1, G30.1 and the micro mill's G54 keep of the position before the block, when it
+    /// can no longer fail.
     fn store(&mut self, block: &Block, here: &[Nm; N]) {
         let [first, second] = &mut self.homes;
         match block.code(Group::NonModal) {
@@ -224,8 +231,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1, G40, M5, M9. Work
-    /// zeros, tool length, units and the feed stay.
+    /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1,
+    /// G40, M5, M9. Work zeros, tool length, units and the feed stay.
     fn end(&mut self) {
         if self.modes.dialect.flavour != Flavour::Grbl {
             self.modes.shift = [Nm(0); N];

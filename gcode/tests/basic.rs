@@ -1,4 +1,5 @@
-//! Without the extended codes the list is Grbl's, whatever the dialect; the others are known and refused.
+//! Without the extended codes the list is Grbl's, whatever the dialect; the others are known and
+//! refused.
 #![cfg(not(feature = "extended"))]
 
 use husillo_gcode::{Block, Commands, Dialect, ErrorKind, Modal};

@@ -1,4 +1,5 @@
-//! Blocks by themselves and in one place: what stands in them, what was there before, and which way they take.
+//! Blocks by themselves and in one place: what stands in them, what was there before, and which way
+//! they take.
 
 use husillo_gcode::{Block, Command, Commands, Decimal, Dialect, ErrorKind, Modal};
 
@@ -91,8 +92,8 @@ fn lines_and_programs_have_numbers() {
     assert_eq!(block("G0 X1").line_number(), None);
 }
 
-/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not. A `G94` that is in effect
-/// already sends every block the long way and changes nothing.
+/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not. A
+/// `G94` that is in effect already sends every block the long way and changes nothing.
 #[test]
 fn the_short_way_of_moves_is_the_same() {
     let beside = [
@@ -176,7 +177,8 @@ fn negative_p() {
     assert_eq!(parse("G5 X2 I1 J1 P-1 Q1"), Ok(()));
 }
 
-/// A block asks for nothing when it has no code and no word but N; a stroke before it says nothing about that.
+/// A block asks for nothing when it has no code and no word but N; a stroke before it says nothing
+/// about that.
 #[test]
 fn blocks_that_ask_for_nothing() {
     let dialect = Dialect::RS274.with_block_delete(false);
@@ -212,7 +214,8 @@ fn all_letters_without_a_code() {
     );
 }
 
-/// Where the words at fault stand: the first of them in the line, whatever its letter, or all of them.
+/// Where the words at fault stand: the first of them in the line, whatever its letter, or all of
+/// them.
 #[test]
 fn places_of_words_at_fault() {
     fn place(line: &str) -> Option<&str> {

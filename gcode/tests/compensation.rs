@@ -211,18 +211,30 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 256 }))]
 
-    /// Along any polygon that the stage takes, each straight move stays one radius from its own side, each corner arc
-    /// one radius from its corner, to 2 nm; and a refusal changes nothing.
+    /// Along any polygon that the stage takes, each straight move stays one radius from its own
+    /// side, each corner arc one radius from its corner, to 2 nm; and a refusal changes nothing.
     #[test]
     fn one_radius_from_the_contour(
-        points in prop::collection::vec((-50_000i64..50_000, -50_000i64..50_000), 3..9), radius in 1i64..900, right in any::<bool>()
+        points in prop::collection::vec((-50_000i64..50_000, -50_000i64..50_000), 3..9),
+        radius in 1i64..900,
+        right in any::<bool>(),
     ) {
         let side = if right { "G42.1" } else { "G41.1" };
-        let mut lines = vec!["G21 F100".to_owned(), format!("{side} D{}", Nm(2_000 * radius))];
-        lines.extend(points.iter().map(|(x, y)| format!("G1 X{} Y{}", Nm(x * 1000), Nm(y * 1000))));
+        let mut lines = vec![
+            "G21 F100".to_owned(),
+            format!("{side} D{}", Nm(2_000 * radius)),
+        ];
+        lines.extend(
+            points
+                .iter()
+                .map(|(x, y)| format!("G1 X{} Y{}", Nm(x * 1000), Nm(y * 1000))),
+        );
         let lines: Vec<_> = lines.iter().map(String::as_str).collect();
         let Ok(made) = run(&lines) else { return Ok(()) };
-        let corners: Vec<_> = points.iter().map(|(x, y)| [*x as f64 * 1e3, *y as f64 * 1e3]).collect();
+        let corners: Vec<_> = points
+            .iter()
+            .map(|(x, y)| [*x as f64 * 1e3, *y as f64 * 1e3])
+            .collect();
         let wanted = radius as f64 * 1e3;
         let (mut at, mut side) = ([0.0, 0.0], 0);
         for command in &made {
@@ -232,14 +244,22 @@ proptest! {
                 Command::Linear { .. } => {
                     if side > 0 {
                         for point in [at, end] {
-                            prop_assert!((distance(point, corners[side - 1], corners[side]) - wanted).abs() <= 2.0);
+                            prop_assert!(
+                                (distance(point, corners[side - 1], corners[side]) - wanted).abs()
+                                    <= 2.0
+                            );
                         }
                     }
                     side += 1;
                 }
                 Command::Arc { arc, .. } => {
-                    prop_assert_eq!([arc.centre[0].0 as f64, arc.centre[1].0 as f64], corners[side - 1]);
-                    prop_assert!((distance(end, corners[side - 1], corners[side]) - wanted).abs() <= 2.0);
+                    prop_assert_eq!(
+                        [arc.centre[0].0 as f64, arc.centre[1].0 as f64],
+                        corners[side - 1]
+                    );
+                    prop_assert!(
+                        (distance(end, corners[side - 1], corners[side]) - wanted).abs() <= 2.0
+                    );
                     prop_assert!(arc.mismatch <= Nm(2));
                 }
                 _ => {}
@@ -252,7 +272,11 @@ proptest! {
     /// Any contour of lines and arcs is taken or refused; nothing overflows.
     #[test]
     fn any_contour_is_taken_or_refused(
-        moves in prop::collection::vec((0usize..4, -99i64..99, -99i64..99, -99i64..99, -99i64..99), 1..12), diameter in 0i64..60
+        moves in prop::collection::vec(
+            (0usize..4, -99i64..99, -99i64..99, -99i64..99, -99i64..99),
+            1..12,
+        ),
+        diameter in 0i64..60,
     ) {
         let mut lines = vec!["G21 F100".to_owned(), format!("G41.1 D{diameter}")];
         lines.extend(moves.iter().map(|(code, x, y, i, j)| match code {
@@ -268,7 +292,8 @@ proptest! {
     }
 }
 
-/// While a contour is compensated a move waits, with what stands behind it; the end of the program gives it out.
+/// While a contour is compensated a move waits, with what stands behind it; the end of the program
+/// gives it out.
 #[test]
 fn what_waits() {
     let mut modal = Modal::<3>::new(Dialect::RS274);
@@ -311,7 +336,8 @@ fn what_waits() {
     assert_eq!(told, expected);
 }
 
-/// Every arc that is made ends as far off its circle as it says, whatever the line said, and has no radius of a word.
+/// Every arc that is made ends as far off its circle as it says, whatever the line said, and has no
+/// radius of a word.
 #[test]
 fn arcs_say_how_far_they_are_off() {
     let mut at = [Nm(0); 3];

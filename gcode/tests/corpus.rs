@@ -1,8 +1,8 @@
 //! Programs from real CAM systems against the verdicts and end points of reference interpreters.
 //!
-//! The programs are not part of this repository. `HUSILLO_CORPUS` names their folder (with `programs/`, `reference/`,
-//! `MANIFEST.tsv` and `AGREE.txt`); without it `../shared/gcode` beside the workspace is tried, and without that the
-//! tests pass with a message.
+//! The programs are not part of this repository. `HUSILLO_CORPUS` names their folder (with
+//! `programs/`, `reference/`, `MANIFEST.tsv` and `AGREE.txt`); without it `../shared/gcode` beside
+//! the workspace is tried, and without that the tests pass with a message.
 
 #![cfg(all(feature = "program", feature = "extended"))]
 
@@ -67,8 +67,8 @@ fn reference(folder: &Path, program: &str, name: &str) -> Option<String> {
     read.is_ok().then_some(text)
 }
 
-/// The ends of all moves that LinuxCNC makes of a program, in mm and degrees of the work frame; `None` for what it does
-/// not tell: probes and turned frames.
+/// The ends of all moves that LinuxCNC makes of a program, in mm and degrees of the work frame;
+/// `None` for what it does not tell: probes and turned frames.
 fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
     let (mut scale, mut plane) = (1.0, "XY");
     let mut ends = Vec::new();
@@ -110,7 +110,8 @@ fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
     Some(ends)
 }
 
-/// The ends of all our moves, likewise; `None` when a block is refused, or a move has no counterpart there.
+/// The ends of all our moves, likewise; `None` when a block is refused, or a move has no
+/// counterpart there.
 fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
     let dialect = Dialect::RS274;
     let mut modal = Modal::<6>::new(dialect);
@@ -156,8 +157,9 @@ fn apart(ours: &[f64; 6], theirs: &[f64; 6]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The largest difference between two lists of ends, or the place of the first beyond 0.002 mm: four printed places,
-/// of inches at worst. Moves that go nowhere are passed: LinuxCNC makes one of a G0 without axis words, we do not.
+/// The largest difference between two lists of ends, or the place of the first beyond 0.002 mm:
+/// four printed places, of inches at worst. Moves that go nowhere are passed: LinuxCNC makes one of
+/// a G0 without axis words, we do not.
 fn compare(ours: &[[f64; 6]], theirs: &[[f64; 6]]) -> Result<f64, (usize, usize)> {
     const TOLERANCE: f64 = 0.002;
     let (mut i, mut j, mut at, mut worst) = (0, 0, [0.0; 6], 0.0_f64);
@@ -175,14 +177,16 @@ fn compare(ours: &[[f64; 6]], theirs: &[[f64; 6]]) -> Result<f64, (usize, usize)
     }
 }
 
-/// Programs on which LinuxCNC is wrong: its G84 feeds along the wrong axes outside of G17 (the table of the README).
+/// Programs on which LinuxCNC is wrong: its G84 feeds along the wrong axes outside of G17 (the
+/// table of the README).
 const LINUXCNC_IS_WRONG: [&str; 3] = [
     "linuxcnc-interp/tests/interp/g84/g18/g99/g18-g99-g84.ngc",
     "linuxcnc-interp/tests/interp/g84/g19/g98/g19-g98-g84.ngc",
     "nist-rs274ngc/references/c3.ngc",
 ];
 
-/// Every move of every program that LinuxCNC takes whole and we take whole: same number of moves, same ends.
+/// Every move of every program that LinuxCNC takes whole and we take whole: same number of moves,
+/// same ends.
 #[test]
 fn moves_agree_with_linuxcnc() {
     let Some(folder) = corpus() else { return };
@@ -214,7 +218,8 @@ fn moves_agree_with_linuxcnc() {
         }
     }
     println!(
-        "{programs} programs, {moves} moves as LinuxCNC has them, largest difference {worst:.4} mm; in {wrong} it is wrong"
+        "{programs} programs, {moves} moves as LinuxCNC has them, \
+         largest difference {worst:.4} mm; in {wrong} it is wrong"
     );
     faults.iter().for_each(|line| println!("  {line}"));
     assert!(faults.is_empty(), "{} programs differ", faults.len());
@@ -320,7 +325,8 @@ fn end_points_agree_with_the_references() {
             let Some(ours) = positions.get(line - 1) else {
                 continue;
             };
-            // 0.0005 mm and half of the last printed digit (four places); 32-bit floats at large coordinates.
+            // 0.0005 mm and half of the last printed digit (four places); 32-bit floats at large
+            // coordinates.
             let off = ours
                 .iter()
                 .zip(row.at)
@@ -388,7 +394,8 @@ fn every_refusal_has_a_reason() {
         }
     }
     println!(
-        "{taken} taken whole, {outside} use what is not in the list, {shared} refused by a reference too"
+        "{taken} taken whole, {outside} use what is not in the list, \
+         {shared} refused by a reference too"
     );
     println!("first refusals by code: {kinds:?}");
     alone.iter().for_each(|line| println!("  {line}"));
@@ -401,7 +408,8 @@ fn every_refusal_has_a_reason() {
     assert!(outside <= 82, "{outside} outside of the list");
 }
 
-/// What differs between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and ours as the code of an error.
+/// What differs between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and ours as the code of an
+/// error.
 const GRBL_DIFFERS: [(u32, u16); 7] = [
     // `$` lines are for the controller itself, and its `/` may stand anywhere.
     (0, 101),
@@ -419,8 +427,8 @@ const GRBL_DIFFERS: [(u32, u16); 7] = [
     (36, 0),
 ];
 
-/// Every program line by line as Grbl has it in check mode: the same lines refused, the same place behind each until the first line
-/// that is judged otherwise, a probe, or the end of the program.
+/// Every program line by line as Grbl has it in check mode: the same lines refused, the same place
+/// behind each until the first line that is judged otherwise, a probe, or the end of the program.
 #[test]
 fn lines_agree_with_grbl() {
     let Some(folder) = corpus() else { return };

@@ -1,4 +1,5 @@
-//! Canned cycles and threads: the ends of what they take, and every move of the variants that differ in few.
+//! Canned cycles and threads: the ends of what they take, and every move of the variants that
+//! differ in few.
 
 #![cfg(feature = "extended")]
 
@@ -27,7 +28,8 @@ fn mill(lines: &[&str]) -> Result<Vec<String>, ErrorKind> {
     last::<3>(lines, Dialect::RS274)
 }
 
-/// A cycle needs a place in the plane or a depth of its own; its axes are there in machines of three and of four.
+/// A cycle needs a place in the plane or a depth of its own; its axes are there in machines of
+/// three and of four.
 #[test]
 fn axes_of_cycles() {
     let hole = "G81 X1 Z-1 R1 F1";
@@ -42,8 +44,8 @@ fn axes_of_cycles() {
     assert_eq!(four, mill(&[hole]).map(|commands| commands.len()));
 }
 
-/// A hole without depth is taken; a retract plane at the present height is not moved to again; what stands behind the
-/// cycle comes behind it.
+/// A hole without depth is taken; a retract plane at the present height is not moved to again; what
+/// stands behind the cycle comes behind it.
 #[test]
 fn holes_move_by_move() {
     assert_eq!(
@@ -62,7 +64,8 @@ fn holes_move_by_move() {
     assert_eq!(mill(&["G81 Z2 R1 F60"]), Err(ErrorKind::RetractBelowBottom));
 }
 
-/// A cycle does not say how many commands it will be; everything else does, and what is left of it too.
+/// A cycle does not say how many commands it will be; everything else does, and what is left of it
+/// too.
 #[test]
 fn as_many_commands_as_are_told() {
     for (line, is_known) in [
@@ -134,7 +137,8 @@ fn a_lead_is_kept_for_a_series() {
     assert_eq!(mill(&lines), Err(ErrorKind::MissingWord(b'K')));
 }
 
-/// G76 with a taper at no end, at the start, at the end and at both; outside and inside; to both sides.
+/// G76 with a taper at no end, at the start, at the end and at both; outside and inside; to both
+/// sides.
 #[test]
 fn threads_with_tapers_at_their_ends() {
     let made = |line: &str| last::<3>(&["G18 M3 S1", line], Dialect::RS274);
@@ -245,7 +249,8 @@ fn splines_of_two_axes() {
     );
 }
 
-/// Without a distance to the crests the passes go outwards; without a length they lie on one side of their start.
+/// Without a distance to the crests the passes go outwards; without a length they lie on one side
+/// of their start.
 #[test]
 fn threads_without_depth_or_length() {
     let made = |words: &str| mill(&["G18 M3 S1", &format!("G76 P1 {words}")]).unwrap();

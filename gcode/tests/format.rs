@@ -31,7 +31,8 @@ fn meaning(text: &[u8], dialect: &Dialect) -> Meaning {
     let mut words: Vec<_> = letters
         .map(|(letter, value)| format!("{}{value}", char::from(letter)))
         .collect();
-    // The codes have no accessor: what they do is compared by commands. Here their order in the text.
+    // The codes have no accessor: what they do is compared by commands. Here their order in the
+    // text.
     words.extend(husillo_gcode::words(text).filter_map(|word| {
         let word = word
             .ok()
@@ -211,8 +212,9 @@ fn line() -> impl Strategy<Value = String> {
     let part = prop_oneof![
         4 => "[GXYZIJKFgxyzNTPSM] ?[+-]?[0-9 ]{0,4}\\.?[0-9]{0,4}",
         1 => prop::sample::select(vec![
-            "(c ; d)", "( x1 )", ";x (", "/", "%", "\t", "  ", "G0", "g01.0", "X+00", "Y-0.0", "Z-.5",
-            "#1=2", "x[1 + 2]", "Y-#<a b>", "o100 sub", "z sin[3]", "X--5", "X1,5", "\r",
+            "(c ; d)", "( x1 )", ";x (", "/", "%", "\t", "  ",
+            "G0", "g01.0", "X+00", "Y-0.0", "Z-.5", "#1=2",
+            "x[1 + 2]", "Y-#<a b>", "o100 sub", "z sin[3]", "X--5", "X1,5", "\r",
             "a atan[1]/[2]", "#<_x>=[", "]", "G[90]", "f##2",
         ]).prop_map(str::to_owned),
     ];
@@ -222,7 +224,8 @@ fn line() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 3000 }))]
 
-    /// The form of a form is itself, a line has one or an error inside of it, and its block is the same.
+    /// The form of a form is itself, a line has one or an error inside of it, and its block is the
+    /// same.
     #[test]
     fn a_form_is_its_own_form(line in line(), dialect in 0..Dialect::ALL.len()) {
         let dialect = Dialect::ALL[dialect];

@@ -1,6 +1,8 @@
-//! Golden programs: `good/*.ngc` beside the commands they mean, `bad/*.ngc` whose first line tells the only error.
+//! Golden programs: `good/*.ngc` beside the commands they mean, `bad/*.ngc` whose first line tells
+//! the only error.
 //!
-//! A name says its dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1` writes the `.commands` files anew.
+//! A name says its dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1` writes
+//! the `.commands` files anew.
 #![cfg(feature = "extended")]
 
 use husillo_gcode::{Block, Compensation, Dialect, Error, Modal};

@@ -37,7 +37,8 @@ fn scaled(digits: i64, factor: i64, power: i32) -> Option<i64> {
         .filter(|result| *result != i64::MIN)
 }
 
-/// Every power of ten, also those that no integer of 32 or 64 bits holds, on every way through the arithmetic.
+/// Every power of ten, also those that no integer of 32 or 64 bits holds, on every way through the
+/// arithmetic.
 #[test]
 fn numbers_are_scaled_by_every_power() {
     for digits in DIGITS {
@@ -165,7 +166,8 @@ fn number(text: &str) -> Result<Decimal, ErrorKind> {
     read.map(|word| word.value).map_err(|error| error.kind)
 }
 
-/// Digits and places end where they are said to; only zeros may stand behind the last place, and they are dropped.
+/// Digits and places end where they are said to; only zeros may stand behind the last place, and
+/// they are dropped.
 #[test]
 fn written_numbers_end_where_they_end() {
     let number_of = |digits, places| Ok(Decimal::new(digits, places).expect("within range"));
@@ -239,8 +241,8 @@ fn is_deleted(line: &[u8]) -> bool {
     words.is_deleted()
 }
 
-/// All lines of up to five bytes of those that matter read the same by all ways: near the end of the text and far from it,
-/// alone and in a text, whole and byte by byte.
+/// All lines of up to five bytes of those that matter read the same by all ways: near the end of
+/// the text and far from it, alone and in a text, whole and byte by byte.
 #[test]
 fn every_short_line_is_read_the_same_in_every_way() {
     if cfg!(miri) {

@@ -40,7 +40,8 @@ fn at_19(text: &str) -> i128 {
     sign * (whole * 10_i128.pow(19) + places.parse::<i128>().expect("digits"))
 }
 
-/// Every function stays within the error its documentation states, against 45 digits of another library (mpmath).
+/// Every function stays within the error its documentation states, against 45 digits of another
+/// library (mpmath).
 #[test]
 fn functions_keep_their_bounds() {
     let mut worst = std::collections::BTreeMap::new();
@@ -227,7 +228,8 @@ fn programs(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// `good/*.ngc` mean their `.commands`, in the order of execution; `UPDATE_GOLDEN=1` writes them anew.
+/// `good/*.ngc` mean their `.commands`, in the order of execution; `UPDATE_GOLDEN=1` writes them
+/// anew.
 #[test]
 fn good_programs_mean_their_commands() {
     for path in programs("good") {
@@ -313,7 +315,8 @@ fn fraction(text: &str) -> (i128, i128) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 512 }))]
 
-    /// Sums and products of short decimals are exact, also nested; quotients are the nearest number of 18 places.
+    /// Sums and products of short decimals are exact, also nested; quotients are the nearest number
+    /// of 18 places.
     #[test]
     fn short_decimals_stay_exact(a in decimal(), b in decimal(), c in decimal()) {
         let result = value(&format!("[[{a}+{b}]*{c}-{a}]")).expect("a value");
@@ -372,14 +375,25 @@ proptest! {
     #[test]
     fn any_program_ends(lines in prop::collection::vec(statement(), 0..24)) {
         let text = lines.join("\n");
-        let mut program: Program<'_, 8, 12, 4> = Program::new(text.as_bytes(), Dialect::RS274).with_steps(500);
+        let mut program: Program<'_, 8, 12, 4> =
+            Program::new(text.as_bytes(), Dialect::RS274).with_steps(500);
         let mut given = 0;
         while let Some(line) = program.next_line(&NoMachine) {
             given += 1;
             prop_assert!(given <= 502);
-            prop_assert_eq!(text.as_bytes().get(line.at..line.at + line.text.len()), Some(line.text));
+            prop_assert_eq!(
+                text.as_bytes().get(line.at..line.at + line.text.len()),
+                Some(line.text)
+            );
             if let Err(Error { at, end, kind }) = line.block {
-                prop_assert!(at <= end && end <= line.text.len(), "{:?} {}..{} of {:?}", kind, at, end, line.text);
+                prop_assert!(
+                    at <= end && end <= line.text.len(),
+                    "{:?} {}..{} of {:?}",
+                    kind,
+                    at,
+                    end,
+                    line.text
+                );
                 prop_assert!(!kind.to_string().is_empty());
             }
         }
@@ -468,7 +482,8 @@ impl System for Outside {
     }
 }
 
-/// What `program` calls outside, each answered by the sum of its arguments, and the last line's error.
+/// What `program` calls outside, each answered by the sum of its arguments, and the last line's
+/// error.
 fn calls(text: &str) -> (Vec<String>, Option<u16>) {
     let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
     let (mut outside, mut called, mut code) = (Outside(0), Vec::new(), None);
@@ -490,7 +505,8 @@ fn calls(text: &str) -> (Vec<String>, Option<u16>) {
 
 #[test]
 fn subroutines_outside_of_the_text() {
-    // Arguments, results that later lines and conditions read, loops and subroutines around, the text's own `mine` first.
+    // Arguments, results that later lines and conditions read, loops and subroutines around, the
+    // text's own `mine` first.
     let text = "\
 #1 = 9
 o<probe> call [1] [2]
@@ -548,7 +564,8 @@ fn every_kind_of_line_end_ends_one_line() {
     assert_eq!(run("\r"), expected);
 }
 
-/// Which lines take a program to be read: those with a parameter or a bracket outside of comments, and O-words.
+/// Which lines take a program to be read: those with a parameter or a bracket outside of comments,
+/// and O-words.
 #[test]
 fn lines_that_need_a_program() {
     use husillo_gcode::parameters::needs_program;
@@ -724,7 +741,8 @@ fn loops_are_left() {
             2,
         ),
         (
-            "o1 while [#1 lt 2]\n#1=[#1+1]\no2 while [1]\nG0 X1\no1 continue\no2 endwhile\no1 endwhile\nG0 X3\n",
+            "o1 while [#1 lt 2]\n#1=[#1+1]\no2 while [1]\nG0 X1\no1 continue\no2 endwhile\n\
+             o1 endwhile\nG0 X3\n",
             3,
         ),
     ] {

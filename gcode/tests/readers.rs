@@ -5,7 +5,8 @@ use husillo_gcode::{
 };
 use proptest::prelude::*;
 
-/// Text of several lines in which much goes wrong: numbers of every length, blanks inside, all line ends.
+/// Text of several lines in which much goes wrong: numbers of every length, blanks inside, all line
+/// ends.
 fn text() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         4 => "[XYZGMNFxyn]",
@@ -78,7 +79,10 @@ proptest! {
     /// Byte by byte the same words and errors come, at the same places, as from each line alone.
     #[test]
     fn words_of_a_stream_are_those_of_its_lines(text in text()) {
-        let expected: Vec<_> = lines(&text).iter().map(|line| expected(without_padding(line))).collect();
+        let expected: Vec<_> = lines(&text)
+            .iter()
+            .map(|line| expected(without_padding(line)))
+            .collect();
         prop_assert_eq!(pushed(&text), expected);
     }
 
@@ -113,13 +117,24 @@ proptest! {
     #[test]
     fn blanks_change_no_word(line in "([XYZG][+-]?[0-9]{1,12}(\\.[0-9]{0,12})?){0,6}") {
         let wide: Vec<u8> = line.bytes().flat_map(|byte| [byte, b' ']).collect();
-        let values = |line: &[u8]| words(line).map(|word| word.map(|word| (word.letter, word.value)).map_err(|error| error.kind)).collect::<Vec<_>>();
+        let values = |line: &[u8]| {
+            words(line)
+                .map(|word| {
+                    word.map(|word| (word.letter, word.value))
+                        .map_err(|error| error.kind)
+                })
+                .collect::<Vec<_>>()
+        };
         prop_assert_eq!(values(line.as_bytes()), values(&wide));
     }
 
-    /// Where the stream is cut makes no difference; only lines that are too long are lost, and each of them is told.
+    /// Where the stream is cut makes no difference; only lines that are too long are lost, and each
+    /// of them is told.
     #[test]
-    fn lines_of_a_stream_do_not_depend_on_its_cuts(text in text(), cuts in prop::collection::vec(0..40_usize, 0..20)) {
+    fn lines_of_a_stream_do_not_depend_on_its_cuts(
+        text in text(),
+        cuts in prop::collection::vec(0..40_usize, 0..20),
+    ) {
         let keep = |line: Result<&[u8], LineTooLong>| line.map(<[u8]>::to_vec);
         let mut expected = Vec::new();
         let mut reader = LineReader::<12>::new();
@@ -139,25 +154,42 @@ proptest! {
         seen.extend(reader.finish().map(keep));
         prop_assert_eq!(&seen, &expected);
 
-        let lines = String::from_utf8_lossy(&text).into_owned().replace("\r\n", "\n").replace('\r', "\n");
-        let mut lines: Vec<_> = lines.split('\n').map(|line| without_padding(line.as_bytes()).to_vec()).collect();
+        let lines = String::from_utf8_lossy(&text)
+            .into_owned()
+            .replace("\r\n", "\n")
+            .replace('\r', "\n");
+        let mut lines: Vec<_> = lines
+            .split('\n')
+            .map(|line| without_padding(line.as_bytes()).to_vec())
+            .collect();
         if lines.last().is_some_and(Vec::is_empty) {
             lines.pop();
         }
-        let lines: Vec<_> = lines.into_iter().map(|line| match line.len() {
-            ..=12 => Ok(line),
-            end => Err(LineTooLong { at: 12, end }),
-        }).collect();
+        let lines: Vec<_> = lines
+            .into_iter()
+            .map(|line| match line.len() {
+                ..=12 => Ok(line),
+                end => Err(LineTooLong { at: 12, end }),
+            })
+            .collect();
         prop_assert_eq!(seen, lines);
     }
 
     /// A numbered line with its checksum comes through; with any one byte changed it does not.
     #[test]
-    fn one_wrong_byte_is_refused(number in 0..1000_u32, line in "[A-Z0-9 .-]{0,20}", at in any::<prop::sample::Index>(), flip in 1..=255_u8) {
+    fn one_wrong_byte_is_refused(
+        number in 0..1000_u32,
+        line in "[A-Z0-9 .-]{0,20}",
+        at in any::<prop::sample::Index>(),
+        flip in 1..=255_u8,
+    ) {
         let text = format!("N{number} {line}");
         let sum = text.bytes().fold(0, |sum, byte| sum ^ byte);
         let framed = format!("{text}*{sum}").into_bytes();
-        let mut receiver = Receiver::new(Framing { checksum: Rule::Always, number: Rule::Never });
+        let mut receiver = Receiver::new(Framing {
+            checksum: Rule::Always,
+            number: Rule::Never,
+        });
         prop_assert_eq!(receiver.check(&framed), Ok(text.as_bytes()));
         let mut wrong = framed.clone();
         let at = at.index(text.len());
@@ -222,7 +254,8 @@ fn line() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 4000 }))]
 
-    /// Reading into one block and applying in place gives the same states, commands and errors as `parse` and `plan`.
+    /// Reading into one block and applying in place gives the same states, commands and errors as
+    /// `parse` and `plan`.
     #[test]
     fn in_place_is_the_same(lines in prop::collection::vec(line(), 0..10)) {
         use husillo_gcode::{Block, Command, Commands, Dialect, Modal};
@@ -230,8 +263,11 @@ proptest! {
             let (mut one, mut other) = (Modal::<3>::new(dialect), Modal::<3>::new(dialect));
             let (mut block, mut commands) = (Block::new(), Commands::<3>::new());
             for line in &lines {
-                let planned = Block::parse(line.as_bytes(), &dialect).and_then(|block| one.plan(&block));
-                let applied = block.read(line.as_bytes(), &dialect).and_then(|()| other.apply(&block, &mut commands));
+                let planned =
+                    Block::parse(line.as_bytes(), &dialect).and_then(|block| one.plan(&block));
+                let applied = block
+                    .read(line.as_bytes(), &dialect)
+                    .and_then(|()| other.apply(&block, &mut commands));
                 match planned {
                     Ok((next, made)) => {
                         prop_assert_eq!(applied, Ok(()));
@@ -247,8 +283,9 @@ proptest! {
     }
 }
 
-/// Every byte in every place of a line: within a number, behind one, before the first word, in comments and behind them.
-/// Words of a line, tokens of a text and a push of bytes find the same, and the next line is whole.
+/// Every byte in every place of a line: within a number, behind one, before the first word, in
+/// comments and behind them. Words of a line, tokens of a text and a push of bytes find the same,
+/// and the next line is whole.
 #[test]
 fn every_byte_in_every_place() {
     let heads = [
@@ -388,7 +425,8 @@ fn numbers_too_long_begin_at_their_digits() {
     }
 }
 
-/// A checksum stands behind comments and brackets, and before a comment at the end; its digits are digits.
+/// A checksum stands behind comments and brackets, and before a comment at the end; its digits are
+/// digits.
 #[test]
 fn where_a_checksum_stands() {
     let mut receiver = Receiver::new(Framing {

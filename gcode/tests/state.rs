@@ -221,8 +221,8 @@ fn ranges() {
     assert_eq!(error.map(|error| error.kind), refused);
 }
 
-/// Dialects with checksums say so, lines that are too long have their number, and bytes that cannot be shown are named by
-/// theirs.
+/// Dialects with checksums say so, lines that are too long have their number, and bytes that cannot
+/// be shown are named by theirs.
 #[test]
 fn what_is_told_besides() {
     use husillo_gcode::{ErrorKind, Framing, LineTooLong};

@@ -21,7 +21,8 @@ fn after(dialect: Dialect, lines: &[&str]) -> Modal<3> {
     modal
 }
 
-/// Every number of the table, the axes that a machine does not have, and the numbers beside those of the table.
+/// Every number of the table, the axes that a machine does not have, and the numbers beside those
+/// of the table.
 #[test]
 fn values_by_number() {
     let lines = [

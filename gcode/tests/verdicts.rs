@@ -11,7 +11,8 @@ fn verdict(line: &str) -> Option<ErrorKind> {
         .map(|error| error.kind)
 }
 
-/// The end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius, and never by more than 0.5 mm.
+/// The end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius, and never by
+/// more than 0.5 mm.
 #[test]
 fn ends_off_the_arc() {
     for (line, is_taken) in [
@@ -60,8 +61,8 @@ fn arc(line: &str) -> Arc<3> {
     }
 }
 
-/// Centres by radius of arcs that are almost half circles: half the chord, the height and the radius are whole
-/// nanometres, and so is the centre.
+/// Centres by radius of arcs that are almost half circles: half the chord, the height and the
+/// radius are whole nanometres, and so is the centre.
 #[test]
 fn centres_close_to_the_chord() {
     for m in [1_i64, 10, 31, 32, 63, 64, 127, 128, 1000, 20_000] {
@@ -80,8 +81,8 @@ fn centres_close_to_the_chord() {
     }
 }
 
-/// The centre by a radius is rounded to a nanometre, and what the radii then differ by is told; so is by how much a
-/// radius was short, which counts as 1 nm where it is less.
+/// The centre by a radius is rounded to a nanometre, and what the radii then differ by is told; so
+/// is by how much a radius was short, which counts as 1 nm where it is less.
 #[test]
 fn what_rounding_leaves_of_a_radius() {
     // The centre is at 1.5 nm and 1.32 nm.
@@ -93,7 +94,8 @@ fn what_rounding_leaves_of_a_radius() {
     assert_eq!((short.mismatch, short.radius), (Nm(1), None));
 }
 
-/// The resolution of an arc is one unit of the finest last digit among its words, in the unit of the program.
+/// The resolution of an arc is one unit of the finest last digit among its words, in the unit of
+/// the program.
 #[test]
 fn resolutions_of_arcs() {
     for (line, nm) in [
@@ -126,7 +128,8 @@ fn centres_without_an_arc() {
     }
 }
 
-/// Where a machine stands may be farther out than a program can say: a chord of 2^52 nm is still worked out.
+/// Where a machine stands may be farther out than a program can say: a chord of 2^52 nm is still
+/// worked out.
 #[test]
 fn chords_beyond_all_coordinates() {
     let verdict = |x| {

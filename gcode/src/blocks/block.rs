@@ -40,10 +40,11 @@ impl Span {
     }
 }
 
-/// A checked line: every letter at most once, at most one code of each modal group, only known codes and letters.
+/// A checked line: every letter at most once, at most one code of each modal group, only known
+/// codes and letters.
 ///
-/// Its size is fixed (about 0.6 kB) whatever the line's length. What depends on earlier lines is checked by
-/// [`Modal::plan`](crate::Modal::plan).
+/// Its size is fixed (about 0.6 kB) whatever the line's length. What depends on earlier lines is
+/// checked by [`Modal::plan`](crate::Modal::plan).
 ///
 /// What is looked at most stands first: short instructions reach 32 bytes from its address.
 #[derive(Clone, Debug)]
@@ -74,9 +75,10 @@ impl Block {
     /// Reads one block; `text` comes from [`Dialect::blocks`]. Cost: one pass over the text.
     ///
     /// # Errors
-    /// The first fault of the line, from the left: its words (E01xx), unknown letters and codes (E0201, E0202),
-    /// codes of other dialects (E0212), repeated letters (E0203), two codes of a modal group (E0204), negative F, S, T,
-    /// H, P or N (E0502), a dwell without time (E0504). A deleted block (`/`) is empty and has no errors.
+    /// The first fault of the line, from the left: its words (E01xx), unknown letters and codes
+    /// (E0201, E0202), codes of other dialects (E0212), repeated letters (E0203), two codes of a
+    /// modal group (E0204), negative F, S, T, H, P or N (E0502), a dwell without time (E0504). A
+    /// deleted block (`/`) is empty and has no errors.
     pub fn parse(text: &[u8], dialect: &Dialect) -> Result<Block, Error> {
         let mut block = Block::EMPTY;
         block.take(text, dialect)?;
@@ -88,8 +90,8 @@ impl Block {
         Block::EMPTY
     }
 
-    /// As [`Block::parse`], into this block: nothing of it is moved or set to zero, which is most of the cost on a small
-    /// machine. Empty after an error.
+    /// As [`Block::parse`], into this block: nothing of it is moved or set to zero, which is most
+    /// of the cost on a small machine. Empty after an error.
     ///
     /// # Errors
     /// Those of [`Block::parse`].
@@ -219,7 +221,8 @@ impl Block {
         if let (Some(slot), Some(place)) =
             (self.codes.get_mut(group), self.code_spans.get_mut(group))
         {
-            // G80 beside another motion code is the preamble of many a program: the other one counts.
+            // G80 beside another motion code is the preamble of many a program: the other one
+            // counts.
             let cancel = |code| code == Code::CancelMotion && dialect.joins_cancel();
             let bit = 1u32.wrapping_shl(group as u32);
             if let Some(before) = *slot {

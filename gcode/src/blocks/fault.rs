@@ -76,10 +76,11 @@ pub(crate) enum Place {
     Code(u8),
 }
 
-/// An error before its columns and its measure are looked up, in a register: many functions hand it on, where an
-/// [`Error`](crate::Error) takes memory and a copy in each of them.
+/// An error before its columns and its measure are looked up, in a register: many functions hand it
+/// on, where an [`Error`](crate::Error) takes memory and a copy in each of them.
 ///
-/// From the lowest byte on: the reason, from 1; the letter of the word, or 0; the place, with groups from 3 on.
+/// From the lowest byte on: the reason, from 1; the letter of the word, or 0; the place, with
+/// groups from 3 on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) struct Fault(NonZeroU32);
 

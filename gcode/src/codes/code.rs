@@ -19,7 +19,8 @@ pub enum Side {
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 #[repr(u8)]
 pub(crate) enum Code {
-    // Of the basic list: Grbl's and the micro mill's. From 1 on: all bytes zero are no codes at all.
+    // Of the basic list: Grbl's and the micro mill's. From 1 on: all bytes zero are no codes at
+    // all.
     Rapid = 1,
     Linear,
     Clockwise,
@@ -201,7 +202,8 @@ const MOST: u8 = BOTH | GRBL;
 /// Those of the micro mill too.
 const LINK: u8 = MOST | MICROMILL;
 
-/// All codes in their order, with their group and the dialects that have them (Grbl's of 1.1, with M7 compiled in).
+/// All codes in their order, with their group and the dialects that have them (Grbl's of 1.1, with
+/// M7 compiled in).
 const ROWS: &[(Code, Group, u8)] = &[
     (Code::Rapid, Group::Motion, LINK),
     (Code::Linear, Group::Motion, LINK),
@@ -394,7 +396,8 @@ impl Code {
         self.since(Code::ProbeMust) <= Code::ProbeAway.since(Code::ProbeMust)
     }
 
-    /// Of a probing code: whether it moves away from the contact, and whether missing it is an error.
+    /// Of a probing code: whether it moves away from the contact, and whether missing it is an
+    /// error.
     pub(crate) const fn probe(self) -> (bool, bool) {
         let way = self.since(Code::ProbeMust);
         (way & 2 != 0, way & 1 == 0)
@@ -424,7 +427,8 @@ impl Code {
             .copied()
     }
 
-    /// Letters beside the axes that this code uses, without those of arcs; F, S, T and N need no code.
+    /// Letters beside the axes that this code uses, without those of arcs; F, S, T and N need no
+    /// code.
     pub(crate) fn letters(self) -> Letters {
         match self {
             Code::Dwell => const { Letters::new(b"P") },

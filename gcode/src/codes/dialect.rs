@@ -47,40 +47,44 @@ static WORDS: [Letters; 8] = {
 };
 
 impl Dialect {
-    /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block a line, `;` starts a comment.
+    /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block a line, `;` starts a
+    /// comment.
     ///
-    /// Lines that start with `/` are skipped (block delete on, LinuxCNC's default); see [`Dialect::with_block_delete`].
+    /// Lines that start with `/` are skipped (block delete on, LinuxCNC's default); see
+    /// [`Dialect::with_block_delete`].
     pub const RS274: Dialect = Dialect {
         flavour: Flavour::Rs274,
         block_delete: true,
     };
 
-    /// The strings of the micro mill's link: micrometres, absolute arc centres, `;` ends a block, feed in 0.1 mm/min,
-    /// `G04 P` in whole seconds, `G54` stores the present position as work zero, `G28` goes straight to machine zero,
-    /// each string has its own code (motion is not modal), at most 64 characters with its `;`, and `Z` alone.
+    /// The strings of the micro mill's link: micrometres, absolute arc centres, `;` ends a block,
+    /// feed in 0.1 mm/min, `G04 P` in whole seconds, `G54` stores the present position as work
+    /// zero, `G28` goes straight to machine zero, each string has its own code (motion is not
+    /// modal), at most 64 characters with its `;`, and `Z` alone.
     pub const MICROMILL: Dialect = Dialect {
         flavour: Flavour::Micromill,
         block_delete: true,
     };
 
-    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at the end of a program. It has
-    /// no block delete: lines that start with `/` are executed.
+    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at
+    /// the end of a program. It has no block delete: lines that start with `/` are executed.
     pub const GRBL: Dialect = Dialect {
         flavour: Flavour::Grbl,
         block_delete: false,
     };
 
-    /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a diameter and G18 the
-    /// plane at the start, `G90`/`G91` and `G94`/`G95` mean what they mean on a mill, and the single turning, threading
-    /// and facing cycles are `G77`, `G78`, `G79`.
+    /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a
+    /// diameter and G18 the plane at the start, `G90`/`G91` and `G94`/`G95` mean what they mean on
+    /// a mill, and the single turning, threading and facing cycles are `G77`, `G78`, `G79`.
     pub const LATHE: Dialect = Dialect {
         flavour: Flavour::Lathe,
         block_delete: true,
     };
 
-    /// A turning machine with the numbers of code system A: `G90`, `G92` and `G94` are the turning, threading and facing
-    /// cycles, not distance mode, shift and feed mode; `G98`/`G99` are feed a minute and a revolution, `G50` shifts the
-    /// frame, `G32` cuts a thread, and increments are `U` and `W`. X is always a diameter.
+    /// A turning machine with the numbers of code system A: `G90`, `G92` and `G94` are the turning,
+    /// threading and facing cycles, not distance mode, shift and feed mode; `G98`/`G99` are feed a
+    /// minute and a revolution, `G50` shifts the frame, `G32` cuts a thread, and increments are `U`
+    /// and `W`. X is always a diameter.
     pub const LATHE_A: Dialect = Dialect {
         flavour: Flavour::LatheA,
         block_delete: true,
@@ -92,17 +96,18 @@ impl Dialect {
         block_delete: true,
     };
 
-    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully, then Y, then comes one
-    /// drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`, which is not homing here, there is none. `G20` `G21` `G90` `G91` are
-    /// the usual ones, `G92` gives the present place the coordinates of its words, or zero without any. Nothing else:
-    /// no Z, no feed, no M code.
+    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully,
+    /// then Y, then comes one drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`,
+    /// which is not homing here, there is none. `G20` `G21` `G90` `G91` are the usual ones, `G92`
+    /// gives the present place the coordinates of its words, or zero without any. Nothing else: no
+    /// Z, no feed, no M code.
     pub const DRILL: Dialect = Dialect {
         flavour: Flavour::Drill,
         block_delete: true,
     };
 
-    /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as [`Framing::PRINTER`] checks them; see
-    /// [`Dialect::framing`].
+    /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as
+    /// [`Framing::PRINTER`] checks them; see [`Dialect::framing`].
     pub const PRINTER: Dialect = Dialect {
         flavour: Flavour::Printer,
         block_delete: true,
@@ -120,7 +125,8 @@ impl Dialect {
         Dialect::PRINTER,
     ];
 
-    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso`, `drill` or `printer`.
+    /// The dialect of this name: `rs274`, `grbl`, `micromill`, `lathe`, `lathe-a`, `iso`, `drill`
+    /// or `printer`.
     pub fn by_name(name: &str) -> Option<Dialect> {
         Dialect::ALL
             .into_iter()
@@ -141,7 +147,8 @@ impl Dialect {
         }
     }
 
-    /// The same dialect with the block delete switch on (lines with `/` are skipped) or off (they are executed).
+    /// The same dialect with the block delete switch on (lines with `/` are skipped) or off (they
+    /// are executed).
     pub const fn with_block_delete(self, on: bool) -> Dialect {
         Dialect {
             block_delete: on,
@@ -162,7 +169,8 @@ impl Dialect {
         }
     }
 
-    /// What a [`Receiver`](crate::Receiver) checks of each line before its words are read; `None` where lines have no checksums.
+    /// What a [`Receiver`](crate::Receiver) checks of each line before its words are read; `None`
+    /// where lines have no checksums.
     pub const fn framing(&self) -> Option<Framing> {
         match self.flavour {
             Flavour::Printer => Some(Framing::PRINTER),
@@ -208,8 +216,8 @@ impl Dialect {
 
     /// The blocks of one physical line, each with its offset in it.
     ///
-    /// For RS-274 that is the line itself; for micromill the strings before each `;`, and what stands behind the last
-    /// `;` unless it is blank (the end of a line ends a string too).
+    /// For RS-274 that is the line itself; for micromill the strings before each `;`, and what
+    /// stands behind the last `;` unless it is blank (the end of a line ends a string too).
     pub fn blocks<'a>(&self, line: &'a [u8]) -> Blocks<'a> {
         Blocks {
             rest: Some(line),

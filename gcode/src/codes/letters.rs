@@ -1,6 +1,7 @@
 //! The letters of words, their slots in a block, and sets of them.
 
-/// Letters that carry a value; a letter's place in this list is its slot. The first six are the axes.
+/// Letters that carry a value; a letter's place in this list is its slot. The first six are the
+/// axes.
 pub(crate) const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
 pub(crate) const SLOTS: usize = 24;
 

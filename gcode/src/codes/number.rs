@@ -4,8 +4,9 @@ use crate::codes::code::Code;
 use crate::codes::dialect::Flavour;
 use crate::features::EXTENDED;
 
-/// G codes by their number in tenths, in order, with the meaning they have in most dialects. What no dialect here has (NURBS,
-/// plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling, macros, ...) is foreign.
+/// G codes by their number in tenths, in order, with the meaning they have in most dialects. What
+/// no dialect here has (NURBS, plain plane joins, rigid tapping, local zeros, mirror, rotation,
+/// scaling, macros, ...) is foreign.
 const G: [(u16, Code); 110] = [
     (0, Code::Rapid),
     (10, Code::Linear),
@@ -119,7 +120,8 @@ const G: [(u16, Code); 110] = [
     (990, Code::ReturnToRetract),
 ];
 
-/// M codes by their number in tenths, in order. Clamps, tapping modes, parking, saved modes and subprograms are foreign.
+/// M codes by their number in tenths, in order. Clamps, tapping modes, parking, saved modes and
+/// subprograms are foreign.
 const M: [(u16, Code); 37] = [
     (0, Code::Stop),
     (10, Code::OptionalStop),
@@ -160,8 +162,8 @@ const M: [(u16, Code); 37] = [
     (990, Code::Foreign),
 ];
 
-/// The rows of a list, each with how far its number is behind that of the row before: two bytes. Codes that are compiled
-/// out are known, and of no dialect.
+/// The rows of a list, each with how far its number is behind that of the row before: two bytes.
+/// Codes that are compiled out are known, and of no dialect.
 const fn packed<const COUNT: usize>(rows: &[(u16, Code); COUNT]) -> [(u8, Code); COUNT] {
     let mut packed = [(0, Code::Foreign); COUNT];
     let (mut place, mut before) = (0, 0);
@@ -200,7 +202,8 @@ static BY_G: [Option<Code>; NUMBERS] = spread(&packed(&G));
 static BY_M: [Option<Code>; NUMBERS] = spread(&packed(&M));
 
 impl Code {
-    /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for one nobody knows.
+    /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for
+    /// one nobody knows.
     pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
         let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
         if !lathe || letter == b'M' {

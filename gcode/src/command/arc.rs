@@ -19,7 +19,8 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Its axes in the order that makes clockwise clockwise: seen from the positive end of the third axis.
+    /// Its axes in the order that makes clockwise clockwise: seen from the positive end of the
+    /// third axis.
     pub const fn axes(self) -> [usize; 2] {
         match self {
             Plane::Xy => [0, 1],
@@ -94,7 +95,8 @@ pub enum Direction {
     CounterClockwise,
 }
 
-/// An arc or a helix from the position before it. Start and end equal in the plane mean one full turn.
+/// An arc or a helix from the position before it. Start and end equal in the plane mean one full
+/// turn.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Arc<const N: usize> {
@@ -108,18 +110,20 @@ pub struct Arc<const N: usize> {
     pub direction: Direction,
     /// Complete extra turns: `P` less one.
     pub turns: u32,
-    /// The radius where the program gives it (`R`), without sign; `None` with a centre, or for a half circle whose `R`
-    /// was stretched to reach the end.
+    /// The radius where the program gives it (`R`), without sign; `None` with a centre, or for a
+    /// half circle whose `R` was stretched to reach the end.
     pub radius: Option<Nm>,
-    /// How far the radii at start and end differ, rounded to nm; for a stretched half circle how much `R` was short.
+    /// How far the radii at start and end differ, rounded to nm; for a stretched half circle how
+    /// much `R` was short.
     pub mismatch: Nm,
     /// One unit of the last printed digit of the arc's words, the finest of them.
     pub resolution: Nm,
 }
 
 impl<const N: usize> Arc<N> {
-    /// A flat arc round a centre, all in the machine frame: what a line with `I` and `J` comes to, the same verdict included. `None` where
-    /// such a line is refused: the end is not on the circle, or the start is the centre. Start and end equal is one full turn.
+    /// A flat arc round a centre, all in the machine frame: what a line with `I` and `J` comes to,
+    /// the same verdict included. `None` where such a line is refused: the end is not on the
+    /// circle, or the start is the centre. Start and end equal is one full turn.
     pub fn around(
         from: &[Nm; N],
         to: [Nm; N],
@@ -142,7 +146,8 @@ impl<const N: usize> Arc<N> {
     }
 }
 
-/// The way from one point to another in the plane of two axes; false if one of them is beyond [`Nm::LIMIT`].
+/// The way from one point to another in the plane of two axes; false if one of them is beyond
+/// [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn between<const N: usize>(
     from: &[Nm; N],
@@ -182,10 +187,11 @@ const fn apart(start: u64, end: u64) -> Nm {
     Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
 }
 
-/// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict against it.
+/// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict
+/// against it.
 ///
-/// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius: what other
-/// controllers accept is accepted.
+/// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius:
+/// what other controllers accept is accepted.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn with_centre<const N: usize>(
     from: &[Nm; N],
@@ -213,11 +219,12 @@ pub(crate) fn with_centre<const N: usize>(
     Ok(())
 }
 
-/// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple of half the way between
-/// them.
+/// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple
+/// of half the way between them.
 ///
-/// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits) is stretched to it:
-/// then `short` is by how much. With an error of a radius it is what it should have been at least.
+/// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits)
+/// is stretched to it: then `short` is by how much. With an error of a radius it is what it should
+/// have been at least.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn beside(
     chord: &[i64; 2],
@@ -250,8 +257,8 @@ pub(crate) fn beside(
     Ok(())
 }
 
-/// Turns the way from the start to the end of an arc into the way to its centre, rounded once to nm; `left` of the way to
-/// the end, or right of it.
+/// Turns the way from the start to the end of an arc into the way to its centre, rounded once to
+/// nm; `left` of the way to the end, or right of it.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn turn(chord: &mut [i64; 2], ratio: &Ratio, left: bool) {
     let [x, y] = *chord;

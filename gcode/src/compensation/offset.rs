@@ -1,4 +1,5 @@
-//! Plane geometry of compensated contours, in integers: unit vectors in 2^-58, points in nanometres.
+//! Plane geometry of compensated contours, in integers: unit vectors in 2^-58, points in
+//! nanometres.
 
 use crate::values::wide::{Ratio, divide, root, shift_rounded, square};
 
@@ -68,8 +69,8 @@ pub(crate) fn turn(from: Vector, to: Vector) -> (i64, i64) {
     (narrow(cross(from, to)), narrow(dot(from, to)))
 }
 
-/// From a corner to the point at this distance from both of its sides: `(n1 + n2) * by / (1 + n1 n2)`, rounded once;
-/// `None` where the sides turn back on themselves.
+/// From a corner to the point at this distance from both of its sides:
+/// `(n1 + n2) * by / (1 + n1 n2)`, rounded once; `None` where the sides turn back on themselves.
 pub(crate) fn mitre(first: Vector, second: Vector, by: i64) -> Option<Vector> {
     let (_, cosine) = turn(first, second);
     let below = (1i64 << BITS).saturating_add(cosine);
@@ -94,7 +95,8 @@ pub(crate) fn mitre(first: Vector, second: Vector, by: i64) -> Option<Vector> {
     }))
 }
 
-/// What is left of a square when another is taken away, as a length; a little less than nothing is nothing.
+/// What is left of a square when another is taken away, as a length; a little less than nothing is
+/// nothing.
 fn rest(whole: i64, part: i64) -> Option<i64> {
     let (whole, part) = (whole.saturating_abs(), part.saturating_abs());
     if part > whole {
@@ -160,7 +162,8 @@ fn nearest(one: Vector, other: Vector, near: Vector) -> Vector {
     }
 }
 
-/// Whether a direction lies within the counter-clockwise turn from one to another; equal ends are a whole turn.
+/// Whether a direction lies within the counter-clockwise turn from one to another; equal ends are a
+/// whole turn.
 pub(crate) fn is_between(from: Vector, to: Vector, what: Vector) -> bool {
     if from == to {
         return true;
@@ -201,7 +204,8 @@ mod tests {
         assert!(is_between([0, 1], [1, 0], [-1, -1]) && !is_between([0, 1], [1, 0], [1, 1]));
     }
 
-    /// A turn holds its ends, and all between them counter-clockwise: less than half a turn, half of one, and more.
+    /// A turn holds its ends, and all between them counter-clockwise: less than half a turn, half
+    /// of one, and more.
     #[test]
     fn directions_within_a_turn() {
         // Eight directions, one behind the other.

@@ -78,8 +78,8 @@ enum Step {
     Shift(bool),
 }
 
-/// Clearance of a peck: how far the tool stays above the ground it had reached (G83), and how far it retracts to break
-/// the chip (G73). LinuxCNC's 0.010 inch.
+/// Clearance of a peck: how far the tool stays above the ground it had reached (G83), and how far
+/// it retracts to break the chip (G73). LinuxCNC's 0.010 inch.
 pub(crate) const PECK_CLEARANCE: Nm = Nm(254_000);
 
 /// A drilling cycle at one or more places, all in the machine frame.
@@ -248,7 +248,8 @@ impl<const N: usize> Holes<N> {
     }
 
     fn next(&mut self) -> Option<Command<N>> {
-        // Each state either gives a command or moves on; the longest way without one is a few states.
+        // Each state either gives a command or moves on; the longest way without one is a few
+        // states.
         loop {
             let made = match self.state {
                 State::Begin => {

@@ -14,7 +14,8 @@ const ROOTS: [u32; 31] = [
     0x8000002c, 0x80000016, 0x8000000b, 0x80000006, 0x80000003, 0x80000001, 0x80000001,
 ];
 
-/// `n^(1/degression)` in 2^-31, good to 3 * 10^-8 of itself; `degression` in millionths, at least 1; n in 1..=2^16.
+/// `n^(1/degression)` in 2^-31, good to 3 * 10^-8 of itself; `degression` in millionths, at least
+/// 1; n in 1..=2^16.
 ///
 /// log2 by repeated squaring, 31 bits; 2^x by a product of roots.
 fn power(n: u32, degression_micro: u64) -> u64 {
@@ -44,7 +45,8 @@ fn power(n: u32, degression_micro: u64) -> u64 {
     product.wrapping_shl((exponent >> 31) as u32)
 }
 
-/// The tangent of an angle in millionths of a degree, below 89 degrees, in 2^-30, good to 10^-8 up to 45 degrees.
+/// The tangent of an angle in millionths of a degree, below 89 degrees, in 2^-30, good to 10^-8 up
+/// to 45 degrees.
 pub(crate) fn tangent(micro_degrees: u64) -> i64 {
     const ONE: i64 = 1 << 30;
     // pi / 180 in 2^-55, over 10^6 and shifted down to 2^-30 at the end: 89e6 * 6.3e8 < 2^56.

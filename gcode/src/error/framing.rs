@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-/// Why a line was refused. The answer to the sender is to send again from [`Receiver::expected`](crate::Receiver::expected) on.
+/// Why a line was refused. The answer to the sender is to send again from
+/// [`Receiver::expected`](crate::Receiver::expected) on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FramingError {

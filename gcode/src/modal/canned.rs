@@ -20,7 +20,8 @@ use crate::values::nm::{Nm, coordinate};
 const MOST_PECKS: u64 = 1 << 16;
 
 impl<const N: usize> Modal<N> {
-    /// What a series of cycles keeps is forgotten behind it, the level of G98 behind a series of whatever cycles.
+    /// What a series of cycles keeps is forgotten behind it, the level of G98 behind a series of
+    /// whatever cycles.
     pub(crate) fn leave_series(&mut self, mode: Code) {
         let before = self.active(Group::Motion);
         if (before.cycle().is_some() || before == Code::Thread) && before != mode {
@@ -69,7 +70,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// G73, G74, G81 to G89. The cycle is made where it stays, in steps of which each leaves the stack before the next one.
+    /// G73, G74, G81 to G89. The cycle is made where it stays, in steps of which each leaves the
+    /// stack before the next one.
     #[inline(never)]
     fn holes(
         &mut self,
@@ -279,7 +281,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The turning, facing and threading cycles of lathes: X and Z of the far corner, `R` the taper.
+    /// The turning, facing and threading cycles of lathes: X and Z of the far corner, `R` the
+    /// taper.
     #[inline(never)]
     fn rectangle(
         &mut self,

@@ -12,8 +12,8 @@ use crate::cycles::cycle::{Cycle, Holes};
 use crate::modal::modes::Modes;
 use crate::values::nm::Nm;
 
-/// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a canned cycle makes
-/// its moves as they are pulled, at most 2^21 of them.
+/// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a
+/// canned cycle makes its moves as they are pulled, at most 2^21 of them.
 ///
 /// What is looked at most stands first: short instructions reach 32 bytes from its address.
 #[derive(Clone, Debug)]
@@ -34,7 +34,8 @@ pub struct Commands<const N: usize> {
     dwell_micros: u64,
     /// Of all feed moves.
     pub(crate) feed: Feed,
-    /// The arc. Its end is that of all moves; where an arc does not fit, its mismatch is the measure of the error.
+    /// The arc. Its end is that of all moves; where an arc does not fit, its mismatch is the
+    /// measure of the error.
     pub(crate) arc: Arc<N>,
     length: [Nm; N],
     /// The modes before the block, while it is executed.
@@ -132,7 +133,8 @@ impl<const N: usize> Commands<N> {
         Self::EMPTY
     }
 
-    /// All bytes of it are zero, as far as the extended codes add none: nothing that must be copied from a constant.
+    /// All bytes of it are zero, as far as the extended codes add none: nothing that must be copied
+    /// from a constant.
     const EMPTY: Self = Commands {
         pending: 0,
         motion: None,

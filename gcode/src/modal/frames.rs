@@ -38,11 +38,12 @@ impl Terms {
     pub(crate) const MACHINE: Terms = Terms(END);
     pub(crate) const WORK: Terms = Terms(END | SYSTEM | SHIFT | LENGTH);
     pub(crate) const INCREMENT: Terms = Terms(END | POSITION);
-    /// Where the zero of a frame is, so that the present position reads the value: in the work frame (G10 L20), by G92.
+    /// Where the zero of a frame is, so that the present position reads the value: in the work
+    /// frame (G10 L20), by G92.
     const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
     const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
-    /// How long the tool is, so that it reads the value: in the work frame (G10 L10) or in the fixture of G59.3, whatever
-    /// shifts the others (G10 L11).
+    /// How long the tool is, so that it reads the value: in the work frame (G10 L10) or in the
+    /// fixture of G59.3, whatever shifts the others (G10 L11).
     #[cfg(feature = "extended")]
     const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
     #[cfg(feature = "extended")]
@@ -74,8 +75,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The end of a move: what [`Modal::read_axes`] makes of the position, without diameters and increments, with what is
-    /// the same for all axes looked up once.
+    /// The end of a move: what [`Modal::read_axes`] makes of the position, without diameters and
+    /// increments, with what is the same for all axes looked up once.
     #[inline(always)]
     pub(crate) fn read_end(
         &self,
@@ -257,7 +258,8 @@ impl<const N: usize> Modal<N> {
             Code::ToolLength => {
                 number = self.modes.loaded;
                 block.whole(b'H', u32::MAX, &mut number)?;
-                // A tool that is not in the table has no length of its own: its length is in the work zero.
+                // A tool that is not in the table has no length of its own: its length is in the
+                // work zero.
                 *to = self.tools.get(number).unwrap_or_default().offset;
             }
             Code::DirectToolLength => {
@@ -348,7 +350,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// G92: the present position gets the coordinates of the axis words; on the drill zero without any.
+    /// G92: the present position gets the coordinates of the axis words; on the drill zero without
+    /// any.
     #[inline(never)]
     pub(crate) fn set_shift(
         &mut self,
@@ -374,8 +377,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G28 and G30: through the given point to the stored position, only the axes named; all axes straight where none
-    /// is.
+    /// G28 and G30: through the given point to the stored position, only the axes named; all axes
+    /// straight where none is.
     #[inline(never)]
     pub(crate) fn go_home(
         &mut self,

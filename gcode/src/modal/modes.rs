@@ -64,7 +64,8 @@ impl Units {
         }
     }
 
-    /// This many units in nanometres, rounded once, halves away from zero; `None` beyond [`Nm::LIMIT`].
+    /// This many units in nanometres, rounded once, halves away from zero; `None` beyond
+    /// [`Nm::LIMIT`].
     #[cfg(feature = "extended")]
     pub(crate) fn length(self, value: Decimal) -> Option<Nm> {
         let (factor, exponent) = self.scale(false);
@@ -153,7 +154,8 @@ impl<const N: usize> Modes<N> {
         more: More::NONE,
     };
 
-    /// Copies it field by field: as a whole it is moved by a function that nothing else of the basic codes needs.
+    /// Copies it field by field: as a whole it is moved by a function that nothing else of the
+    /// basic codes needs.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn write_to(&self, to: &mut Self) {
         (to.dialect, to.active) = (self.dialect, self.active);

@@ -19,9 +19,11 @@ use crate::values::nm::Nm;
 use crate::values::wide::Ratio;
 
 impl<const N: usize> Modal<N> {
-    /// What is left of [`Modal::moves`] for G0 to G3 in a block without other codes, behind a move or nothing.
+    /// What is left of [`Modal::moves`] for G0 to G3 in a block without other codes, behind a move
+    /// or nothing.
     ///
-    /// No non-modal code, no cycle that ends, no drill (it has no motion codes) and nothing that compensation forbids.
+    /// No non-modal code, no cycle that ends, no drill (it has no motion codes) and nothing that
+    /// compensation forbids.
     #[inline(always)]
     pub(crate) fn moves_on(
         &mut self,
@@ -47,8 +49,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The last stage before stops: words without a user are refused here, then one of G10, G28, G30, G92 or the motion
-    /// happens.
+    /// The last stage before stops: words without a user are refused here, then one of G10, G28,
+    /// G30, G92 or the motion happens.
     #[inline(never)]
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         if self.modes.dialect.flavour == Flavour::Drill {
@@ -420,7 +422,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The centre by its words: offsets from the start, or (both needed) coordinates in the work frame.
+    /// The centre by its words: offsets from the start, or (both needed) coordinates in the work
+    /// frame.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn read_centre(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
         let absolute = self.centre_distance() == Distance::Absolute;

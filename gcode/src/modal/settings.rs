@@ -253,7 +253,8 @@ impl<const N: usize> Modal<N> {
             && block.code(Group::System).is_some()
             && (block.axes() != 0 || block.code(Group::Motion).is_some())
         {
-            // The micro mill's G54 stores a position: alone, so that nothing reads the zero before it is stored.
+            // The micro mill's G54 stores a position: alone, so that nothing reads the zero before
+            // it is stored.
             return Err(Fault::at_code(Reason::TwoUsersOfWords, Group::System));
         }
         if let Some(code) = block.code(Group::Path) {

@@ -47,7 +47,8 @@ impl<const N: usize> Modal<N> {
         Ok((Self::plane_point(&self.modes.position), to))
     }
 
-    /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a smooth join.
+    /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a
+    /// smooth join.
     #[inline(never)]
     pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let (from, to) = self.spline_ends(block)?;
@@ -129,7 +130,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a series.
+    /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a
+    /// series.
     pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Fault> {
         let letter = if self.modes.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none()
         {
@@ -152,7 +154,8 @@ impl<const N: usize> Modal<N> {
     }
 }
 
-/// Two thirds of the way from an end to the control point, to the nearest nanometre, halves (there are none) up.
+/// Two thirds of the way from an end to the control point, to the nearest nanometre, halves (there
+/// are none) up.
 fn toward(end: [Nm; 2], control: [Nm; 2]) -> [Nm; 2] {
     let mut point = end;
     for (point, control) in point.iter_mut().zip(control) {

@@ -31,7 +31,8 @@ impl<const N: usize> Modal<N> {
         offset
     }
 
-    /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another number.
+    /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another
+    /// number.
     pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
         match self.offsets.get_mut(usize::from(system)) {
             Some(offset) => {
@@ -72,7 +73,8 @@ impl<const N: usize> Modal<N> {
         self.homes[1]
     }
 
-    /// Writes a tool into the table, as G10 L1 does; `false` and nothing done for tool 0 and when eight others are there.
+    /// Writes a tool into the table, as G10 L1 does; `false` and nothing done for tool 0 and when
+    /// eight others are there.
     pub fn set_tool(&mut self, number: u32, tool: Tool<N>) -> bool {
         self.tools.set(number, tool)
     }
@@ -196,7 +198,8 @@ impl<const N: usize> Modal<N> {
         self.modes.flood = false;
     }
 
-    /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while it is off).
+    /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while
+    /// it is off).
     pub fn spindle(&self) -> (SpindleDirection, u64) {
         (self.spindle_direction(), self.modes.milli_rpm)
     }

@@ -1,17 +1,18 @@
-//! Contour cycles of lathes: G71 and G72 rough out, G70 finishes, along a contour that stands on other lines.
+//! Contour cycles of lathes: G71 and G72 rough out, G70 finishes, along a contour that stands on
+//! other lines.
 //!
 //! ```text
-//! G71 U2 R0.5                     depth of a cut, retract
-//! G71 P10 Q40 U0.4 W0.1 F200      from N10 to N40, allowances      ──►  G0 X.. Z..  G1 Z..  G0 ..   cuts
-//! N10 G0 X20                      ┐                                     G1, G2, G3                  once along it
-//! N20 G1 Z-20 F80                 │ the contour                         G0 to the start
-//! N30 G2 X40 Z-30 R10             │                                     goes on behind N40
-//! N40 G1 X52                      ┘
-//! G70 P10 Q40                                                      ──►  N10 to N40, G0 to the start
+//! G71 U2 R0.5                   depth of a cut, retract
+//! G71 P10 Q40 U0.4 W0.1 F200    from N10 to N40, allowances  ──►  G0 X.. Z..  G1 Z..  G0 ..  cuts
+//! N10 G0 X20                    ┐                                 G1, G2, G3         once along it
+//! N20 G1 Z-20 F80               │ the contour                     G0 to the start
+//! N30 G2 X40 Z-30 R10           │                                 goes on behind N40
+//! N40 G1 X52                    ┘
+//! G70 P10 Q40                                                ──►  N10 to N40, G0 to the start
 //! ```
 //!
-//! A cycle becomes lines like others: blocks of plain moves, which [`Modal`] and all behind it take as
-//! they take any. [`Contours`] works over the whole text, borrowed.
+//! A cycle becomes lines like others: blocks of plain moves, which [`Modal`] and all behind it take
+//! as they take any. [`Contours`] works over the whole text, borrowed.
 
 mod passes;
 mod reading;
@@ -45,8 +46,8 @@ const RETRACT: Nm = Nm(500_000);
 /// The code of G76 beside those of contour cycles.
 const THREAD: u8 = 60;
 
-/// Whether a line has a contour cycle in it, or a G76 of code system A, so that its program must be given as a whole. Cost: one pass over the line,
-/// none in dialects without such cycles.
+/// Whether a line has a contour cycle in it, or a G76 of code system A, so that its program must be
+/// given as a whole. Cost: one pass over the line, none in dialects without such cycles.
 pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
     if !dialect.is_lathe() {
         return false;
@@ -68,38 +69,43 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
 
 /// The lines of a program with its contour cycles worked out.
 ///
-/// By itself it gives the lines of a plain text; with a [`Program`](crate::program::parameters::Program), which has parameters and
-/// loops, it takes the lines of that one: [`Contours::take`], [`Contours::next_of_cycle`] and [`Contours::resume`].
-/// The lines of a contour are plain in both cases.
+/// By itself it gives the lines of a plain text; with a
+/// [`Program`](crate::program::parameters::Program), which has parameters and loops, it takes the
+/// lines of that one: [`Contours::take`], [`Contours::next_of_cycle`] and [`Contours::resume`]. The
+/// lines of a contour are plain in both cases.
 ///
-/// **Words.** G71 cuts along Z and goes down in X, G72 the other way round. `P` and `Q` are the numbers `N` of the first
-/// and the last block of the contour, which begins right behind G71 or G72; execution goes on behind it. `U` and `W`: the
-/// allowance in X (as X is meant: a diameter under G7) and Z, by which the whole contour is moved; its sign points away from
-/// the material. The depth of a cut (a radius) and the retract are `D` and `R` beside `P`, or `U` (G72: `W`) and `R` of a
-/// line of their own before, and stay. `R` is 0.5 mm where it is never given. `F`, `S` and `T` count from the cycle on, those
-/// in the contour only for G70. No other word may stand beside.
+/// **Words.** G71 cuts along Z and goes down in X, G72 the other way round. `P` and `Q` are the
+/// numbers `N` of the first and the last block of the contour, which begins right behind G71 or
+/// G72; execution goes on behind it. `U` and `W`: the allowance in X (as X is meant: a diameter
+/// under G7) and Z, by which the whole contour is moved; its sign points away from the material.
+/// The depth of a cut (a radius) and the retract are `D` and `R` beside `P`, or `U` (G72: `W`) and
+/// `R` of a line of their own before, and stay. `R` is 0.5 mm where it is never given. `F`, `S` and
+/// `T` count from the cycle on, those in the contour only for G70. No other word may stand beside.
 ///
-/// **Roughing.** The first move of the contour is straight; it says which way is down, and where it is G1 the tool goes down
-/// at the feed. Every cut is at most `D` deep, the last one exactly at the bottom, and ends where it meets the contour with its
-/// allowance, rounded to the nanometre before it. The tool retracts at 45 degrees by `R` (less where the cut is
-/// shorter) and goes back in rapid. Then one pass along the contour with its allowance; all of it at the feed. At the end the
-/// tool is where it began.
-/// Contours rise all the way in both axes (type I): a pocket is refused.
+/// **Roughing.** The first move of the contour is straight; it says which way is down, and where it
+/// is G1 the tool goes down at the feed. Every cut is at most `D` deep, the last one exactly at the
+/// bottom, and ends where it meets the contour with its allowance, rounded to the nanometre before
+/// it. The tool retracts at 45 degrees by `R` (less where the cut is shorter) and goes back in
+/// rapid. Then one pass along the contour with its allowance; all of it at the feed. At the end the
+/// tool is where it began. Contours rise all the way in both axes (type I): a pocket is refused.
 ///
-/// **Threading.** In code system A G76 is told in two lines: `P` with two digits each for the passes at full depth, the run-out at
-/// 45 degrees in tenths of the lead and the angle of the thread, `Q` the least step, `R` what is left for the passes at full
-/// depth; then X and Z of the root at the end, `R` how much more its radius is at the start, `P` the height, `Q` the first depth,
-/// `F` the lead along Z. `P` and `Q` without a decimal point count thousandths of a millimetre. Pass n goes to the first depth times
-/// the root of n. With `I`, `J` or `K` it is the one-line cycle of the other dialects.
+/// **Threading.** In code system A G76 is told in two lines: `P` with two digits each for the
+/// passes at full depth, the run-out at 45 degrees in tenths of the lead and the angle of the
+/// thread, `Q` the least step, `R` what is left for the passes at full depth; then X and Z of the
+/// root at the end, `R` how much more its radius is at the start, `P` the height, `Q` the first
+/// depth, `F` the lead along Z. `P` and `Q` without a decimal point count thousandths of a
+/// millimetre. Pass n goes to the first depth times the root of n. With `I`, `J` or `K` it is the
+/// one-line cycle of the other dialects.
 ///
-/// **Finishing.** G70 gives the lines of the contour as they are, the last ones before it with these numbers, and goes back
-/// to where it began, out of the material first.
+/// **Finishing.** G70 gives the lines of the contour as they are, the last ones before it with
+/// these numbers, and goes back to where it began, out of the material first.
 ///
-/// **Cost.** Some 5 moves a cut, each one pass over the contour; at most 2^16 cuts. `CAPACITY` is how many moves a
-/// contour may have; 64 take 3 kB. A number is looked for in the whole text.
+/// **Cost.** Some 5 moves a cut, each one pass over the contour; at most 2^16 cuts. `CAPACITY` is
+/// how many moves a contour may have; 64 take 3 kB. A number is looked for in the whole text.
 ///
-/// Source: the turning cycles of FANUC's lathe manuals, type I, by the description of their words; all words and the order
-/// of moves are as there, but the refusal of allowances towards the material and of the words nothing uses.
+/// Source: the turning cycles of FANUC's lathe manuals, type I, by the description of their words;
+/// all words and the order of moves are as there, but the refusal of allowances towards the
+/// material and of the words nothing uses.
 ///
 /// ```
 /// use husillo_gcode::{Dialect, Modal, contour::Contours};
@@ -170,8 +176,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
 
     /// The next line; `None` behind the end of the text. `modal` has planned all lines before.
     ///
-    /// Errors of a contour are those of its own line, and nothing of the cycle is done; whoever goes on goes on behind the
-    /// contour.
+    /// Errors of a contour are those of its own line, and nothing of the cycle is done; whoever
+    /// goes on goes on behind the contour.
     pub fn next_line<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         if let Some(line) = self.next_of_cycle(modal) {
             return Some(line);
@@ -194,8 +200,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(line)
     }
 
-    /// The next line of the cycle under way: its moves have its number, those of G70 are the lines of the contour. `None`
-    /// when none is under way.
+    /// The next line of the cycle under way: its moves have its number, those of G70 are the lines
+    /// of the contour. `None` when none is under way.
     pub fn next_of_cycle<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         let wanted = match &mut self.work {
             Work::None => None,
@@ -232,8 +238,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(self.line(written::block(wanted, modal, self.line.2)))
     }
 
-    /// Begins the cycle of a line and gives what the line does besides: its F, S and T. Other lines pass as they are. A
-    /// cycle under way is dropped.
+    /// Begins the cycle of a line and gives what the line does besides: its F, S and T. Other lines
+    /// pass as they are. A cycle under way is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
         let Ok(block) = &line.block else { return line };
@@ -270,8 +276,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         }
     }
 
-    /// Where the program goes on behind the line taken last, if not with the next one: the byte where that line
-    /// begins, and its number. Once; the lines of the cycle come before.
+    /// Where the program goes on behind the line taken last, if not with the next one: the byte
+    /// where that line begins, and its number. Once; the lines of the cycle come before.
     pub fn resume(&mut self) -> Option<(usize, usize)> {
         self.resume.take().map(|place| (place.at, place.number))
     }
@@ -367,7 +373,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
-    /// The first and the last line of a contour: right behind the cycle, or for G70 before it where there is one.
+    /// The first and the last line of a contour: right behind the cycle, or for G70 before it where
+    /// there is one.
     fn contour(&mut self, block: &Block, is_next: bool) -> Result<(Place, Place), Fault> {
         let number = |letter| match block.word(letter) {
             None => Err(Fault::at_motion(Reason::MissingWord).of(letter)),

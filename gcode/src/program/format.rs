@@ -5,19 +5,24 @@ use crate::codes::dialect::Dialect;
 use crate::error::Error;
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
 
-/// The pieces of a line in its one form; joined they are the line, without a line end. They borrow from the line, so that
-/// no memory is taken and bytes that are no text stay what they are.
+/// The pieces of a line in its one form; joined they are the line, without a line end. They borrow
+/// from the line, so that no memory is taken and bytes that are no text stay what they are.
 ///
-/// - Letters become capitals, one space stands between words and comments, none behind `/`. Indentation stays.
-/// - Numbers lose blanks, a plus sign, zeros before the first digit and the sign of zero; `.5` becomes `0.5`. The value is
-///   never computed. **Places stay**: `1.50` says that its author meant hundredths (arcs are judged by it,
-///   [`Arc::resolution`](crate::Arc::resolution)), and `5.` is not 5 on controls that count in smallest units. G and M
-///   codes lose places that are zeros: `G01.0` is `G1`.
-/// - Comments, expressions, assignments, lines with O-words, and the digits behind `N`, `O` and `T` stay as they are.
+/// - Letters become capitals, one space stands between words and comments, none behind `/`.
+///   Indentation stays.
+/// - Numbers lose blanks, a plus sign, zeros before the first digit and the sign of zero; `.5`
+///   becomes `0.5`. The value is never computed. **Places stay**: `1.50` says that its author meant
+///   hundredths (arcs are judged by it, [`Arc::resolution`](crate::Arc::resolution)), and `5.` is
+///   not 5 on controls that count in smallest units. G and M codes lose places that are zeros:
+///   `G01.0` is `G1`.
+/// - Comments, expressions, assignments, lines with O-words, and the digits behind `N`, `O` and `T`
+///   stay as they are.
 /// - A deleted line (`/`) that has errors stays as it is.
-/// - The strings of `micromill` get no blanks, and keep their numbers as written: their form is that of a link.
+/// - The strings of `micromill` get no blanks, and keep their numbers as written: their form is
+///   that of a link.
 ///
-/// The same line again gives the same, and [`Block`]s of both are equal. Cost: two passes over the line and one block.
+/// The same line again gives the same, and [`Block`]s of both are equal. Cost: two passes over the
+/// line and one block.
 ///
 /// ```
 /// use husillo_gcode::{Dialect, formatted};
@@ -27,8 +32,9 @@ use crate::program::parameters::{extent, is_flow, is_plain, needs_program, progr
 /// ```
 ///
 /// # Errors
-/// That of [`Block::parse`], with places in the whole line: such a line has no form and should be kept. In lines with expressions what
-/// brackets hold is not looked at, nor what parameters are worth.
+/// That of [`Block::parse`], with places in the whole line: such a line has no form and should be
+/// kept. In lines with expressions what brackets hold is not looked at, nor what parameters are
+/// worth.
 pub fn formatted<'a>(line: &'a [u8], dialect: &Dialect) -> Result<Formatted<'a>, Error> {
     let all = dialect.with_block_delete(false);
     match check(line, &all) {

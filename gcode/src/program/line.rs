@@ -12,13 +12,13 @@ pub struct Line<'t> {
     pub at: usize,
     /// The line, without its end.
     pub text: &'t [u8],
-    /// The line as a block of plain numbers (empty where an O-word steers, a move where a contour cycle is worked out),
-    /// or what is wrong with it; columns are those of the line.
+    /// The line as a block of plain numbers (empty where an O-word steers, a move where a contour
+    /// cycle is worked out), or what is wrong with it; columns are those of the line.
     pub block: Result<Block, Error>,
 }
 
-/// The first line of a text without its end (CR, LF or CR LF; none at the end of the text), and what stands behind it; `None` for an
-/// empty text. The one rule for all who cut a text into lines.
+/// The first line of a text without its end (CR, LF or CR LF; none at the end of the text), and
+/// what stands behind it; `None` for an empty text. The one rule for all who cut a text into lines.
 pub(crate) fn first_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
     if text.is_empty() {
         return None;

@@ -6,13 +6,14 @@
 //!                  └── System: positions, tool, ... (a Modal)
 //! ```
 //!
-//! Numbers are decimals with up to 18 places ([`Value`]): `[0.1 + 0.2]` is 0.3. No float, no recursion, nothing allocated.
+//! Numbers are decimals with up to 18 places ([`Value`]): `[0.1 + 0.2]` is 0.3. No float, no
+//! recursion, nothing allocated.
 //!
 //! # Operators
 //!
-//! From the tightest: `**`; `*` `/` `MOD`; `+` `-`; `EQ NE GT GE LT LE`; `AND OR XOR`. Equal ones go from left to right,
-//! powers too; a sign in front belongs to its number, so `-2**2` is 4. `MOD` is never negative. Truth is 1 or 0, and every
-//! value but 0 is true.
+//! From the tightest: `**`; `*` `/` `MOD`; `+` `-`; `EQ NE GT GE LT LE`; `AND OR XOR`. Equal ones
+//! go from left to right, powers too; a sign in front belongs to its number, so `-2**2` is 4. `MOD`
+//! is never negative. Truth is 1 or 0, and every value but 0 is true.
 //!
 //! # Functions, and how far off they are
 //!

@@ -7,14 +7,16 @@ use crate::words::word::words;
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Framing {
-    /// `*` and the exclusive or of all bytes before it, in decimal, at the end of a line: `N3 G1 X1*98`.
+    /// `*` and the exclusive or of all bytes before it, in decimal, at the end of a line:
+    /// `N3 G1 X1*98`.
     pub checksum: Rule,
     /// `N` at the start of a line, one more than that of the line before.
     pub number: Rule,
 }
 
 impl Framing {
-    /// What 3D printers do: both are checked where they are given, and a numbered line has a checksum.
+    /// What 3D printers do: both are checked where they are given, and a numbered line has a
+    /// checksum.
     pub const PRINTER: Framing = Framing {
         checksum: Rule::WhereGiven,
         number: Rule::WhereGiven,
@@ -76,12 +78,12 @@ impl Receiver {
         self.expected = number;
     }
 
-    /// Checks a line and gives its text without the checksum. A comment behind the checksum is cut with it. `M110` with an `N` sets the number of
-    /// its own line, so that a sender can start anew: `N0 M110`, `M110 N0`. The number of a refused line is
-    /// not counted.
+    /// Checks a line and gives its text without the checksum. A comment behind the checksum is cut
+    /// with it. `M110` with an `N` sets the number of its own line, so that a sender can start
+    /// anew: `N0 M110`, `M110 N0`. The number of a refused line is not counted.
     ///
-    /// A `*` inside `[ ]` or a comment is no checksum. Cost: one pass over the line where the checksum is looked at, and its words
-    /// where numbers are.
+    /// A `*` inside `[ ]` or a comment is no checksum. Cost: one pass over the line where the
+    /// checksum is looked at, and its words where numbers are.
     ///
     /// # Errors
     /// [`FramingError`]; the line must not be executed.
@@ -130,7 +132,8 @@ impl Receiver {
     }
 }
 
-/// The place of the last `*` that is outside of brackets and comments, and the exclusive or of the bytes before it.
+/// The place of the last `*` that is outside of brackets and comments, and the exclusive or of the
+/// bytes before it.
 fn last_star(line: &[u8]) -> Option<(usize, u8)> {
     let (mut sum, mut depth, mut comment, mut found) = (0, 0_u32, false, None);
     for (at, &byte) in (0..line.len()).zip(line) {

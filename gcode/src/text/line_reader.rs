@@ -4,9 +4,10 @@ use core::fmt;
 
 /// Collects the bytes of a line as they come from a port, at most `CAPACITY` of them.
 ///
-/// A line ends with CR, LF or CR LF; it is handed over with the byte that ends it, without that byte, and empty lines too. So one
-/// answer a line can be given. A line that is too long is refused at its end, and only that line: its tail is never taken
-/// for a line. NUL and form feed before a line are passed over; anywhere else they are left for the parser to refuse.
+/// A line ends with CR, LF or CR LF; it is handed over with the byte that ends it, without that
+/// byte, and empty lines too. So one answer a line can be given. A line that is too long is refused
+/// at its end, and only that line: its tail is never taken for a line. NUL and form feed before a
+/// line are passed over; anywhere else they are left for the parser to refuse.
 ///
 /// ```
 /// use husillo_gcode::LineReader;
@@ -86,8 +87,9 @@ impl<const CAPACITY: usize> LineReader<CAPACITY> {
         }
     }
 
-    /// Takes bytes from the front of `bytes`, which is left at the first byte not taken, until a line ends; `None` when all were taken. For
-    /// buffers filled by DMA or USB; where the stream is cut makes no difference.
+    /// Takes bytes from the front of `bytes`, which is left at the first byte not taken, until a
+    /// line ends; `None` when all were taken. For buffers filled by DMA or USB; where the stream is
+    /// cut makes no difference.
     ///
     /// # Errors
     /// As [`LineReader::push`].
@@ -101,8 +103,8 @@ impl<const CAPACITY: usize> LineReader<CAPACITY> {
         None
     }
 
-    /// The end of the input: gives a last line that has no end of its own, if there is one, and is ready for another
-    /// input.
+    /// The end of the input: gives a last line that has no end of its own, if there is one, and is
+    /// ready for another input.
     ///
     /// # Errors
     /// As [`LineReader::push`].

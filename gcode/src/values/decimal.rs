@@ -5,8 +5,9 @@ use crate::values::wide::{divide, product};
 use core::fmt;
 use fixed::traits::Fixed;
 
-/// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5` (but both are the
-/// same length), because the last printed digit says how exact a program's author was.
+/// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5`
+/// (but both are the same length), because the last printed digit says how exact a program's author
+/// was.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
@@ -17,7 +18,8 @@ pub struct Decimal {
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
 
-/// `10^n`, or `None` beyond 10^18. For numbers with many digits only: a loop is shorter than a table.
+/// `10^n`, or `None` beyond 10^18. For numbers with many digits only: a loop is shorter than a
+/// table.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 const fn power(mut n: u8) -> Option<u64> {
     if n > MOST {
@@ -41,7 +43,8 @@ const fn small_power(n: u32) -> Option<i32> {
     }
 }
 
-/// `digits * factor * 10^shift`, rounded once; `None` when it does not fit. What fits registers is not kept on the stack.
+/// `digits * factor * 10^shift`, rounded once; `None` when it does not fit. What fits registers is
+/// not kept on the stack.
 #[cfg_attr(target_pointer_width = "64", inline(always))]
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
@@ -81,7 +84,8 @@ const fn times_by_powers(digits: u64, factor: u32, mut shift: i32) -> Option<i64
         scaled = product(scaled as u64, 10);
         shift = shift.wrapping_sub(1);
     }
-    // In two steps where it is more than 18 places: what the first one drops does not change the rounding.
+    // In two steps where it is more than 18 places: what the first one drops does not change the
+    // rounding.
     while shift < 0 {
         let step = if shift < -(MOST as i32) {
             MOST
@@ -146,7 +150,8 @@ const fn times_by_tens(digits: u64, factor: u32, mut shift: i32) -> Option<i64> 
     if high >> 31 != 0 {
         return None;
     }
-    // The last digit that was dropped is the first behind the point. Below 2^63: one more may be 2^63.
+    // The last digit that was dropped is the first behind the point. Below 2^63: one more may be
+    // 2^63.
     let scaled = ((high << 32) | low as u64).wrapping_add((rest >= 5) as u64) as i64;
     if scaled < 0 { None } else { Some(scaled) }
 }
@@ -161,8 +166,8 @@ impl Decimal {
     /// The most places a number may have.
     pub const MAX_PLACES: u8 = 30;
 
-    /// `digits / 10^places`; `None` for more than [`Decimal::MAX_PLACES`] places or `i64::MIN` digits (which has no
-    /// positive counterpart).
+    /// `digits / 10^places`; `None` for more than [`Decimal::MAX_PLACES`] places or `i64::MIN`
+    /// digits (which has no positive counterpart).
     pub const fn new(digits: i64, places: u8) -> Option<Decimal> {
         if places > Decimal::MAX_PLACES || digits == i64::MIN {
             None
@@ -191,10 +196,12 @@ impl Decimal {
         self.digits == 0
     }
 
-    /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not fit.
+    /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
+    /// fit.
     ///
-    /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for all digits up to the
-    /// nanometre. The usual case costs one multiplication or one 64-bit division.
+    /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for
+    /// all digits up to the nanometre. The usual case costs one multiplication or one 64-bit
+    /// division.
     #[inline(always)]
     pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
         let shift = (exponent as i32).wrapping_sub(self.places as i32);
@@ -212,12 +219,14 @@ impl Decimal {
         if self.places <= exponent {
             return rounded;
         }
-        // What is left of the digits: nothing of fewer than 20 digits behind 19 places, unless it is 0.
+        // What is left of the digits: nothing of fewer than 20 digits behind 19 places, unless it
+        // is 0.
         let (Some(rounded), Some(power)) = (rounded, power(self.places.wrapping_sub(exponent)))
         else {
             return if self.digits == 0 { Some(0) } else { None };
         };
-        // Rounded up it is at most 2^63 / 10 + 1, and the product within 2^64: it wraps only where it differs.
+        // Rounded up it is at most 2^63 / 10 + 1, and the product within 2^64: it wraps only where
+        // it differs.
         if rounded.wrapping_mul(power as i64) == self.digits {
             Some(rounded)
         } else {
@@ -233,7 +242,8 @@ impl Decimal {
         }
     }
 
-    /// The nearest number of a `fixed` type, rounded once, halves away from zero; `None` when it does not fit.
+    /// The nearest number of a `fixed` type, rounded once, halves away from zero; `None` when it
+    /// does not fit.
     ///
     /// Costs one shift and subtraction a fraction bit: meant for set-up values, not for every step.
     pub fn to_fixed<F: Fixed>(self) -> Option<F>
@@ -295,8 +305,8 @@ impl Decimal {
         }
     }
 
-    /// Appends a digit written before the point, or behind it (`place`). Zeros behind it that no longer fit are dropped:
-    /// they change nothing.
+    /// Appends a digit written before the point, or behind it (`place`). Zeros behind it that no
+    /// longer fit are dropped: they change nothing.
     pub(crate) fn push(&mut self, digit: u8, place: bool) -> Result<(), ErrorKind> {
         // The most that ten times of it fit; with the digit it is below 2^64.
         let fits = self.digits <= i64::MAX / 10 && !(place && self.places >= Decimal::MAX_PLACES);
@@ -331,7 +341,8 @@ impl fmt::Display for Decimal {
             return write!(f, "{sign}{magnitude}");
         }
         let width = usize::from(self.places);
-        // Beyond 10^18 the divisor exceeds all but 19-digit numbers; 10^19 still fits u64, 10^20 exceeds every number.
+        // Beyond 10^18 the divisor exceeds all but 19-digit numbers; 10^19 still fits u64, 10^20
+        // exceeds every number.
         let divisor = 10u64.checked_pow(u32::from(self.places));
         let whole = divisor
             .and_then(|divisor| magnitude.checked_div(divisor))

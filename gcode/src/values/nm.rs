@@ -10,8 +10,8 @@ pub struct Nm(pub i64);
 impl Nm {
     /// The largest magnitude a coordinate may have: 2^50 nm, about 1126 km.
     ///
-    /// With it the difference of two coordinates is below 2^52 and the sum of two squares below 2^105, so everything
-    /// the arc geometry forms fits 128 bits.
+    /// With it the difference of two coordinates is below 2^52 and the sum of two squares below
+    /// 2^105, so everything the arc geometry forms fits 128 bits.
     pub const LIMIT: Nm = Nm(1 << 50);
 
     /// The same length if its magnitude is at most [`Nm::LIMIT`].
@@ -31,7 +31,8 @@ pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
     point.get(axis).copied().unwrap_or_default()
 }
 
-/// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes eight.
+/// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes
+/// eight.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measure(u32);

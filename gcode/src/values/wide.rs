@@ -1,9 +1,11 @@
 //! Products, roots and quotients of 128 bits.
 //!
-//! Processors of 64 bits divide, and take the library's. On smaller ones that would link in wide divisions: there roots and
-//! quotients come digit by digit, and each function is called, not inlined, as its code is longer than the call.
+//! Processors of 64 bits divide, and take the library's. On smaller ones that would link in wide
+//! divisions: there roots and quotients come digit by digit, and each function is called, not
+//! inlined, as its code is longer than the call.
 
-/// The whole product. A call costs less than the code of one, where it takes ten multiplications of 32 bits.
+/// The whole product. A call costs less than the code of one, where it takes ten multiplications of
+/// 32 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn product(a: u64, b: u64) -> u128 {
     (a as u128).wrapping_mul(b as u128)
@@ -25,8 +27,9 @@ pub(crate) fn root(value: u128) -> u64 {
 /// Binary digits of the whole part of a root of 128 bits.
 pub(crate) const WHOLE_DIGITS: u32 = 64;
 
-/// The root of a value below 2^124 with at most so many of its binary digits, [`WHOLE_DIGITS`] of which are before the
-/// point, rounded down; none behind the 62nd that counts. And how many there are.
+/// The root of a value below 2^124 with at most so many of its binary digits, [`WHOLE_DIGITS`] of
+/// which are before the point, rounded down; none behind the 62nd that counts. And how many there
+/// are.
 #[inline]
 pub(crate) fn root_to(value: u128, digits: u32) -> (u64, u32) {
     if cfg!(target_pointer_width = "64") {
@@ -37,7 +40,8 @@ pub(crate) fn root_to(value: u128, digits: u32) -> (u64, u32) {
 }
 
 fn root_by_library(value: u128, digits: u32) -> (u64, u32) {
-    // At most 128, as there are at most 64 pairs of zeros. The first digit that counts is 2^61 at the end.
+    // At most 128, as there are at most 64 pairs of zeros. The first digit that counts is 2^61 at
+    // the end.
     let zeros = value.leading_zeros() >> 1;
     let digits = digits.min(zeros.wrapping_add(62));
     let shifted = match digits.checked_sub(WHOLE_DIGITS) {
@@ -93,7 +97,8 @@ pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
     }
 }
 
-/// So many binary digits of a quotient, 64 of them before the point; `rest` is below the divisor, and that below 2^63.
+/// So many binary digits of a quotient, 64 of them before the point; `rest` is below the divisor,
+/// and that below 2^63.
 #[inline(never)]
 const fn quotient_by_digits(mut rest: u64, mut low: u64, divisor: u64, mut digits: u32) -> u64 {
     let mut quotient = 0;
@@ -114,7 +119,8 @@ const fn quotient_by_digits(mut rest: u64, mut low: u64, divisor: u64, mut digit
     quotient
 }
 
-/// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| < 2^126.
+/// Rounds `value / 2^bits` to the nearest, halves away from zero; `bits` in 1..=100, |value| <
+/// 2^126.
 #[cfg(feature = "extended")]
 pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     let magnitude = value
@@ -128,7 +134,8 @@ pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     }
 }
 
-/// The root of a ratio: the roots of both numbers with 62 binary digits, so it is good to 2^-60 of itself.
+/// The root of a ratio: the roots of both numbers with 62 binary digits, so it is good to 2^-60 of
+/// itself.
 #[derive(Copy, Clone)]
 pub(crate) struct Ratio {
     above: u64,
@@ -165,7 +172,8 @@ impl Ratio {
         let product = product(factor.unsigned_abs(), self.above);
         let magnitude = if cfg!(target_pointer_width = "64") {
             let shifted = match self.digits.checked_sub(WHOLE_DIGITS) {
-                // The quotient is below 2^58 and the divisor below 2^62: so is the product below 2^120.
+                // The quotient is below 2^58 and the divisor below 2^62: so is the product below
+                // 2^120.
                 Some(up) => product.wrapping_shl(up),
                 None => product.wrapping_shr(WHOLE_DIGITS.wrapping_sub(self.digits)),
             };

@@ -8,8 +8,8 @@ pub(crate) const fn is_blank(byte: u8, lines: bool) -> bool {
     matches!(byte, b' ' | b'\t') || (!lines && matches!(byte, b'\r' | b'\n'))
 }
 
-/// The byte at a place; 0 behind the end, which no number and no blank contains. In 32 bits: no instruction is spent on
-/// cutting it to eight.
+/// The byte at a place; 0 behind the end, which no number and no blank contains. In 32 bits: no
+/// instruction is spent on cutting it to eight.
 #[inline(always)]
 fn byte_at(text: &[u8], at: usize) -> u32 {
     match text.get(at) {
@@ -18,8 +18,8 @@ fn byte_at(text: &[u8], at: usize) -> u32 {
     }
 }
 
-/// Digits from a place on, appended to `low`: the new number, the place behind them and the byte there. The number is
-/// right as long as it has nine digits.
+/// Digits from a place on, appended to `low`: the new number, the place behind them and the byte
+/// there. The number is right as long as it has nine digits.
 #[inline(always)]
 fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u32) {
     loop {
@@ -50,8 +50,8 @@ pub(crate) fn alphabet(byte: u32) -> u32 {
 /// Bytes of a word and of what follows it, enough for the words that most programs consist of.
 pub(crate) const WINDOW: usize = 16;
 
-/// Whether the words of one line are read by the window too, a quarter of a kilobyte of code; processors without
-/// compare-and-swap (Cortex-M0) have little room for it.
+/// Whether the words of one line are read by the window too, a quarter of a kilobyte of code;
+/// processors without compare-and-swap (Cortex-M0) have little room for it.
 pub(crate) const QUICK: bool = cfg!(target_has_atomic = "32");
 
 /// The most digits of a number within the window before its point.
@@ -69,9 +69,10 @@ pub(crate) fn window_at(window: &[u8; WINDOW], at: usize) -> u32 {
     }
 }
 
-/// The number of a word whose letter is the first byte of the window, if it has few digits and no blank inside: its
-/// value, the place behind it and the place behind a blank. `None` for everything else, right or wrong. The loops have fixed
-/// lengths, so that no place is counted where they are unrolled.
+/// The number of a word whose letter is the first byte of the window, if it has few digits and no
+/// blank inside: its value, the place behind it and the place behind a blank. `None` for everything
+/// else, right or wrong. The loops have fixed lengths, so that no place is counted where they are
+/// unrolled.
 #[inline(always)]
 pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decimal, usize, usize)> {
     let (mut at, mut negative) = (1, false);
@@ -119,15 +120,17 @@ pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decim
         at = at.wrapping_add(1);
         byte = window_at(window, at);
     }
-    // Digits, and below them points, signs, commas and blanks: what may go on with a number or be wrong in it.
+    // Digits, and below them points, signs, commas and blanks: what may go on with a number or be
+    // wrong in it.
     if byte > NINE || (lines && byte == LINE_FEED) {
         return Some((Decimal::short(low, places as u8, negative), end, at));
     }
     None
 }
 
-/// A number of one to nine digits without blanks inside: its value, the place behind it and the place behind the blanks
-/// that follow. `None` for everything else, right or wrong, which is [`number`]'s.
+/// A number of one to nine digits without blanks inside: its value, the place behind it and the
+/// place behind the blanks that follow. `None` for everything else, right or wrong, which is
+/// [`number`]'s.
 #[inline(always)]
 pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, usize)> {
     let sign = byte_at(text, at);
@@ -161,7 +164,8 @@ pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decim
     Some((Decimal::short(low, places as u8, negative), end, next))
 }
 
-/// The place behind the blanks that follow a number; `None` where the number goes on behind them, or is wrong there.
+/// The place behind the blanks that follow a number; `None` where the number goes on behind them,
+/// or is wrong there.
 #[inline(never)]
 fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
     while let Some(&byte) = text.get(at) {
@@ -174,8 +178,9 @@ fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
     Some(at)
 }
 
-/// The number behind the letter that the text starts with: `[+-] digits [. digits]` with at least one digit, blanks
-/// anywhere; and twice the place behind it. An error covers the rest of what looks like this number.
+/// The number behind the letter that the text starts with: `[+-] digits [. digits]` with at least
+/// one digit, blanks anywhere; and twice the place behind it. An error covers the rest of what
+/// looks like this number.
 #[cold]
 #[inline(never)]
 pub(crate) fn number(

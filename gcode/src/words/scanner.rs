@@ -126,7 +126,8 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         }
     }
 
-    /// The word of a letter and a number with the places behind it and behind what follows it, unless none may stand here.
+    /// The word of a letter and a number with the places behind it and behind what follows it,
+    /// unless none may stand here.
     #[inline(always)]
     fn take(&mut self, letter: u32, (value, end, next): (Decimal, usize, usize)) -> Option<Word> {
         let letter = (letter & !0x20) as u8;
@@ -143,7 +144,8 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         })
     }
 
-    /// The first word of a line begins, or the one behind its `N` word; false behind a `%` or an error.
+    /// The first word of a line begins, or the one behind its `N` word; false behind a `%` or an
+    /// error.
     #[inline(always)]
     fn enter(&mut self, letter: u8) -> bool {
         if self.before >= Before::Percent {

@@ -4,7 +4,8 @@ use crate::error::Error;
 use crate::values::decimal::Decimal;
 use crate::words::scanner::Scanner;
 
-/// A letter and its number. `at..end` are the bytes of the text, 0-based, from the letter to the last digit.
+/// A letter and its number. `at..end` are the bytes of the text, 0-based, from the letter to the
+/// last digit.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Word {
@@ -18,13 +19,14 @@ pub struct Word {
     pub end: usize,
 }
 
-/// The words of one line, in order. Blanks are ignored everywhere, also inside words; comments `( )` and `;` are
-/// skipped; a `/` before everything else marks a deleted block; a `%` alone (or behind `N`) is an empty line. Ends after the first error.
+/// The words of one line, in order. Blanks are ignored everywhere, also inside words; comments
+/// `( )` and `;` are skipped; a `/` before everything else marks a deleted block; a `%` alone (or
+/// behind `N`) is an empty line. Ends after the first error.
 ///
 /// ```
-/// let line = husillo_gcode::words(b"g1 x - 1 . 5 (cut)");
-/// let words: Result<Vec<_>, _> = line.map(|word| word.map(|w| (w.letter, w.value.to_string()))).collect();
-/// assert_eq!(words?, [(b'G', "1".into()), (b'X', "-1.5".into())]);
+/// let words: Result<Vec<_>, _> = husillo_gcode::words(b"g1 x - 1 . 5 (cut)").collect();
+/// let printed = words?.into_iter().map(|word| (word.letter, word.value.to_string()));
+/// assert_eq!(printed.collect::<Vec<_>>(), [(b'G', "1".into()), (b'X', "-1.5".into())]);
 /// # Ok::<(), husillo_gcode::Error>(())
 /// ```
 #[inline]
@@ -41,7 +43,8 @@ pub struct Words<'a> {
 }
 
 impl Words<'_> {
-    /// Whether a `/` (block delete) stood before the first word; known once the first word was asked for.
+    /// Whether a `/` (block delete) stood before the first word; known once the first word was
+    /// asked for.
     pub const fn is_deleted(&self) -> bool {
         self.scanner.deleted
     }
@@ -72,8 +75,9 @@ pub enum Token {
     EndOfLine,
 }
 
-/// The words of a whole program with the ends of its lines, in one pass: what [`words`] gives for each line, without
-/// looking for the ends of lines first. An error ends its line, and only that: the next line is read.
+/// The words of a whole program with the ends of its lines, in one pass: what [`words`] gives for
+/// each line, without looking for the ends of lines first. An error ends its line, and only that:
+/// the next line is read.
 ///
 /// ```
 /// use husillo_gcode::{Token, tokens};
@@ -95,8 +99,8 @@ pub struct Tokens<'a> {
 }
 
 impl Tokens<'_> {
-    /// Whether a `/` (block delete) stood before the first word of this line; known once its first word was asked for,
-    /// and until the word behind its end is.
+    /// Whether a `/` (block delete) stood before the first word of this line; known once its first
+    /// word was asked for, and until the word behind its end is.
     pub const fn is_deleted(&self) -> bool {
         self.scanner.deleted
     }

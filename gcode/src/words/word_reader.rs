@@ -6,12 +6,13 @@ use crate::words::numeral::ZERO;
 use crate::words::scanner::{Before, is_end};
 use crate::words::word::Word;
 
-/// Reads words from bytes as they come: what [`words`](crate::words()) gives for each line, with nothing kept of the line but the
-/// word that is being read. 72 bytes of state on a 32-bit machine.
+/// Reads words from bytes as they come: what [`words`](crate::words()) gives for each line, with
+/// nothing kept of the line but the word that is being read. 72 bytes of state on a 32-bit machine.
 ///
-/// A word is complete with the byte behind it; the CR or LF that ends a line hands over its last word, so after such a
-/// byte the line is over. An error is handed over with the byte behind what it is about; the rest of that line is passed over, the next one is
-/// read. Places are columns of the line, 0-based. NUL and form feed at the start of a line are passed over.
+/// A word is complete with the byte behind it; the CR or LF that ends a line hands over its last
+/// word, so after such a byte the line is over. An error is handed over with the byte behind what
+/// it is about; the rest of that line is passed over, the next one is read. Places are columns of
+/// the line, 0-based. NUL and form feed at the start of a line are passed over.
 ///
 /// ```
 /// use husillo_gcode::WordReader;
@@ -36,18 +37,21 @@ pub struct WordReader {
     letter: u8,
     number: Number,
     letter_at: usize,
-    /// Where a number starts that stands behind blanks, or a comment; smaller for others of this line.
+    /// Where a number starts that stands behind blanks, or a comment; smaller for others of this
+    /// line.
     first: usize,
     /// Behind the number, as it was before the last blank.
     end: usize,
-    /// The column of the next byte and the room: so the digits that take room need not be counted here.
+    /// The column of the next byte and the room: so the digits that take room need not be counted
+    /// here.
     column: usize,
     /// All digits of a number of more than nine.
     long: Decimal,
     fault: Error,
 }
 
-/// The number as far as it was read. In words of 32 bits: a digit changes two of them and nothing else.
+/// The number as far as it was read. In words of 32 bits: a digit changes two of them and nothing
+/// else.
 #[derive(Copy, Clone, Debug)]
 struct Number {
     /// The first nine digits.
@@ -177,7 +181,8 @@ impl WordReader {
                 return None;
             }
         } else if byte >= b'A' {
-            // Most words are over with the letter of the next; outside of a number there is no room.
+            // Most words are over with the letter of the next; outside of a number there is no
+            // room.
             over = room.wrapping_sub(1) < ROOM - 1;
         }
         match if over { Step::Word } else { self.step(byte) } {
@@ -197,7 +202,8 @@ impl WordReader {
         }
     }
 
-    /// The end of the input, which also ends a line: gives its last word or error, and is ready for another input.
+    /// The end of the input, which also ends a line: gives its last word or error, and is ready for
+    /// another input.
     ///
     /// # Errors
     /// As [`WordReader::push`].
@@ -205,8 +211,8 @@ impl WordReader {
         self.push(b'\n')
     }
 
-    /// Whether a `/` (block delete) stood before the first word of the line; known with its first word, until the byte
-    /// behind its end.
+    /// Whether a `/` (block delete) stood before the first word of the line; known with its first
+    /// word, until the byte behind its end.
     pub const fn is_deleted(&self) -> bool {
         self.deleted
     }

@@ -1,7 +1,8 @@
 //! The records of the circuit-board drill: places in, three bytes each out, and back.
 //!
-//! The drill's controller keeps its program as records of three bytes: which axis, and where to, in motor steps from home. X
-//! and Y move one after the other; Z is one whole drilling. The original does not look at its number; with its flaws mended it is a depth. A file of records is what its
+//! The drill's controller keeps its program as records of three bytes: which axis, and where to, in
+//! motor steps from home. X and Y move one after the other; Z is one whole drilling. The original
+//! does not look at its number; with its flaws mended it is a depth. A file of records is what its
 //! link takes in download mode: the records, then `f`.
 //!
 //! ```text
@@ -21,15 +22,16 @@
 //! # Ok::<(), husillo_transports::drill::OffTable>(())
 //! ```
 //!
-//! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps ([`Table::DRILL`]). A place
-//! is rounded to the nearest step, so it is off by at most half of one, 4.673 um, and that does not add up. The controller's
-//! buffer holds 8192 bytes, 2730 records and two bytes of the next; a longer file is sent in pieces.
+//! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps
+//! ([`Table::DRILL`]). A place is rounded to the nearest step, so it is off by at most half of one,
+//! 4.673 um, and that does not add up. The controller's buffer holds 8192 bytes, 2730 records and
+//! two bytes of the next; a longer file is sent in pieces.
 
 use core::fmt;
 use core::iter::FusedIterator;
 
-/// Motor steps a millimetre in X and Y: 200 a turn of a screw of 1 mm, geared 0.53499, taken as the whole number that the
-/// controller's own tables use.
+/// Motor steps a millimetre in X and Y: 200 a turn of a screw of 1 mm, geared 0.53499, taken as the
+/// whole number that the controller's own tables use.
 pub const STEPS_PER_MM: u16 = 107;
 
 /// The byte behind the last record.
@@ -43,8 +45,8 @@ pub enum Record {
     X(u16),
     /// To this place in Y, steps from home.
     Y(u16),
-    /// One drilling: down by so many steps, or to the lower end switch, and up to the upper one. 0 is all of the way, and all that the
-    /// original does, which does not look at the number.
+    /// One drilling: down by so many steps, or to the lower end switch, and up to the upper one. 0
+    /// is all of the way, and all that the original does, which does not look at the number.
     Drill(u16),
 }
 
@@ -59,8 +61,8 @@ impl Record {
         [letter, low, high]
     }
 
-    /// The record of three bytes; `None` when the first is none of `X`, `Y`, `Z`. The controller takes any such byte but `f`
-    /// for an X, which is refused here.
+    /// The record of three bytes; `None` when the first is none of `X`, `Y`, `Z`. The controller
+    /// takes any such byte but `f` for an X, which is refused here.
     pub const fn from_bytes([letter, low, high]: [u8; 3]) -> Option<Record> {
         let steps = u16::from_le_bytes([low, high]);
         match letter {
@@ -101,7 +103,8 @@ impl Table {
         y: 4_815,
     };
 
-    /// As far as a record can say, for boards that are larger than the table: 612.477 mm either way.
+    /// As far as a record can say, for boards that are larger than the table: 612.477 mm either
+    /// way.
     pub const UNBOUNDED: Table = Table {
         x: u16::MAX,
         y: u16::MAX,
@@ -232,8 +235,8 @@ impl fmt::Display for OffTable {
 
 impl core::error::Error for OffTable {}
 
-/// The bytes of a program: its records, then [`END_OF_PROGRAM`]. A program without records is one that the controller cannot take: its
-/// download has no end before the first record.
+/// The bytes of a program: its records, then [`END_OF_PROGRAM`]. A program without records is one
+/// that the controller cannot take: its download has no end before the first record.
 pub fn record_bytes<R: IntoIterator<Item = Record>>(records: R) -> RecordBytes<R::IntoIter> {
     RecordBytes {
         records: records.into_iter(),

@@ -18,7 +18,8 @@ const INCREMENTS: u8 = 21;
 const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
 
 impl Block {
-    /// The value of a word, by its upper-case letter; `None` when the block has none (always for G and M).
+    /// The value of a word, by its upper-case letter; `None` when the block has none (always for G
+    /// and M).
     pub fn word(&self, letter: u8) -> Option<Decimal> {
         self.value(letter).copied()
     }
@@ -168,8 +169,8 @@ impl Block {
         self.present & CLAIMED.0 != 0
     }
 
-    /// Refuses a word of this block that none of its codes uses, and one that two of them use. `more` are the letters
-    /// of what is in effect without a code of its own in the block.
+    /// Refuses a word of this block that none of its codes uses, and one that two of them use.
+    /// `more` are the letters of what is in effect without a code of its own in the block.
     pub(crate) fn check_users(&self, more: Letters) -> Result<(), Fault> {
         let given = self.present & CLAIMED.0;
         if given == 0 {
@@ -221,7 +222,8 @@ impl Block {
         &self.codes
     }
 
-    /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it is.
+    /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it
+    /// is.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     pub(crate) fn scaled(
         &self,
@@ -260,7 +262,8 @@ impl Block {
         self.has_only(1 << Group::Motion as u32) && self.present & !OF_MOVES == 0
     }
 
-    /// The error of a fault: where its words stand. The measure is that of an arc that does not fit.
+    /// The error of a fault: where its words stand. The measure is that of an arc that does not
+    /// fit.
     #[cold]
     #[inline(never)]
     pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {

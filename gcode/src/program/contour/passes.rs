@@ -1,4 +1,5 @@
-//! The moves of a roughing cycle: cuts straight to the contour, one below the other, then once along it.
+//! The moves of a roughing cycle: cuts straight to the contour, one below the other, then once
+//! along it.
 
 use super::shape::{Shape, Ways};
 use crate::compensation::offset::{Vector, minus, plus};
@@ -44,8 +45,8 @@ enum State {
 ///
 /// ```text
 ///        far ──►          start
-///  deep   ┌──────────────────────────────────────── first cut ──────┐  <- 45 degrees back by the retract
-///   │     │◄── rapid ───────────────────────────────────────────────┘
+///  deep   ┌──────────────────────────────────────── first cut ──────┐  45 degrees back
+///   │     │◄── rapid ───────────────────────────────────────────────┘  by the retract
 ///   ▼     └─────────────── second cut ─────┐ ...        contour with its allowance
 /// ```
 #[derive(Clone, Debug)]
@@ -54,7 +55,8 @@ pub(super) struct Passes<const CAPACITY: usize> {
     pub(super) shape: Shape<CAPACITY>,
     /// Where the cycle starts and ends.
     pub(super) start: Vector,
-    /// The allowance by which the contour is moved, away from the material: deep and far are zero or below.
+    /// The allowance by which the contour is moved, away from the material: deep and far are zero
+    /// or below.
     pub(super) shift: Vector,
     /// Depth of a cut, above zero.
     pub(super) depth: i64,
@@ -84,14 +86,16 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// Whether the start lies outside of the contour with its allowance, so that the tool may leave it and come back.
+    /// Whether the start lies outside of the contour with its allowance, so that the tool may leave
+    /// it and come back.
     pub(super) fn starts_free(&self) -> bool {
         let [deep, far] = self.start;
         let end = plus(self.ways.course(self.shape.end()), self.shift);
         self.whole() > 0 && (deep <= end[0] || far <= self.reach(deep))
     }
 
-    /// How deep all cuts together go; not above zero where the start lies below the contour's bottom.
+    /// How deep all cuts together go; not above zero where the start lies below the contour's
+    /// bottom.
     pub(super) fn whole(&self) -> i64 {
         let bottom = self.ways.course(self.shape.from)[0].saturating_add(self.shift[0]);
         bottom.saturating_sub(self.start[0])
@@ -121,7 +125,8 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
                     let whole = self.whole();
                     let down = self.depth.saturating_mul(self.cut).min(whole);
                     let deep = self.start[0].saturating_add(down);
-                    // Deeper cuts are shorter: behind the first one without length there is no other.
+                    // Deeper cuts are shorter: behind the first one without length there is no
+                    // other.
                     let is_over = whole <= 0 || self.cut > self.count();
                     if is_over || self.reach(deep) <= begin {
                         self.state = State::Last;
@@ -232,7 +237,8 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
     }
 }
 
-/// The way back from the end of a finished contour: out of the material first, where the contour says where that is.
+/// The way back from the end of a finished contour: out of the material first, where the contour
+/// says where that is.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Return {
     pub(super) ways: Option<Ways>,

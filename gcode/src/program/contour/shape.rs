@@ -13,8 +13,8 @@ pub(super) struct Segment {
 
 /// Which way a cycle cuts.
 ///
-/// X and Z become *deep* and *far*: deep grows into the material, far along the cut. Mirrors and a swap: circles stay
-/// circles, lengths stay what they are.
+/// X and Z become *deep* and *far*: deep grows into the material, far along the cut. Mirrors and a
+/// swap: circles stay circles, lengths stay what they are.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ways {
     /// G72: deep is Z and far is X; otherwise deep is X and far is Z.
@@ -53,8 +53,9 @@ impl Ways {
         if self.facing { *b"ZX" } else { *b"XZ" }
     }
 
-    /// The letter of the axis along which a move goes back: up out of the material and far is the way of a contour that
-    /// can be roughed. An arc that crosses an end of a diameter by less than 2 nm of height counts as going on.
+    /// The letter of the axis along which a move goes back: up out of the material and far is the
+    /// way of a contour that can be roughed. An arc that crosses an end of a diameter by less than
+    /// 2 nm of height counts as going on.
     pub(super) fn goes_back(self, from: Vector, segment: &Segment) -> Option<u8> {
         let [deep, far] = self.letters();
         let [sinks, advances] = self.course(minus(segment.to, from));
@@ -71,7 +72,8 @@ impl Ways {
         if turn == 0 || (turn > 0) != clockwise {
             return Some(far);
         }
-        // Less than half a turn: it turns back at most once in each axis, where it passes the end of a diameter.
+        // Less than half a turn: it turns back at most once in each axis, where it passes the end
+        // of a diameter.
         let radius = u128::from(root(square(start[0], start[1])));
         let passes = |one: i64, other: i64| {
             let least = u128::from(one.unsigned_abs().min(other.unsigned_abs()));
@@ -147,7 +149,8 @@ impl<const CAPACITY: usize> Shape<CAPACITY> {
             .map_or(self.from, |(_, segment)| segment.to)
     }
 
-    /// How far a cut at this depth may go: where the contour rises above it, rounded down, so to the side of the cut.
+    /// How far a cut at this depth may go: where the contour rises above it, rounded down, so to
+    /// the side of the cut.
     pub(super) fn reach(&self, ways: Ways, deep: i64) -> i64 {
         for (from, segment) in self.moves() {
             let [start, end] = [ways.course(from), ways.course(segment.to)];
@@ -156,7 +159,8 @@ impl<const CAPACITY: usize> Shape<CAPACITY> {
             }
             let far = match segment.arc {
                 None => {
-                    // deep lies within the move, or above its start by rounding; differences are below 2^52.
+                    // deep lies within the move, or above its start by rounding; differences are
+                    // below 2^52.
                     let sunk = start[0].saturating_sub(deep).max(0).unsigned_abs();
                     let rise = start[0].saturating_sub(end[0]).max(1).unsigned_abs();
                     let run = end[1].saturating_sub(start[1]).max(0).unsigned_abs();

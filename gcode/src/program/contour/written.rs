@@ -13,7 +13,8 @@ use crate::values::nm::{Measure, Nm};
 use crate::values::wide::divide;
 use crate::words::word::Word;
 
-/// The block that makes this move from the present state, to the nanometre; its words stand at `at..end`.
+/// The block that makes this move from the present state, to the nanometre; its words stand at
+/// `at..end`.
 pub(super) fn block<const N: usize>(
     wanted: Move,
     modal: &Modal<N>,
@@ -72,7 +73,8 @@ pub(super) fn block<const N: usize>(
     Block::from_words(words.into_iter().flatten(), modal.dialect())
 }
 
-/// A length below 2^52 as a number that is read as the same nanometres: exact in millimetres, within 0.002 nm in inches.
+/// A length below 2^52 as a number that is read as the same nanometres: exact in millimetres,
+/// within 0.002 nm in inches.
 fn number(length: i64, units: Units) -> Option<Decimal> {
     match units {
         Units::Millimetres => Decimal::new(length, 6),
@@ -111,8 +113,8 @@ pub(super) fn part<const N: usize>(
     Block::from_words(words, modal.dialect())
 }
 
-/// A length of a word that is never a diameter; without a decimal point in thousandths of a millimetre, or ten-thousandths
-/// of an inch.
+/// A length of a word that is never a diameter; without a decimal point in thousandths of a
+/// millimetre, or ten-thousandths of an inch.
 pub(super) fn counted_length<const N: usize>(
     block: &Block,
     letter: u8,

@@ -1,7 +1,9 @@
-//! Sines, roots, logarithms and the like in integers: shifts, sums and 64-bit products, no float and no wide division.
+//! Sines, roots, logarithms and the like in integers: shifts, sums and 64-bit products, no float
+//! and no wide division.
 //!
-//! Fixed-point numbers here are `value * 2^62` ("Q62"). Angles are in degrees, as programs have them; a whole number of
-//! quarter turns is taken off exactly, in decimals, before anything is rounded.
+//! Fixed-point numbers here are `value * 2^62` ("Q62"). Angles are in degrees, as programs have
+//! them; a whole number of quarter turns is taken off exactly, in decimals, before anything is
+//! rounded.
 
 use super::value::{Value, power};
 use crate::values::wide::root;
@@ -83,7 +85,8 @@ const LOGARITHMS: [i64; 31] = [
 /// ln 2, Q62.
 const LN_2: i64 = 3196577161300663915;
 
-/// 1/1!, 1/3!, 1/5!, ... Q62: the series of the sine; what is cut off is below 10^-19 up to 45 degrees.
+/// 1/1!, 1/3!, 1/5!, ... Q62: the series of the sine; what is cut off is below 10^-19 up to 45
+/// degrees.
 const SINE: [i64; 9] = [
     4611686018427387904,
     768614336404564651,
@@ -119,8 +122,8 @@ const DEGREE: Float = Float {
 /// 180 / pi, Q57.
 const RADIAN: i64 = 8257192040480628450;
 
-/// A positive number `mantissa * 2^exponent` with the top bit of the mantissa set, or zero. Products are off by less than
-/// 2^-62 of themselves.
+/// A positive number `mantissa * 2^exponent` with the top bit of the mantissa set, or zero.
+/// Products are off by less than 2^-62 of themselves.
 #[derive(Copy, Clone, Debug)]
 struct Float {
     mantissa: u64,
@@ -192,7 +195,8 @@ impl Float {
         }
     }
 
-    /// As a value with up to so many places, and as many digits as fit; `None` when it is too large.
+    /// As a value with up to so many places, and as many digits as fit; `None` when it is too
+    /// large.
     fn value(self, negative: bool, places: u8) -> Option<Value> {
         if self.exponent >= 0 {
             return (self.mantissa == 0).then_some(Value::ZERO.marked_rounded());
@@ -243,7 +247,8 @@ fn series(coefficients: &[i64], square: i64) -> i64 {
     })
 }
 
-/// Sine and cosine of an angle in degrees, Q62, within 2^-59; and whether both are exact (quarter turns).
+/// Sine and cosine of an angle in degrees, Q62, within 2^-59; and whether both are exact (quarter
+/// turns).
 fn sine_and_cosine(angle: Value) -> Option<(i64, i64, bool)> {
     let quarter = Value::from(90);
     let turn = angle.modulo(Value::from(360))?;
@@ -316,7 +321,8 @@ pub(super) fn tangent(angle: Value) -> Option<Value> {
     Some(quotient.marked_rounded().limited(15))
 }
 
-/// The angle of a point in the plane, `x` and `y` magnitudes, in radians from 0 to pi/2, Q62, within 2^-56.
+/// The angle of a point in the plane, `x` and `y` magnitudes, in radians from 0 to pi/2, Q62,
+/// within 2^-56.
 fn angle(y: Float, x: Float) -> i64 {
     let size = |side: Float| (side.mantissa != 0, side.exponent, side.mantissa);
     let is_steep = size(y) > size(x);
@@ -352,7 +358,8 @@ fn angle(y: Float, x: Float) -> i64 {
 /// pi / 2, Q62.
 const QUARTER: i64 = 7244019458077122842;
 
-/// Radians in the first quarter as degrees of 14 places, then mirrored into the quarter of the signs.
+/// Radians in the first quarter as degrees of 14 places, then mirrored into the quarter of the
+/// signs.
 fn degrees(radians: i64, left: bool, below: bool) -> Option<Value> {
     // 2^63 * 2^63 >> 57 is below 2^69.
     let degrees = i128::from(radians).wrapping_mul(i128::from(RADIAN)) >> 57;
@@ -391,7 +398,8 @@ pub(super) fn arc_tangent(y: Value, x: Value) -> Option<Value> {
     )
 }
 
-/// `1 - v^2`'s root; `None` for a magnitude above 1. A rounded value up to 10^-9 beyond counts as 1.
+/// `1 - v^2`'s root; `None` for a magnitude above 1. A rounded value up to 10^-9 beyond counts as
+/// 1.
 fn leg(value: Value) -> Option<Float> {
     let unit = power(value.places());
     let digits = value.digits().unsigned_abs();
@@ -434,7 +442,8 @@ pub(super) fn arc_cosine(value: Value) -> Option<Value> {
     )
 }
 
-/// SQRT: the nearest number of up to 18 places and 18 digits; exact where there is an exact one. `None` below zero.
+/// SQRT: the nearest number of up to 18 places and 18 digits; exact where there is an exact one.
+/// `None` below zero.
 pub(super) fn square_root(value: Value) -> Option<Value> {
     if value.is_negative() {
         return None;
@@ -461,8 +470,8 @@ pub(super) fn square_root(value: Value) -> Option<Value> {
     }
 }
 
-/// The natural logarithm of a positive number, Q62, within 2^-56: the number is multiplied by factors 1 + 2^-k up to the
-/// next power of two.
+/// The natural logarithm of a positive number, Q62, within 2^-56: the number is multiplied by
+/// factors 1 + 2^-k up to the next power of two.
 fn logarithm_of(number: Float) -> i128 {
     let (mut y, mut sum) = (number.mantissa >> 1, 0i64);
     let top = 1u64 << 63;
@@ -549,8 +558,8 @@ fn signed_fixed(number: Float, negative: bool) -> Option<i128> {
     })
 }
 
-/// A positive number to a power that is not whole: within 10^-15 or (1 + |ln|) 10^-16 of itself. `None` when it is too
-/// large.
+/// A positive number to a power that is not whole: within 10^-15 or (1 + |ln|) 10^-16 of itself.
+/// `None` when it is too large.
 pub(super) fn general_power(base: Value, exponent: Value) -> Option<Value> {
     let logarithm = logarithm_of(Float::of(base));
     let factor = Float::normal(logarithm.unsigned_abs(), -62).times(Float::of(exponent));

@@ -12,7 +12,8 @@ const DEPTH: usize = 24;
 
 /// Reads values from a line. `lookup` gives the value of a parameter, `None` when it has none.
 ///
-/// Nothing recurses: what waits for its right side stands on a stack of 24, whatever the text nests.
+/// Nothing recurses: what waits for its right side stands on a stack of 24, whatever the text
+/// nests.
 pub(super) struct Reader<'t, F> {
     cursor: Cursor<'t>,
     lookup: F,
@@ -136,7 +137,8 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         }
     }
 
-    /// Begins an operand: a whole one with its place, or `None` for what waits for more, on the stack.
+    /// Begins an operand: a whole one with its place, or `None` for what waits for more, on the
+    /// stack.
     fn operand(&mut self, stack: &mut Stack) -> Result<Option<(Value, usize)>, Error> {
         let Some(byte) = self.peek() else {
             return Err(self.error_here(Fault::NoValue));
@@ -211,7 +213,8 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         Ok(None)
     }
 
-    /// What follows a whole operand: gives the value when nothing waits any more, `None` when another operand must come.
+    /// What follows a whole operand: gives the value when nothing waits any more, `None` when
+    /// another operand must come.
     fn behind(
         &mut self,
         mut value: Value,
@@ -323,7 +326,8 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
             }
             Some(b'A'..=b'Z') => {
                 let from = self.at();
-                // The longest is three letters; a function may follow at once, as in `5 MOD ABS[..]` without blanks.
+                // The longest is three letters; a function may follow at once, as in
+                // `5 MOD ABS[..]` without blanks.
                 let mut letters = Capitals::default();
                 for _ in 0..3 {
                     let Some(byte) = self.peek().filter(u8::is_ascii_uppercase) else {

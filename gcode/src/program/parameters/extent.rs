@@ -7,7 +7,8 @@ use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
 use crate::words::word::{Word, words};
 
-/// The place behind the word or the assignment that begins at `at`. What its brackets hold is not looked at.
+/// The place behind the word or the assignment that begins at `at`. What its brackets hold is not
+/// looked at.
 ///
 /// # Errors
 /// A bracket without counterpart, no value, an assignment without `=`.
@@ -95,8 +96,9 @@ fn pass_bracket(reader: &mut Cursor<'_>) -> Result<(), Error> {
     }
 }
 
-/// The words of a line with expressions, as far as they can be told without values: an expression counts as 1, a code that is
-/// worked out not at all. For [`Block::from_words`](crate::Block::from_words).
+/// The words of a line with expressions, as far as they can be told without values: an expression
+/// counts as 1, a code that is worked out not at all. For
+/// [`Block::from_words`](crate::Block::from_words).
 pub(crate) fn program_words(text: &[u8]) -> impl Iterator<Item = Result<Word, Error>> + '_ {
     let (mut reader, mut start) = (Cursor::new(text, 0), true);
     core::iter::from_fn(move || next_word(text, &mut reader, &mut start).transpose())

@@ -42,8 +42,8 @@ impl<'t> Assignments<'t> {
     }
 }
 
-/// The words of a line, with their values worked out. Assignments go to `assignments`: the line itself still sees the
-/// values from before it, as RS-274/NGC has it.
+/// The words of a line, with their values worked out. Assignments go to `assignments`: the line
+/// itself still sees the values from before it, as RS-274/NGC has it.
 pub(super) struct Evaluated<'a, 't, F> {
     text: &'t [u8],
     reader: Reader<'t, F>,

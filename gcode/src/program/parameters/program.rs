@@ -15,7 +15,8 @@ use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::program::line::{Line, first_line};
 
-/// How many subroutines are remembered by their place; others are looked for in the text at each call.
+/// How many subroutines are remembered by their place; others are looked for in the text at each
+/// call.
 const REMEMBERED: usize = 16;
 
 /// A place between two lines.
@@ -34,19 +35,22 @@ struct Raw<'t> {
     after: Place,
 }
 
-/// A program with parameters, expressions and O-words, given line by line in the order of execution, as blocks of plain
-/// numbers. The text stays where it is (flash, say); loops jump back in it.
+/// A program with parameters, expressions and O-words, given line by line in the order of
+/// execution, as blocks of plain numbers. The text stays where it is (flash, say); loops jump back
+/// in it.
 ///
-/// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those of all subroutines
-/// under way together. `DEPTH`: how many calls, and how many loops, may be under way inside each other. With the defaults
-/// the whole is at most 7.2 kB.
+/// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those
+/// of all subroutines under way together. `DEPTH`: how many calls, and how many loops, may be under
+/// way inside each other. With the defaults the whole is at most 7.2 kB.
 ///
-/// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or passed over on the way
-/// to an `endif` or a subroutine. A program that has used up its steps ends with E0638, so every program ends.
-/// The first 16 subroutines called are found again at once; others cost a search from the start of the text at each call.
+/// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or
+/// passed over on the way to an `endif` or a subroutine. A program that has used up its steps ends
+/// with E0638, so every program ends. The first 16 subroutines called are found again at once;
+/// others cost a search from the start of the text at each call.
 ///
-/// **Errors.** An error on a line that steers (and one for want of room) ends the program; after another one the caller
-/// may go on, as it may after a wrong line of a plain program: its assignments are not made.
+/// **Errors.** An error on a line that steers (and one for want of room) ends the program; after
+/// another one the caller may go on, as it may after a wrong line of a plain program: its
+/// assignments are not made.
 ///
 /// ```
 /// use husillo_gcode::{Dialect, Modal, parameters::Program};
@@ -128,8 +132,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self
     }
 
-    /// Goes on with another line: the byte where it begins, and its number. For who has given the lines between itself,
-    /// as [`Contours`](crate::program::contour::Contours) does; loops and calls under way stay.
+    /// Goes on with another line: the byte where it begins, and its number. For who has given the
+    /// lines between itself, as [`Contours`](crate::program::contour::Contours) does; loops and
+    /// calls under way stay.
     pub fn go_to(&mut self, at: usize, number: usize) {
         self.next = Place { at, number };
     }
@@ -139,9 +144,10 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self.steps_left
     }
 
-    /// The name of the subroutine that the last line calls and the [`System`] has (`bore` of `o<bore> call`), and how many arguments
-    /// it is given: they are the [`parameter`](Program::parameter)s #1, #2, ... until the next line. Its block is empty; what is to be
-    /// done, the caller does before it asks for that line.
+    /// The name of the subroutine that the last line calls and the [`System`] has (`bore` of
+    /// `o<bore> call`), and how many arguments it is given: they are the
+    /// [`parameter`](Program::parameter)s #1, #2, ... until the next line. Its block is empty; what
+    /// is to be done, the caller does before it asks for that line.
     pub fn outside_call(&self) -> Option<(&'t [u8], usize)> {
         let count = self.outside?;
         match self.current_call()?.label {
@@ -155,8 +161,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self.call_count
     }
 
-    /// The value of a numbered parameter as lines see it now; zero before its first assignment. System parameters are not
-    /// among them.
+    /// The value of a numbered parameter as lines see it now; zero before its first assignment.
+    /// System parameters are not among them.
     pub fn parameter(&self, number: u16) -> Value {
         self.table.get(Key::Number(number)).unwrap_or(Value::ZERO)
     }
@@ -185,8 +191,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
 
     /// The next line; `None` behind the end of the text, and after an error that ends the program.
     ///
-    /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal) that has planned all lines
-    /// before, or [`NoMachine`](super::NoMachine). M2 and M30 end nothing here: the caller sees their command.
+    /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal)
+    /// that has planned all lines before, or [`NoMachine`](super::NoMachine). M2 and M30 end
+    /// nothing here: the caller sees their command.
     ///
     /// Cost: one pass over the line; O-words that jump forward pass over the lines between.
     pub fn next_line<S: System>(&mut self, system: &S) -> Option<Line<'t>> {
@@ -314,7 +321,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(block)
     }
 
-    /// [`Program::lookup`] as a function: one type for all who read values, so that their code is there once.
+    /// [`Program::lookup`] as a function: one type for all who read values, so that their code is
+    /// there once.
     fn lookup_at<S: System>(&self, line: usize, system: &S) -> impl Fn(Key<'t>) -> Option<Value> {
         move |key| self.lookup(key, line, system)
     }

@@ -76,8 +76,8 @@ pub(super) struct Statement<'t> {
     pub(super) end: usize,
 }
 
-/// Where the `O` of a line stands, behind `/`, comments and `N`; `None` for other lines. `/` is passed where lines with it
-/// are executed.
+/// Where the `O` of a line stands, behind `/`, comments and `N`; `None` for other lines. `/` is
+/// passed where lines with it are executed.
 pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
     let (mut at, mut number) = (0usize, false);
     loop {
@@ -99,8 +99,9 @@ pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
     }
 }
 
-/// Whether a line takes a [`Program`](super::Program) to be read: it has a parameter or a bracket outside of comments, or
-/// begins with an O-word. Always `false` in a dialect without them. Cost: one look at each byte.
+/// Whether a line takes a [`Program`](super::Program) to be read: it has a parameter or a bracket
+/// outside of comments, or begins with an O-word. Always `false` in a dialect without them. Cost:
+/// one look at each byte.
 pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     if !dialect.has_parameters()
         || (dialect.block_delete() && line.trim_ascii_start().starts_with(b"/"))
@@ -125,8 +126,8 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     false
 }
 
-/// Whether a line begins with an O-word that steers the program, and then whether its keyword is one; a label that is worked
-/// out passes unread. `None` for other lines.
+/// Whether a line begins with an O-word that steers the program, and then whether its keyword is
+/// one; a label that is worked out passes unread. `None` for other lines.
 pub(crate) fn is_flow(text: &[u8], dialect: &Dialect) -> Option<Result<(), Error>> {
     let at = place(text, !dialect.block_delete()).filter(|_| dialect.has_flow())?;
     let mut label = Cursor::new(text, at.wrapping_add(1));
@@ -171,7 +172,8 @@ where
     })
 }
 
-/// Label and keyword of a line that is only looked at on the way to another. Labels that are worked out are not found.
+/// Label and keyword of a line that is only looked at on the way to another. Labels that are worked
+/// out are not found.
 pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
     let at = place(text, passes_delete)?;
     let mut cursor = Cursor::new(text, at);
@@ -203,7 +205,8 @@ pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
 mod tests {
     use super::*;
 
-    /// Which lines steer, and whether their keyword is one; a label that is worked out passes unread.
+    /// Which lines steer, and whether their keyword is one; a label that is worked out passes
+    /// unread.
     #[test]
     fn lines_that_steer() {
         let shown = Dialect::RS274;

@@ -8,20 +8,22 @@ use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
 use crate::values::nm::Nm;
 
-/// What expressions can ask of the machine: positions, the work system, the tool. They read it at the line they stand
-/// on, so a caller plans each block before it asks for the next line.
+/// What expressions can ask of the machine: positions, the work system, the tool. They read it at
+/// the line they stand on, so a caller plans each block before it asks for the next line.
 ///
 /// [`Modal`](crate::Modal) answers; [`NoMachine`] knows nothing.
 pub trait System {
-    /// The value of a system parameter (#5061 to #5602) in the units in effect; `None` for those that are none. They
-    /// can be read, not assigned.
+    /// The value of a system parameter (#5061 to #5602) in the units in effect; `None` for those
+    /// that are none. They can be read, not assigned.
     fn numbered(&self, number: u16) -> Option<Value>;
 
-    /// The value of a predefined name, without its `_` and in any case (`x` of `#<_x>`); `None` for others.
+    /// The value of a predefined name, without its `_` and in any case (`x` of `#<_x>`); `None` for
+    /// others.
     fn named(&self, name: &[u8]) -> Option<Value>;
 
     /// Whether a subroutine that the text does not have is one of the caller's own, as
-    /// [`Program::outside_call`](super::Program::outside_call) then tells; its name is as written, `bore` of `o<bore> call`.
+    /// [`Program::outside_call`](super::Program::outside_call) then tells; its name is as written,
+    /// `bore` of `o<bore> call`.
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false

@@ -104,11 +104,11 @@ struct Entry<'t> {
     value: Value,
 }
 
-/// Numbered and named parameters: `GLOBALS` that everybody sees, and `LOCALS` of the main program and all subroutines
-/// that are under way together. Only those ever assigned take room.
+/// Numbered and named parameters: `GLOBALS` that everybody sees, and `LOCALS` of the main program
+/// and all subroutines that are under way together. Only those ever assigned take room.
 ///
-/// A global one is found by its hash, in one or two looks while the table is not nearly full; a local one by looking
-/// through those of its subroutine.
+/// A global one is found by its hash, in one or two looks while the table is not nearly full; a
+/// local one by looking through those of its subroutine.
 #[derive(Clone, Debug)]
 pub(super) struct Table<'t, const GLOBALS: usize, const LOCALS: usize> {
     globals: [Option<Entry<'t>>; GLOBALS],

@@ -3,13 +3,16 @@
 use crate::values::decimal::Decimal;
 use core::cmp::Ordering;
 
-/// The number of an expression or a parameter: `digits / 10^places`, with at most [`Value::MAX_PLACES`] places.
+/// The number of an expression or a parameter: `digits / 10^places`, with at most
+/// [`Value::MAX_PLACES`] places.
 ///
-/// Sums, differences and products are exact while 63 bits hold their digits, and rounded once (halves away from zero) to
-/// as many places as fit otherwise; quotients are rounded to 18 places or 18 digits. A value that was ever rounded, and
-/// every result of a function that cannot be exact, is marked: [`Value::is_exact`]. Marked values within 10^-9 of each
-/// other are equal to the operators `EQ` to `LE`, and one within 10^-9 of a whole number counts as that number where a
-/// whole one is asked for (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared exactly.
+/// Sums, differences and products are exact while 63 bits hold their digits, and rounded once
+/// (halves away from zero) to as many places as fit otherwise; quotients are rounded to 18 places
+/// or 18 digits. A value that was ever rounded, and every result of a function that cannot be
+/// exact, is marked: [`Value::is_exact`]. Marked values within 10^-9 of each other are equal to the
+/// operators `EQ` to `LE`, and one within 10^-9 of a whole number counts as that number where a
+/// whole one is asked for (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared
+/// exactly.
 #[derive(Copy, Clone, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Value {
@@ -99,7 +102,8 @@ impl Value {
         }
     }
 
-    /// `digits / 10^places`, exact; `None` for more than [`Value::MAX_PLACES`] places or digits of `i64::MIN`.
+    /// `digits / 10^places`, exact; `None` for more than [`Value::MAX_PLACES`] places or digits of
+    /// `i64::MIN`.
     pub fn new(digits: i64, places: u8) -> Option<Value> {
         let value = Value {
             digits,
@@ -169,7 +173,8 @@ impl Value {
         }
     }
 
-    /// A magnitude below 2^127 with up to 37 places, rounded once to what fits; `None` when the whole part does not.
+    /// A magnitude below 2^127 with up to 37 places, rounded once to what fits; `None` when the
+    /// whole part does not.
     pub(super) fn fitted(
         magnitude: u128,
         places: u8,
@@ -295,7 +300,8 @@ impl Value {
         Value::fitted(product, places, negative, rounded)
     }
 
-    /// The quotient, to 18 places or as many digits as fit; `None` when it is too large or the divisor is zero.
+    /// The quotient, to 18 places or as many digits as fit; `None` when it is too large or the
+    /// divisor is zero.
     ///
     /// Long division, six digits at a time for divisors below 2^44.
     pub(super) fn divided_by(self, other: Value) -> Option<Value> {
@@ -344,7 +350,8 @@ impl Value {
         Some(if rest == 0 { value.stripped() } else { value })
     }
 
-    /// The rest of a division, from 0 up to the magnitude of the divisor; `None` for a divisor of zero.
+    /// The rest of a division, from 0 up to the magnitude of the divisor; `None` for a divisor of
+    /// zero.
     pub(super) fn modulo(self, other: Value) -> Option<Value> {
         if other.digits == 0 {
             return None;

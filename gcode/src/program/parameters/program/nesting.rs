@@ -185,7 +185,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(())
     }
 
-    /// `break` and `continue`: out of all loops inside of this one, then behind its end, or on with its next round.
+    /// `break` and `continue`: out of all loops inside of this one, then behind its end, or on with
+    /// its next round.
     pub(super) fn leave_loop(
         &mut self,
         raw: &Raw<'t>,
