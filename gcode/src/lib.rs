@@ -36,6 +36,9 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+#[cfg(any(doc, doctest))]
+pub mod docs;
+
 mod blocks;
 mod codes;
 mod command;
@@ -81,7 +84,7 @@ pub use values::nm::{Measure, Nm};
 pub use words::word::{Token, Tokens, Word, Words, tokens, words};
 pub use words::word_reader::WordReader;
 
-/// The example of the README, compiled.
-#[cfg(all(doctest, feature = "program", feature = "extended"))]
+/// The examples of the README, compiled.
+#[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
