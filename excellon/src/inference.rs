@@ -136,7 +136,10 @@ impl Inference {
         Inference::default()
     }
 
-    /// Looks at the next line (without its end). Costs a few instructions a byte.
+    /// Looks at the next line (without its end).
+    ///
+    /// # Cost
+    /// A few instructions a byte.
     pub fn observe(&mut self, line: &[u8]) {
         self.line = self.line.saturating_add(1);
         if self.ended {

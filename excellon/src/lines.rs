@@ -1,7 +1,10 @@
 //! The lines of a text.
 
 /// The lines of `text` with their numbers from 1, without their ends: LF, CR LF or CR alone. An end
-/// at the very end begins no further line. Costs one look at each byte.
+/// at the very end begins no further line.
+///
+/// # Cost
+/// One look at each byte.
 pub const fn lines(text: &[u8]) -> Lines<'_> {
     Lines {
         rest: text,

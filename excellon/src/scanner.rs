@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::number::Number;
 
-/// A place in a line. Blanks are stepped over everywhere; letters are given in upper case.
+/// A position in a line. Blanks are stepped over everywhere; letters are given in upper case.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Scanner<'a> {
     text: &'a [u8],

@@ -204,7 +204,7 @@ pub enum Command<const N: usize> {
     Orient {
         /// Millionths of a degree, below 360 degrees.
         micro_degrees: u64,
-        /// The way it turns: 0 the shorter, 1 clockwise, 2 counter-clockwise (`P`).
+        /// The direction it turns: 0 the shorter, 1 clockwise, 2 counter-clockwise (`P`).
         way: u8,
     },
     /// Coolant: both states after the command.

@@ -31,15 +31,18 @@ const ROUNDING: i64 = 4;
 /// The stage between [`Modal`](crate::Modal) and a machine that turns a contour into the path of
 /// the tool's centre.
 ///
-/// It works in the plane that was active at G41 or G42 and looks one move ahead: a move is given
-/// out when the next one has told where it ends. Outside corners get an arc of the tool's radius
-/// about the corner (between rapids: straight lines clear of it), inside corners end at the common
-/// point of the two offset curves. Every point is within 2 nm of its exact offset curve. The first
-/// move must be straight and longer than the radius: it ends square to its own end. Under G40 the
-/// next straight move goes from wherever the tool is to its programmed end.
+/// It works in the plane that was active at G41 or G42. It looks one move ahead: a move is given
+/// out when the next one has shown where it ends.
 ///
-/// Where LinuxCNC differs: it takes arcs as first moves; we refuse them. It asks for a feed rate
-/// under G93 and converts it; we refuse G93 while compensating.
+/// - Outside corners get an arc of the tool's radius about the corner. Between rapids they get
+///   straight lines clear of it.
+/// - Inside corners end at the common point of the two offset curves.
+/// - Every point is within 2 nm of its exact offset curve.
+/// - The first move must be straight and longer than the radius. It ends square to its own end.
+/// - Under G40 the next straight move goes from the tool's position to its programmed end.
+///
+/// LinuxCNC takes arcs as first moves; they are refused here. It asks for a feed rate under G93 and
+/// converts it; here G93 is refused while a side is active.
 #[derive(Clone, Debug)]
 pub struct Compensation<const N: usize> {
     active: Option<Active>,
@@ -177,7 +180,10 @@ impl<const N: usize> Compensation<N> {
 
     /// What the commands of one block become: the stage after them, and the commands that are
     /// decided now. All or nothing, as [`Modal::plan`](crate::Modal::plan): with an error nothing
-    /// has changed. Costs one pass over the commands here and one when they are pulled.
+    /// has changed.
+    ///
+    /// # Cost
+    /// One pass over the commands here, and one when they are pulled.
     ///
     /// # Errors
     /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0324 when more than four commands that

@@ -163,7 +163,7 @@ impl Block {
         }
     }
 
-    /// What can only be told when all words are there.
+    /// What can only be checked when all words are there.
     #[inline(always)]
     fn check(&self) -> Result<(), Fault> {
         if self.present & (bit(b'P') | bit(b'O')) == 0 && self.code(Group::NonModal).is_none() {

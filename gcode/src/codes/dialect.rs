@@ -99,8 +99,8 @@ impl Dialect {
     /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully,
     /// then Y, then comes one drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`,
     /// which is not homing here, there is none. `G20` `G21` `G90` `G91` are the usual ones, `G92`
-    /// gives the present place the coordinates of its words, or zero without any. Nothing else: no
-    /// Z, no feed, no M code.
+    /// gives the present position the coordinates of its words, or zero without any. Nothing else:
+    /// no Z, no feed, no M code.
     pub const DRILL: Dialect = Dialect {
         flavour: Flavour::Drill,
         block_delete: true,

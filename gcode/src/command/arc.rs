@@ -146,7 +146,7 @@ impl<const N: usize> Arc<N> {
     }
 }
 
-/// The way from one point to another in the plane of two axes; false if one of them is beyond
+/// The distances from one point to another in the plane of two axes; false if one of them is beyond
 /// [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn between<const N: usize>(
@@ -220,7 +220,7 @@ pub(crate) fn with_centre<const N: usize>(
 }
 
 /// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple
-/// of half the way between them.
+/// of half the distance between them.
 ///
 /// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits)
 /// is stretched to it: then `short` is by how much. With an error of a radius it is what it should
@@ -257,8 +257,8 @@ pub(crate) fn beside(
     Ok(())
 }
 
-/// Turns the way from the start to the end of an arc into the way to its centre, rounded once to
-/// nm; `left` of the way to the end, or right of it.
+/// Turns the vector from the start to the end of an arc into that to its centre, rounded once to
+/// nm; `left` of the vector to the end, or right of it.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn turn(chord: &mut [i64; 2], ratio: &Ratio, left: bool) {
     let [x, y] = *chord;

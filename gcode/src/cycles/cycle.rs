@@ -100,7 +100,7 @@ pub(crate) struct Holes<const N: usize> {
     pub(crate) peck: Nm,
     /// How far a peck stays away from the ground, or retracts.
     pub(crate) clearance: Nm,
-    /// G87: from the hole to the place where the tool passes.
+    /// G87: from the hole to the position where the tool passes.
     pub(crate) offset: [Nm; 2],
     pub(crate) middle: Nm,
     pub(crate) dwell_micros: u64,

@@ -67,7 +67,7 @@ pub(crate) fn tangent(micro_degrees: u64) -> i64 {
         .unwrap_or(0)
 }
 
-/// A threading cycle: X is depth, Z the way.
+/// A threading cycle: X is depth, Z the direction of the cut.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Passes<const N: usize> {
     /// Where the cycle starts and, in X, the drive line to which it comes back.
@@ -75,14 +75,14 @@ pub(crate) struct Passes<const N: usize> {
     /// The Z of the end.
     pub(crate) end_z: Nm,
     pub(crate) lead: Nm,
-    /// From the drive line to the crest of the thread, signed: the way in.
+    /// From the drive line to the crest of the thread, signed: the direction of the infeed.
     pub(crate) peak: Nm,
     /// Depth of the first pass, above zero.
     pub(crate) first: Nm,
     /// Depth of the thread, above zero.
     pub(crate) full: Nm,
     pub(crate) degression_micro: u64,
-    /// Tangent of the compound angle in 2^-30, with the sign of the way along Z.
+    /// Tangent of the compound angle in 2^-30, with the sign of the cut along Z.
     pub(crate) slope: i64,
     /// Passes at full depth still to make, the last cut included.
     pub(crate) springs: u32,

@@ -264,7 +264,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// Taps turn their own way; bores that stop the spindle need it to turn.
+    /// Taps turn in their own direction; bores that stop the spindle need it to turn.
     fn check_cycle_spindle(&self, kind: Kind) -> Result<(), Fault> {
         let right = match kind {
             Kind::Tap => self.spindle_direction() == SpindleDirection::Clockwise,

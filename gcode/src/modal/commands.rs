@@ -19,7 +19,7 @@ use crate::values::nm::Nm;
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Commands<const N: usize> {
-    /// Bit n: the command of place n is still to come.
+    /// Bit n: command n is still to come.
     pending: u16,
     /// Of a series of codes one: G5 is any spline, G81 any cycle.
     motion: Option<Code>,

@@ -1,4 +1,4 @@
-//! The drill's blocks: to a place, X before Y, and one drilling there.
+//! The drill's blocks: to a position, X before Y, and one drilling there.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};

@@ -34,7 +34,8 @@ const END: u8 = 64;
 impl Terms {
     /// The value itself.
     pub(crate) const NONE: Terms = Terms(0);
-    /// The end of a move in the machine frame, in the work frame, or as a way from the position.
+    /// The end of a move in the machine frame, in the work frame, or as a distance from the
+    /// position.
     pub(crate) const MACHINE: Terms = Terms(END);
     pub(crate) const WORK: Terms = Terms(END | SYSTEM | SHIFT | LENGTH);
     pub(crate) const INCREMENT: Terms = Terms(END | POSITION);

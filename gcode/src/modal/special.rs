@@ -154,8 +154,8 @@ impl<const N: usize> Modal<N> {
     }
 }
 
-/// Two thirds of the way from an end to the control point, to the nearest nanometre, halves (there
-/// are none) up.
+/// Two thirds of the distance from an end to the control point, to the nearest nanometre, halves
+/// (there are none) up.
 fn toward(end: [Nm; 2], control: [Nm; 2]) -> [Nm; 2] {
     let mut point = end;
     for (point, control) in point.iter_mut().zip(control) {

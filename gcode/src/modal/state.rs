@@ -1,4 +1,4 @@
-//! What the modal state tells, and what may be written into it from outside.
+//! What the modal state reports, and what may be written into it from outside.
 
 use crate::codes::code::{Code, Group, Side};
 use crate::codes::dialect::Dialect;

@@ -46,8 +46,11 @@ const RETRACT: Nm = Nm(500_000);
 /// The code of G76 beside those of contour cycles.
 const THREAD: u8 = 60;
 
-/// Whether a line has a contour cycle in it, or a G76 of code system A, so that its program must be
-/// given as a whole. Cost: one pass over the line, none in dialects without such cycles.
+/// Whether a line has a contour cycle in it, or a G76 of code system A. Then its program must be
+/// given as a whole.
+///
+/// # Cost
+/// One pass over the line, and none in dialects without such cycles.
 pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
     if !dialect.is_lathe() {
         return false;
@@ -69,44 +72,58 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
 
 /// The lines of a program with its contour cycles worked out.
 ///
-/// By itself it gives the lines of a plain text; with a
-/// [`Program`](crate::program::parameters::Program), which has parameters and loops, it takes the
-/// lines of that one: [`Contours::take`], [`Contours::next_of_cycle`] and [`Contours::resume`]. The
-/// lines of a contour are plain in both cases.
+/// By itself it gives the lines of a plain text. A [`Program`](crate::program::parameters::Program)
+/// has parameters and loops; then it takes the lines of that one, with [`Contours::take`],
+/// [`Contours::next_of_cycle`] and [`Contours::resume`]. The lines of a contour are plain in both
+/// cases.
 ///
-/// **Words.** G71 cuts along Z and goes down in X, G72 the other way round. `P` and `Q` are the
-/// numbers `N` of the first and the last block of the contour, which begins right behind G71 or
-/// G72; execution goes on behind it. `U` and `W`: the allowance in X (as X is meant: a diameter
-/// under G7) and Z, by which the whole contour is moved; its sign points away from the material.
-/// The depth of a cut (a radius) and the retract are `D` and `R` beside `P`, or `U` (G72: `W`) and
-/// `R` of a line of their own before, and stay. `R` is 0.5 mm where it is never given. `F`, `S` and
-/// `T` count from the cycle on, those in the contour only for G70. No other word may stand beside.
+/// # Words
+/// G71 cuts along Z and goes down in X. G72 cuts along X and goes down in Z.
 ///
-/// **Roughing.** The first move of the contour is straight; it says which way is down, and where it
-/// is G1 the tool goes down at the feed. Every cut is at most `D` deep, the last one exactly at the
-/// bottom, and ends where it meets the contour with its allowance, rounded to the nanometre before
-/// it. The tool retracts at 45 degrees by `R` (less where the cut is shorter) and goes back in
-/// rapid. Then one pass along the contour with its allowance; all of it at the feed. At the end the
-/// tool is where it began. Contours rise all the way in both axes (type I): a pocket is refused.
+/// - `P` and `Q` are the numbers `N` of the first and the last block of the contour, which begins
+///   right behind G71 or G72. Execution goes on behind it.
+/// - `U` and `W` are the allowance in X (as X is meant: a diameter under G7) and Z. The whole
+///   contour is moved by it. Its sign points away from the material.
+/// - The depth of a cut (a radius) and the retract are `D` and `R` beside `P`, or `U` (G72: `W`)
+///   and `R` of a line of their own before. They stay. `R` is 0.5 mm where it is never given.
+/// - `F`, `S` and `T` count from the cycle on. Those in the contour count for G70 only.
+/// - No other word may stand beside them.
 ///
-/// **Threading.** In code system A G76 is told in two lines: `P` with two digits each for the
-/// passes at full depth, the run-out at 45 degrees in tenths of the lead and the angle of the
-/// thread, `Q` the least step, `R` what is left for the passes at full depth; then X and Z of the
-/// root at the end, `R` how much more its radius is at the start, `P` the height, `Q` the first
-/// depth, `F` the lead along Z. `P` and `Q` without a decimal point count thousandths of a
-/// millimetre. Pass n goes to the first depth times the root of n. With `I`, `J` or `K` it is the
-/// one-line cycle of the other dialects.
+/// # Roughing
+/// The first move of the contour is straight. It says which direction is down. Where it is G1 the
+/// tool goes down at the feed. Every cut is at most `D` deep, and the last one exactly at the
+/// bottom. A cut ends where it meets the contour with its allowance, rounded to the nanometre
+/// before it. The tool retracts at 45 degrees by `R` (less where the cut is shorter) and goes back
+/// in rapid. Then one pass follows the contour with its allowance, all of it at the feed. At the
+/// end the tool is where it began. Contours rise from start to end in both axes (type I): a pocket
+/// is refused.
 ///
-/// **Finishing.** G70 gives the lines of the contour as they are, the last ones before it with
-/// these numbers, and goes back to where it began, out of the material first.
+/// # Threading
+/// In code system A G76 is given in two lines.
 ///
-/// **Cost.** Some 5 moves a cut, each one pass over the contour; at most 2^16 cuts. `CAPACITY` is
-/// how many moves a contour may have; 64 take 3 kB. A number is looked for in the whole text.
+/// - The first has `P` with two digits each for the passes at full depth, the run-out at 45 degrees
+///   in tenths of the lead, and the angle of the thread; `Q`, the least step; and `R`, what is left
+///   for the passes at full depth.
+/// - The second has X and Z of the root at the end; `R`, how much more its radius is at the start;
+///   `P`, the height; `Q`, the first depth; and `F`, the lead along Z.
 ///
-/// Source: the turning cycles of FANUC's lathe manuals, type I, by the description of their words;
-/// all words and the order of moves are as there, but the refusal of allowances towards the
-/// material and of the words nothing uses.
+/// `P` and `Q` without a decimal point count thousandths of a millimetre. Pass n goes to the first
+/// depth times the root of n. With `I`, `J` or `K` it is the one-line cycle of the other dialects.
 ///
+/// # Finishing
+/// G70 gives the lines of the contour as they are: the last ones before it with these numbers. Then
+/// it goes back to where it began, out of the material first.
+///
+/// # Cost
+/// Some 5 moves a cut, each one pass over the contour, and at most 2^16 cuts. `CAPACITY` is how
+/// many moves a contour may have; 64 take 3 kB. A number is looked for in the whole text.
+///
+/// # Source
+/// The turning cycles of FANUC's lathe manuals, type I, by the description of their words. All
+/// words and the order of moves are as there. Allowances towards the material, and words that
+/// nothing uses, are refused here.
+///
+/// # Examples
 /// ```
 /// use husillo_gcode::{Dialect, Modal, contour::Contours};
 ///
@@ -147,12 +164,12 @@ pub struct Contours<'t, const CAPACITY: usize = 64> {
 /// The bytes of a word.
 type Span = (usize, usize);
 
-/// What is under way.
+/// What is being given out.
 #[derive(Clone, Debug)]
 enum Work<const CAPACITY: usize> {
     None,
     Rough(Passes<CAPACITY>),
-    /// The lines from one place to another, then back.
+    /// The lines from one position to another, then back.
     Finish(Place, Place, Return),
     Back(Return),
     Thread(Thread),
@@ -200,8 +217,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(line)
     }
 
-    /// The next line of the cycle under way: its moves have its number, those of G70 are the lines
-    /// of the contour. `None` when none is under way.
+    /// The next line of the cycle that runs: its moves have its number, those of G70 are the lines
+    /// of the contour. `None` when none runs.
     pub fn next_of_cycle<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         let wanted = match &mut self.work {
             Work::None => None,
@@ -239,7 +256,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     }
 
     /// Begins the cycle of a line and gives what the line does besides: its F, S and T. Other lines
-    /// pass as they are. A cycle under way is dropped.
+    /// pass as they are. A cycle that runs is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
         let Ok(block) = &line.block else { return line };
@@ -544,7 +561,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
-    /// A line at the place of the cycle.
+    /// A line at the position of the cycle.
     fn line(&self, block: Result<Block, Error>) -> Line<'t> {
         let (place, text, _) = &self.line;
         Line {

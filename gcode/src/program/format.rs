@@ -21,9 +21,12 @@ use crate::program::parameters::{extent, is_flow, is_plain, needs_program, progr
 /// - The strings of `micromill` get no blanks, and keep their numbers as written: their form is
 ///   that of a link.
 ///
-/// The same line again gives the same, and [`Block`]s of both are equal. Cost: two passes over the
-/// line and one block.
+/// The same line again gives the same, and [`Block`]s of both are equal.
 ///
+/// # Cost
+/// Two passes over the line and one block.
+///
+/// # Examples
 /// ```
 /// use husillo_gcode::{Dialect, formatted};
 /// let pieces = formatted(b"n010g01x+1.50 y-.5(cut)f 1 00 ; end", &Dialect::RS274)?;

@@ -132,8 +132,8 @@ impl Receiver {
     }
 }
 
-/// The place of the last `*` that is outside of brackets and comments, and the exclusive or of the
-/// bytes before it.
+/// The position of the last `*` that is outside of brackets and comments, and the exclusive or of
+/// the bytes before it.
 fn last_star(line: &[u8]) -> Option<(usize, u8)> {
     let (mut sum, mut depth, mut comment, mut found) = (0, 0_u32, false, None);
     for (at, &byte) in (0..line.len()).zip(line) {

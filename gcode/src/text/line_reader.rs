@@ -33,11 +33,11 @@ pub struct LineReader<const CAPACITY: usize> {
     carriage: bool,
 }
 
-/// A line longer than the buffer. `at..end` are its bytes that found no place, 0-based.
+/// A line longer than the buffer. `at..end` are its bytes that had no room, 0-based.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineTooLong {
-    /// The first byte without a place: the capacity of the buffer.
+    /// The first byte without room: the capacity of the buffer.
     pub at: usize,
     /// One behind the last byte of the line.
     pub end: usize,

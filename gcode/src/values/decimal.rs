@@ -245,7 +245,9 @@ impl Decimal {
     /// The nearest number of a `fixed` type, rounded once, halves away from zero; `None` when it
     /// does not fit.
     ///
-    /// Costs one shift and subtraction a fraction bit: meant for set-up values, not for every step.
+    /// # Cost
+    /// One shift and one subtraction a fraction bit. It is meant for set-up values, not for every
+    /// step.
     pub fn to_fixed<F: Fixed>(self) -> Option<F>
     where
         F::Bits: TryFrom<u128> + TryFrom<i128>,

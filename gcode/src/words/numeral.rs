@@ -1,4 +1,4 @@
-//! The number of a word, from its text: quick ways for the usual ones, one way for all.
+//! The number of a word, from its text: short code for the usual ones, and code for all.
 
 use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
@@ -8,7 +8,7 @@ pub(crate) const fn is_blank(byte: u8, lines: bool) -> bool {
     matches!(byte, b' ' | b'\t') || (!lines && matches!(byte, b'\r' | b'\n'))
 }
 
-/// The byte at a place; 0 behind the end, which no number and no blank contains. In 32 bits: no
+/// The byte at a position; 0 behind the end, which no number and no blank contains. In 32 bits: no
 /// instruction is spent on cutting it to eight.
 #[inline(always)]
 fn byte_at(text: &[u8], at: usize) -> u32 {
@@ -18,8 +18,8 @@ fn byte_at(text: &[u8], at: usize) -> u32 {
     }
 }
 
-/// Digits from a place on, appended to `low`: the new number, the place behind them and the byte
-/// there. The number is right as long as it has nine digits.
+/// Digits from a position on, appended to `low`: the new number, the position behind them and the
+/// byte there. The number is right as long as it has nine digits.
 #[inline(always)]
 fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u32) {
     loop {
@@ -70,9 +70,9 @@ pub(crate) fn window_at(window: &[u8; WINDOW], at: usize) -> u32 {
 }
 
 /// The number of a word whose letter is the first byte of the window, if it has few digits and no
-/// blank inside: its value, the place behind it and the place behind a blank. `None` for everything
-/// else, right or wrong. The loops have fixed lengths, so that no place is counted where they are
-/// unrolled.
+/// blank inside: its value, the position behind it and the position behind a blank. `None` for
+/// everything else, right or wrong. The loops have fixed lengths, so that no position is counted
+/// where they are unrolled.
 #[inline(always)]
 pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decimal, usize, usize)> {
     let (mut at, mut negative) = (1, false);
@@ -128,8 +128,8 @@ pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decim
     None
 }
 
-/// A number of one to nine digits without blanks inside: its value, the place behind it and the
-/// place behind the blanks that follow. `None` for everything else, right or wrong, which is
+/// A number of one to nine digits without blanks inside: its value, the position behind it and the
+/// position behind the blanks that follow. `None` for everything else, right or wrong, which is
 /// [`number`]'s.
 #[inline(always)]
 pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, usize)> {
@@ -164,8 +164,8 @@ pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decim
     Some((Decimal::short(low, places as u8, negative), end, next))
 }
 
-/// The place behind the blanks that follow a number; `None` where the number goes on behind them,
-/// or is wrong there.
+/// The position behind the blanks that follow a number; `None` where the number goes on behind
+/// them, or is wrong there.
 #[inline(never)]
 fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
     while let Some(&byte) = text.get(at) {
@@ -179,7 +179,7 @@ fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
 }
 
 /// The number behind the letter that the text starts with: `[+-] digits [. digits]` with at least
-/// one digit, blanks anywhere; and twice the place behind it. An error covers the rest of what
+/// one digit, blanks anywhere; and twice the position behind it. An error covers the rest of what
 /// looks like this number.
 #[cold]
 #[inline(never)]

@@ -8,7 +8,7 @@ use crate::words::numeral::{
 use crate::words::word::{Token, Word};
 use core::ops::ControlFlow;
 
-/// What stood before this place in the line, as far as it matters for `/` and `%`.
+/// What stood before this position in the line, as far as it matters for `/` and `%`.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 pub(crate) enum Before {
     /// Nothing at all; the line was just begun.
@@ -30,7 +30,7 @@ pub(crate) enum Before {
 pub(crate) struct Scanner<'a, const LINES: bool> {
     /// What was not read yet.
     rest: &'a [u8],
-    /// The length of the whole text: with the rest it tells the place.
+    /// The length of the whole text: with the rest it gives the position.
     length: usize,
     before: Before,
     pub(crate) deleted: bool,
@@ -41,7 +41,7 @@ pub(crate) const fn is_end(byte: u8) -> bool {
     matches!(byte, b'\r' | b'\n')
 }
 
-/// The place behind the comment that the text starts with.
+/// The position behind the comment that the text starts with.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
     let mut at = 0_usize;
     loop {
@@ -78,7 +78,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         }
     }
 
-    /// The place of what was not read yet.
+    /// The position of what was not read yet.
     #[inline(always)]
     fn at(&self) -> usize {
         self.length.wrapping_sub(self.rest.len())

@@ -1,4 +1,4 @@
-//! Words: a letter and a number, with their place in the text.
+//! Words: a letter and a number, with their columns in the text.
 
 use crate::error::Error;
 use crate::values::decimal::Decimal;
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(show("N1 G1 %"), Err((101, 6, 7)));
     }
 
-    /// Letters, numbers and ends of lines (`|`); errors by their code and place.
+    /// Letters, numbers and ends of lines (`|`); errors by their code and columns.
     fn show_all(text: &str) -> String {
         let show = |token| match token {
             Ok(Token::Word(w)) => std::format!("{}{}", char::from(w.letter), w.value),

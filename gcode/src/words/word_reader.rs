@@ -68,7 +68,7 @@ struct Number {
 /// How many digits 32 bits hold: 10^9 - 1 < 2^32.
 const ROOM: u32 = 9;
 
-/// A room that never is: there was no such place.
+/// The room at a point or a blank that was not read.
 const NOWHERE: u32 = u32::MAX;
 
 impl Number {
@@ -228,7 +228,7 @@ impl WordReader {
         }
     }
 
-    /// The place behind the number as far as it was read.
+    /// The position behind the number as far as it was read.
     #[inline(always)]
     fn end(&self) -> usize {
         if self.number.closed == self.number.room {

@@ -237,7 +237,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
     }
 }
 
-/// The way back from the end of a finished contour: out of the material first, where the contour
+/// The moves back from the end of a finished contour: out of the material first, where the contour
 /// says where that is.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Return {

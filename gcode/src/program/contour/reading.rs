@@ -32,7 +32,7 @@ pub(super) struct Refused<'t> {
     pub(super) error: Error,
 }
 
-/// Plans the lines from one place to another, the line there included, on a copy of the state;
+/// Plans the lines from one position to another, the line there included, on a copy of the state;
 /// every move goes to `each`. An error is that of a line.
 pub(super) fn read<'t, const N: usize>(
     text: &'t [u8],

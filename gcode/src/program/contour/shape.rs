@@ -11,7 +11,7 @@ pub(super) struct Segment {
     pub(super) arc: Option<(Vector, bool)>,
 }
 
-/// Which way a cycle cuts.
+/// In which direction a cycle cuts.
 ///
 /// X and Z become *deep* and *far*: deep grows into the material, far along the cut. Mirrors and a
 /// swap: circles stay circles, lengths stay what they are.

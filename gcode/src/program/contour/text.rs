@@ -4,7 +4,7 @@ use crate::codes::dialect::Dialect;
 use crate::program::line::first_line;
 use crate::words::word::words;
 
-/// A place between two lines.
+/// A position between two lines.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(super) struct Place {
     pub(super) at: usize,
@@ -12,7 +12,7 @@ pub(super) struct Place {
     pub(super) number: usize,
 }
 
-/// The line behind a place, without its end, and the place behind it.
+/// The line behind a position, without its end, and the position behind it.
 pub(super) fn line_at(text: &[u8], place: Place) -> Option<(&[u8], Place)> {
     let (line, behind) = first_line(text.get(place.at..)?)?;
     let after = Place {
@@ -41,7 +41,8 @@ pub(super) fn number_of(line: &[u8], dialect: &Dialect) -> Option<i64> {
     first.value.whole()
 }
 
-/// The place of the last line with this number from a place up to a byte, or of the first one.
+/// The position of the last line with this number, from a position up to a byte, or of the first
+/// one.
 pub(super) fn find(
     text: &[u8],
     from: Place,

@@ -1,4 +1,4 @@
-//! G76 of code system A: threading in passes, told in two lines.
+//! G76 of code system A: threading in passes, given in two lines.
 
 use super::passes::Move;
 use super::written::{counted_length, plain_length};
@@ -236,7 +236,7 @@ impl Thread {
     }
 }
 
-/// Whether a line is one of a G76 told in two lines: without the words of the one-line cycle.
+/// Whether a line is one of a G76 given in two lines: without the words of the one-line cycle.
 pub(super) fn is_two_line(block: &Block) -> bool {
     b"IJK".iter().all(|&letter| block.word(letter).is_none())
 }

@@ -1,4 +1,4 @@
-//! A place in a line, and what can be read there without knowing any value.
+//! A position in a line, and what can be read there without knowing any value.
 
 use super::table::Capitals;
 use crate::error::parameters::Fault;

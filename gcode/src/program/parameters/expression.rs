@@ -137,7 +137,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         }
     }
 
-    /// Begins an operand: a whole one with its place, or `None` for what waits for more, on the
+    /// Begins an operand: a whole one with its position, or `None` for what waits for more, on the
     /// stack.
     fn operand(&mut self, stack: &mut Stack) -> Result<Option<(Value, usize)>, Error> {
         let Some(byte) = self.peek() else {

@@ -7,8 +7,8 @@ use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
 use crate::words::word::{Word, words};
 
-/// The place behind the word or the assignment that begins at `at`. What its brackets hold is not
-/// looked at.
+/// The position behind the word or the assignment that begins at `at`. What its brackets hold is
+/// not looked at.
 ///
 /// # Errors
 /// A bracket without counterpart, no value, an assignment without `=`.

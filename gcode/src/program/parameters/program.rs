@@ -15,11 +15,11 @@ use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::program::line::{Line, first_line};
 
-/// How many subroutines are remembered by their place; others are looked for in the text at each
+/// How many subroutines are remembered by their position; others are looked for in the text at each
 /// call.
 const REMEMBERED: usize = 16;
 
-/// A place between two lines.
+/// A position between two lines.
 #[derive(Copy, Clone, Debug)]
 struct Place {
     at: usize,
@@ -39,19 +39,22 @@ struct Raw<'t> {
 /// execution, as blocks of plain numbers. The text stays where it is (flash, say); loops jump back
 /// in it.
 ///
-/// `GLOBALS`, `LOCALS`: how many parameters there is room for, those that everybody sees and those
-/// of all subroutines under way together. `DEPTH`: how many calls, and how many loops, may be under
-/// way inside each other. With the defaults the whole is at most 7.2 kB.
+/// `GLOBALS` and `LOCALS` are how many parameters there is room for: those that every subroutine
+/// sees, and those of all subroutines that run together. `DEPTH` is how many calls, and how many
+/// loops, may run inside each other. With the defaults the whole is at most 7.2 kB.
 ///
-/// **Steps.** A line costs one step and another for every 64 bytes of it, whether it is executed or
-/// passed over on the way to an `endif` or a subroutine. A program that has used up its steps ends
-/// with E0638, so every program ends. The first 16 subroutines called are found again at once;
-/// others cost a search from the start of the text at each call.
+/// # Cost
+/// A line costs one step, and another for every 64 bytes of it. Lines that are skipped in the
+/// search for an `endif` or a subroutine cost the same. A program that has used up its steps ends
+/// with E0638, so every program ends. The first 16 subroutines called are found again at once.
+/// Others cost a search from the start of the text at each call.
 ///
-/// **Errors.** An error on a line that steers (and one for want of room) ends the program; after
-/// another one the caller may go on, as it may after a wrong line of a plain program: its
-/// assignments are not made.
+/// # Errors
+/// An error on a line that steers the flow ends the program, and so does one for want of room.
+/// After another error the caller may go on, as after a wrong line of a plain program: the
+/// assignments of that line are not made.
 ///
+/// # Examples
 /// ```
 /// use husillo_gcode::{Dialect, Modal, parameters::Program};
 ///
@@ -156,7 +159,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// How many subroutines are under way.
+    /// How many subroutines run.
     pub const fn call_level(&self) -> usize {
         self.call_count
     }
@@ -195,7 +198,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     /// that has planned all lines before, or [`NoMachine`](super::NoMachine). M2 and M30 end
     /// nothing here: the caller sees their command.
     ///
-    /// Cost: one pass over the line; O-words that jump forward pass over the lines between.
+    /// # Cost
+    /// One pass over the line. O-words that jump forward pass over the lines between.
     pub fn next_line<S: System>(&mut self, system: &S) -> Option<Line<'t>> {
         if self.is_over {
             return None;
@@ -211,7 +215,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Some(raw.given(block))
     }
 
-    /// The line behind a place.
+    /// The line behind a position.
     fn line_at(&self, place: Place) -> Option<Raw<'t>> {
         let (text, behind) = first_line(self.text.get(place.at..)?)?;
         Some(Raw {

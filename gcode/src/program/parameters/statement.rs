@@ -172,8 +172,8 @@ where
     })
 }
 
-/// Label and keyword of a line that is only looked at on the way to another. Labels that are worked
-/// out are not found.
+/// Label and keyword of a line that is only looked at in the search for another. Labels that are
+/// worked out are not found.
 pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
     let at = place(text, passes_delete)?;
     let mut cursor = Cursor::new(text, at);

@@ -22,8 +22,8 @@ pub trait System {
     fn named(&self, name: &[u8]) -> Option<Value>;
 
     /// Whether a subroutine that the text does not have is one of the caller's own, as
-    /// [`Program::outside_call`](super::Program::outside_call) then tells; its name is as written,
-    /// `bore` of `o<bore> call`.
+    /// [`Program::outside_call`](super::Program::outside_call) then reports; its name is as
+    /// written, `bore` of `o<bore> call`.
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false

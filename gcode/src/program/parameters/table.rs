@@ -105,7 +105,7 @@ struct Entry<'t> {
 }
 
 /// Numbered and named parameters: `GLOBALS` that everybody sees, and `LOCALS` of the main program
-/// and all subroutines that are under way together. Only those ever assigned take room.
+/// and all subroutines that run together. Only those ever assigned take room.
 ///
 /// A global one is found by its hash, in one or two looks while the table is not nearly full; a
 /// local one by looking through those of its subroutine.
@@ -113,7 +113,7 @@ struct Entry<'t> {
 pub(super) struct Table<'t, const GLOBALS: usize, const LOCALS: usize> {
     globals: [Option<Entry<'t>>; GLOBALS],
     locals: [Entry<'t>; LOCALS],
-    /// How many locals are in use; `base..count` are those of the subroutine under way.
+    /// How many locals are in use; `base..count` are those of the subroutine that runs.
     count: usize,
     base: usize,
 }

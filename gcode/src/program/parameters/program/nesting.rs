@@ -1,4 +1,4 @@
-//! Subroutines and loops under way inside each other.
+//! Subroutines and loops that run inside each other.
 
 use super::flow::Order;
 use super::{Place, Program, Raw};
@@ -6,7 +6,7 @@ use crate::error::parameters::Fault;
 use crate::program::parameters::statement::{Keyword, Label};
 use crate::program::parameters::value::Value;
 
-/// A subroutine under way.
+/// A subroutine that runs.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Call<'t> {
     pub(super) label: Label<'t>,
@@ -16,7 +16,7 @@ pub(super) struct Call<'t> {
     pub(super) after: Place,
     /// What [`Table::leave`] wants.
     pub(super) locals: usize,
-    /// How many loops were under way outside.
+    /// How many loops ran outside.
     pub(super) loops: usize,
 }
 
@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// A loop under way.
+/// A loop that runs.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Loop<'t> {
     pub(super) label: Label<'t>,
@@ -121,7 +121,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(())
     }
 
-    /// Ends the subroutine under way and goes on behind its call.
+    /// Ends the subroutine that runs and goes on behind its call.
     pub(super) fn drop_call(&mut self, returned: Option<Value>) {
         if let Some(call) = self.current_call() {
             self.returned = returned;
@@ -132,7 +132,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// The loop under way in this subroutine that began last, if it is this one.
+    /// The innermost loop of this subroutine, if it is this one.
     pub(super) fn innermost(&self, label: Label<'t>, kind: Kind) -> Option<Loop<'t>> {
         let outside = self.current_call().map_or(0, |call| call.loops);
         let last = self
