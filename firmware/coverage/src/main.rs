@@ -112,8 +112,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
-/// The file that says what is public of a file in a module that the library declares with `pub mod`, or exports with `pub use`
-/// out of another one.
+/// The file that says what is public of a file in a module that the library declares with
+/// `pub mod`, or exports with `pub use` out of another one.
 fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     let inside = file.strip_prefix(source).expect("a file of this crate");
     let module = inside.with_extension("");
