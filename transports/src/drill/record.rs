@@ -7,7 +7,7 @@
 //!
 //! ```text
 //!   58 lo hi   `X`: to lo + 256 hi steps         59 lo hi   `Y`: likewise
-//!   5a lo hi   `Z`: drill here, 0 = all the way  66         `f`: the end, where a record would begin
+//!   5a lo hi   `Z`: drill here, 0 = in full      66         `f`: the end, where a record begins
 //! ```
 //!
 //! ```
