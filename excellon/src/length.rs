@@ -17,7 +17,7 @@ pub(crate) const fn within_limit(nm: i64) -> Option<i64> {
 }
 
 /// `digits / 10^places` in a unit as nanometres, rounded once, halves away from zero; `None`
-/// beyond [`LIMIT_NM`]. The digits are below 10^18 and the places at most 21.
+/// beyond [`LIMIT_NM`]. There are at most 21 places.
 pub(crate) fn length_nm(digits: i64, places: u8, units: Units) -> Option<i64> {
     let (factor, exponent) = match units {
         Units::Millimetres => (1_u64, 6_u8),
@@ -67,6 +67,36 @@ mod tests {
             (LIMIT_NM + 1, 6, Millimetres, None),
         ] {
             assert_eq!(length_nm(digits, places, units), nm, "{digits} {places}");
+        }
+    }
+
+    #[test]
+    fn is_what_128_bits_give() {
+        let powers = (0..=18).map(|exponent| 10_i64.pow(exponent));
+        let digits = powers.flat_map(|power| {
+            [
+                power / 2 - 1,
+                power / 2,
+                power / 127,
+                power - 1,
+                power,
+                -power,
+                power / 3 * 2,
+            ]
+        });
+        for digits in digits {
+            for places in 0..=21 {
+                for (units, nm_per_unit) in
+                    [(Units::Millimetres, 1_000_000), (Units::Inches, 25_400_000)]
+                {
+                    let scale = 10_i128.pow(u32::from(places));
+                    let product = i128::from(digits) * nm_per_unit;
+                    let rounded = (2 * product.abs() + scale) / (2 * scale) * product.signum();
+                    let nm = i64::try_from(rounded).ok();
+                    let nm = nm.filter(|nm| (-LIMIT_NM..=LIMIT_NM).contains(nm));
+                    assert_eq!(length_nm(digits, places, units), nm, "{digits} {places}");
+                }
+            }
         }
     }
 }
