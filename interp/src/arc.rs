@@ -1,11 +1,10 @@
 //! The general circular arc in a plane: any centre, any ends, several turns.
 
-use core::fmt;
-use core::iter::FusedIterator;
-
-use crate::interpolator::{Totals, exactly};
+use crate::Step;
+use crate::counted::Counted;
+use crate::method::interpolator;
 use crate::walk::{Spread, Start, Toward, Walk};
-use crate::{Interpolator, Step};
+use core::fmt;
 
 /// Largest distance of an end from the centre, in BLU: then every difference of two points of the
 /// arc fits `i32`.
@@ -130,15 +129,12 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
 /// | events | at most 1.42 R and a few for each quadrant; a full turn of a whole-step circle has 4 round(sqrt(2) R) |
 /// | speed ripple | timed by its sweep 1/R and a tick; at equal time -10 to +27 % |
 /// | state | 152 bytes: the walk has 64 in words of 32 bits ([`Arc::is_narrow`]: R up to 10 829 with 16 fraction bits, 2^24 with 5), but room is kept for words of 64 bits (up to R = 2^30), and for what it tells of the whole move |
-/// | cost | 89 instructions an event on Cortex-M0, 64 on Cortex-M4F, 81 on RV32IMAC; in words of 64 bits 203, 118 and 146. To prepare it, a little more than half as many for each. Above [`DirectSearch`](crate::DirectSearch): the choice of the width, a changing radius, the least sweep, ends off the circle |
+/// | cost | 88 instructions an event on Cortex-M0, 64 on Cortex-M4F, 81 on RV32IMAC; in words of 64 bits 202, 118 and 146. To prepare it, a little more than half as many for each. Above [`DirectSearch`](crate::DirectSearch): the choice of the width, a changing radius, the least sweep, ends off the circle |
 /// | source | Danielsson 1970 and McIlroy 1983 for the choice of the nearest point; two sign tests and rounded ends are our derivation |
 #[derive(Clone, Debug)]
 pub struct Arc {
-    walk: Width,
-    left: u32,
-    totals: Totals,
+    counted: Counted<Width>,
     radius: u64,
-    sweep_bits: i8,
 }
 
 #[derive(Clone, Debug)]
@@ -147,8 +143,10 @@ enum Width {
     Wide(Walk<i64>),
 }
 
-impl Width {
-    #[inline]
+impl Iterator for Width {
+    type Item = Step;
+
+    #[inline(always)]
     fn next(&mut self) -> Option<Step> {
         match self {
             Width::Narrow(walk) => walk.next(),
@@ -188,18 +186,14 @@ impl Arc {
         };
         let totals = totals.ok_or(ArcError::TooLong)?;
         Ok(Arc {
-            walk,
-            left: totals.events,
-            totals,
+            counted: Counted::with_totals(walk, totals),
             radius,
-            // f <= 30 and shift <= 16: fits.
-            sweep_bits: (arc.fraction_bits as i8).wrapping_sub(start.sweep_shift as i8),
         })
     }
 
     /// Events of the whole arc.
     pub const fn events(&self) -> u32 {
-        self.totals.events
+        self.counted.events()
     }
 
     /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in BLU. Of a
@@ -210,57 +204,28 @@ impl Arc {
 
     /// Fraction bits of sweep and radius: those of the centre, fewer (even negative) only where
     /// the radius would need more than 31 bits.
-    pub const fn sweep_bits(&self) -> i8 {
-        self.sweep_bits
+    pub fn sweep_bits(&self) -> i8 {
+        match &self.counted.walk {
+            Width::Narrow(walk) => walk.sweep_bits(),
+            Width::Wide(walk) => walk.sweep_bits(),
+        }
     }
 
     /// Whether the state is 32 bits wide.
     pub const fn is_narrow(&self) -> bool {
-        matches!(self.walk, Width::Narrow(_))
+        matches!(self.counted.walk, Width::Narrow(_))
     }
 
     /// Quadrant changes still to come.
     pub fn quadrants(&self) -> u32 {
-        match &self.walk {
+        match &self.counted.walk {
             Width::Narrow(walk) => walk.quadrants(),
             Width::Wide(walk) => walk.quadrants(),
         }
     }
 }
 
-impl Interpolator for Arc {
-    #[inline]
-    fn remaining(&self) -> u32 {
-        self.left
-    }
-
-    fn total_sweep(&self) -> u64 {
-        self.totals.total_sweep
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.totals.largest_sweep
-    }
-}
-
-impl Iterator for Arc {
-    type Item = Step;
-
-    #[inline]
-    fn next(&mut self) -> Option<Step> {
-        let step = self.walk.next()?;
-        self.left = self.left.wrapping_sub(1);
-        Some(step)
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl ExactSizeIterator for Arc {}
-impl FusedIterator for Arc {}
+interpolator!(Arc, counted);
 
 /// A point from the centre in 2^-f BLU, turned into its quadrant.
 #[derive(Copy, Clone)]

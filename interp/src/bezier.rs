@@ -1,10 +1,9 @@
 //! Cubic and quadratic Bezier curves through N axes.
 
+use crate::Step;
+use crate::counted::Counted;
+use crate::method::interpolator;
 use core::fmt;
-use core::iter::FusedIterator;
-
-use crate::interpolator::{Totals, exactly};
-use crate::{Interpolator, Step};
 
 /// Fraction bits of positions within the curve: 2^-20 BLU.
 const PLACE_BITS: u32 = 20;
@@ -79,9 +78,7 @@ impl core::error::Error for BezierError {}
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bezier<const N: usize> {
-    walk: Walk<N>,
-    left: u32,
-    totals: Totals,
+    counted: Counted<Walk<N>>,
 }
 
 impl<const N: usize> Bezier<N> {
@@ -194,17 +191,14 @@ impl<const N: usize> Bezier<N> {
             *end = end.wrapping_add(start);
         }
         // At most 2^32 / least samples, and as many events.
-        let totals = Totals::of(walk.clone()).ok_or(BezierError::TooLarge)?;
         Ok(Bezier {
-            left: totals.events,
-            walk,
-            totals,
+            counted: Counted::new(walk).ok_or(BezierError::TooLarge)?,
         })
     }
 
     /// Events of the whole curve.
     pub const fn events(&self) -> u32 {
-        self.totals.events
+        self.counted.events()
     }
 
     /// Sweep of one BLU of path: `total_sweep / unit` is the length in BLU.
@@ -213,39 +207,7 @@ impl<const N: usize> Bezier<N> {
     }
 }
 
-impl<const N: usize> Iterator for Bezier<N> {
-    type Item = Step;
-
-    #[inline]
-    fn next(&mut self) -> Option<Step> {
-        let step = self.walk.next()?;
-        self.left = self.left.wrapping_sub(1);
-        Some(step)
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl<const N: usize> ExactSizeIterator for Bezier<N> {}
-impl<const N: usize> FusedIterator for Bezier<N> {}
-
-impl<const N: usize> Interpolator for Bezier<N> {
-    #[inline]
-    fn remaining(&self) -> u32 {
-        self.left
-    }
-
-    fn total_sweep(&self) -> u64 {
-        self.totals.total_sweep
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.totals.largest_sweep
-    }
-}
+interpolator!(Bezier<N>, counted);
 
 /// The first control point.
 struct Origin<const N: usize> {
@@ -534,7 +496,7 @@ mod tests {
     #[test]
     fn samples_are_even() {
         let mut walk = Bezier::cubic([[0, 0], [900, 0], [-600, 400], [300, 400]], 0)
-            .map(|curve| curve.walk)
+            .map(|curve| curve.counted.walk)
             .unwrap();
         let mut chords = Vec::new();
         while walk.u < ONE {

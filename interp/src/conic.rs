@@ -1,10 +1,10 @@
 //! Arcs of ellipses, parabolas and hyperbolas in a plane.
 
-use core::iter::FusedIterator;
-
+use crate::Step;
 use crate::conic_move::{ConicError, ConicMove, EllipseMove, Pace, Start, Toward};
-use crate::interpolator::{Totals, exactly};
-use crate::{Interpolator, Step};
+use crate::counted::Counted;
+use crate::interpolator::Totals;
+use crate::method::interpolator;
 
 /// What `sweep` counts a BLU of path as, where the curve is not a circle.
 const UNIT_BITS: u32 = 15;
@@ -55,9 +55,7 @@ const MAX_REACH: u32 = 1 << 22;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Conic {
-    walk: Walk,
-    left: u32,
-    totals: Totals,
+    counted: Counted<Walk>,
 }
 
 impl Conic {
@@ -82,21 +80,19 @@ impl Conic {
         let walk = Walk { now: *start };
         let totals = walk.clone().check()?;
         Ok(Conic {
-            walk,
-            left: totals.events,
-            totals,
+            counted: Counted::with_totals(walk, totals),
         })
     }
 
     /// Events of the whole arc, at most 2^31.
     pub const fn events(&self) -> u32 {
-        self.totals.events
+        self.counted.events()
     }
 
     /// Sweep of one BLU of path: `total_sweep / unit` is the arc's length in BLU. The radius in
     /// 2^-f BLU for a circle, 2^15 otherwise.
     pub const fn unit(&self) -> u32 {
-        match self.walk.now.pace {
+        match self.counted.walk.now.pace {
             Pace::Circle { radius } => radius,
             Pace::Tangent => 1 << UNIT_BITS,
         }
@@ -104,43 +100,11 @@ impl Conic {
 
     /// Quadrant changes still to come: there an axis reverses.
     pub const fn quadrants(&self) -> u32 {
-        self.walk.now.quadrants
+        self.counted.walk.now.quadrants
     }
 }
 
-impl Iterator for Conic {
-    type Item = Step;
-
-    #[inline]
-    fn next(&mut self) -> Option<Step> {
-        let step = self.walk.next()?;
-        self.left = self.left.wrapping_sub(1);
-        Some(step)
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl ExactSizeIterator for Conic {}
-impl FusedIterator for Conic {}
-
-impl Interpolator for Conic {
-    #[inline]
-    fn remaining(&self) -> u32 {
-        self.left
-    }
-
-    fn total_sweep(&self) -> u64 {
-        self.totals.total_sweep
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.totals.largest_sweep
-    }
-}
+interpolator!(Conic, counted);
 
 /// Which axes of the quadrant step, by -1, 0 or +1.
 #[derive(Copy, Clone)]
@@ -157,51 +121,6 @@ struct Walk {
 }
 
 impl Walk {
-    /// Arithmetic wraps by name only: [`Walk::check`] has seen every state of this walk below
-    /// `MAX_STATE`, so that the sum of three is below 2^63.
-    #[inline]
-    fn next(&mut self) -> Option<Step> {
-        let now = &self.now;
-        if now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0) {
-            return self.run_off();
-        }
-        let after_u = now.residue.wrapping_add(now.du);
-        let after_v = now.residue.wrapping_add(now.dv);
-        let dv_beside = now.dv.wrapping_add(now.duv);
-        let after_both = after_u.wrapping_add(dv_beside);
-        let (takes_u, takes_v) = if now.quadrants != 0 && now.du >= 0 {
-            // Within a sharp tip, on its axis: see `turn`.
-            (false, true)
-        } else if dv_beside >= 0 && now.du.wrapping_add(now.duv) <= 0 {
-            // after_u <= after_both <= after_v: the sign of after_both leaves two candidates, and F
-            // midway between them tells which side of it the curve is.
-            if after_both >= 0 {
-                (true, after_both <= (now.dvv >> 2).wrapping_sub(after_u))
-            } else {
-                (
-                    after_both >= ((now.duu.wrapping_add(3)) >> 2).wrapping_sub(after_v),
-                    true,
-                )
-            }
-        } else {
-            let (size_u, size_v) = (after_u.unsigned_abs(), after_v.unsigned_abs());
-            let size_both = after_both.unsigned_abs();
-            if size_both <= size_u && size_both <= size_v {
-                (true, true)
-            } else {
-                (size_u < size_v, size_u >= size_v)
-            }
-        };
-        let step = self.take(Choice {
-            u: takes_u.into(),
-            v: takes_v.into(),
-        });
-        while self.now.quadrants != 0 && self.now.du >= 0 && !self.is_before_tip() {
-            self.turn();
-        }
-        Some(step)
-    }
-
     /// Inside the curve, and the next point outwards is nearer: a tip sharper than a BLU whose
     /// axis the walk is already on.
     #[cold]
@@ -332,11 +251,57 @@ impl Walk {
             if totals.events >= 1 << 31 {
                 return Err(ConicError::TooLong);
             }
-            totals.events = totals.events.wrapping_add(1);
-            // Sweeps are below 2^32, events at most 2^31.
-            totals.total_sweep = totals.total_sweep.wrapping_add(step.sweep.into());
-            totals.largest_sweep = totals.largest_sweep.max(step.sweep);
+            totals.add(step.sweep);
         }
+    }
+}
+
+impl Iterator for Walk {
+    type Item = Step;
+
+    /// Arithmetic wraps by name only: [`Walk::check`] has seen every state of this walk below
+    /// `MAX_STATE`, so that the sum of three is below 2^63.
+    #[inline]
+    fn next(&mut self) -> Option<Step> {
+        let now = &self.now;
+        if now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0) {
+            return self.run_off();
+        }
+        let after_u = now.residue.wrapping_add(now.du);
+        let after_v = now.residue.wrapping_add(now.dv);
+        let dv_beside = now.dv.wrapping_add(now.duv);
+        let after_both = after_u.wrapping_add(dv_beside);
+        let (takes_u, takes_v) = if now.quadrants != 0 && now.du >= 0 {
+            // Within a sharp tip, on its axis: see `turn`.
+            (false, true)
+        } else if dv_beside >= 0 && now.du.wrapping_add(now.duv) <= 0 {
+            // after_u <= after_both <= after_v: the sign of after_both leaves two candidates, and F
+            // midway between them tells which side of it the curve is.
+            if after_both >= 0 {
+                (true, after_both <= (now.dvv >> 2).wrapping_sub(after_u))
+            } else {
+                (
+                    after_both >= ((now.duu.wrapping_add(3)) >> 2).wrapping_sub(after_v),
+                    true,
+                )
+            }
+        } else {
+            let (size_u, size_v) = (after_u.unsigned_abs(), after_v.unsigned_abs());
+            let size_both = after_both.unsigned_abs();
+            if size_both <= size_u && size_both <= size_v {
+                (true, true)
+            } else {
+                (size_u < size_v, size_u >= size_v)
+            }
+        };
+        let step = self.take(Choice {
+            u: takes_u.into(),
+            v: takes_v.into(),
+        });
+        while self.now.quadrants != 0 && self.now.du >= 0 && !self.is_before_tip() {
+            self.turn();
+        }
+        Some(step)
     }
 }
 

@@ -1,10 +1,10 @@
 //! The straight line by a digital differential analyser.
 
-use core::iter::FusedIterator;
-
-use crate::interpolator::exactly;
+use crate::Step;
+use crate::interpolator::Totals;
 use crate::lattice::rounded_root;
-use crate::{Interpolator, Step};
+use crate::method::{Method, interpolator};
+use crate::step::negative_axes;
 
 /// A straight line through one to eight axes, one BLU of path an event: each axis steps when its
 /// register, to which its distance is added every pass, overflows the length L.
@@ -97,7 +97,7 @@ impl<const N: usize> LineDda<N> {
             left: events,
             events,
             length,
-            negative: negative(delta),
+            negative: negative_axes(delta),
             axes: delta.map(|distance| Register {
                 phase: phase(distance < 0),
                 rate: distance.unsigned_abs(),
@@ -109,14 +109,6 @@ impl<const N: usize> LineDda<N> {
     pub const fn events(&self) -> u32 {
         self.events
     }
-}
-
-/// The axes that go backwards.
-pub(crate) fn negative<const N: usize>(delta: [i32; N]) -> u8 {
-    (0..8_u32)
-        .zip(delta)
-        .filter(|(_, distance)| *distance < 0)
-        .fold(0, |mask, (axis, _)| mask | 1_u8.wrapping_shl(axis))
 }
 
 /// L^2; `None` where L is 2^31 or more.
@@ -131,11 +123,9 @@ pub(crate) fn square<const N: usize>(delta: [i32; N]) -> Option<u64> {
         .filter(|sum| *sum < 1 << 62)
 }
 
-impl<const N: usize> Iterator for LineDda<N> {
-    type Item = Step;
-
+impl<const N: usize> Method for LineDda<N> {
     #[inline]
-    fn next(&mut self) -> Option<Step> {
+    fn next_step(&mut self) -> Option<Step> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
@@ -155,25 +145,14 @@ impl<const N: usize> Iterator for LineDda<N> {
     }
 
     #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl<const N: usize> ExactSizeIterator for LineDda<N> {}
-impl<const N: usize> FusedIterator for LineDda<N> {}
-
-impl<const N: usize> Interpolator for LineDda<N> {
-    #[inline]
-    fn remaining(&self) -> u32 {
+    fn left(&self) -> u32 {
         self.left
     }
 
-    fn total_sweep(&self) -> u64 {
-        self.events.into()
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.events.min(1)
+    #[inline]
+    fn totals(&self) -> Totals {
+        Totals::of_ones(self.events)
     }
 }
+
+interpolator!(LineDda<N>);

@@ -1,10 +1,10 @@
 //! The printed DDA line with the length it means: irrational.
 
-use core::iter::FusedIterator;
-
-use crate::dda_line::{negative, square};
-use crate::interpolator::exactly;
-use crate::{Interpolator, Step};
+use crate::Step;
+use crate::dda_line::square;
+use crate::interpolator::Totals;
+use crate::method::{Method, interpolator};
+use crate::step::negative_axes;
 
 /// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of floor(L): for
 /// comparison.
@@ -55,7 +55,7 @@ impl<const N: usize> LineDdaExact<N> {
             left: events,
             events,
             square,
-            negative: negative(delta),
+            negative: negative_axes(delta),
             axes: delta.map(|distance| Register {
                 sum: 0,
                 rate: distance.unsigned_abs(),
@@ -76,11 +76,9 @@ fn product(a: u64, b: u64) -> u128 {
     u128::from(a).wrapping_mul(u128::from(b))
 }
 
-impl<const N: usize> Iterator for LineDdaExact<N> {
-    type Item = Step;
-
+impl<const N: usize> Method for LineDdaExact<N> {
     #[inline]
-    fn next(&mut self) -> Option<Step> {
+    fn next_step(&mut self) -> Option<Step> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
@@ -101,25 +99,14 @@ impl<const N: usize> Iterator for LineDdaExact<N> {
     }
 
     #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl<const N: usize> ExactSizeIterator for LineDdaExact<N> {}
-impl<const N: usize> FusedIterator for LineDdaExact<N> {}
-
-impl<const N: usize> Interpolator for LineDdaExact<N> {
-    #[inline]
-    fn remaining(&self) -> u32 {
+    fn left(&self) -> u32 {
         self.left
     }
 
-    fn total_sweep(&self) -> u64 {
-        self.events.into()
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.events.min(1)
+    #[inline]
+    fn totals(&self) -> Totals {
+        Totals::of_ones(self.events)
     }
 }
+
+interpolator!(LineDdaExact<N>);

@@ -1,11 +1,10 @@
 //! The direct-search arc with two tests an event.
 
-use core::iter::FusedIterator;
-
-use crate::interpolator::{Totals, exactly};
+use crate::interpolator::Totals;
 use crate::lattice::Start;
+use crate::method::{Method, interpolator};
 use crate::quadrant::{Quadrant, Sides};
-use crate::{ArcError, ArcMove, Interpolator, Step};
+use crate::{ArcError, ArcMove, Step};
 
 /// A circular arc about a whole-step centre with integer R^2: always the nearest of the three
 /// points ahead.
@@ -284,15 +283,6 @@ impl DirectSearch {
         let sweep = step.sweep.max(self.ends.least_sweep());
         Some(Step { sweep, ..step })
     }
-
-    #[inline]
-    const fn left(&self) -> u32 {
-        // Parts of the events, which are at most 2^31 and a few.
-        self.free
-            .wrapping_add(self.ends.before)
-            .wrapping_add(self.ends.waiting)
-            .wrapping_add(self.ends.after)
-    }
 }
 
 #[inline]
@@ -323,11 +313,9 @@ impl Along for () {
     fn turn(&mut self) {}
 }
 
-impl Iterator for DirectSearch {
-    type Item = Step;
-
+impl Method for DirectSearch {
     #[inline]
-    fn next(&mut self) -> Option<Step> {
+    fn next_step(&mut self) -> Option<Step> {
         match self.ordinary_next(&mut ()) {
             Some((step, ())) => Some(step),
             None => self.careful(&mut ()),
@@ -335,25 +323,18 @@ impl Iterator for DirectSearch {
     }
 
     #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left())
+    fn left(&self) -> u32 {
+        // Parts of the events, which are at most 2^31 and a few.
+        self.free
+            .wrapping_add(self.ends.before)
+            .wrapping_add(self.ends.waiting)
+            .wrapping_add(self.ends.after)
     }
-}
 
-impl ExactSizeIterator for DirectSearch {}
-impl FusedIterator for DirectSearch {}
-
-impl Interpolator for DirectSearch {
     #[inline]
-    fn remaining(&self) -> u32 {
-        self.left()
-    }
-
-    fn total_sweep(&self) -> u64 {
-        self.totals.total_sweep
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.totals.largest_sweep
+    fn totals(&self) -> Totals {
+        self.totals
     }
 }
+
+interpolator!(DirectSearch);

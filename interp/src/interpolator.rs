@@ -54,6 +54,16 @@ impl Totals {
         Some(totals)
     }
 
+    /// Those of `events` events that sweep 1 each, as the events of all lines do.
+    #[inline]
+    pub(crate) fn of_ones(events: u32) -> Totals {
+        Totals {
+            events,
+            total_sweep: events.into(),
+            largest_sweep: events.min(1),
+        }
+    }
+
     /// Another event; they are not more than 2^32.
     #[inline]
     pub(crate) fn add(&mut self, sweep: u32) {
@@ -62,12 +72,4 @@ impl Totals {
         self.total_sweep = self.total_sweep.wrapping_add(sweep.into());
         self.largest_sweep = self.largest_sweep.max(sweep);
     }
-}
-
-/// The size hint of an iterator that knows what remains.
-#[inline]
-pub(crate) fn exactly(left: u32) -> (usize, Option<usize>) {
-    // 2^31 at most: only a 16-bit machine could not say it.
-    let left = usize::try_from(left).ok();
-    (left.unwrap_or(usize::MAX), left)
 }

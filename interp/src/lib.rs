@@ -4,6 +4,7 @@
 #![deny(missing_docs)]
 
 mod interpolator;
+mod method;
 mod step;
 
 mod dda_line;

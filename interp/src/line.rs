@@ -1,9 +1,9 @@
 //! The straight line through N axes.
 
-use core::iter::FusedIterator;
-
-use crate::interpolator::exactly;
-use crate::{Interpolator, Step};
+use crate::Step;
+use crate::interpolator::Totals;
+use crate::method::{Method, interpolator};
+use crate::step::negative_axes;
 
 /// A straight line through one to eight axes: as many events as the longest axis has steps.
 ///
@@ -68,14 +68,10 @@ impl<const N: usize> Line<N> {
                 rate: distance.unsigned_abs(),
             }
         });
-        let negative = (0..8_u32)
-            .zip(delta)
-            .filter(|(_, distance)| *distance < 0)
-            .fold(0, |mask, (axis, _)| mask | 1_u8.wrapping_shl(axis));
         Line {
             left: events,
             events,
-            negative,
+            negative: negative_axes(delta),
             axes,
         }
     }
@@ -86,11 +82,9 @@ impl<const N: usize> Line<N> {
     }
 }
 
-impl<const N: usize> Iterator for Line<N> {
-    type Item = Step;
-
+impl<const N: usize> Method for Line<N> {
     #[inline]
-    fn next(&mut self) -> Option<Step> {
+    fn next_step(&mut self) -> Option<Step> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
@@ -118,25 +112,14 @@ impl<const N: usize> Iterator for Line<N> {
     }
 
     #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl<const N: usize> ExactSizeIterator for Line<N> {}
-impl<const N: usize> FusedIterator for Line<N> {}
-
-impl<const N: usize> Interpolator for Line<N> {
-    #[inline]
-    fn remaining(&self) -> u32 {
+    fn left(&self) -> u32 {
         self.left
     }
 
-    fn total_sweep(&self) -> u64 {
-        self.events.into()
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.events.min(1)
+    #[inline]
+    fn totals(&self) -> Totals {
+        Totals::of_ones(self.events)
     }
 }
+
+interpolator!(Line<N>);

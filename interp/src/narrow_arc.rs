@@ -1,11 +1,10 @@
 //! The general arc where 32 bits hold its state, for chips that have no room for the other case.
 
-use core::iter::FusedIterator;
-
 use crate::arc::start;
-use crate::interpolator::{Totals, exactly};
+use crate::counted::Counted;
+use crate::method::interpolator;
 use crate::walk::{Start, Walk};
-use crate::{ArcError, ArcMove, Interpolator, Step};
+use crate::{ArcError, ArcMove};
 
 /// An [`Arc`](crate::Arc) whose state has words of 32 bits: the same steps, or [`ArcError::Wide`].
 ///
@@ -33,9 +32,7 @@ use crate::{ArcError, ArcMove, Interpolator, Step};
 /// ```
 #[derive(Clone, Debug)]
 pub struct NarrowArc {
-    walk: Walk<i32>,
-    left: u32,
-    totals: Totals,
+    counted: Counted<Walk<i32>>,
     radius: u64,
 }
 
@@ -49,9 +46,7 @@ impl NarrowArc {
         let walk = Walk::new(&start);
         let totals = walk.totals().ok_or(ArcError::TooLong)?;
         Ok(NarrowArc {
-            walk,
-            left: totals.events,
-            totals,
+            counted: Counted::with_totals(walk, totals),
             radius,
         })
     }
@@ -79,36 +74,4 @@ fn narrow(arc: &ArcMove) -> Result<(Start, u64), ArcError> {
     }
 }
 
-impl Interpolator for NarrowArc {
-    #[inline]
-    fn remaining(&self) -> u32 {
-        self.left
-    }
-
-    fn total_sweep(&self) -> u64 {
-        self.totals.total_sweep
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        self.totals.largest_sweep
-    }
-}
-
-impl Iterator for NarrowArc {
-    type Item = Step;
-
-    #[inline]
-    fn next(&mut self) -> Option<Step> {
-        let step = self.walk.next()?;
-        self.left = self.left.wrapping_sub(1);
-        Some(step)
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        exactly(self.left)
-    }
-}
-
-impl ExactSizeIterator for NarrowArc {}
-impl FusedIterator for NarrowArc {}
+interpolator!(NarrowArc, counted);

@@ -1,6 +1,8 @@
 //! Line or arc behind one name.
 
-use crate::{ArcError, ArcMove, Helix, Interpolator, Line, Moves, Step};
+use crate::interpolator::Totals;
+use crate::method::{Method, interpolator};
+use crate::{ArcError, ArcMove, Helix, Line, Moves, Step};
 
 /// The default set of methods: the nearest-point line and arc of this crate.
 #[derive(Clone, Debug)]
@@ -11,30 +13,6 @@ pub enum Path<const N: usize> {
     Line(Line<N>),
     /// An arc, flat or helical.
     Arc(Helix<N>),
-}
-
-impl<const N: usize> Interpolator for Path<N> {
-    #[inline]
-    fn remaining(&self) -> u32 {
-        match self {
-            Path::Line(line) => line.remaining(),
-            Path::Arc(helix) => helix.remaining(),
-        }
-    }
-
-    fn total_sweep(&self) -> u64 {
-        match self {
-            Path::Line(line) => line.total_sweep(),
-            Path::Arc(helix) => helix.total_sweep(),
-        }
-    }
-
-    fn largest_sweep(&self) -> u32 {
-        match self {
-            Path::Line(line) => line.largest_sweep(),
-            Path::Arc(helix) => helix.largest_sweep(),
-        }
-    }
 }
 
 impl<const N: usize> Moves<N> for Path<N> {
@@ -54,11 +32,9 @@ impl<const N: usize> Moves<N> for Path<N> {
     }
 }
 
-impl<const N: usize> Iterator for Path<N> {
-    type Item = Step;
-
+impl<const N: usize> Method for Path<N> {
     #[inline]
-    fn next(&mut self) -> Option<Step> {
+    fn next_step(&mut self) -> Option<Step> {
         match self {
             Path::Line(line) => line.next(),
             Path::Arc(helix) => helix.next(),
@@ -66,12 +42,20 @@ impl<const N: usize> Iterator for Path<N> {
     }
 
     #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
+    fn left(&self) -> u32 {
         match self {
-            Path::Line(line) => line.size_hint(),
-            Path::Arc(helix) => helix.size_hint(),
+            Path::Line(line) => line.left(),
+            Path::Arc(helix) => helix.left(),
+        }
+    }
+
+    #[inline]
+    fn totals(&self) -> Totals {
+        match self {
+            Path::Line(line) => line.totals(),
+            Path::Arc(helix) => helix.totals(),
         }
     }
 }
 
-impl<const N: usize> core::iter::FusedIterator for Path<N> {}
+interpolator!(Path<N>);

@@ -36,3 +36,11 @@ impl Step {
         core::array::from_fn(|axis| self.delta(axis))
     }
 }
+
+/// The mask of the axes that go backwards, of the first eight.
+pub(crate) fn negative_axes<const N: usize>(delta: [i32; N]) -> u8 {
+    (0..8_u32)
+        .zip(delta)
+        .filter(|(_, distance)| *distance < 0)
+        .fold(0, |mask, (axis, _)| mask | 1_u8.wrapping_shl(axis))
+}

@@ -24,6 +24,8 @@ pub(crate) trait Word: Copy + Ord + core::fmt::Debug {
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn half(self) -> Self;
+    /// The exponent of a power of two.
+    fn exponent(self) -> u8;
     /// A positive sweep of less than 2^32 after the shift; there is none where the state is narrow.
     fn sweep(self, shift: u8) -> u32;
 }
@@ -46,6 +48,10 @@ impl Word for i32 {
     #[inline]
     fn half(self) -> i32 {
         self >> 1
+    }
+    #[inline]
+    fn exponent(self) -> u8 {
+        self.trailing_zeros() as u8
     }
     #[inline]
     fn sweep(self, _shift: u8) -> u32 {
@@ -71,6 +77,10 @@ impl Word for i64 {
     #[inline]
     fn half(self) -> i64 {
         self >> 1
+    }
+    #[inline]
+    fn exponent(self) -> u8 {
+        self.trailing_zeros() as u8
     }
     #[inline]
     fn sweep(self, shift: u8) -> u32 {
@@ -229,40 +239,10 @@ impl<W: Word> Walk<W> {
         self.quadrants.wrapping_sub(is_pending.into())
     }
 
-    /// The next step; `None` when the end is reached.
-    #[inline(always)]
-    pub(crate) fn next(&mut self) -> Option<Step> {
-        if self.is_at_limit() {
-            if self.quadrants != 0 {
-                self.turn();
-            }
-            if self.quadrants == 0 && self.is_at_limit() {
-                let (toward, sweep) = self.run_off();
-                return (toward != Toward::NOWHERE).then(|| self.step(toward, sweep));
-            }
-        }
-        if self.spread.left != 0 {
-            self.residue = self.residue.minus(self.change_of_radius());
-        }
-        let (way, residue, sweep) = nearest(self.residue, self.du, self.dv, self.one);
-        let two = self.one.plus(self.one);
-        self.residue = residue;
-        let toward = match way {
-            Way::U => {
-                self.du = self.du.plus(two);
-                self.toward_u
-            }
-            Way::V => {
-                self.dv = self.dv.plus(two);
-                self.toward_v
-            }
-            Way::Both => {
-                self.du = self.du.plus(two);
-                self.dv = self.dv.plus(two);
-                self.toward_u.and(self.toward_v)
-            }
-        };
-        Some(self.step(toward, sweep))
+    /// Fraction bits of the sweep, in BLU.
+    pub(crate) fn sweep_bits(&self) -> i8 {
+        // f <= 30 and shift <= 16: fits.
+        (self.one.exponent() as i8).wrapping_sub(self.sweep_shift as i8)
     }
 
     /// What all its steps add up to; `None` when they are more than 2^31. For a little more than half the instructions of walking them.
@@ -375,5 +355,44 @@ impl<W: Word> Walk<W> {
         }
         spread.phase = spread.phase.wrapping_sub(spread.steps);
         self.quotient.plus(W::narrow(1))
+    }
+}
+
+impl<W: Word> Iterator for Walk<W> {
+    type Item = Step;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Step> {
+        if self.is_at_limit() {
+            if self.quadrants != 0 {
+                self.turn();
+            }
+            if self.quadrants == 0 && self.is_at_limit() {
+                let (toward, sweep) = self.run_off();
+                return (toward != Toward::NOWHERE).then(|| self.step(toward, sweep));
+            }
+        }
+        if self.spread.left != 0 {
+            self.residue = self.residue.minus(self.change_of_radius());
+        }
+        let (way, residue, sweep) = nearest(self.residue, self.du, self.dv, self.one);
+        let two = self.one.plus(self.one);
+        self.residue = residue;
+        let toward = match way {
+            Way::U => {
+                self.du = self.du.plus(two);
+                self.toward_u
+            }
+            Way::V => {
+                self.dv = self.dv.plus(two);
+                self.toward_v
+            }
+            Way::Both => {
+                self.du = self.du.plus(two);
+                self.dv = self.dv.plus(two);
+                self.toward_u.and(self.toward_v)
+            }
+        };
+        Some(self.step(toward, sweep))
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use husillo_interp::{
     Arc, ArcDda, ArcError, ArcMove, DirectSearch, DirectSearchPrinted, Direction, Interpolator,
-    LineDda, LineDdaExact, Rim, Staircase, Step, TimedDirectSearch,
+    LineDda, LineDdaExact, NarrowArc, Path, Rim, Staircase, Step, TimedDirectSearch,
 };
 use proptest::prelude::*;
 
@@ -631,4 +631,7 @@ fn sizes() {
         assert!(size <= 64, "{size}");
     }
     assert!(size_of::<ArcDda>() <= 80, "{}", size_of::<ArcDda>());
+    assert!(size_of::<Arc>() <= 152, "{}", size_of::<Arc>());
+    assert!(size_of::<NarrowArc>() <= 96, "{}", size_of::<NarrowArc>());
+    assert!(size_of::<Path<3>>() <= 264, "{}", size_of::<Path<3>>());
 }
