@@ -22,8 +22,8 @@ pub fn line(config: &Config<3>, from: [Nm; 3], to: [Nm; 3]) -> Result<Option<Mov
     let (mut delta, mut exact) = ([0; AXES], [[0.0; AXES]; 2]);
     for axis in 0..3 {
         let scale = config.axes[axis].scale;
-        let start = scale.nearest(from[axis]).ok_or(TOO_LARGE)?;
-        let end = scale.nearest(to[axis]).ok_or(TOO_LARGE)?;
+        let start = scale.nearest(from[axis].0).ok_or(TOO_LARGE)?;
+        let end = scale.nearest(to[axis].0).ok_or(TOO_LARGE)?;
         delta[axis] = end.checked_sub(start).ok_or(TOO_LARGE)?;
         for (point, nm) in exact.iter_mut().zip([from, to]) {
             point[axis] = steps(scale, nm[axis]) - f64::from(start);
@@ -49,7 +49,7 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
         return Err(UNEQUAL);
     }
     let flat = |p: [Nm; 3]| plane.map(|axis| p[axis]);
-    let lattice = |p: [Nm; 2]| match p.map(|at| scale.nearest(at)) {
+    let lattice = |p: [Nm; 2]| match p.map(|at| scale.nearest(at.0)) {
         [Some(x), Some(y)] => Ok([x, y]),
         _ => Err(TOO_LARGE),
     };

@@ -378,7 +378,7 @@ impl<'a> Run<'a> {
         for (axis, target) in self.target.iter_mut().enumerate() {
             *target = machine.config().axes[axis]
                 .scale
-                .nearest(to[axis])
+                .nearest(to[axis].0)
                 .unwrap_or(0);
         }
         self.keep_ideal(segment, to);

@@ -2,6 +2,7 @@
 
 use crate::Step;
 use crate::counted::Counted;
+use crate::length::square_root;
 use crate::method::interpolator;
 use crate::walk::{Spread, Start, Toward, Walk};
 use core::fmt;
@@ -20,6 +21,9 @@ const MAX_NARROW: u64 = 710_000_000;
 const MAX_STATE: u64 = 2_140_000_000;
 
 /// Turning sense, seen with the first axis to the right and the second one up.
+///
+/// The same as `Direction` of `husillo-gcode`. No crate of this level depends on another, so a `bool`
+/// goes between them: [`Direction::from_clockwise`] of its `is_clockwise`.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
@@ -27,6 +31,17 @@ pub enum Direction {
     Clockwise,
     /// G3.
     CounterClockwise,
+}
+
+impl Direction {
+    /// Clockwise or counter-clockwise.
+    pub const fn from_clockwise(is_clockwise: bool) -> Direction {
+        if is_clockwise {
+            Direction::Clockwise
+        } else {
+            Direction::CounterClockwise
+        }
+    }
 }
 
 /// What the arc's ends, which are whole steps, are to its circle.
@@ -496,25 +511,4 @@ fn spread(
 /// Mean of two values below 2^63, rounded down.
 const fn mean(one: u64, other: u64) -> u64 {
     one.wrapping_add(other) >> 1
-}
-
-/// floor(sqrt(`square`)), one bit at a time: at most 32 rounds, no division.
-const fn square_root(square: u64) -> u64 {
-    let mut root = 0_u64;
-    let mut rest = square;
-    let mut bit = 1_u64 << 62;
-    while bit > square && bit != 0 {
-        bit >>= 2;
-    }
-    while bit != 0 {
-        // root + bit <= square, except where rest is compared with it: below 2^63 anyway.
-        let trial = root.wrapping_add(bit);
-        root >>= 1;
-        if rest >= trial {
-            rest = rest.wrapping_sub(trial);
-            root = root.wrapping_add(bit);
-        }
-        bit >>= 2;
-    }
-    root
 }

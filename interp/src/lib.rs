@@ -32,6 +32,10 @@ mod helix;
 
 mod path;
 
+mod length;
+mod programmed_arc;
+mod scale;
+
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
 pub use bezier::{Bezier, BezierError};
 pub use conic::Conic;
@@ -43,9 +47,12 @@ pub use direct_search::DirectSearch;
 pub use direct_search_printed::DirectSearchPrinted;
 pub use helix::Helix;
 pub use interpolator::{Interpolator, Moves};
+pub use length::length;
 pub use line::Line;
 pub use narrow_arc::NarrowArc;
 pub use path::Path;
+pub use programmed_arc::{GridArc, ProgrammedArc};
+pub use scale::Scale;
 pub use staircase::Staircase;
 pub use step::Step;
 pub use timed_direct_search::{TimedDirectSearch, TimedStep};

@@ -3,8 +3,6 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod scale;
-
 mod axis;
 mod event;
 mod refused;
@@ -41,6 +39,7 @@ pub use cell::{CELL_MOTORS, Cell, CellConfig, CellEvent, CellInputs, CellPair, P
 pub use closed_loop::{ClosedLoop, Followed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use event::{Event, FollowEvent, MAX_WAIT_TICKS, Output, Pause, StepEvent};
+pub use husillo_interp::Scale;
 pub use husillo_transports::byte_commands::Report as CellReport;
 pub use husillo_transports::micromill::Stops as MillStops;
 pub use machine::{Machine, Origin};
@@ -49,7 +48,6 @@ pub use motors::{Idle, Motors};
 #[cfg(feature = "nb")]
 pub use poll::NotFound;
 pub use refused::{Means, MoveError, Refused};
-pub use scale::Scale;
 pub use segment::{Segment, extent};
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
 pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};

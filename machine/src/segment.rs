@@ -1,12 +1,9 @@
 //! One command that moves, as steps and ticks.
 
 use husillo_gcode::{Command, Feed, Nm};
-use husillo_interp::{ArcMove, Moves};
+use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
 
-use crate::{
-    Axis, Config, Means, MoveError,
-    arc::{Course, arc_extent, course, in_plane},
-};
+use crate::{Axis, Config, Means, MoveError, arc::in_plane};
 
 /// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
 const MAX_EVENTS: u64 = 1 << 31;
@@ -34,7 +31,7 @@ pub(crate) fn lattice<const N: usize>(
     for (number, ((axis, at), step)) in (0..N).zip(axes.iter().zip(at).zip(&mut steps)) {
         *step = axis
             .scale
-            .nearest(*at)
+            .nearest(at.0)
             .ok_or(MoveError::Reach { axis: number })?;
     }
     Ok(steps)
@@ -84,9 +81,9 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
         }
     }
     if let Command::Arc { arc, .. } = command {
-        for (axis, span) in arc.plane.axes().into_iter().zip(arc_extent(from, arc)) {
+        for (axis, span) in arc.plane.axes().into_iter().zip(in_plane(from, arc).extent()) {
             if let Some(extent) = extents.get_mut(axis) {
-                *extent = Some(span);
+                *extent = Some(span.map(Nm));
             }
         }
     }
@@ -125,9 +122,9 @@ impl<const N: usize> Config<N> {
                 self.check_point(&arc.to)?;
                 let longest = self.check_length(from, &arc.to)?;
                 let plane = arc.plane.axes();
-                for (number, [low, high]) in plane.into_iter().zip(arc_extent(from, arc)) {
-                    self.check_travel(number, low)?;
-                    self.check_travel(number, high)?;
+                for (number, [low, high]) in plane.into_iter().zip(in_plane(from, arc).extent()) {
+                    self.check_travel(number, Nm(low))?;
+                    self.check_travel(number, Nm(high))?;
                 }
                 let mismatch = arc.mismatch;
                 match self.arc_tolerance {
@@ -140,15 +137,14 @@ impl<const N: usize> Config<N> {
                     _ => {}
                 }
                 let [start, end] = [lattice(&self.axes, from)?, lattice(&self.axes, &arc.to)?];
-                let course = self.course(from, arc, start, end)?;
                 // A turn has less than 6 (r + 4) events, a helix as many more as its longest axis has steps.
-                let events = match course {
-                    Course::Round(round, _) if !fits(&round) => return Err(MoveError::ArcTooLarge),
-                    Course::Round(_, radius) => u64::from(radius)
+                let events = match self.grid_arc(from, arc, start, end)? {
+                    Some(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
+                    Some(grid) => u64::from(grid.radius_steps)
                         .saturating_add(4)
                         .saturating_mul(6)
                         .saturating_mul(u64::from(arc.turns).saturating_add(1)),
-                    Course::Straight => 0,
+                    None => 0,
                 };
                 if events.saturating_add(longest) > MAX_EVENTS {
                     return Err(MoveError::ArcTooLarge);
@@ -211,13 +207,14 @@ impl<const N: usize> Config<N> {
         Ok(())
     }
 
-    fn course(
+    /// The arc on the grid; `None` where it is too short to go round anything: a line then.
+    fn grid_arc(
         &self,
         from: &[Nm; N],
         arc: &husillo_gcode::Arc<N>,
         start: [i32; N],
         end: [i32; N],
-    ) -> Result<Course, MoveError> {
+    ) -> Result<Option<GridArc>, MoveError> {
         let plane = arc.plane.axes();
         let [Some(first), Some(second)] = plane.map(|number| self.axes.get(number)) else {
             return Err(MoveError::UnequalSteps);
@@ -225,8 +222,12 @@ impl<const N: usize> Config<N> {
         if first.scale != second.scale {
             return Err(MoveError::UnequalSteps);
         }
-        let lattice = [in_plane(&start, plane), in_plane(&end, plane)];
-        course(from, arc, first.scale, lattice)
+        let steps = [start, end].map(|at| plane.map(|axis| at.get(axis).copied().unwrap_or(0)));
+        match in_plane(from, arc).on_grid(first.scale, steps) {
+            Ok(grid) => Ok(Some(grid)),
+            Err(ArcError::Degenerate) => Ok(None),
+            Err(_) => Err(MoveError::ArcTooLarge),
+        }
     }
 
     /// The path of a move that has passed [`Config::check`].
@@ -243,9 +244,9 @@ impl<const N: usize> Config<N> {
             *delta = end.wrapping_sub(start);
         }
         if let Command::Arc { arc, .. } = &segment.command {
-            if let Ok(Course::Round(round, _)) = self.course(&segment.from, arc, start, end) {
+            if let Ok(Some(grid)) = self.grid_arc(&segment.from, arc, start, end) {
                 // Returned from here: each copy of a path is 264 bytes of a small chip's stack.
-                if let Ok(path) = P::arc(&round, arc.plane.axes(), delta) {
+                if let Ok(path) = P::arc(&grid.arc, arc.plane.axes(), delta) {
                     return path;
                 }
             }

@@ -1,14 +1,9 @@
 //! Which way a move begins and ends.
 
-use husillo_gcode::{Command, Direction as Turning, Nm};
+use husillo_gcode::{Command, Direction as Turning};
 use husillo_planner::Direction;
 
-use crate::{
-    Segment,
-    arc::{from_centre, in_plane, radius},
-    duration::mul_div,
-    tempo::Tempo,
-};
+use crate::{Segment, arc::in_plane, duration::mul_div, tempo::Tempo};
 
 /// The directions of the path at the start and at the end of a move; `None` where it goes nowhere.
 pub(crate) fn tangents<const N: usize>(
@@ -27,11 +22,8 @@ pub(crate) fn tangents<const N: usize>(
     let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
         return Direction::new(straight).map(|direction| [direction; 2]);
     };
-    let centre = in_plane(&arc.centre, round.plane);
-    let tangent = |point: &[Nm; N]| {
-        let spoke = from_centre(in_plane(point, round.plane), centre);
-        let size = radius(spoke);
-        let [x, y] = spoke;
+    let flat = in_plane(&segment.from, arc);
+    let tangent = |[x, y]: [i64; 2], size: u64| {
         let [across, up] = match arc.direction {
             Turning::CounterClockwise => [y.saturating_neg(), x],
             Turning::Clockwise => [y, x.saturating_neg()],
@@ -51,5 +43,6 @@ pub(crate) fn tangents<const N: usize>(
         }
         Direction::new(way)
     };
-    Some([tangent(&segment.from)?, tangent(&arc.to)?])
+    let ([start, end], [start_radius, end_radius]) = (flat.spokes(), flat.radii());
+    Some([tangent(start, start_radius)?, tangent(end, end_radius)?])
 }

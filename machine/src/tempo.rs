@@ -1,12 +1,12 @@
 //! How long a move is and takes.
 
 use husillo_gcode::{Command, Feed, Nm};
-use husillo_interp::Moves;
+use husillo_interp::{Moves, length};
 
 use crate::{
     Axis, Config, Segment,
-    arc::{from_centre, in_plane, radius},
-    duration::{length, mul_div, mul_div_q16},
+    arc::in_plane,
+    duration::{mul_div, mul_div_q16},
 };
 
 /// Length and time of a move: of the way as programmed, not of the steps it rounds to, so that many moves shorter than a
@@ -89,11 +89,9 @@ impl<const N: usize> Config<N> {
         let mut around = round.map_or(0, |round| round.around_nm);
         if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {
             // Whole turns that are too small for the grid take their time all the same; pi is 355 / 113.
-            let [a, b] = arc.plane.axes();
-            let centre = in_plane(&arc.centre, [a, b]);
-            let [start, end] = [&segment.from, &arc.to].map(|at| in_plane(at, [a, b]));
-            let turns = u64::from(arc.turns).saturating_add(u64::from(start == end));
-            let rim = radius(from_centre(start, centre));
+            let flat = in_plane(&segment.from, arc);
+            let turns = u64::from(arc.turns).saturating_add(u64::from(flat.from == flat.to));
+            let [rim, _] = flat.radii();
             around = mul_div(rim.saturating_mul(turns), 710, 113);
         }
         let length_nm = length(&ways, around);
@@ -117,7 +115,7 @@ impl<const N: usize> Config<N> {
         let plane = arc.plane.axes();
         let [first, _] = plane.map(|number| self.axes.get(number));
         let scale = first?.scale;
-        let centre = in_plane(&arc.centre, plane);
+        let [radius_nm, _] = in_plane(&segment.from, arc).radii();
         Some(Round {
             plane,
             // The area swept, divided by the radius, is the length of the arc in steps.
@@ -126,7 +124,7 @@ impl<const N: usize> Config<N> {
                 u64::from(scale.nm()),
                 path.radius()?.saturating_mul(u64::from(scale.steps())),
             ),
-            radius_nm: radius(from_centre(in_plane(&segment.from, plane), centre)),
+            radius_nm,
         })
     }
 }

@@ -3,7 +3,6 @@
 mod common;
 
 use common::{Screw, config, drain};
-use husillo_gcode::Nm;
 use husillo_machine::{Machine, Scale};
 use proptest::prelude::*;
 
@@ -70,7 +69,7 @@ proptest! {
                 Ok(()) => {
                     drain(&mut machine, &mut screw);
                     let scale = Scale::new(140, 1).unwrap();
-                    let target = machine.modal().position().map(|at| scale.nearest(at).unwrap());
+                    let target = machine.modal().position().map(|at| scale.nearest(at.0).unwrap());
                     prop_assert_eq!(machine.position_steps(), target, "{}", line);
                 }
                 Err(_) => {
@@ -105,6 +104,6 @@ proptest! {
         prop_assume!(nm >= 2 * steps);
         let scale = Scale::new(nm, steps).unwrap();
         prop_assert_eq!(scale.nearest(scale.position(step)), Some(step));
-        prop_assert_eq!(scale.nearest(Nm(0)), Some(0));
+        prop_assert_eq!(scale.nearest(0), Some(0));
     }
 }

@@ -39,6 +39,7 @@ pub fn keep() {
         Block::new as *const (),
         Block::read as *const (),
         Arc::<3>::around as *const (),
+        Arc::<3>::in_plane as *const (),
         Modal::<3>::apply as *const (),
         Commands::<3>::new as *const (),
         Measure::of as *const (),

@@ -3,9 +3,9 @@
 use core::hint::black_box;
 
 use husillo_interp::{
-    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Helix, Interpolator, Line,
-    LineDda, LineDdaExact, Moves, NarrowArc, Path, Staircase, Step, TimedDirectSearch,
-    fraction_bits_for,
+    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Direction, Helix, Interpolator,
+    Line, LineDda, LineDdaExact, Moves, NarrowArc, Path, ProgrammedArc, Scale, Staircase, Step,
+    TimedDirectSearch, fraction_bits_for, length,
 };
 
 /// Keeps every function in the program.
@@ -13,6 +13,18 @@ use husillo_interp::{
 pub fn keep() {
     black_box([
         fraction_bits_for as *const (),
+        length as *const (),
+        Direction::from_clockwise as *const (),
+        ProgrammedArc::spokes as *const (),
+        ProgrammedArc::radii as *const (),
+        ProgrammedArc::extent as *const (),
+        ProgrammedArc::on_grid as *const (),
+        Scale::new as *const (),
+        Scale::nm as *const (),
+        Scale::steps as *const (),
+        Scale::nearest as *const (),
+        Scale::nearest_fraction as *const (),
+        Scale::position as *const (),
         Line::<3>::new as *const (),
         Line::<3>::events as *const (),
         Line::<3>::remaining as *const (),

@@ -6,8 +6,8 @@ use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
-    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, Scale,
-    ServoAxis, ServoModule, extent, servo_law,
+    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, ServoAxis,
+    ServoModule, extent, servo_law,
 };
 use husillo_stepper::{Drive, Levels};
 
@@ -22,11 +22,6 @@ type Mill = AnyMill<'static>;
 #[unsafe(export_name = "machine")]
 pub fn keep() {
     black_box([
-        Scale::new as *const (),
-        Scale::nm as *const (),
-        Scale::steps as *const (),
-        Scale::nearest as *const (),
-        Scale::position as *const (),
         Axis::max_feed_nm_per_min as *const (),
         Config::<3>::check as *const (),
         Config::<3>::check_travel as *const (),

@@ -86,6 +86,9 @@ impl Plane {
 }
 
 /// The sense of an arc, seen from the positive end of the axis across its plane.
+///
+/// The same as `Direction` of `husillo-interp`. No crate of this level depends on another, so a
+/// `bool` goes between them: [`Direction::is_clockwise`].
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
@@ -93,6 +96,13 @@ pub enum Direction {
     Clockwise,
     /// G3.
     CounterClockwise,
+}
+
+impl Direction {
+    /// Whether it is G2.
+    pub const fn is_clockwise(self) -> bool {
+        matches!(self, Direction::Clockwise)
+    }
 }
 
 /// An arc or a helix from the position before it. Start and end equal in the plane mean one full
@@ -143,6 +153,13 @@ impl<const N: usize> Arc<N> {
             mismatch,
             resolution: Nm(1),
         })
+    }
+
+    /// Start, end and centre in the two axes of its plane, in nanometres of the machine frame: what
+    /// an interpolator takes. `from` is the position before the arc.
+    pub fn in_plane(&self, from: &[Nm; N]) -> [[i64; 2]; 3] {
+        let axes = self.plane.axes();
+        [from, &self.to, &self.centre].map(|at| axes.map(|axis| coordinate(at, axis).0))
     }
 }
 

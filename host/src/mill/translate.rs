@@ -344,10 +344,10 @@ impl Translator<'_> {
     fn rounded(&self, axis: usize, at: Nm) -> i64 {
         let unit = nearest(at.0, UNIT_NM);
         let scale = self.config.axes[axis].scale;
-        let step = scale.nearest(at);
+        let step = scale.nearest(at.0);
         [unit, unit - 1, unit + 1]
             .into_iter()
-            .find(|unit| scale.nearest(Nm(unit * UNIT_NM)) == step)
+            .find(|unit| scale.nearest(unit * UNIT_NM) == step)
             .unwrap_or(unit)
     }
 

@@ -265,7 +265,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             .iter_mut()
             .zip(self.load.iter().zip(&self.config.axes))
         {
-            *position = axis.scale.position(*load);
+            *position = Nm(axis.scale.position(*load));
         }
         self.schedule.clear(position, self.load);
         self.schedule.set_mode(self.mode);

@@ -277,7 +277,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
     fn stand(&mut self) {
         let axes = self.config.machine.axes.iter().zip(&self.plays);
         for (at, (axis, play)) in self.at.iter_mut().zip(axes) {
-            let Ok(place) = i32::try_from(axis.scale.position(play.load()).0) else {
+            let Ok(place) = i32::try_from(axis.scale.position(play.load())) else {
                 // Farther than any axis goes: home again.
                 self.is_homed = false;
                 continue;

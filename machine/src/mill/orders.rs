@@ -143,7 +143,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         let axes = axes.zip(self.lash.iter_mut().zip(&mut self.plays));
         for ((other, config), (lash, play)) in axes {
             if other == axis {
-                let way = husillo_gcode::Nm(i64::from(um).wrapping_mul(1000));
+                let way = i64::from(um).wrapping_mul(1000);
                 let steps = config.scale.nearest(way).unwrap_or(0);
                 *lash = steps.clamp(0, u16::MAX.into()) as u16;
                 if self.is_homed {
@@ -164,7 +164,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                     let to = config
                         .scale
                         .position(play.load().saturating_add(steps.into()));
-                    (low..=high).contains(&to)
+                    (low.0..=high.0).contains(&to)
                 }
                 _ => true,
             }

@@ -1,6 +1,5 @@
 //! What is under way: a line, or one of the modes that decide step by step.
 
-use husillo_gcode::Nm;
 use husillo_transports::micromill::{Answer, Axis};
 
 use super::{Mill, MillInputs, Next, first_owed, ways::Ways};
@@ -189,7 +188,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         axes.any(|((axis, play), way)| match axis.travel {
             Some([low, high]) if self.is_homed && way != 0 && !play.owes(way > 0) => {
                 let to = play.load().saturating_add(way.into());
-                let Nm(to) = axis.scale.position(to);
+                let to = axis.scale.position(to);
                 to < low.0 || to > high.0
             }
             _ => false,

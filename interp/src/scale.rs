@@ -1,7 +1,5 @@
 //! Nanometres to steps and back, exactly.
 
-use husillo_gcode::Nm;
-
 /// Travel of one motor step as a reduced fraction of nanometres: `nm / steps`.
 ///
 /// 140 nm a step is `140 / 1`; 107 steps a millimetre are `1_000_000 / 107`. Both are exact, which no
@@ -37,11 +35,12 @@ impl Scale {
         self.steps
     }
 
-    /// The step nearest to a position, halves away from zero; `None` beyond the range of `i32`.
+    /// The step nearest to a position in nanometres, halves away from zero; `None` beyond the range of `i32`.
     ///
     /// One multiplication and one division of 64 bits.
-    pub const fn nearest(self, at: Nm) -> Option<i32> {
-        let Some(doubled) = at.0.unsigned_abs().checked_mul(2 * self.steps as u64) else {
+    #[inline]
+    pub const fn nearest(self, at_nm: i64) -> Option<i32> {
+        let Some(doubled) = at_nm.unsigned_abs().checked_mul(2 * self.steps as u64) else {
             return None;
         };
         let Some(sum) = doubled.checked_add(self.nm as u64) else {
@@ -54,7 +53,7 @@ impl Scale {
         if magnitude > i32::MAX as u64 {
             return None;
         }
-        Some(if at.0 < 0 {
+        Some(if at_nm < 0 {
             -(magnitude as i32)
         } else {
             magnitude as i32
@@ -64,23 +63,24 @@ impl Scale {
     /// The position of a step in nanometres, halves away from zero.
     ///
     /// `|step| * nm <= 2^31 * 2^32 = 2^63` is formed in `u64`, so nothing overflows.
-    pub const fn position(self, step: i32) -> Nm {
+    pub const fn position(self, step: i32) -> i64 {
         let product = step.unsigned_abs() as u64 * self.nm as u64;
         let divisor = self.steps as u64;
         let magnitude = match product.saturating_add(divisor / 2).checked_div(divisor) {
             Some(magnitude) => magnitude as i64,
             None => 0,
         };
-        Nm(if step < 0 {
+        if step < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
-        })
+        }
     }
 
-    /// A position in units of `2^-fraction_bits` steps, halves away from zero; `None` on overflow.
-    pub(crate) const fn nearest_fraction(self, at: Nm, fraction_bits: u8) -> Option<i64> {
-        let magnitude = at.0.unsigned_abs();
+    /// A position in nanometres as steps with `fraction_bits` (at most 31) bits after the point,
+    /// halves away from zero; `None` where that takes more than 62 bits.
+    pub const fn nearest_fraction(self, at_nm: i64, fraction_bits: u8) -> Option<i64> {
+        let magnitude = at_nm.unsigned_abs();
         let unit = self.nm as u64;
         // Whole millimetre-sized chunks first: `(magnitude % unit) * steps < 2^64`, and its
         // remainder `< unit < 2^32` takes up to 31 more fraction bits.
@@ -112,7 +112,7 @@ impl Scale {
         };
         // Below 2^62 and at most 2^31: nothing wraps.
         let value = (steps << bits).wrapping_add(fraction) as i64;
-        Some(if at.0 < 0 {
+        Some(if at_nm < 0 {
             value.wrapping_neg()
         } else {
             value
@@ -134,11 +134,11 @@ mod tests {
     #[test]
     fn rounds_halves_away_from_zero() {
         let micromill = Scale::new(140, 1).unwrap();
-        assert_eq!(micromill.nearest(Nm(69)), Some(0));
-        assert_eq!(micromill.nearest(Nm(70)), Some(1));
-        assert_eq!(micromill.nearest(Nm(-70)), Some(-1));
-        assert_eq!(micromill.nearest(Nm(i64::MAX)), None);
-        assert_eq!(micromill.nearest(Nm(i64::MIN)), None);
+        assert_eq!(micromill.nearest(69), Some(0));
+        assert_eq!(micromill.nearest(70), Some(1));
+        assert_eq!(micromill.nearest(-70), Some(-1));
+        assert_eq!(micromill.nearest(i64::MAX), None);
+        assert_eq!(micromill.nearest(i64::MIN), None);
     }
 
     #[test]
@@ -159,8 +159,8 @@ mod tests {
     #[test]
     fn fractions_agree_with_whole_steps() {
         let drill = Scale::new(1_000_000, 107).unwrap();
-        assert_eq!(drill.nearest_fraction(Nm(1_000_000), 16), Some(107 << 16));
-        assert_eq!(drill.nearest_fraction(Nm(-500_000), 1), Some(-107));
-        assert_eq!(drill.nearest_fraction(Nm(i64::MAX), 16), None);
+        assert_eq!(drill.nearest_fraction(1_000_000, 16), Some(107 << 16));
+        assert_eq!(drill.nearest_fraction(-500_000, 1), Some(-107));
+        assert_eq!(drill.nearest_fraction(i64::MAX, 16), None);
     }
 }

@@ -1,0 +1,338 @@
+//! An arc in nanometres to the arc in steps.
+
+use crate::length::length;
+use crate::{ArcError, ArcMove, Direction, Rim, Scale, fraction_bits_for};
+
+/// Largest radius in steps: `(r + 4) * 2^f` stays within the proof of [`Arc`](crate::Arc).
+const MAX_RADIUS_STEPS: u64 = 1 << 28;
+
+/// An arc as a program has it: exact positions, in nanometres, of the two axes of its plane.
+///
+/// Both axes have steps of the same length. A helix is this arc in its plane; its other axes go
+/// along.
+///
+/// # Examples
+/// A quarter turn with 107 steps a millimetre:
+/// ```
+/// use husillo_interp::{Arc, Direction, ProgrammedArc, Scale};
+///
+/// let scale = Scale::new(1_000_000, 107).unwrap();
+/// let quarter = ProgrammedArc {
+///     from: [10_000_000, 0],
+///     to: [0, 10_000_000],
+///     centre: [0, 0],
+///     direction: Direction::from_clockwise(false),
+///     turns: 0,
+///     mismatch_nm: 0,
+/// };
+/// assert_eq!(quarter.extent(), [[0, 10_000_000], [0, 10_000_000]]);
+/// let steps = [quarter.from, quarter.to].map(|at| at.map(|nm| scale.nearest(nm).unwrap()));
+/// let grid = quarter.on_grid(scale, steps)?;
+/// let arc = Arc::new(&grid.arc)?;
+/// assert_eq!(arc.map(|step| i32::from(step.delta(1))).sum::<i32>(), 1070);
+/// # Ok::<(), husillo_interp::ArcError>(())
+/// ```
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProgrammedArc {
+    /// First point.
+    pub from: [i64; 2],
+    /// Last point; in the same direction from the centre as `from` it means a full turn.
+    pub to: [i64; 2],
+    /// Centre.
+    pub centre: [i64; 2],
+    /// Turning sense.
+    pub direction: Direction,
+    /// Complete turns made on top of the shortest way round.
+    pub turns: u32,
+    /// How far the radii at both ends differ. Up to half a step the path is the circle through
+    /// `from`; beyond that it is a spiral.
+    pub mismatch_nm: u64,
+}
+
+/// What a [`ProgrammedArc`] is on the grid of its axes' steps.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct GridArc {
+    /// The move, in steps from its first point.
+    pub arc: ArcMove,
+    /// The larger radius of its ends, to the nearest step; below 2^28.
+    pub radius_steps: u32,
+}
+
+impl ProgrammedArc {
+    /// The vectors from the centre to the first and to the last point, in nanometres.
+    pub fn spokes(&self) -> [[i64; 2]; 2] {
+        let [x, y] = self.centre;
+        [self.from, self.to].map(|[at_x, at_y]| [at_x.saturating_sub(x), at_y.saturating_sub(y)])
+    }
+
+    /// The distances of the first and of the last point from the centre, in nanometres, right to
+    /// half a nanometre or 2^-28 of the distance.
+    pub fn radii(&self) -> [u64; 2] {
+        self.spokes().map(size)
+    }
+
+    /// Lowest and highest coordinate of the path in each of the two axes, in nanometres.
+    ///
+    /// Of a spiral the circle with the larger radius is meant.
+    pub fn extent(&self) -> [[i64; 2]; 2] {
+        let [start, end] = self.spokes();
+        let rim = larger_radius(start, end);
+        let sweeps = |cardinal| self.turns > 0 || sweeps(start, end, self.direction, cardinal);
+        let ([x0, y0], [x1, y1], [cx, cy]) = (self.from, self.to, self.centre);
+        let span = |a: i64, b: i64, c: i64, low: bool, high: bool| {
+            let (mut least, mut most) = (a.min(b), a.max(b));
+            if low {
+                least = least.min(c.saturating_sub(rim));
+            }
+            if high {
+                most = most.max(c.saturating_add(rim));
+            }
+            [least, most]
+        };
+        [
+            span(x0, x1, cx, sweeps([-1, 0]), sweeps([1, 0])),
+            span(y0, y1, cy, sweeps([0, -1]), sweeps([0, 1])),
+        ]
+    }
+
+    /// The arc on the grid, with its first point at the origin.
+    ///
+    /// `steps` are the positions on which the axes stand and shall stand: as a rule
+    /// [`Scale::nearest`] of both ends. Where ends that lie on one spoke round to steps that do not,
+    /// or to the same step, the exact positions say whether the arc is short or a whole turn.
+    ///
+    /// The centre keeps the fraction bits of [`fraction_bits_for`]. A circle goes through the exact
+    /// first point, whose squared radius is never formed: its residues are rounded to nearest, which
+    /// gives the lesser bound of [`Rim::Nominal`].
+    ///
+    /// # Errors
+    /// [`ArcError::Degenerate`] where it is too short to go round anything on this grid: make a line
+    /// of it. [`ArcError::TooLarge`] where the radius is 2^28 steps or more, or the centre 2^31 steps
+    /// or more from zero.
+    ///
+    /// # Cost
+    /// Some fifteen products of 64 and 128 bits, three roots and five divisions of 64 bits.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    pub fn on_grid(&self, scale: Scale, steps: [[i32; 2]; 2]) -> Result<GridArc, ArcError> {
+        let [start, end] = self.spokes();
+        let radius_steps = match scale.nearest(larger_radius(start, end)) {
+            Some(steps) if u64::from(steps.unsigned_abs()) < MAX_RADIUS_STEPS => {
+                steps.unsigned_abs()
+            }
+            _ => return Err(ArcError::TooLarge),
+        };
+        let bits = fraction_bits_for(u64::from(radius_steps));
+        let [[ax, ay], [bx, by]] = steps;
+        // Both ends are within 2 * 2^28 steps of each other, unless the programmed radii lie about it.
+        let to = [bx.wrapping_sub(ax), by.wrapping_sub(ay)];
+        let [centre_x, centre_y] = self.centre.map(|at| scale.nearest_fraction(at, bits));
+        let (Some(centre_x), Some(centre_y)) = (centre_x, centre_y) else {
+            return Err(ArcError::TooLarge);
+        };
+        // 2^31 steps with at most 16 fraction bits: 47 bits.
+        let centre = [
+            centre_x.wrapping_sub(i64::from(ax) << bits),
+            centre_y.wrapping_sub(i64::from(ay) << bits),
+        ];
+        let mut turns = self.turns;
+        let spoke = centre.map(i64::wrapping_neg);
+        if let Some(short) = nearly_closed(spoke, to, start, end, self.direction) {
+            if short && turns == 0 {
+                return Err(ArcError::Degenerate);
+            }
+            // The grid sees a hop forward as short and anything else as a whole turn; the program
+            // decides.
+            if !short {
+                turns = turns.saturating_add(1);
+            }
+            if to == [0, 0] || !is_forward(spoke, to, self.direction) {
+                turns = turns.saturating_sub(1);
+            }
+        }
+        let half_step = self
+            .mismatch_nm
+            .saturating_mul(2 * u64::from(scale.steps()));
+        let rim = if half_step <= u64::from(scale.nm()) {
+            nominal(start, centre, to, scale, bits)
+        } else {
+            Rim::Spiral
+        };
+        Ok(GridArc {
+            arc: ArcMove {
+                from: [0, 0],
+                to,
+                centre,
+                fraction_bits: bits,
+                direction: self.direction,
+                turns,
+                rim,
+            },
+            radius_steps,
+        })
+    }
+}
+
+/// Size of a vector.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn size([x, y]: [i64; 2]) -> u64 {
+    length(&[x.unsigned_abs()], y.unsigned_abs())
+}
+
+/// The larger distance from the centre.
+fn larger_radius(start: [i64; 2], end: [i64; 2]) -> i64 {
+    size(start).max(size(end)).min(i64::MAX as u64) as i64
+}
+
+/// A product of 128 bits: on a small chip a long piece of code, which is there once.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn product(a: i64, b: i64) -> i128 {
+    a as i128 * b as i128
+}
+
+/// Twice the signed area of two vectors; the products are below 2^127.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
+    product(ax, by).wrapping_sub(product(ay, bx))
+}
+
+/// Whether the way from `start` to `end` passes the direction of `through`; a full turn passes all.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn sweeps(start: [i64; 2], end: [i64; 2], direction: Direction, through: [i64; 2]) -> bool {
+    let (start, end) = match direction {
+        Direction::CounterClockwise => (start, end),
+        Direction::Clockwise => (end, start),
+    };
+    if start == end {
+        return true;
+    }
+    let after_start = is_after(start, through, end);
+    let turn = cross(start, end);
+    if turn == 0 && is_ahead(start, end) {
+        // Unequal radii in the same direction: a full turn.
+        return true;
+    }
+    after_start
+}
+
+/// Counter-clockwise from `start`: is `through` met no later than `end`?
+fn is_after(start: [i64; 2], through: [i64; 2], end: [i64; 2]) -> bool {
+    let half = |point| -> bool {
+        let side = cross(start, point);
+        side < 0 || (side == 0 && !is_ahead(start, point))
+    };
+    match (half(through), half(end)) {
+        (false, true) => true,
+        (true, false) => false,
+        // In the same half turn: through must not be beyond the end.
+        _ => cross(through, end) >= 0,
+    }
+}
+
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+fn is_ahead([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> bool {
+    product(ax, bx).wrapping_add(product(ay, by)) > 0
+}
+
+/// For ends that lie within a step and a half of one spoke on the grid (the second one may be
+/// further in or out): whether the exact arc is the short way (`Some(true)`) or a whole turn
+/// (`Some(false)`); the grid alone cannot tell.
+fn nearly_closed(
+    spoke: [i64; 2],
+    to: [i32; 2],
+    start: [i64; 2],
+    end: [i64; 2],
+    direction: Direction,
+) -> Option<bool> {
+    // How far beside the spoke, times the spoke's length; both have the centre's fraction bits.
+    let beside = cross(spoke, to.map(i64::from)).unsigned_abs();
+    let length = u128::from(size(spoke));
+    if beside > length.saturating_add(length / 2) {
+        return None;
+    }
+    if start == end {
+        return Some(false);
+    }
+    let turn = cross(start, end);
+    let turn = match direction {
+        Direction::CounterClockwise => turn,
+        Direction::Clockwise => turn.wrapping_neg(),
+    };
+    // Ends on opposite sides of a tiny circle are neither.
+    is_ahead(start, end).then_some(turn > 0)
+}
+
+/// Whether a hop from `start` by `to` goes round the centre in the direction of the arc.
+fn is_forward(start: [i64; 2], [dx, dy]: [i32; 2], direction: Direction) -> bool {
+    let turn = cross(start, [i64::from(dx), i64::from(dy)]);
+    match direction {
+        Direction::CounterClockwise => turn > 0,
+        Direction::Clockwise => turn < 0,
+    }
+}
+
+/// The values of F at both ends for a circle through the exact start.
+///
+/// With V the vector from the fixed-point centre to the start on the grid and e = V - P its rounding
+/// residual, `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`: R^2 is never formed. `e` is at most one step and is
+/// kept with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`; the error in F, `|V| 2^-g`, moves
+/// the circle by less than `2^-g` steps.
+fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: u8) -> Rim {
+    let [cx, cy] = centre;
+    let grid = [cx.wrapping_neg(), cy.wrapping_neg()];
+    let reach = grid.iter().fold(1u64, |most, v| most.max(v.unsigned_abs()));
+    let residual_bits = reach.leading_zeros().saturating_sub(4).min(24) as u8;
+    let extra = residual_bits.saturating_sub(bits);
+    let part = |grid: i64, exact: i64| -> i64 {
+        let exact = scale
+            .nearest_fraction(exact, bits.wrapping_add(extra))
+            .unwrap_or(0);
+        let residual = (grid << extra).wrapping_sub(exact);
+        let product = grid.wrapping_mul(residual).wrapping_mul(2);
+        let square = residual.wrapping_mul(residual) >> extra;
+        product.wrapping_sub(square)
+    };
+    let [gx, gy] = grid;
+    let [px, py] = start;
+    // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for F.
+    let shift = bits.wrapping_add(extra);
+    let half = (1i64 << shift) >> 1;
+    let sum = part(gx, px).wrapping_add(part(gy, py));
+    let at_start = sum.wrapping_add(half) >> shift;
+    // F_E - F_S = (|E|^2 - |S|^2) / 2^bits, so that both ends lie on one circle.
+    let square = |grid: i64, step: i32| -> i128 {
+        let step = (step as i128) << bits;
+        step.wrapping_mul((grid as i128).wrapping_mul(2).wrapping_add(step))
+    };
+    let [dx, dy] = to;
+    let half = (1i128 << bits) >> 1;
+    let difference = square(gx, dx)
+        .wrapping_add(square(gy, dy))
+        .wrapping_add(half)
+        >> bits;
+    Rim::Nominal {
+        start: at_start,
+        end: at_start.wrapping_add(difference as i64),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_sweep_what_they_pass() {
+        use Direction::{Clockwise, CounterClockwise};
+        let [east, north, west, south] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+        assert!(sweeps(east, north, CounterClockwise, [1, 1]));
+        assert!(!sweeps(east, north, CounterClockwise, west));
+        assert!(sweeps(east, north, Clockwise, west));
+        assert!(sweeps(east, north, Clockwise, south));
+        assert!(!sweeps(east, north, Clockwise, [1, 1]));
+        assert!(sweeps(east, east, Clockwise, west));
+        assert!(sweeps(east, west, CounterClockwise, north));
+        assert!(!sweeps(east, west, CounterClockwise, south));
+        assert!(sweeps([3, 0], [5, 0], CounterClockwise, south));
+    }
+}
