@@ -8,12 +8,12 @@ use crate::bytes::Bytes;
 /// takes exactly the ticks it was given.
 pub fn planner(data: &[u8]) {
     let mut bytes = Bytes::new(data);
-    let (ticks, largest) = (bytes.u64() >> 12, bytes.u64() >> 33);
+    let (ticks, largest) = (bytes.u64() >> 12, (bytes.u64() >> 33) as u32);
     let mut sweeps = Vec::new();
     while !bytes.is_empty() {
-        sweeps.push(bytes.u64() % (largest + 1)); // largest < 2^31
+        sweeps.push((bytes.u64() % (u64::from(largest) + 1)) as u32); // largest < 2^31
     }
-    let sweep: u64 = sweeps.iter().sum();
+    let sweep: u64 = sweeps.iter().copied().map(u64::from).sum();
     // Any numbers at all are survived.
     let mut other = Timer::with_fraction_bits(bytes.u64(), sweep, (ticks % 256) as u8);
     let mut timer = Timer::new(ticks, sweep, largest);

@@ -76,7 +76,7 @@ fn timer(criterion: &mut Criterion) {
     group.bench_function("wait", |bencher| {
         bencher.iter(|| {
             let mut timer = black_box(timer.clone());
-            for event in 0..u64::from(EVENTS) {
+            for event in 0..EVENTS {
                 black_box(timer.wait(1_000_000 + event));
             }
         });

@@ -315,7 +315,7 @@ impl Ramp {
         }
         self.drop = square(self.start);
         let ticks = scale(self.cruise_ticks_q16, self.programmed_top, top);
-        self.cruise = Timer::with_most_bits(ticks, self.total_sweep, self.largest_sweep.into(), 47);
+        self.cruise = Timer::with_most_bits(ticks, self.total_sweep, self.largest_sweep, 47);
         // 16 to 63.
         self.cruise_shift = self.cruise.fraction_bits().wrapping_add(16);
     }

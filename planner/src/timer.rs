@@ -33,16 +33,15 @@ impl Timer {
     ///
     /// The rate gets as many fraction bits as products with `largest_sweep` leave in 64 bits, and
     /// 32 more below them where `sweep` has more bits than those, rounded up: the sum of all waits is
-    /// exactly `ticks` wherever `ticks * largest_sweep` is below 2^92 and `largest_sweep` below 2^32, and after any number
-    /// of events it is the true time so far, rounded down, or one tick more at most.
+    /// exactly `ticks` wherever `ticks * largest_sweep` is below 2^92, and after any number of events it is the true time so far, rounded down, or one tick more at most.
     /// `ticks / sweep * largest_sweep`, the longest wait, has to be below 2^61 ticks; beyond that
     /// waits are cut to it. A sweep of 0 is taken as 1.
-    pub fn new(ticks: u64, sweep: u64, largest_sweep: u64) -> Timer {
+    pub fn new(ticks: u64, sweep: u64, largest_sweep: u32) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, 61, true)
     }
 
     /// [`Timer::new`] with no more than so many fraction bits, 61 at most, and always 32 more below them: for what adds up over many moves.
-    pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u64, most: u8) -> Timer {
+    pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u32, most: u8) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, most, false)
     }
 
@@ -50,11 +49,11 @@ impl Timer {
     fn rounded_up(
         ticks: u64,
         sweep: u64,
-        largest_sweep: u64,
+        largest_sweep: u32,
         most: u8,
         is_one_move: bool,
     ) -> Timer {
-        let sweep = sweep.max(1);
+        let (sweep, largest_sweep) = (sweep.max(1), u64::from(largest_sweep));
         // The longest wait is below 2^(bits(ticks) - bits(sweep) + 1 + bits(largest)).
         let longest = bits(ticks)
             .wrapping_add(1)
@@ -78,13 +77,7 @@ impl Timer {
         let most = (1_u64 << PRODUCT_BITS)
             .checked_div(largest_sweep)
             .unwrap_or(u64::MAX);
-        // Its products fit only with sweeps below 2^32.
-        let rate_low = if largest_sweep >> 32 == 0 {
-            low as u32
-        } else {
-            0
-        };
-        Timer::of(rate.min(most), rate_low, fraction_bits)
+        Timer::of(rate.min(most), low as u32, fraction_bits)
     }
 
     /// The timer with a given number of fraction bits (0 to 61) and nothing below them:
@@ -116,7 +109,8 @@ impl Timer {
 
     /// Ticks to wait before an event of this `sweep`; what is less than a tick is owed to the next.
     #[inline]
-    pub fn wait(&mut self, sweep: u64) -> u64 {
+    pub fn wait(&mut self, sweep: u32) -> u64 {
+        let sweep = u64::from(sweep);
         if self.fits_upper() {
             self.split_upper(self.rate.wrapping_mul(sweep))
         } else {
@@ -166,7 +160,7 @@ impl Timer {
     /// The time of an event with all its fraction bits, of which nothing is owed here.
     #[inline]
     pub(crate) fn product(&mut self, sweep: u64) -> u64 {
-        // sweep < 2^32 where rate_low is not 0: (2^32 - 1)^2 + 2^32 - 1 fits.
+        // sweep < 2^32: (2^32 - 1)^2 + 2^32 - 1 fits.
         let low = u64::from(self.rate_low)
             .wrapping_mul(sweep)
             .wrapping_add(self.owed_low.into());
@@ -245,12 +239,13 @@ mod tests {
         fn upper_words_are_enough(
             ticks in 0_u64..1 << 31,
             total in 1_u64 << 8..1 << 40,
-            sweeps in prop::collection::vec(prop_oneof![Just(1_u64), 1..1_u64 << 20], 1..100),
+            sweeps in prop::collection::vec(prop_oneof![Just(1_u32), 1..1_u32 << 20], 1..100),
         ) {
             let mut timer = Timer::new(ticks, total, 1 << 20);
             prop_assume!(timer.upper_bits < 32);
             let mut other = timer.clone();
             for sweep in sweeps {
+                let sweep = u64::from(sweep);
                 let product = timer.rate * sweep;
                 prop_assert_eq!(timer.split_upper(product), other.split(sweep));
                 prop_assert_eq!(&timer, &other);

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 /// Sweeps |P x d| of the nearest-point circle from (0, r), clockwise, one quadrant: by brute force,
 /// the neighbour with the least |x^2 + y^2 - r^2|.
-fn quadrant_sweeps(radius: i64) -> Vec<u64> {
+fn quadrant_sweeps(radius: i64) -> Vec<u32> {
     let (mut x, mut y) = (0_i64, radius);
     let mut sweeps = Vec::new();
     while y > 0 {
@@ -16,7 +16,7 @@ fn quadrant_sweeps(radius: i64) -> Vec<u64> {
             .into_iter()
             .min_by_key(distance)
             .unwrap();
-        sweeps.push((x * dy - y * dx).unsigned_abs());
+        sweeps.push((x * dy - y * dx).unsigned_abs() as u32);
         (x, y) = (x + dx, y + dy);
     }
     sweeps

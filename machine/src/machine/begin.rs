@@ -36,7 +36,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         let is_indexed = work.is_indexed;
         self.run = work.path.clone().map(|path| Run {
             path,
-            timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep.into())),
+            timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,
             follows: work.counts_q16.is_some(),

@@ -28,7 +28,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             {
                 match path.next() {
                     Some(step) => {
-                        let wait = timer.wait(step.sweep.into());
+                        let wait = timer.wait(step.sweep);
                         Some(self.path_step(step, wait))
                     }
                     None => {
@@ -211,11 +211,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         };
         if let (true, Some(timer)) = (run.follows, &mut run.timer) {
             run.left = run.left.wrapping_sub(1);
-            let wait = timer.wait(step.sweep.into());
+            let wait = timer.wait(step.sweep);
             return Some(Some(self.path_step(step, wait)));
         }
         let wait = match &mut run.timer {
-            Some(timer) => timer.wait(step.sweep.into()),
+            Some(timer) => timer.wait(step.sweep),
             None => match self.ramp.wait(step.sweep, self.schedule.moves.limits()) {
                 Some(wait) => wait,
                 None => {

@@ -106,7 +106,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             }
         }
         let (sweep, largest) = (path.total_sweep(), path.largest_sweep());
-        self.course = Course::new(Timer::new(ticks, sweep, largest.into()), heading);
+        self.course = Course::new(Timer::new(ticks, sweep, largest), heading);
         ticks
     }
 }

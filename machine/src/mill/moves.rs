@@ -19,7 +19,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             Some(Flat::Arc(arc)) if course.next.is_none() => arc.next().map(|step| {
                 let ways = Ways::from(step);
                 course.turns(ways);
-                (ways, course.timer.wait(step.sweep.into()))
+                (ways, course.timer.wait(step.sweep))
             }),
             Some(Flat::Line(line)) if course.next.is_none() => line
                 .next()
