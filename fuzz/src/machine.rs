@@ -91,7 +91,7 @@ fn run(config: Config<3>, data: &[u8]) {
     {
         assert_eq!(
             Some(*at),
-            axis.scale.nearest(end),
+            axis.scale.nearest(end.0),
             "it stands where it was sent"
         );
     }
