@@ -5,6 +5,8 @@ use core::fmt;
 use husillo_backlash::Lash;
 use husillo_interp::Moves;
 
+use husillo_pid::Regulator;
+
 use crate::{Machine, Refused, ServoAxis};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
@@ -40,7 +42,7 @@ impl fmt::Display for NotFound {
 
 impl core::error::Error for NotFound {}
 
-impl ServoAxis {
+impl<R: Regulator> ServoAxis<R> {
     /// Whether a search ([`search`](ServoAxis::search), then a motion) has found its event and has come to a stand: the position of the
     /// event, counts. For homing and for touches, asked after each [`tick`](ServoAxis::tick).
     ///

@@ -1,6 +1,6 @@
 //! An axis under closed-loop control: a profile, the law that follows it, and the events that end a search.
 
-use husillo_pid::{Drive, ServoLaw, ServoState};
+use husillo_pid::{Drive, Regulator, ServoLaw};
 use husillo_planner::{ServoMotion, ServoProfile};
 
 /// What the axis reads once a servo period.
@@ -74,12 +74,17 @@ pub struct ServoStatus {
 /// A position-controlled axis, the peer of a stepping one: [`tick`](Self::tick) once a servo period with what was read, and out
 /// comes the drive of the motor. It does what a PIC-SERVO module does with its commands (J. R. Kerr, data sheet, 1999).
 ///
+/// `R` is its law: [`ServoLaw`] of such a module unless another is chosen, a
+/// [`Pid`](husillo_pid::Pid) for one.
+///
 /// Positions are counts of the encoder less the zero of [`set_position`](Self::set_position), modulo 2^32.
 /// Cost: a division or three a period on ramps, see [`ServoProfile`], and three products.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
-pub struct ServoAxis {
-    law: ServoLaw,
-    state: ServoState,
+pub struct ServoAxis<R: Regulator = ServoLaw> {
+    law: R,
+    state: R::State,
+    /// The error of the last sample, commanded less actual position, saturated.
+    error_counts: i16,
     profile: ServoProfile,
     loaded: Option<ServoMotion>,
     /// Encoder counts at position 0.
@@ -98,14 +103,15 @@ pub struct ServoAxis {
     wrapped: bool,
 }
 
-impl ServoAxis {
+impl<R: Regulator> ServoAxis<R> {
     /// After power-up: position 0, servo off, no search; [`ServoStatus::position_error`] is set, as the servo is off.
-    pub fn new(law: ServoLaw) -> Self {
+    pub fn new(law: R) -> Self {
         let mut profile = ServoProfile::new(0);
         profile.switch_off();
         Self {
+            state: law.begin(),
+            error_counts: 0,
             law,
-            state: ServoState::off(),
             profile,
             loaded: None,
             zero: 0,
@@ -122,7 +128,7 @@ impl ServoAxis {
     }
 
     /// Gains and limits from the next period on.
-    pub fn set_law(&mut self, law: ServoLaw) {
+    pub fn set_law(&mut self, law: R) {
         self.law = law;
     }
 
@@ -216,7 +222,7 @@ impl ServoAxis {
         }
         self.end_search(happened);
         let drive = self.drive(inputs.current);
-        self.over_current |= self.state.is_over_current();
+        self.over_current |= self.law.is_over_current(&self.state);
         self.position_error |= !self.profile.is_servo_on();
         drive
     }
@@ -231,14 +237,19 @@ impl ServoAxis {
             };
             return self.law.open_loop(&mut self.state, drive, current);
         }
-        if self.law.is_due(&self.state) {
+        let is_sample = self.law.is_due(&self.state);
+        if is_sample {
             self.profile.tick();
         }
         let command = self.profile.position();
+        if is_sample {
+            let error = command.wrapping_sub(self.position);
+            self.error_counts = error.clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+        }
         let drive = self
             .law
-            .tick(&mut self.state, command, self.position, current);
-        if !self.state.is_on() {
+            .regulate(&mut self.state, command, self.position, current);
+        if self.law.has_given_up(&self.state) {
             // The error was beyond its limit.
             self.profile.switch_off();
         }
@@ -277,14 +288,19 @@ impl ServoAxis {
 
     fn hold(&mut self, position: i32) {
         if !self.profile.is_servo_on() {
-            self.state = ServoState::on();
+            self.forget();
         }
         self.profile.stop_at(position);
     }
 
     fn switch_off(&mut self) {
         self.profile.switch_off();
-        self.state = ServoState::off();
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        self.state = self.law.begin();
+        self.error_counts = 0;
     }
 
     /// Where it is, counts.
@@ -304,7 +320,7 @@ impl ServoAxis {
 
     /// The error of the last sample, commanded less actual position, counts, saturated.
     pub const fn error_counts(&self) -> i16 {
-        self.state.error_counts()
+        self.error_counts
     }
 
     /// The position of the last event, or the last that was saved; counts.

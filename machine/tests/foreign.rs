@@ -5,7 +5,9 @@ mod common;
 use common::config;
 use husillo_backlash::Lash;
 use husillo_interp::{ArcError, ArcMove, Interpolator, Moves, Step};
-use husillo_machine::{Event, Idle, Machine, Motors};
+use husillo_machine::{Event, Idle, Machine, Motors, ServoAxis, ServoInputs, ServoStop};
+use husillo_pid::{Drive, Gains, Integration, Limits, Pid, Regulator};
+use husillo_planner::ServoMotion;
 use husillo_stepper::{CoilDriver, Levels};
 
 /// One axis after the other, as an old drilling machine moves; arcs are its chords.
@@ -159,4 +161,82 @@ fn resting_motors_hold_with_less_current_and_step_with_all_of_it() {
     let mut again = driver;
     again.step(1);
     assert_eq!(stepped(&mut motors, [1]), [again.step(1)]);
+}
+
+/// Friction alone: full force towards the set point, and it gives up beyond a thousand counts.
+struct BangBang;
+
+impl Regulator for BangBang {
+    type State = bool;
+
+    fn begin(&self) -> bool {
+        false
+    }
+
+    fn regulate(&self, has_given_up: &mut bool, set_point: i32, measured: i32, _: u8) -> Drive {
+        *has_given_up = set_point.abs_diff(measured) > 1000;
+        Drive {
+            pwm: if set_point == measured { 0 } else { 255 },
+            is_reverse: measured > set_point,
+        }
+    }
+
+    fn has_given_up(&self, has_given_up: &bool) -> bool {
+        *has_given_up
+    }
+}
+
+/// Ticks until the axis holds; its motor goes as many counts a period as a 16th of its PWM.
+fn settle<R: Regulator>(axis: &mut ServoAxis<R>, inputs: &mut ServoInputs) -> Option<usize> {
+    (1..1000).find(|_| {
+        let drive = axis.tick(inputs);
+        inputs.counts += i32::from(drive.signed()).div_euclid(16);
+        drive.pwm == 0 && axis.status().is_done
+    })
+}
+
+#[test]
+fn law_of_others_moves_an_axis() {
+    let powered = ServoInputs {
+        has_power: true,
+        ..ServoInputs::default()
+    };
+    let mut inputs = powered;
+    let mut axis = ServoAxis::new(BangBang);
+    axis.tick(&inputs);
+    // Ten times what the motor goes in a period, so that it comes to rest.
+    axis.stop(ServoStop::At(150));
+    assert!(settle(&mut axis, &mut inputs).is_some());
+    assert_eq!((axis.position(), axis.error_counts()), (150, 0));
+    axis.stop(ServoStop::At(2000));
+    axis.tick(&inputs);
+    assert_eq!(axis.error_counts(), 1850);
+    assert!(!axis.status().is_on, "it has given up");
+
+    use fixed::types::{I16F16, I32F0};
+    let gains = Gains {
+        proportional: I16F16::lit("4"),
+        integral: I16F16::lit("0.0625"),
+        ..Gains::default()
+    };
+    let limits = Limits {
+        low: I32F0::from_num(-255),
+        high: I32F0::from_num(255),
+    };
+    let pid = Pid::new(gains, Integration::Backward, limits).unwrap();
+    let (mut axis, mut inputs) = (ServoAxis::new(pid), powered);
+    axis.tick(&inputs);
+    axis.stop(ServoStop::Abrupt);
+    axis.load(ServoMotion::Trapezoid {
+        goal: 3000,
+        velocity: 10 << 16,
+        acceleration: 1 << 14,
+    });
+    assert!(axis.start());
+    for _ in 0..2000 {
+        let drive = axis.tick(&inputs);
+        inputs.counts += i32::from(drive.signed()).div_euclid(16);
+    }
+    assert!(axis.status().is_done && axis.status().is_on);
+    assert!(axis.position().abs_diff(3000) <= 4, "{}", axis.position());
 }

@@ -40,6 +40,8 @@ mod stages;
 
 mod servo;
 
+mod regulator;
+
 mod sign_magnitude;
 
 #[cfg(feature = "embedded-hal")]
@@ -54,6 +56,7 @@ pub use number::{Number, Span, Word};
 pub use pid::{Pid, State, Term};
 #[cfg(feature = "embedded-hal")]
 pub use pins::{DriveError, PwmDirection};
+pub use regulator::Regulator;
 pub use servo::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
 pub use settings::{Gains, Integration, Limits, SettingsError};
 pub use sign_magnitude::sign_magnitude;

@@ -6,11 +6,12 @@ use husillo_backlash::Backlash;
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
-    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors, ServoAxis,
-    ServoModule, extent, servo_law,
+    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors,
+    ServoAxis as AnyServoAxis, ServoModule, extent, servo_law,
 };
 use husillo_stepper::{Drive, Levels};
 
+type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 type Cell = AnyCell<&'static [[i16; 2]]>;
