@@ -6,8 +6,8 @@ use fixed::types::I32F32;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
-    Arc, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Error,
-    ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane, Receiver,
+    Arc, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Direction,
+    Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane, Receiver,
     SpindleDirection, Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
 };
 
@@ -113,6 +113,7 @@ pub fn keep() {
         Tool::<3>::of_radius as *const (),
         Command::<3>::end as *const (),
         SpindleDirection::name as *const (),
+        Direction::is_clockwise as *const (),
         Compensation::<3>::new as *const (),
         Compensation::<3>::is_active as *const (),
         Compensation::<3>::plan as *const (),

@@ -9,7 +9,7 @@ use husillo_pid::tuning::{Relay, Ultimate, oscillation, step_response};
 use husillo_pid::{
     AntiWindup, BackCalculation, Clamp, Conditional, DeadBand, Derivative, Drive, FeedForward,
     Filter, FilterState, Gains, Integration, Number, OfError, OfMeasurement, Pid, PwmDirection,
-    ServoLaw, ServoState, State, Term, error, sign_magnitude,
+    Regulator, ServoLaw, ServoState, State, Term, error, sign_magnitude,
 };
 
 /// Keeps every function in the program.
@@ -30,6 +30,12 @@ pub fn keep() {
         ServoLaw::is_due as *const (),
         ServoLaw::tick as *const (),
         ServoLaw::open_loop as *const (),
+        <ServoLaw as Regulator>::begin as *const (),
+        <ServoLaw as Regulator>::has_given_up as *const (),
+        <ServoLaw as Regulator>::is_over_current as *const (),
+        <ServoLaw as Regulator>::regulate as *const (),
+        <Pid<I32F0, I16F16> as Regulator>::begin as *const (),
+        <Pid<I32F0, I16F16> as Regulator>::regulate as *const (),
         ServoState::on as *const (),
         ServoState::off as *const (),
         ServoState::is_on as *const (),
