@@ -1,26 +1,10 @@
-//! For programs that wait with `nb::block!`: room in the queue, and an axis that searches.
+//! For programs that wait with `nb::block!`: an axis that searches.
 
 use core::fmt;
 
-use husillo_backlash::Lash;
-use husillo_interp::Moves;
-
 use husillo_pid::Regulator;
 
-use crate::{Machine, Refused, ServoAxis};
-
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
-    /// [`line`](Machine::line), for a loop that takes events meanwhile.
-    ///
-    /// # Errors
-    /// `WouldBlock` while the line before waits for room in the queue; otherwise what is wrong with this one.
-    pub fn poll_line(&mut self, text: &[u8]) -> nb::Result<(), Refused> {
-        self.line(text).map_err(|refused| match refused {
-            Refused::Busy => nb::Error::WouldBlock,
-            refused => nb::Error::Other(refused),
-        })
-    }
-}
+use crate::ServoAxis;
 
 /// Why a search of [`ServoAxis::poll_search`] is over without its event.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

@@ -43,6 +43,36 @@ impl Play {
         moves
     }
 
+    const fn shift(&mut self, is_forward: bool, moves_load: bool) {
+        match (moves_load, is_forward) {
+            // Of 2^32 steps, at 100 a second, none in a year.
+            (true, true) => self.load = self.load.wrapping_add(1),
+            (true, false) => self.load = self.load.wrapping_sub(1),
+            // Below the lash, or above zero.
+            (false, true) => self.ahead = self.ahead.wrapping_add(1),
+            (false, false) => self.ahead = self.ahead.wrapping_sub(1),
+        }
+    }
+
+    /// The negative flank is engaged here.
+    pub(crate) const fn set_behind(&mut self) {
+        self.ahead = 0;
+    }
+
+    /// The load is at zero here.
+    pub(crate) const fn set_zero(&mut self) {
+        self.load = 0;
+    }
+
+    /// Load steps from zero.
+    pub(crate) const fn load(self) -> i32 {
+        self.load
+    }
+}
+
+/// What only steps of a path need.
+#[cfg(feature = "gcode")]
+impl Play {
     /// So many steps, -1 to 1, that move the load, as those do that owe nothing.
     #[inline]
     pub(crate) const fn carry(&mut self, steps: i32) {
@@ -60,17 +90,6 @@ impl Play {
         self.shift(!is_forward, moved);
     }
 
-    const fn shift(&mut self, is_forward: bool, moves_load: bool) {
-        match (moves_load, is_forward) {
-            // Of 2^32 steps, at 100 a second, none in a year.
-            (true, true) => self.load = self.load.wrapping_add(1),
-            (true, false) => self.load = self.load.wrapping_sub(1),
-            // Below the lash, or above zero.
-            (false, true) => self.ahead = self.ahead.wrapping_add(1),
-            (false, false) => self.ahead = self.ahead.wrapping_sub(1),
-        }
-    }
-
     /// Another lash: the flank that is engaged stays so.
     pub(crate) const fn set_lash(&mut self, lash: u16) {
         let is_positive = self.ahead == self.lash;
@@ -78,20 +97,5 @@ impl Play {
         if is_positive || self.ahead > lash {
             self.ahead = lash;
         }
-    }
-
-    /// The negative flank is engaged here.
-    pub(crate) const fn set_behind(&mut self) {
-        self.ahead = 0;
-    }
-
-    /// The load is at zero here.
-    pub(crate) const fn set_zero(&mut self) {
-        self.load = 0;
-    }
-
-    /// Load steps from zero.
-    pub(crate) const fn load(self) -> i32 {
-        self.load
     }
 }

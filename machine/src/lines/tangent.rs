@@ -3,7 +3,10 @@
 use husillo_gcode::{Command, Direction as Turning};
 use husillo_planner::Direction;
 
-use crate::{Segment, arc::in_plane, duration::mul_div, tempo::Tempo};
+use crate::Segment;
+use crate::lines::arc::in_plane;
+use crate::lines::duration::mul_div;
+use crate::lines::tempo::Tempo;
 
 /// The directions of the path at the start and at the end of a move; `None` where it goes nowhere.
 pub(crate) fn tangents<const N: usize>(

@@ -2,15 +2,14 @@
 
 use husillo_gcode::SpindleDirection;
 
-/// Longest wait of one event, in timer ticks; longer ones are led by [`Event::Dwell`] rows.
-pub const MAX_WAIT_TICKS: u32 = 1 << 31;
+use crate::StepEvent;
 
 /// One entry of the stream, in the order in which it must happen.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Event<const N: usize> {
     /// Wait, then move.
     Step(StepEvent<N>),
-    /// Wait, then nothing: at most [`MAX_WAIT_TICKS`].
+    /// Wait, then nothing: at most [`MAX_WAIT_TICKS`](crate::MAX_WAIT_TICKS).
     Dwell {
         /// Timer ticks to wait.
         wait_ticks: u32,
@@ -23,15 +22,6 @@ pub enum Event<const N: usize> {
     Output(Output),
     /// Stand still until the operator goes on (or for good, at the end of the program).
     Pause(Pause),
-}
-
-/// Wait `wait_ticks`, then step every axis by its delta.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct StepEvent<const N: usize> {
-    /// Timer ticks from the event before this one.
-    pub wait_ticks: u32,
-    /// -1, 0 or +1 motor step of every axis.
-    pub delta: [i8; N],
 }
 
 /// Let the spindle turn by `wait_counts_q16`, then step every axis by its delta.

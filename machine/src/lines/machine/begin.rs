@@ -57,8 +57,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years: saturating is long enough.
-                let ticks =
-                    crate::duration::mul_div(micros, u64::from(self.config.timer_hz), 1_000_000);
+                let ticks = crate::lines::duration::mul_div(
+                    micros,
+                    u64::from(self.config.timer_hz),
+                    1_000_000,
+                );
                 self.carried_ticks = self.carried_ticks.saturating_add(ticks);
                 self.flush_wait();
             }

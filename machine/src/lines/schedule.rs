@@ -4,10 +4,12 @@ use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
 use husillo_planner::{Direction, LookAhead, Stretch};
 
-use crate::{
-    Config, Segment, duration::mul_div, limits::Limits, segment::lattice, tangent::tangents,
-    tempo::Tempo,
-};
+use crate::lines::duration::mul_div;
+use crate::lines::limits::Limits;
+use crate::lines::segment::lattice;
+use crate::lines::tangent::tangents;
+use crate::lines::tempo::Tempo;
+use crate::{Config, Segment};
 
 /// A move, or a part of an arc between two stops.
 #[derive(Clone, Debug)]

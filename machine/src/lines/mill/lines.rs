@@ -13,7 +13,8 @@ use super::{
     task::Task,
     ways::Ways,
 };
-use crate::{Config, MAX_WAIT_TICKS, Segment, segment::lattice};
+use crate::lines::segment::lattice;
+use crate::{Config, MAX_WAIT_TICKS, Segment};
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, AHEAD, OUT> {
     /// Begins the next line of the queue.

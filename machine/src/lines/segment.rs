@@ -3,7 +3,8 @@
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
 
-use crate::{Axis, Config, Means, MoveError, arc::in_plane};
+use crate::lines::arc::in_plane;
+use crate::{Axis, Config, Means, MoveError};
 
 /// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
 const MAX_EVENTS: u64 = 1 << 31;

@@ -5,7 +5,7 @@ use husillo_gcode::Command;
 use husillo_interp::{Moves, Step};
 
 use super::{Machine, Origin, Run};
-use crate::take_up::Followed;
+use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {

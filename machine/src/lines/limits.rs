@@ -3,7 +3,9 @@
 use husillo_gcode::PathMode;
 use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed};
 
-use crate::{Config, duration::mul_div_q16, tempo::Tempo};
+use crate::Config;
+use crate::lines::duration::mul_div_q16;
+use crate::lines::tempo::Tempo;
 
 /// The limits of all axes, speeds in nm/s.
 #[derive(Copy, Clone, Debug)]

@@ -3,11 +3,9 @@
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{Moves, length};
 
-use crate::{
-    Axis, Config, Segment,
-    arc::in_plane,
-    duration::{mul_div, mul_div_q16},
-};
+use crate::lines::arc::in_plane;
+use crate::lines::duration::{mul_div, mul_div_q16};
+use crate::{Axis, Config, Segment};
 
 /// Length and time of a move: of the way as programmed, not of the steps it rounds to, so that many moves shorter than a
 /// step take the time of their sum.

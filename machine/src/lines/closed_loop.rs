@@ -4,7 +4,7 @@ use husillo_backlash::{Backlash, Lash};
 use husillo_interp::{Moves, Path};
 use husillo_planner::Timer;
 
-use crate::step_encoder::Watch;
+use crate::lines::step_encoder::Watch;
 use crate::{AxisEncoder, Event, MAX_WAIT_TICKS, Machine, OnLoss, StepEvent};
 
 /// One entry of the stream of a machine with encoders.

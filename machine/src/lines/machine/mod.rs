@@ -8,10 +8,10 @@ use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
-use crate::{
-    Config, Event, MoveError, Refused, Segment, schedule::Schedule, segment::lattice,
-    take_up::TakeUp,
-};
+use crate::lines::schedule::Schedule;
+use crate::lines::segment::lattice;
+use crate::lines::take_up::TakeUp;
+use crate::{Config, Event, MoveError, Refused, Segment};
 
 /// What the event given last belongs to.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

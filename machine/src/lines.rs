@@ -1,0 +1,34 @@
+//! Lines of a program in, events out: what needs `gcode`.
+
+mod axis;
+mod event;
+mod refused;
+
+mod arc;
+mod duration;
+mod segment;
+mod tangent;
+mod tempo;
+
+mod limits;
+mod schedule;
+mod take_up;
+
+mod machine;
+
+mod closed_loop;
+mod step_encoder;
+
+mod mill;
+
+#[cfg(feature = "nb")]
+mod poll;
+
+pub use axis::{Axis, AxisRamp, Config};
+pub use closed_loop::{ClosedLoop, Followed};
+pub use event::{Event, FollowEvent, Output, Pause};
+pub use machine::{Machine, Origin};
+pub use mill::{Mill, MillConfig, MillEvent, MillInputs, MillStep};
+pub use refused::{Means, MoveError, Refused};
+pub use segment::{Segment, extent};
+pub use step_encoder::{AxisEncoder, OnLoss};
