@@ -55,13 +55,8 @@ mod tests {
     /// Numbers of all sizes and all those near powers of two.
     #[test]
     fn digits_divide_exactly() {
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            state ^ state >> 29
-        };
+        let mut random = oorandom::Rand64::new(1);
+        let mut next = || random.rand_u64();
         for _ in 0..1_000_000 {
             let dividend = next() >> (next() % 64);
             let divisor = (next() >> (32 + next() % 32)) as u32;

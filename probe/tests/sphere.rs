@@ -1,28 +1,16 @@
 //! A measuring machine with 2 um scales and 0.5 um of noise: calibrates its probe on a reference and measures a sphere.
 //!
 //! The simulation is of its own: positions are floats, touches are found from the geometry alone, and every latched
-//! coordinate is a count of its scale. Random numbers are SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom
-//! number generators", OOPSLA 2014), made normal by the sum of twelve uniform ones.
+//! coordinate is a count of its scale. Its noise is the sum of twelve uniform random numbers.
 
 use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Repeatability, Sphere, Tip, Touch, UnitVector,
 };
+use oorandom::Rand64;
 
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Standard deviation 1.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
+/// Of standard deviation 1: the sum of twelve uniform numbers.
+fn normal(random: &mut Rand64) -> f64 {
+    (0..12).map(|_| random.rand_float()).sum::<f64>() - 6.0
 }
 
 const SCALE_NM: f64 = 2_000.0;
@@ -41,7 +29,7 @@ fn floats(direction: &UnitVector) -> [f64; 3] {
 
 /// Probes with everything the true machine has: scales, noise along the travel, pre-travel by direction.
 struct Prober {
-    random: Random,
+    random: Rand64,
     scale_nm: f64,
     noise_nm: f64,
 }
@@ -58,7 +46,7 @@ impl Prober {
         let d = floats(&direction);
         let along: f64 = (0..3).map(|i| aside[i] * d[i]).sum();
         let across: f64 = (0..3).map(|i| (aside[i] - along * d[i]).powi(2)).sum();
-        let beyond = pre_travel_nm(d) + self.noise_nm * self.random.normal();
+        let beyond = pre_travel_nm(d) + self.noise_nm * normal(&mut self.random);
         // A ball is met before the centre, a ring (negative reach) beyond it.
         let way = beyond - reach.signum() * (reach * reach - across).sqrt();
         let position = [0, 1, 2].map(|i| {
@@ -115,7 +103,7 @@ fn directions() -> [UnitVector; 25] {
 
 /// Calibrates on a ball of 12.5 mm, four passes; returns the tip.
 fn calibrated(prober: &mut Prober) -> Tip<25> {
-    let centre = [100e6, 200e6, 50e6].map(|c: f64| c + 5e4 * prober.random.uniform());
+    let centre = [100e6, 200e6, 50e6].map(|c: f64| c + 5e4 * prober.random.rand_float());
     let touches: Vec<Touch> = (0..4)
         .flat_map(|_| directions())
         .map(|direction| prober.mean_touch(centre, 12.5e6 + TIP_NM, direction))
@@ -131,7 +119,7 @@ fn calibrated(prober: &mut Prober) -> Tip<25> {
 
 /// Error of the radius of a ball of 10 mm, measured once in each of 25 directions.
 fn radius_error_nm(prober: &mut Prober, tip: &Tip<25>) -> i64 {
-    let centre = [37e6, -12e6, 5e6].map(|c: f64| c + 5e4 * prober.random.uniform());
+    let centre = [37e6, -12e6, 5e6].map(|c: f64| c + 5e4 * prober.random.rand_float());
     let surface = directions().map(|direction| {
         let touch = prober.mean_touch(centre, 10e6 + TIP_NM, direction);
         tip.surface_nm(touch.position, &direction, &direction.reversed())
@@ -145,7 +133,7 @@ fn a_sphere_of_10_mm_measures_within_1_um() {
     let errors: Repeatability = (0..400)
         .map(|trial| {
             let mut prober = Prober {
-                random: Random(trial),
+                random: Rand64::new(trial),
                 scale_nm: SCALE_NM,
                 noise_nm: NOISE_NM,
             };
@@ -167,7 +155,7 @@ fn a_sphere_of_10_mm_measures_within_1_um() {
 /// Without scales and noise the calibration is the truth.
 fn exact() -> Prober {
     Prober {
-        random: Random(1),
+        random: Rand64::new(1),
         scale_nm: 1.0,
         noise_nm: 0.0,
     }
@@ -238,7 +226,7 @@ fn a_ring_calibrates_as_a_ball_does() {
 #[test]
 fn oblique_touches_tell_the_radius_from_the_pre_travel() {
     // The same pre-travel all round, and a ball touched off its middle by 0, 4 and 8 mm of 13.5.
-    let mut random = Random(7);
+    let mut random = Rand64::new(7);
     let centre = [1e6, 2e6, 3e6];
     let mut touches = Vec::new();
     for direction in directions() {
@@ -247,7 +235,7 @@ fn oblique_touches_tell_the_radius_from_the_pre_travel() {
             let side = [d[1], -d[0], 0.3].map(|c| c * aside);
             let along: f64 = (0..3).map(|i| side[i] * d[i]).sum();
             let across: f64 = (0..3).map(|i| (side[i] - along * d[i]).powi(2)).sum();
-            let way = 5_000.0 - (13.5e6_f64.powi(2) - across).sqrt() + 10.0 * random.normal();
+            let way = 5_000.0 - (13.5e6_f64.powi(2) - across).sqrt() + 10.0 * normal(&mut random);
             touches.push(Touch {
                 position: [0, 1, 2]
                     .map(|i| (centre[i] + side[i] + (way - along) * d[i]).round() as i64),

@@ -4,6 +4,7 @@ use husillo_transports::drill::{
     Axis, COUNT, Device, Failure, Host, MEMORY_BYTES, Order, Outcome, Progress, Refused, Rules,
     Step, Timing,
 };
+use oorandom::Rand64;
 
 /// A character at 2400 baud.
 const CHARACTER_US: u32 = 4167;
@@ -560,13 +561,8 @@ fn any_event_at_any_byte_is_survived_or_reported() {
 /// The same anywhere in long programs, in the memory of the original for some.
 #[test]
 fn events_in_long_programs_are_survived_or_reported() {
-    let (mut state, mut reported) = (7_u64, 0);
-    let mut random = |below: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
+    let (mut numbers, mut reported) = (Rand64::new(7), 0);
+    let mut random = |below: u64| numbers.rand_range(0..below);
     let events: Vec<Event> = events().collect();
     for round in 0..60 {
         let holes: Vec<[u16; 2]> = (0..150)

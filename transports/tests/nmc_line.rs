@@ -7,7 +7,8 @@ use husillo_transports::nmc::{
     Next, Outcome, PathPoints, Polling, Receiver, Refused, Repeat, Reply, Reset, Startup, Status,
     Step, Timing, Trajectory, Verdict, flush_byte, unseen_pairs_in_halves,
 };
-use model::{Fault, Line, Random};
+use model::{Fault, Line};
+use oorandom::Rand32;
 
 const BAUD: Baud = Baud::B115200;
 
@@ -69,7 +70,7 @@ fn a_noisy_start_gives_no_address_twice() {
     let mut complete = 0;
     for seed in 1..=60 {
         let (mut line, mut host) = (Line::new(8, 4), host());
-        let mut random = Random(seed);
+        let mut random = Rand32::new(seed);
         let chain = start_up(&mut line, &mut host, &mut |_, _| noise(&mut random, 100));
         let mut addresses: Vec<u8> = line
             .modules
@@ -87,13 +88,13 @@ fn a_noisy_start_gives_no_address_twice() {
     assert!(complete >= 55, "{complete} of 60");
 }
 
-fn noise(random: &mut Random, one_in: u32) -> Option<Fault> {
-    if random.below(one_in) != 0 {
+fn noise(random: &mut Rand32, one_in: u32) -> Option<Fault> {
+    if random.rand_range(0..one_in) != 0 {
         return None;
     }
-    Some(match random.below(3) {
+    Some(match random.rand_range(0..3) {
         0 => Fault::Lost,
-        1 => Fault::Flipped(random.below(8) as u8),
+        1 => Fault::Flipped(random.rand_range(0..8) as u8),
         _ => Fault::Doubled,
     })
 }
@@ -446,12 +447,13 @@ fn what_no_module_may_get_is_refused() {
 fn a_position_read_twice_is_right() {
     let (mut line, mut host) = started(1, 4);
     line.modules[0].1.position = 0x0102_0304;
-    let mut random = Random(7);
+    let mut random = Rand32::new(7);
     let (mut right, mut wrong_once) = (0, 0);
     for _ in 0..3000 {
         // The same bit of two bytes, in opposite directions as often as not.
-        let (bit, from) = (random.below(8) as u8, line.told);
-        let hits = [random.below(60), random.below(60)].map(|place| from + u64::from(place));
+        let (bit, from) = (random.rand_range(0..8) as u8, line.told);
+        let hits = [random.rand_range(0..60), random.rand_range(0..60)]
+            .map(|place| from + u64::from(place));
         let mut fault =
             |is_reply, number| (is_reply && hits.contains(&number)).then_some(Fault::Flipped(bit));
         let step = Step::ReadTwice {
@@ -464,7 +466,8 @@ fn a_position_read_twice_is_right() {
             right += 1;
         }
         let from = line.told;
-        let hits = [random.below(6), random.below(6)].map(|place| from + u64::from(place));
+        let hits =
+            [random.rand_range(0..6), random.rand_range(0..6)].map(|place| from + u64::from(place));
         let mut fault =
             |is_reply, number| (is_reply && hits.contains(&number)).then_some(Fault::Flipped(bit));
         let once = line.run(
@@ -490,17 +493,17 @@ fn a_position_read_twice_is_right() {
 #[test]
 fn the_residual_rate_is_as_computed() {
     let items = Items::POSITION;
-    let mut random = Random(99);
+    let mut random = Rand32::new(99);
     let packets = 400_000_u32;
     let one_in = 500; // bit error rate 2e-3
     let mut unseen = 0_u32;
     for _ in 0..packets {
         let mut bytes = [
             0x09,
-            random.next() as u8,
-            random.next() as u8,
-            random.next() as u8,
-            random.next() as u8,
+            random.rand_u32() as u8,
+            random.rand_u32() as u8,
+            random.rand_u32() as u8,
+            random.rand_u32() as u8,
             0,
         ];
         bytes[5] = bytes[..5]
@@ -509,7 +512,7 @@ fn the_residual_rate_is_as_computed() {
         let good = bytes;
         for byte in &mut bytes {
             for bit in 0..8 {
-                if random.below(one_in) == 0 {
+                if random.rand_range(0..one_in) == 0 {
                     *byte ^= 1 << bit;
                 }
             }
@@ -535,11 +538,11 @@ fn the_residual_rate_is_as_computed() {
 fn hours_of_noise() {
     const ONE_IN: u32 = 300;
     let (mut line, mut host) = started(2, 4);
-    let mut random = Random(2026);
+    let mut random = Rand32::new(2026);
     let (mut moves, mut reported) = (0, 0);
     let mut goal;
     for turn in 0..6000 {
-        let next = random.below(2_000_000) as i32 - 1_000_000;
+        let next = random.rand_range(0..2_000_000) as i32 - 1_000_000;
         let before = line.modules[0].1.executed.len();
         let mut fault = |_, _| noise(&mut random, ONE_IN);
         let load = request(1, Command::LoadTrajectory(absolute(next)));

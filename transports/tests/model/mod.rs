@@ -320,20 +320,3 @@ fn damaged(byte: u8, fault: Option<Fault>) -> Vec<u8> {
         Some(Fault::Doubled) => vec![byte, byte],
     }
 }
-
-/// Random numbers, the same each time.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u32 {
-        // xorshift64*
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) as u32
-    }
-
-    pub fn below(&mut self, bound: u32) -> u32 {
-        ((u64::from(self.next()) * u64::from(bound)) >> 32) as u32
-    }
-}
