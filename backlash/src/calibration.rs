@@ -4,8 +4,9 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 
 /// All that is known of the errors of three axes: readings in, positions out, and back.
 ///
-/// Positions are found from readings axis by axis and squared then. The way back goes from Z over Y to X, each with what the ones before
-/// it really reach, so every coordinate comes back within 1 nm.
+/// Positions are found from readings axis by axis and squared then. The way back goes from Z over Y
+/// to X, each with what the ones before it really reach, so every coordinate comes back within 1
+/// nm.
 ///
 /// ```
 /// use husillo_backlash::{Calibration, ErrorTable, Flank, Knot, Squareness};
@@ -42,9 +43,11 @@ impl<T: AsRef<[Knot]>> Calibration<T> {
         self.squareness.position_nm(along)
     }
 
-    /// The readings at which the axes are at a true position, nanometres, arriving in these directions; within 1 nm.
+    /// The readings at which the axes are at a true position, nanometres, arriving in these
+    /// directions; within 1 nm.
     ///
-    /// Cost: that of [`ErrorTable::reading_nm`] three times, and three times [`ErrorTable::position_nm`].
+    /// Cost: that of [`ErrorTable::reading_nm`] three times, and three times
+    /// [`ErrorTable::position_nm`].
     #[must_use]
     pub fn reading_nm(&self, [x, y, z]: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
         let [x_axis, y_axis, z_axis] = &self.axes;

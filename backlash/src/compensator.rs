@@ -2,10 +2,11 @@
 
 use crate::Lash;
 
-/// Watches step events for axes that turn round and says what each owes first. Eight axes at most: further ones owe
-/// nothing.
+/// Watches step events for axes that turn round and says what each owes first. Eight axes at most:
+/// further ones owe nothing.
 ///
-/// While no axis turns round, an event costs a few operations on masks and no call into the lash model.
+/// While no axis turns round, an event costs a few operations on masks and no call into the lash
+/// model.
 ///
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
@@ -21,7 +22,8 @@ use crate::Lash;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Compensator<const N: usize, L: Lash<N>> {
     lash: [L; N],
-    /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is the first axis.
+    /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is
+    /// the first axis.
     positive: u8,
     negative: u8,
 }
@@ -36,10 +38,12 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         }
     }
 
-    /// Motor steps each axis owes before the event `delta` (entries -1, 0, +1), with the load at `load`.
+    /// Motor steps each axis owes before the event `delta` (entries -1, 0, +1), with the load at
+    /// `load`.
     ///
-    /// To be made in the direction of the axis' `delta`, one axis after the other from the first, and before the event.
-    /// The load does not move in them. Remembers the new directions: ask once an event.
+    /// To be made in the direction of the axis' `delta`, one axis after the other from the first,
+    /// and before the event. The load does not move in them. Remembers the new directions: ask once
+    /// an event.
     #[inline]
     pub fn before(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
         let mut owed = [0; N];
@@ -66,8 +70,9 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         owed
     }
 
-    /// Motor steps each axis owes, signed, since the lash under its nut is another at `load`, where the event that comes
-    /// next will take the load: see [`Lash::follow`]. `None` where no axis owes any. After [`Compensator::before`].
+    /// Motor steps each axis owes, signed, since the lash under its nut is another at `load`, where
+    /// the event that comes next will take the load: see [`Lash::follow`]. `None` where no axis
+    /// owes any. After [`Compensator::before`].
     #[inline]
     pub fn follow(&mut self, load: &[i32; N]) -> Option<[i32; N]> {
         if !L::VARIES {
@@ -82,11 +87,11 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         is_due.then_some(owed)
     }
 
-    /// The direction of an axis' last event, and the motor steps it would owe if it turned round now, with the load at `load`. `None` before
-    /// its first event.
+    /// The direction of an axis' last event, and the motor steps it would owe if it turned round
+    /// now, with the load at `load`. `None` before its first event.
     ///
-    /// For who moves a motor beside the path and back, across the lash that the path has. The model is asked for a turn and for the turn
-    /// back at one place, which leaves it as it was.
+    /// For who moves a motor beside the path and back, across the lash that the path has. The model
+    /// is asked for a turn and for the turn back at one place, which leaves it as it was.
     pub fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
         let bit = 1_u8.checked_shl(u32::try_from(axis).ok()?)?;
         let direction = if self.positive & bit != 0 {
@@ -102,8 +107,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         Some((direction, owed))
     }
 
-    /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go backwards, turns none round;
-    /// then nothing is owed.
+    /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go
+    /// backwards, turns none round; then nothing is owed.
     #[inline]
     #[must_use]
     pub const fn is_straight_on(&self, axes: u8, negative: u8) -> bool {

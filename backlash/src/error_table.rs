@@ -16,7 +16,8 @@ const MOST_SCALE_PPB: i32 = 10_000_000;
 /// Fractions of a nanometre that corrections are added up in.
 const PARTS: i64 = 16;
 
-/// Passes of the inverse: each leaves at most 0.0725 of the distance and one, which begins below 2^29.
+/// Passes of the inverse: each leaves at most 0.0725 of the distance and one, which begins below
+/// 2^29.
 const PASSES: u8 = 16;
 
 /// What to add to a reading at one place of the travel.
@@ -58,17 +59,20 @@ impl fmt::Display for TableError {
 
 impl core::error::Error for TableError {}
 
-/// The errors of an axis: a reading becomes a position with [`position_nm`](Self::position_nm), and a position the reading
-/// to go to with [`reading_nm`](Self::reading_nm).
+/// The errors of an axis: a reading becomes a position with [`position_nm`](Self::position_nm), and
+/// a position the reading to go to with [`reading_nm`](Self::reading_nm).
 ///
-/// The correction is `scale_ppb` of the reading and the straight line between the two knots around it, rounded once, to the
-/// nearest nanometre; before the first knot and behind the last it is theirs. [`Flank::Positive`] is a place reached in the positive
-/// direction; what was reached in neither is corrected by the mean of both.
+/// The correction is `scale_ppb` of the reading and the straight line between the two knots around
+/// it, rounded once, to the nearest nanometre; before the first knot and behind the last it is
+/// theirs. [`Flank::Positive`] is a place reached in the positive direction; what was reached in
+/// neither is corrected by the mean of both.
 ///
-/// Both ways and back are within 1 nm; a position that a reading has comes back exactly. That is so because corrections
-/// change by less than 0.0725 of the way (1 % of scale and a sixteenth), so positions never fall when readings rise.
+/// Both ways and back are within 1 nm; a position that a reading has comes back exactly. That is so
+/// because corrections change by less than 0.0725 of the way (1 % of scale and a sixteenth), so
+/// positions never fall when readings rise.
 ///
-/// Deviations are taken as in ISO 230-2 (true less target, means of each direction). 24 bytes a knot.
+/// Deviations are taken as in ISO 230-2 (true less target, means of each direction). 24 bytes a
+/// knot.
 ///
 /// ```
 /// use husillo_backlash::{ErrorTable, Flank, Knot};
@@ -89,8 +93,8 @@ pub struct ErrorTable<T> {
 }
 
 impl<T: AsRef<[Knot]>> ErrorTable<T> {
-    /// An axis whose true way is longer than its readings by `scale_ppb` parts in 10^9 (1 um/m is 1000), with the knots of
-    /// what is left; none will do.
+    /// An axis whose true way is longer than its readings by `scale_ppb` parts in 10^9 (1 um/m is
+    /// 1000), with the knots of what is left; none will do.
     ///
     /// # Errors
     /// [`TableError`]: the first of its cases that is one.
@@ -137,7 +141,8 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
 
     /// The reading at which the axis is at a true position, both in nanometres; within 1 nm of it.
     ///
-    /// Cost: that of [`position_nm`](Self::position_nm) for each pass; three passes for errors below 1 mm/m, 16 at most.
+    /// Cost: that of [`position_nm`](Self::position_nm) for each pass; three passes for errors
+    /// below 1 mm/m, 16 at most.
     #[must_use]
     pub fn reading_nm(&self, position_nm: i64, flank: Flank) -> i64 {
         let mut reading_nm = position_nm;
@@ -189,7 +194,8 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
             (Some(only), None) | (None, Some(only)) => (only, only),
             (None, None) => return 0,
         };
-        // Readings within 2^35 of zero, corrections within 2^21: the product is below 2^(36 + 22 + 4).
+        // Readings within 2^35 of zero, corrections within 2^21: the product is below 2^(36 + 22 +
+        // 4).
         let way = high.reading_nm.wrapping_sub(low.reading_nm);
         let done = reading_nm.wrapping_sub(low.reading_nm);
         let between = |low_nm: i32, high_nm: i32| {

@@ -27,8 +27,8 @@ impl Flank {
 
 /// The lash of one axis of a machine of `N`, with the memory of the direction it moved last.
 ///
-/// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map; a machine with another law implements this
-/// itself.
+/// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map; a
+/// machine with another law implements this itself.
 ///
 /// ```
 /// use husillo_backlash::{Flank, Lash};
@@ -54,28 +54,30 @@ impl Flank {
 /// assert_eq!(owed, [0, 14, 0]);
 /// ```
 pub trait Lash<const N: usize> {
-    /// Whether the lash under the nut may change without the axis turning round: then [`Lash::follow`] is asked after
-    /// every event. Where it may not, that costs nothing.
+    /// Whether the lash under the nut may change without the axis turning round: then
+    /// [`Lash::follow`] is asked after every event. Where it may not, that costs nothing.
     const VARIES: bool = false;
 
-    /// Motor steps owed before a step in the direction of the sign of `direction`, with the load of every axis at `load`; this axis is
-    /// number `axis` of them.
+    /// Motor steps owed before a step in the direction of the sign of `direction`, with the load of
+    /// every axis at `load`; this axis is number `axis` of them.
     ///
-    /// 0 unless the axis turns round, and for `direction` 0; the new direction is remembered, so the caller makes the
-    /// steps it is told. A caller may leave out calls for further steps in one direction.
+    /// 0 unless the axis turns round, and for `direction` 0; the new direction is remembered, so
+    /// the caller makes the steps it is told. A caller may leave out calls for further steps in one
+    /// direction.
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32;
 
-    /// Motor steps owed, signed, because the lash under the nut is another at `load` than where this was asked last, or the axis turned
-    /// round last. The load does not move in them.
+    /// Motor steps owed, signed, because the lash under the nut is another at `load` than where
+    /// this was asked last, or the axis turned round last. The load does not move in them.
     ///
-    /// Steps of a machine move every axis by one at most; a model that owes more than one step for such a move stops the
-    /// path for them.
+    /// Steps of a machine move every axis by one at most; a model that owes more than one step for
+    /// such a move stops the path for them.
     fn follow(&mut self, load: &[i32; N]) -> i32 {
         let _ = load;
         0
     }
 
-    /// Whether the axis never owes anything, so that it may turn round without a stop. Unless a model knows, it may.
+    /// Whether the axis never owes anything, so that it may turn round without a stop. Unless a
+    /// model knows, it may.
     fn is_free(&self) -> bool {
         false
     }

@@ -10,13 +10,15 @@ const MOST_WAY: u32 = 1 << 22;
 
 /// Lash of one axis over a machine's work area, in motor steps.
 ///
-/// Between the places of the grid it is interpolated bilinearly and rounded to the nearest step; outside it is that of the nearest edge.
-/// One place along an axis: the same everywhere along it. So bands across X are a grid with one place in Y, and the table of a lead
-/// screw is bands across its own axis.
+/// Between the places of the grid it is interpolated bilinearly and rounded to the nearest step;
+/// outside it is that of the nearest edge. One place along an axis: the same everywhere along it.
+/// So bands across X are a grid with one place in Y, and the table of a lead screw is bands across
+/// its own axis.
 ///
-/// Motor steps are kept apart from load steps by less than one for every two: from one place to the next the lash changes by a quarter of
-/// the way at most, so an event changes it by one step at most. Costs two binary searches, two 64-bit divisions and a few products a look-up;
-/// a step of 64-bit arithmetic is exact because entries are below 2^20 and ways below 2^22.
+/// Motor steps are kept apart from load steps by less than one for every two: from one place to the
+/// next the lash changes by a quarter of the way at most, so an event changes it by one step at
+/// most. Costs two binary searches, two 64-bit divisions and a few products a look-up; a step of
+/// 64-bit arithmetic is exact because entries are below 2^20 and ways below 2^22.
 ///
 /// ```
 /// use husillo_backlash::LashMap;
@@ -42,7 +44,8 @@ pub struct LashMap<K, V> {
 pub enum MapError {
     /// There is no entry, or not one for every place of the grid.
     Entries,
-    /// Along the first (0) or the second axis (1) this place, counted from 0, is not above the one before, or more than 2^22 steps above.
+    /// Along the first (0) or the second axis (1) this place, counted from 0, is not above the one
+    /// before, or more than 2^22 steps above.
     Order {
         /// 0 or 1.
         axis: usize,
@@ -69,8 +72,9 @@ impl fmt::Display for MapError {
 impl core::error::Error for MapError {}
 
 impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
-    /// A map over the positions of two `axes` of the machine, by number. `places` are rising load steps along each of them, `steps` the lash
-    /// at each place, in motor steps: all places of the first axis at the first of the second, and so on.
+    /// A map over the positions of two `axes` of the machine, by number. `places` are rising load
+    /// steps along each of them, `steps` the lash at each place, in motor steps: all places of the
+    /// first axis at the first of the second, and so on.
     ///
     /// # Errors
     /// [`MapError`]: the first of its cases that is one.
@@ -107,7 +111,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         self.places.each_ref().map(|places| places.as_ref())
     }
 
-    /// The lash at all of them: those along the first axis at the first place of the second, and so on.
+    /// The lash at all of them: those along the first axis at the first place of the second, and so
+    /// on.
     pub fn entries(&self) -> &[u32] {
         self.steps.as_ref()
     }
@@ -123,7 +128,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             .map(|axis| load.get(axis).copied().unwrap_or_default())
     }
 
-    /// The lash at a place, and how far each of the two axes may go from there with the lash staying as it is: a lower bound.
+    /// The lash at a place, and how far each of the two axes may go from there with the lash
+    /// staying as it is: a lower bound.
     pub(crate) fn look_up(&self, at: [i32; 2]) -> (u32, u32) {
         let [x, y] = self.places.each_ref().map(|places| places.as_ref());
         let [at_x, at_y] = at;
@@ -136,7 +142,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             low.wrapping_mul(rest)
                 .wrapping_add(high.wrapping_mul(x.offset))
         };
-        // Entries below 2^20, weights of each axis adding up to 2^22 at most: below 2^64 with half of the whole, too.
+        // Entries below 2^20, weights of each axis adding up to 2^22 at most: below 2^64 with half
+        // of the whole, too.
         let whole = x.way.wrapping_mul(y.way);
         let weighted = along_x(low_low, high_low)
             .wrapping_mul(y.way.wrapping_sub(y.offset))
@@ -144,7 +151,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             .wrapping_add(whole >> 1);
         let steps = weighted.checked_div(whole).unwrap_or(0);
         let above = weighted.wrapping_sub(steps.wrapping_mul(whole));
-        // What a step along each axis changes of the weighted sum, at most, anywhere between these places.
+        // What a step along each axis changes of the weighted sum, at most, anywhere between these
+        // places.
         let change = |pairs: [[u64; 2]; 2], other: u64| {
             let [one, two] = pairs.map(|[low, high]| low.abs_diff(high));
             one.max(two).wrapping_mul(other)

@@ -1,4 +1,5 @@
-//! Load position in, motor position out: the steps a screw owes before its nut follows it the other way.
+//! Load position in, motor position out: the steps a screw owes before its nut follows it the other
+//! way.
 //!
 //! ```text
 //!  delta, load ──► Compensator ──► take-up owed per axis, made before the event, X before Y before Z
@@ -11,7 +12,8 @@
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
 //! ```
 //!
-//! That is in motor steps. The errors of an axis' length are in nanometres, for positions that are measured or gone to:
+//! That is in motor steps. The errors of an axis' length are in nanometres, for positions that are
+//! measured or gone to:
 //!
 //! ```text
 //!  readings ──► ErrorTable, one an axis ──► Squareness ──► true position      Calibration: all of it, and back

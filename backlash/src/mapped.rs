@@ -4,9 +4,10 @@ use crate::{Flank, Lash, LashMap};
 
 /// An axis whose lash is looked up in a [`LashMap`] as the tool moves.
 ///
-/// On the positive flank the motor stands at the load's position; on the negative flank it stands before it by the lash at the place where
-/// the load is. So it does not only owe a take-up where it turns round: on the negative flank it owes a step whenever the lash under the
-/// nut has become another one, also while it stands and other axes move.
+/// On the positive flank the motor stands at the load's position; on the negative flank it stands
+/// before it by the lash at the place where the load is. So it does not only owe a take-up where it
+/// turns round: on the negative flank it owes a step whenever the lash under the nut has become
+/// another one, also while it stands and other axes move.
 ///
 /// ```
 /// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
@@ -38,7 +39,8 @@ pub struct MappedBacklash<K, V> {
 }
 
 impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
-    /// The map of an axis, and its flank engaged now, with the load at machine zero; load and motor zero are here on the positive flank.
+    /// The map of an axis, and its flank engaged now, with the load at machine zero; load and motor
+    /// zero are here on the positive flank.
     ///
     /// With [`Flank::Unknown`] the first motion is not compensated: it finds the flank.
     #[must_use]
@@ -55,7 +57,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
         }
     }
 
-    /// The load position with the motor at `motor`, on the flank engaged now and with the lash that was followed last.
+    /// The load position with the motor at `motor`, on the flank engaged now and with the lash that
+    /// was followed last.
     #[must_use]
     pub const fn load_position(&self, motor: i32) -> i32 {
         let offset = match self.flank {

@@ -4,12 +4,13 @@ use crate::error_table::REACH_NM;
 
 /// By how much three axes lean: X is the reference, Y lies in the plane of X and Y.
 ///
-/// A lean is the way across for a way along, in parts in 10^9 (100 um/m are 100 000, or 100 microradians): with
-/// `xy_ppb` above 0 the angle between X and Y is below a right one, and a way along Y carries X with it. Up to 1 % the lengths along the
-/// axes change by 5 parts in 10^5 only, second order; they belong to the scales.
+/// A lean is the way across for a way along, in parts in 10^9 (100 um/m are 100 000, or 100
+/// microradians): with `xy_ppb` above 0 the angle between X and Y is below a right one, and a way
+/// along Y carries X with it. Up to 1 % the lengths along the axes change by 5 parts in 10^5 only,
+/// second order; they belong to the scales.
 ///
-/// To readings and back is exact, nanometre for nanometre: what is added to a coordinate is found from the others, which the way
-/// back finds first. Coordinates beyond 34 m count as 34 m in it.
+/// To readings and back is exact, nanometre for nanometre: what is added to a coordinate is found
+/// from the others, which the way back finds first. Coordinates beyond 34 m count as 34 m in it.
 ///
 /// ```
 /// use husillo_backlash::Squareness;
@@ -30,7 +31,8 @@ pub struct Squareness {
 }
 
 impl Squareness {
-    /// The position in square coordinates of a place with these along the axes, nanometres. Wraps at the ends of `i64`.
+    /// The position in square coordinates of a place with these along the axes, nanometres. Wraps
+    /// at the ends of `i64`.
     ///
     /// Cost: two 64-bit divisions by a constant.
     #[must_use]

@@ -4,8 +4,8 @@ use crate::{Flank, Lash};
 
 /// An axis with the same lash everywhere.
 ///
-/// On the positive flank the motor stands at the load's position, on the negative flank `lash_steps` before it.
-/// Arithmetic wraps at the ends of `i32`, and stays exact there.
+/// On the positive flank the motor stands at the load's position, on the negative flank
+/// `lash_steps` before it. Arithmetic wraps at the ends of `i32`, and stays exact there.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Backlash {
@@ -13,12 +13,14 @@ pub struct Backlash {
     flank: Flank,
     /// Load position last targeted or stepped to.
     load: i32,
-    /// Motor position less load position on the positive flank; not 0 only where the flank was found by moving negative.
+    /// Motor position less load position on the positive flank; not 0 only where the flank was
+    /// found by moving negative.
     origin: i32,
 }
 
 impl Backlash {
-    /// Lash in motor steps, and the flank engaged now; load and motor zero are here on the positive flank.
+    /// Lash in motor steps, and the flank engaged now; load and motor zero are here on the positive
+    /// flank.
     ///
     /// With [`Flank::Unknown`] the first motion is not compensated: it finds the flank.
     #[must_use]

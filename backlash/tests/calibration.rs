@@ -59,7 +59,8 @@ fn squareness() -> impl Strategy<Value = Squareness> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// From a reading to its position and back is within 1 nm, and that position comes back exactly.
+    /// From a reading to its position and back is within 1 nm, and that position comes back
+    /// exactly.
     #[test]
     fn a_reading_comes_back(table in table(), reading in place(), flank in flank()) {
         let position = table.position_nm(reading, flank);
@@ -93,8 +94,8 @@ proptest! {
         prop_assert!(table.position_nm(reading + way, flank) >= table.position_nm(reading, flank));
     }
 
-    /// At a knot the correction is the knot's and the scale's, and between two it lies on the line between them, within half
-    /// a nanometre and the two roundings of a sixteenth before it.
+    /// At a knot the correction is the knot's and the scale's, and between two it lies on the line
+    /// between them, within half a nanometre and the two roundings of a sixteenth before it.
     #[test]
     fn the_correction_is_the_line(table in table(), part in 0.0f64..=1.0) {
         for pair in table.knots().windows(2) {

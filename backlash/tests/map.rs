@@ -83,7 +83,8 @@ fn interpolated(x: &[i32], y: &[i32], steps: &[u32], at: [i32; 2]) -> i128 {
 }
 
 proptest! {
-    /// Between its places the map is the bilinear interpolation, rounded once; outside that of the nearest edge.
+    /// Between its places the map is the bilinear interpolation, rounded once; outside that of the
+    /// nearest edge.
     #[test]
     fn the_map_interpolates(
         x in places(), y in places(), seed in proptest::collection::vec(0..MOST, 16), at in [-400i32..1000, -400i32..1000],
@@ -93,8 +94,8 @@ proptest! {
         prop_assert_eq!(i128::from(map.steps(at)), interpolated(&x, &y, &steps, at));
     }
 
-    /// A nut with that much play at every place stands on the commanded point after every event, whatever moved, and no event owes more
-    /// than a step.
+    /// A nut with that much play at every place stands on the commanded point after every event,
+    /// whatever moved, and no event owes more than a step.
     #[test]
     fn the_nut_is_where_it_was_sent(maps in [map(), map()], walk in walk()) {
         let axes = maps.clone().map(|map| MappedBacklash::new(map, Flank::Positive));

@@ -1,4 +1,5 @@
-//! The recorded traces: logical steps in, motor steps with take-up out, and the play model driven by them.
+//! The recorded traces: logical steps in, motor steps with take-up out, and the play model driven
+//! by them.
 
 use husillo_backlash::{Backlash, Compensator, Flank, Lash};
 use serde_json::Value;
@@ -86,7 +87,8 @@ fn traces_are_reproduced_and_the_table_visits_every_logical_point() {
             "{name}"
         );
 
-        // With compensation the table stands on the logical points, one after the other, and nowhere else.
+        // With compensation the table stands on the logical points, one after the other, and
+        // nowhere else.
         let mut play = Play::new(lash, last);
         let mut visited = vec![play.table];
         for &delta in &motor {

@@ -39,7 +39,8 @@ impl Lash<2> for Regions {
 }
 
 proptest! {
-    /// The motor position of a load position leads back to it, everywhere in i32 and for every lash.
+    /// The motor position of a load position leads back to it, everywhere in i32 and for every
+    /// lash.
     #[test]
     fn load_of_target_is_the_load(
         lash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(any::<i32>(), 1..50),
@@ -51,7 +52,8 @@ proptest! {
         }
     }
 
-    /// Targets and take-up agree: step by step, the motor has made exactly the steps that the target asks for.
+    /// Targets and take-up agree: step by step, the motor has made exactly the steps that the
+    /// target asks for.
     #[test]
     fn steps_arrive_at_the_target(lash in 0u32..50, flank in flank(), walk in walk()) {
         let mut by_steps = Backlash::new(lash, flank);
@@ -66,7 +68,8 @@ proptest! {
         }
     }
 
-    /// A nut with that play stands on the commanded point after every event, and never moves in a take-up.
+    /// A nut with that play stands on the commanded point after every event, and never moves in a
+    /// take-up.
     #[test]
     fn the_nut_is_where_it_was_sent(lash in [0u32..20, 0u32..20], walk in walk()) {
         let mut stage = Compensator::new(lash.map(|lash| Backlash::new(lash, Flank::Positive)));
@@ -87,7 +90,8 @@ proptest! {
         }
     }
 
-    /// A foreign lash model in the compensator is asked where the load is when an axis turns round, and only then counts.
+    /// A foreign lash model in the compensator is asked where the load is when an axis turns round,
+    /// and only then counts.
     #[test]
     fn a_foreign_lash_serves(walk in walk(), start in -1000i32..1000) {
         let mut stage = Compensator::new([Regions { last: 0 }, Regions { last: 0 }]);

@@ -1,4 +1,5 @@
-//! An axis with a scale of 2 um a count on an 8-bit bus: the carriage goes out and home again, and says where it is.
+//! An axis with a scale of 2 um a count on an 8-bit bus: the carriage goes out and home again, and
+//! says where it is.
 
 use husillo_encoder::{Byte, Extended, VelocityByCount, read_running};
 

@@ -1,10 +1,12 @@
 //! More bits for a hardware counter.
 
-/// A position of 64 (or 32) bits from the readings of a counter with `BITS` bits, 1 to 32, that wraps.
+/// A position of 64 (or 32) bits from the readings of a counter with `BITS` bits, 1 to 32, that
+/// wraps.
 ///
-/// Exact as long as less than half the range of the counter passes between readings: -128 to 127 counts for 8 bits, -32768 to
-/// 32767 for 16. This is the difference modulo 2^`BITS` taken as a signed number, as sequence numbers are compared (RFC 1982). 10
-/// instructions on a Cortex-M4F, loop included; 16 bytes.
+/// Exact as long as less than half the range of the counter passes between readings: -128 to 127
+/// counts for 8 bits, -32768 to 32767 for 16. This is the difference modulo 2^`BITS` taken as a
+/// signed number, as sequence numbers are compared (RFC 1982). 10 instructions on a Cortex-M4F,
+/// loop included; 16 bytes.
 ///
 /// ```
 /// use husillo_encoder::Extended;

@@ -20,9 +20,10 @@ pub struct Passage {
 ///     upwards it rises in count 10, downwards it falls in count 10: always position 10
 /// ```
 ///
-/// The same edge of the mark counts in both directions, so that a reference taken from the left is that from the right. Where
-/// the encoder turns round within the count in which the index changes, the passage may be missed or, the other edge taken
-/// for this one, be off by the width of the mark (1 count where the encoder gates its index with A and B).
+/// The same edge of the mark counts in both directions, so that a reference taken from the left is
+/// that from the right. Where the encoder turns round within the count in which the index changes,
+/// the passage may be missed or, the other edge taken for this one, be off by the width of the mark
+/// (1 count where the encoder gates its index with A and B).
 ///
 /// ```
 /// use husillo_encoder::Index;
@@ -44,8 +45,8 @@ pub struct Index {
 }
 
 impl Index {
-    /// With the level and the position as they are now. `counts_per_mark` is the distance of marks in counts, that is the counts of a
-    /// revolution, or 0 for the only mark of a scale.
+    /// With the level and the position as they are now. `counts_per_mark` is the distance of marks
+    /// in counts, that is the counts of a revolution, or 0 for the only mark of a scale.
     pub const fn new(counts_per_mark: u32, level: bool, position: i32) -> Self {
         Self {
             counts_per_mark: NonZeroU32::new(counts_per_mark),
@@ -56,7 +57,8 @@ impl Index {
         }
     }
 
-    /// Takes the level of the index and the position of the same sample, and returns the passage when this sample has one.
+    /// Takes the level of the index and the position of the same sample, and returns the passage
+    /// when this sample has one.
     #[inline]
     pub fn sample(&mut self, level: bool, position: i32) -> Option<Passage> {
         let moved = position.wrapping_sub(self.position);

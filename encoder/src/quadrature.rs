@@ -13,8 +13,9 @@ use core::fmt;
 ///     X1      +1                      the edge of A where B is low
 /// ```
 ///
-/// Backwards the same edges count down, so that a disc that trembles about an edge never gathers counts: with `X2` and `X1` the
-/// position is that of `X4` divided by 2 and 4 and rounded down, whatever the way there.
+/// Backwards the same edges count down, so that a disc that trembles about an edge never gathers
+/// counts: with `X2` and `X1` the position is that of `X4` divided by 2 and 4 and rounded down,
+/// whatever the way there.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Scale {
@@ -30,7 +31,8 @@ pub enum Scale {
 const SKIPPED: i32 = -2;
 
 impl Scale {
-    /// Sixteen numbers of two bits, -1, 0, 1 and [`SKIPPED`], the first one (from `00` to `00`) on top.
+    /// Sixteen numbers of two bits, -1, 0, 1 and [`SKIPPED`], the first one (from `00` to `00`) on
+    /// top.
     const fn table(self) -> u32 {
         let mut table = 0;
         let mut change = 0_u32;
@@ -80,11 +82,12 @@ pub enum Direction {
 
 /// A decoder of quadrature signals: one sample of both levels in, its counts out.
 ///
-/// Samples must come at least once between any two edges. Two edges are told ([`Skipped`]); three look like one the other way
-/// and four like none, which no decoder can see: only the index does.
+/// Samples must come at least once between any two edges. Two edges are told ([`Skipped`]); three
+/// look like one the other way and four like none, which no decoder can see: only the index does.
 ///
-/// The table has 16 states as in the usual hardware decoders (for instance Avago HCTL-2016, data sheet, "4x decode logic"). It is
-/// 32 bits long and stays in a register. 16 instructions a sample on a Cortex-M4F, loop included; 20 bytes.
+/// The table has 16 states as in the usual hardware decoders (for instance Avago HCTL-2016, data
+/// sheet, "4x decode logic"). It is 32 bits long and stays in a register. 16 instructions a sample
+/// on a Cortex-M4F, loop included; 20 bytes.
 ///
 /// ```
 /// use husillo_encoder::{Quadrature, Scale, Skipped};
@@ -122,12 +125,13 @@ impl Quadrature {
         }
     }
 
-    /// Takes the levels as they are now (bit 0 is A, bit 1 is B) and returns the counts since the last sample: -1, 0 or 1.
+    /// Takes the levels as they are now (bit 0 is A, bit 1 is B) and returns the counts since the
+    /// last sample: -1, 0 or 1.
     ///
     /// # Errors
     ///
-    /// [`Skipped`] when two edges passed. The position stays, so that it is two edges off, one way or the other; the next sample
-    /// is compared with this one.
+    /// [`Skipped`] when two edges passed. The position stays, so that it is two edges off, one way
+    /// or the other; the next sample is compared with this one.
     #[inline]
     pub fn sample(&mut self, levels: u8) -> Result<i32, Skipped> {
         let levels = u32::from(levels) & 3;
@@ -146,7 +150,8 @@ impl Quadrature {
         Ok(counts)
     }
 
-    /// Counts from where the position was set last. Wraps at 32 bits; [`Extended`](crate::Extended) has 64.
+    /// Counts from where the position was set last. Wraps at 32 bits; [`Extended`](crate::Extended)
+    /// has 64.
     pub const fn position(&self) -> i32 {
         self.position
     }

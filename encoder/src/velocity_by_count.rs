@@ -2,8 +2,9 @@
 
 /// Velocity by count: the counts of the last `WINDOW` samples, which come at equal times.
 ///
-/// For high speeds. One count more or less in the window is 1/`WINDOW` counts a sample: that is its resolution, and its error is below
-/// it. The value is the mean over the window, so it is `WINDOW`/2 samples old.
+/// For high speeds. One count more or less in the window is 1/`WINDOW` counts a sample: that is its
+/// resolution, and its error is below it. The value is the mean over the window, so it is
+/// `WINDOW`/2 samples old.
 ///
 /// ```
 /// use husillo_encoder::VelocityByCount;
@@ -34,7 +35,8 @@ impl<const WINDOW: usize> VelocityByCount<WINDOW> {
         }
     }
 
-    /// Takes the position of this sample and returns the velocity in 2^-16 counts a sample, rounded to zero and cut to 32 bits.
+    /// Takes the position of this sample and returns the velocity in 2^-16 counts a sample, rounded
+    /// to zero and cut to 32 bits.
     ///
     /// A division by a constant; a shift and an addition where `WINDOW` is a power of two.
     #[inline]

@@ -1,15 +1,18 @@
 //! Velocity from the time of the counts.
 
-/// Velocity by period: the time that the last `COUNTS` counts took, by a clock that wraps at 32 bits.
+/// Velocity by period: the time that the last `COUNTS` counts took, by a clock that wraps at 32
+/// bits.
 ///
-/// For low speeds, where whole samples pass without a count. Between two counts it says what is still possible: no more than one count in
-/// the time since the last one; after `standstill_ticks` without a count it says 0, and so it does from a change of direction to the second
-/// count of the new one, so that an encoder trembling on an edge stands. With `COUNTS` = 4 (or a multiple) the counts of a
-/// line with unequal quarters are taken together. Samples in which several counts come are taken as they are (the M/T method: Ohmae
-/// et al., A microprocessor-controlled high-accuracy wide-range speed regulator for motor drives, IEEE Trans. IE-29 (3), 1982).
+/// For low speeds, where whole samples pass without a count. Between two counts it says what is
+/// still possible: no more than one count in the time since the last one; after `standstill_ticks`
+/// without a count it says 0, and so it does from a change of direction to the second count of the
+/// new one, so that an encoder trembling on an edge stands. With `COUNTS` = 4 (or a multiple) the
+/// counts of a line with unequal quarters are taken together. Samples in which several counts come
+/// are taken as they are (the M/T method: Ohmae et al., A microprocessor-controlled high-accuracy
+/// wide-range speed regulator for motor drives, IEEE Trans. IE-29 (3), 1982).
 ///
-/// The error is that of the clock and of the time between samples, `sample_ticks`: relative to the time of the counts taken, at most
-/// `sample_ticks` / time.
+/// The error is that of the clock and of the time between samples, `sample_ticks`: relative to the
+/// time of the counts taken, at most `sample_ticks` / time.
 ///
 /// ```
 /// use husillo_encoder::VelocityByPeriod;
@@ -29,7 +32,8 @@ pub struct VelocityByPeriod<const COUNTS: usize> {
     position: i32,
     is_backward: bool,
     newest: Option<Edge>,
-    /// Those before the newest, as a ring: `known` of them count, `next` is the place of the next one.
+    /// Those before the newest, as a ring: `known` of them count, `next` is the place of the next
+    /// one.
     older: [Edge; COUNTS],
     known: usize,
     next: usize,
@@ -43,13 +47,15 @@ struct Edge {
 }
 
 impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
-    /// Longest standstill time: all periods that are kept are together shorter than the range of the clock.
+    /// Longest standstill time: all periods that are kept are together shorter than the range of
+    /// the clock.
     const LONGEST_TICKS: u32 = {
         assert!(COUNTS > 0 && COUNTS <= 1 << 16);
         (1 << 31) / COUNTS as u32
     };
 
-    /// At rest at this position. `standstill_ticks` without a count are taken as standstill; cut to 2^31 / `COUNTS`.
+    /// At rest at this position. `standstill_ticks` without a count are taken as standstill; cut to
+    /// 2^31 / `COUNTS`.
     pub const fn new(clock_hz: u32, standstill_ticks: u32, position: i32) -> Self {
         Self {
             clock_hz,
@@ -90,8 +96,9 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// The velocity in thousandths of a count a second at this time, rounded to zero, negative backwards; cut to 64 bits where counts in
-    /// the time, thousand and clock frequency multiply to more.
+    /// The velocity in thousandths of a count a second at this time, rounded to zero, negative
+    /// backwards; cut to 64 bits where counts in the time, thousand and clock frequency multiply to
+    /// more.
     ///
     /// A division of 64 bits.
     pub fn millicounts_per_s(&self, now_ticks: u32) -> i64 {

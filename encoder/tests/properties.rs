@@ -54,13 +54,14 @@ fn pins_and_other_bits_of_the_port() {
 }
 
 proptest! {
-    /// A random walk of at most one edge a sample is counted exactly by X4, and by X2 and X1 as its half and quarter rounded down, at
-    /// every sample.
+    /// A random walk of at most one edge a sample is counted exactly by X4, and by X2 and X1 as its
+    /// half and quarter rounded down, at every sample.
     #[test]
     fn a_walk_is_counted_exactly(start in 0_i64..4, steps in vec(-1_i64..=1, 0..500)) {
         for (scale, divisor) in SCALES {
             let mut encoder = Quadrature::new(scale, levels_at(start));
-            // The counting edge of X1 lies between the states 0 and 1, that of X2 also between 2 and 3.
+            // The counting edge of X1 lies between the states 0 and 1, that of X2 also between 2
+            // and 3.
             let place = |quarters: i64| (quarters - 1).div_euclid(divisor);
             let (mut quarters, mut last) = (start, None);
             for step in &steps {
@@ -80,7 +81,8 @@ proptest! {
         }
     }
 
-    /// Every step of two edges is flagged and none else; a position is off by twice the flags at most, and by an even number.
+    /// Every step of two edges is flagged and none else; a position is off by twice the flags at
+    /// most, and by an even number.
     #[test]
     fn every_skipped_state_is_flagged(start in 0_i64..4, steps in vec(-2_i64..=2, 0..300)) {
         let mut encoders = SCALES.map(|(scale, _)| Quadrature::new(scale, levels_at(start)));
@@ -126,7 +128,8 @@ proptest! {
         check::<1>(start, position, &shares)?;
     }
 
-    /// A reading of a counter that runs is one of the values it had, that of the second low byte, for any interleaving.
+    /// A reading of a counter that runs is one of the values it had, that of the second low byte,
+    /// for any interleaving.
     #[test]
     fn running_counters_are_read_right(start: u16, gaps in proptest::array::uniform3(0_u16..43), backward: bool) {
         let mut values = Vec::from([start]);
@@ -145,7 +148,8 @@ proptest! {
         prop_assert_eq!(value, Some(values[2]));
     }
 
-    /// The same edge of the index is found from both sides, wherever the walk turns outside it, and lost counts are told.
+    /// The same edge of the index is found from both sides, wherever the walk turns outside it, and
+    /// lost counts are told.
     #[test]
     fn index_is_the_same_from_both_sides(turns in vec(1_i32..1000, 1..20), lost in -30_i32..30) {
         const TURN: i32 = 400;
@@ -156,7 +160,8 @@ proptest! {
         for (number, length) in turns.into_iter().enumerate() {
             let step = if number % 2 == 0 { 1 } else { -1 };
             let mut left = length;
-            // Turns outside the mark and its neighbours, where direction and level cannot change together.
+            // Turns outside the mark and its neighbours, where direction and level cannot change
+            // together.
             while left > 0 || (0..WIDTH + 8).contains(&(place - 96).rem_euclid(TURN)) {
                 let before = level(place);
                 place += step;
@@ -195,8 +200,8 @@ proptest! {
         }
     }
 
-    /// The velocity by period is right to the time of a sample in the time of the counts, at any constant velocity, both ways and over
-    /// the wrap of clock and position.
+    /// The velocity by period is right to the time of a sample in the time of the counts, at any
+    /// constant velocity, both ways and over the wrap of clock and position.
     #[test]
     fn velocity_by_period_is_right_at_constant_velocity(
         period_ticks in 20_u64..50_000,
@@ -272,7 +277,8 @@ fn running_counters_are_read_right_about_every_carry() {
 
 #[test]
 fn bytes_that_cannot_be_are_refused() {
-    // Two carries, low bytes half a range apart without a carry, a carry with the low bytes on the wrong sides.
+    // Two carries, low bytes half a range apart without a carry, a carry with the low bytes on the
+    // wrong sides.
     for bytes in [
         [3, 0, 0, 5],
         [3, 10, 200, 3],

@@ -1,5 +1,6 @@
-//! Every method on moves of some ten thousand events: lines from one corner of a box to the other, whole circles, curves. An element is
-//! an event; setting up is measured beside it. The measuring times are short: the whole takes less than a minute.
+//! Every method on moves of some ten thousand events: lines from one corner of a box to the other,
+//! whole circles, curves. An element is an event; setting up is measured beside it. The measuring
+//! times are short: the whole takes less than a minute.
 
 use std::{hint::black_box, time::Duration};
 

@@ -22,8 +22,8 @@ const MAX_STATE: u64 = 2_140_000_000;
 
 /// Turning sense, seen with the first axis to the right and the second one up.
 ///
-/// The same as `Direction` of `husillo-gcode`. No crate of this level depends on another, so a `bool`
-/// goes between them: [`Direction::from_clockwise`] of its `is_clockwise`.
+/// The same as `Direction` of `husillo-gcode`. No crate of this level depends on another, so a
+/// `bool` goes between them: [`Direction::from_clockwise`] of its `is_clockwise`.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
@@ -50,8 +50,8 @@ impl Direction {
 pub enum Rim {
     /// The curve goes exactly through both ends; their distances from the centre may differ.
     Spiral,
-    /// A circle of nominal radius R; the ends are rounded points beside it. Each value is
-    /// (|P - C|^2 - R^2) 2^f for P in BLU, the residue in units of 2^-f BLU^2: rounded to nearest the
+    /// A circle of nominal radius R; the ends are rounded points beside it. Each value is (|P -
+    /// C|^2 - R^2) 2^f for P in BLU, the residue in units of 2^-f BLU^2: rounded to nearest the
     /// error bound is 0.5 + 2^-f / (4 r), floored (as the oracle has it) 0.5 + 2^-f / (2 r); both
     /// are to be rounded the same way.
     Nominal {
@@ -135,8 +135,8 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
     16
 }
 
-/// A circular arc of axes 0 and 1, one event at a time: always the nearest point of the next row or column, two
-/// sign tests and a few additions an event; ends exactly at `to`.
+/// A circular arc of axes 0 and 1, one event at a time: always the nearest point of the next row or
+/// column, two sign tests and a few additions an event; ends exactly at `to`.
 ///
 /// | | |
 /// | --- | --- |
@@ -379,7 +379,8 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     }
     .max(1);
 
-    // The u-step of a quadrant is (-1, 0), (0, -1), (1, 0), (0, 1); its v-step the one before, backwards.
+    // The u-step of a quadrant is (-1, 0), (0, -1), (1, 0), (0, 1); its v-step the one before,
+    // backwards.
     let [first, second] = plane;
     let along_x = |is_negative: bool| Toward::new(first, is_negative);
     let along_y = |is_negative: bool| Toward::new(second, is_negative != is_clockwise);

@@ -24,7 +24,8 @@ const ONE: u64 = 1 << 32;
 pub enum BezierError {
     /// More than 20 fraction bits.
     FractionBits,
-    /// A control point is 2^22 BLU or more from the first one in some axis, or an end beyond 2^31 BLU.
+    /// A control point is 2^22 BLU or more from the first one in some axis, or an end beyond 2^31
+    /// BLU.
     TooLarge,
     /// More than eight axes.
     Axes,
@@ -42,14 +43,14 @@ impl fmt::Display for BezierError {
 
 impl core::error::Error for BezierError {}
 
-/// A cubic (G5) or quadratic (G5.1) Bezier curve in up to eight axes, one event at a time; begins and ends
-/// on the lattice points nearest to its ends (halves towards +infinity).
+/// A cubic (G5) or quadratic (G5.1) Bezier curve in up to eight axes, one event at a time; begins
+/// and ends on the lattice points nearest to its ends (halves towards +infinity).
 ///
 /// The curve is followed in samples 15/16 BLU apart; an event is a sample at which the rounded
 /// position has changed. From the parameter u of one sample to the next it goes by the second-order
-/// Taylor step u + w - w^2 (C'.C'') / (2 |C'|^2) with w = v / |C'|, and corrects it by the chord it has
-/// measured. Near a cusp, where C' vanishes, u goes on by sqrt(2 v / max |C''|) at most, and it always
-/// goes on by 1/2 BLU / max |C'| at least.
+/// Taylor step u + w - w^2 (C'.C'') / (2 |C'|^2) with w = v / |C'|, and corrects it by the chord it
+/// has measured. Near a cusp, where C' vanishes, u goes on by sqrt(2 v / max |C''|) at most, and it
+/// always goes on by 1/2 BLU / max |C'| at least.
 ///
 /// | | |
 /// | --- | --- |
@@ -60,13 +61,13 @@ impl core::error::Error for BezierError {}
 /// | cost | instructions an event on Cortex-M4F / M0: 1730 / 5720 for two axes, 1980 / 6570 for three (on the S of the tests): four divisions and three roots of 64 bits a sample, which those have no instruction for; no division of 128 bits |
 /// | source | Taylor step of parametric interpolators (Shpitalni, Koren, Lo 1994) with a chord corrector; rounding of each axis |
 ///
-/// Sum of the sweeps: a step counts as its projection on the tangent, the lattice is within sqrt(N)/2 of
-/// the curve, so the sum is the length within sqrt(N)/2 (2 + total turning in radians) BLU and the
-/// least sweeps, below 0.1 % an axis.
+/// Sum of the sweeps: a step counts as its projection on the tangent, the lattice is within
+/// sqrt(N)/2 of the curve, so the sum is the length within sqrt(N)/2 (2 + total turning in radians)
+/// BLU and the least sweeps, below 0.1 % an axis.
 ///
 /// Positions are the polynomial c1 u + c2 u^2 + c3 u^3 in 2^-20 BLU. Its coefficients are integer
-/// combinations of the control points, for the quadratic c3 = 0: raising it to a cubic, which would divide
-/// by three, is not needed, and it is exact.
+/// combinations of the control points, for the quadratic c3 = 0: raising it to a cubic, which would
+/// divide by three, is not needed, and it is exact.
 ///
 /// ```
 /// use husillo_interp::Bezier;
@@ -388,9 +389,9 @@ impl<const N: usize> Walk<N> {
         if first > self.most {
             return self.most;
         }
-        // w (C'.C'') / (2 |C'|^2) in 2^-16. |dot| / |C'| <= |C''| is below 2^50 when shifted back, and its
-        // product with w <= sqrt(2 v / max |C''|) below sqrt(2 v max |C''|) < 2^36. Beyond 1/2 the series
-        // means nothing.
+        // w (C'.C'') / (2 |C'|^2) in 2^-16. |dot| / |C'| <= |C''| is below 2^50 when shifted back,
+        // and its product with w <= sqrt(2 v / max |C''|) below sqrt(2 v max |C''|) < 2^36. Beyond
+        // 1/2 the series means nothing.
         let along = dot.checked_div(speed as i64).unwrap_or(0);
         let along = share(along.wrapping_shl(BEND_SHIFT), first);
         let ratio = along
@@ -492,7 +493,8 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    /// Where nothing is degenerate the samples are a stride apart within 1 %, the last one excepted.
+    /// Where nothing is degenerate the samples are a stride apart within 1 %, the last one
+    /// excepted.
     #[test]
     fn samples_are_even() {
         let mut walk = Bezier::cubic([[0, 0], [900, 0], [-600, 400], [300, 400]], 0)

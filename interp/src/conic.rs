@@ -142,8 +142,8 @@ impl Walk {
         now.quadrants = now.quadrants.wrapping_sub(1);
     }
 
-    /// Level with the end in one axis: straight to it. The curve is monotonic within its quadrant, so
-    /// it stays between here and there.
+    /// Level with the end in one axis: straight to it. The curve is monotonic within its quadrant,
+    /// so it stays between here and there.
     #[cold]
     fn run_off(&mut self) -> Option<Step> {
         let choice = Choice {

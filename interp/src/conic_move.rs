@@ -38,8 +38,8 @@ pub struct ConicMove {
     pub from: [i32; 2],
     /// Last point, in BLU; the same as `from` means a full turn.
     pub to: [i32; 2],
-    /// A, B, C, D, E, G. A, B and C up to 2^40; F and its differences on the curve are to stay below
-    /// 2^61. Any common factor and sign.
+    /// A, B, C, D, E, G. A, B and C up to 2^40; F and its differences on the curve are to stay
+    /// below 2^61. Any common factor and sign.
     pub coefficients: [i64; 6],
     /// Which way the curve turns on its way: also parabolas and hyperbolas turn only one way.
     pub direction: Direction,
@@ -51,7 +51,8 @@ pub struct ConicMove {
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConicError {
-    /// Not a curve (a point, lines, nothing), or an end is at its centre; a semi-axis below one BLU.
+    /// Not a curve (a point, lines, nothing), or an end is at its centre; a semi-axis below one
+    /// BLU.
     Degenerate,
     /// More than 20 fraction bits.
     FractionBits,
@@ -61,8 +62,8 @@ pub enum ConicError {
     TooLong,
     /// An end is more than about two BLU off the curve.
     OffCurve,
-    /// The curve does not lead from one end to the other this way, or it turns so sharply within a BLU
-    /// that it cannot be followed.
+    /// The curve does not lead from one end to the other this way, or it turns so sharply within a
+    /// BLU that it cannot be followed.
     Astray,
 }
 
@@ -157,8 +158,8 @@ struct Spot {
 }
 
 impl Spot {
-    /// F(P + d) - F(P) for the direction outwards of `quadrant`. The second differences are even: they
-    /// are 2 A and 2 C.
+    /// F(P + d) - F(P) for the direction outwards of `quadrant`. The second differences are even:
+    /// they are 2 A and 2 C.
     fn difference(&self, quadrant: u8) -> i64 {
         let [x, y] = self.gradient;
         let [xx, yy, _] = self.second;
@@ -194,7 +195,8 @@ impl Spot {
 }
 
 impl Start {
-    /// The point is farther from the curve than a step; gradient alone, so second differences count.
+    /// The point is farther from the curve than a step; gradient alone, so second differences
+    /// count.
     pub(crate) fn is_off(&self) -> bool {
         let [du, dv] = [self.du, self.dv].map(i64::unsigned_abs);
         let [duu, dvv, duv] = [self.duu, self.dvv, self.duv].map(i64::unsigned_abs);
@@ -218,8 +220,8 @@ impl Start {
             return Err(ConicError::Degenerate);
         }
         let is_clockwise = ellipse.direction == Direction::Clockwise;
-        // F' = (A X^2 + C Y^2 - A width^2) / 2^f, X and Y in 2^-f BLU; A : C is height^2 : width^2 in lowest
-        // terms, at most 2^40.
+        // F' = (A X^2 + C Y^2 - A width^2) / 2^f, X and Y in 2^-f BLU; A : C is height^2 : width^2
+        // in lowest terms, at most 2^40.
         let common = common_divisor(width, height).max(1);
         let square = |length: u32| {
             let length = i64::from(length.checked_div(common).unwrap_or(1));
@@ -301,7 +303,8 @@ impl Start {
             let [x, y] = at.map(i128::from);
             let wide = i128::from;
             let times = |factor: i64, at: i128| wide(factor).wrapping_mul(at);
-            // Coefficients of 64 bits, |x|, |y| <= 2^31: at most 2^40 2^62 and 2^63 2^31, six of them.
+            // Coefficients of 64 bits, |x|, |y| <= 2^31: at most 2^40 2^62 and 2^63 2^31, six of
+            // them.
             let residue = times(a, x.wrapping_mul(x))
                 .wrapping_add(times(b, x.wrapping_mul(y)))
                 .wrapping_add(times(c, y.wrapping_mul(y)))
@@ -366,8 +369,8 @@ fn common_divisor(mut larger: u32, mut smaller: u32) -> u32 {
     larger
 }
 
-/// Sign of C F_x^2 - B F_x F_y + A F_y^2: positive where the curve turns left about F < 0. It is the
-/// same all along a conic, and 0 for lines.
+/// Sign of C F_x^2 - B F_x F_y + A F_y^2: positive where the curve turns left about F < 0. It is
+/// the same all along a conic, and 0 for lines.
 fn turn(spot: &Spot) -> i64 {
     let [x, y] = spot.gradient;
     let [xx, yy, xy] = spot.second;

@@ -10,8 +10,8 @@ use crate::{ArcError, ArcMove, Step};
 /// to which the other's coordinate is added every pass, overflows R.
 ///
 /// Every pass is an event and is one BLU of path: passes in equal times make constant path speed,
-/// the one merit of the method. Passes without a step (idle ones, `axes == 0`) are events too. [`ArcDda::new`] is
-/// the corrected form, [`ArcDda::printed`] the original one.
+/// the one merit of the method. Passes without a step (idle ones, `axes == 0`) are events too.
+/// [`ArcDda::new`] is the corrected form, [`ArcDda::printed`] the original one.
 ///
 /// | | |
 /// | --- | --- |
@@ -23,10 +23,11 @@ use crate::{ArcError, ArcMove, Step};
 /// | source | Koren, reference-pulse circular interpolators, J. Eng. Ind. 103 (1981) 131; `printed`: micromill, annex A.4 |
 ///
 /// What the printed program gets wrong: registers that start at 0 and a strict comparison come one
-/// pass late in both axes, which is the excess of its error; it repeats idle passes at once instead of after a clock
-/// period, so that a circle runs 3 to 5 % too fast, locally 35 %; it has no end test but that of whole quadrants; where one
-/// axis finishes first the other's register may never fill (we step it then). Here its idle passes
-/// are events as well: skip events with `axes == 0` for the original's timing.
+/// pass late in both axes, which is the excess of its error; it repeats idle passes at once instead
+/// of after a clock period, so that a circle runs 3 to 5 % too fast, locally 35 %; it has no end
+/// test but that of whole quadrants; where one axis finishes first the other's register may never
+/// fill (we step it then). Here its idle passes are events as well: skip events with `axes == 0`
+/// for the original's timing.
 ///
 /// Quadrants end on the axes, as in the original: the registers begin anew there. The last one ends
 /// where one axis is level with the end: from there straight to it, a step or two.
@@ -46,8 +47,8 @@ pub struct DdaRegisters {
     pub start: u32,
     /// A step where the register exceeds R; otherwise also where it equals R.
     pub is_strict: bool,
-    /// The second axis adds the coordinate of the first as it is after its step of the same pass; otherwise
-    /// as before it.
+    /// The second axis adds the coordinate of the first as it is after its step of the same pass;
+    /// otherwise as before it.
     pub is_sequential: bool,
 }
 
@@ -66,8 +67,8 @@ struct Walk {
 }
 
 impl ArcDda {
-    /// The corrected DDA: registers half full at the start, steps at R. Where the arc does not begin on an axis they
-    /// hold what the first point lacks to the curve as well.
+    /// The corrected DDA: registers half full at the start, steps at R. Where the arc does not
+    /// begin on an axis they hold what the first point lacks to the curve as well.
     ///
     /// # Errors
     /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
@@ -82,8 +83,9 @@ impl ArcDda {
         let mut walk = Walk::new(&start, registers);
         let (u, v) = (i64::from(start.quadrant.u), i64::from(start.quadrant.v));
         let radius = i64::from(start.radius);
-        // Registers hold R times the fraction of a step. The integrators follow u^2 + v^2 + u v / R = R^2, a quarter of a
-        // BLU inside the circle between the axes. Products are below 5 R^2, and R <= 2^28 + 2.
+        // Registers hold R times the fraction of a step. The integrators follow u^2 + v^2 + u v / R
+        // = R^2, a quarter of a BLU inside the circle between the axes. Products are below 5 R^2,
+        // and R <= 2^28 + 2.
         let between = u.wrapping_mul(v).checked_div(radius).unwrap_or(0);
         let excess = i64::from(start.residue).wrapping_add(between);
         let share = |coordinate: i64| {

@@ -9,10 +9,10 @@ use crate::step::negative_axes;
 /// A straight line through one to eight axes, one BLU of path an event: each axis steps when its
 /// register, to which its distance is added every pass, overflows the length L.
 ///
-/// Every pass is an event, idle ones (`axes == 0`) too: passes in equal times make constant path speed whatever the
-/// direction. [`LineDda::new`] is the corrected form: round(L) passes with the registers half full at the start, so that every axis
-/// is within half a step of its share and makes its last step by the last pass. [`LineDda::printed`] is
-/// the original one.
+/// Every pass is an event, idle ones (`axes == 0`) too: passes in equal times make constant path
+/// speed whatever the direction. [`LineDda::new`] is the corrected form: round(L) passes with the
+/// registers half full at the start, so that every axis is within half a step of its share and
+/// makes its last step by the last pass. [`LineDda::printed`] is the original one.
 ///
 /// | | |
 /// | --- | --- |
@@ -24,10 +24,10 @@ use crate::step::negative_axes;
 /// | source | Koren, Computer control of manufacturing systems, 1983; `printed`: micromill, annex A.3 |
 ///
 /// What the printed program gets wrong: registers that start at 0 and a strict comparison come one
-/// pass late, so that a line (n, 1) runs flat to its very end; it repeats idle passes at
-/// once instead of after a clock period, so that a line at 45 degrees runs 1.414 times too fast. Here
-/// its idle passes are events as well: skip events with `axes == 0` for the original's timing. Its 16-bit counters end at 65 535
-/// BLU.
+/// pass late, so that a line (n, 1) runs flat to its very end; it repeats idle passes at once
+/// instead of after a clock period, so that a line at 45 degrees runs 1.414 times too fast. Here
+/// its idle passes are events as well: skip events with `axes == 0` for the original's timing. Its
+/// 16-bit counters end at 65 535 BLU.
 ///
 /// ```
 /// let line = husillo_interp::LineDda::new([4, -3]).unwrap();
@@ -55,8 +55,8 @@ struct Register {
 }
 
 impl<const N: usize> LineDda<N> {
-    /// The corrected DDA. All zero gives no event; `None` where the line is 2^31 BLU or longer. Axes above the eighth do
-    /// not move.
+    /// The corrected DDA. All zero gives no event; `None` where the line is 2^31 BLU or longer.
+    /// Axes above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Option<Self> {
         // At most 2^31, and not less than the longest distance.
         let events = rounded_root(square(delta)?) as u32;
@@ -73,11 +73,12 @@ impl<const N: usize> LineDda<N> {
         }))
     }
 
-    /// The DDA of micromill A.3: registers empty at the start, steps above floor(L). `None` where the
-    /// line is 2^31 BLU or longer.
+    /// The DDA of micromill A.3: registers empty at the start, steps above floor(L). `None` where
+    /// the line is 2^31 BLU or longer.
     ///
-    /// The limit the original puts on each axis' steps is never met before the last pass: register j holds k d_j after k
-    /// passes, which exceeds d_j floor(L) at k = floor(L) + 1 for all axes at once.
+    /// The limit the original puts on each axis' steps is never met before the last pass: register
+    /// j holds k d_j after k passes, which exceeds d_j floor(L) at k = floor(L) + 1 for all axes at
+    /// once.
     pub fn printed(delta: [i32; N]) -> Option<Self> {
         let length = square(delta)?.isqrt() as u32;
         // Below 2^31: the sum fits.

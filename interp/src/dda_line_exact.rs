@@ -6,8 +6,8 @@ use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
 use crate::step::negative_axes;
 
-/// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of floor(L): for
-/// comparison.
+/// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of
+/// floor(L): for comparison.
 ///
 /// After k passes axis j has made step number c + 1 when k d_j exceeds (c + 1) L: the squares are
 /// compared, in 128 bits.
@@ -41,8 +41,8 @@ struct Register {
 }
 
 impl<const N: usize> LineDdaExact<N> {
-    /// The line from here to `delta` steps away. All zero gives no event; `None` where the line is 2^31 BLU or longer.
-    /// Axes above the eighth do not move.
+    /// The line from here to `delta` steps away. All zero gives no event; `None` where the line is
+    /// 2^31 BLU or longer. Axes above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Option<Self> {
         let square = square(delta)?;
         // The root is below 2^31.

@@ -9,16 +9,16 @@ use crate::{ArcError, ArcMove, Step};
 /// A circular arc about a whole-step centre with integer R^2: always the nearest of the three
 /// points ahead.
 ///
-/// The three-way comparison of the original needs two sign tests only. With D = |P|^2 - R^2
-/// the three points ahead have D + dU < D + dU + dV < D + dV, where dU = 1 - 2 u < 0 and
-/// dV = 2 v + 1 > 0. Let B = D + dU + dV, the middle one. Where B >= 0 the v-step cannot be nearest,
-/// and the u-step is nearer than the diagonal when B + (D + dU) = 2 B - dV > 0, that is B > v. Where
-/// B < 0 the v-step is nearer than the diagonal when 2 B - dU < 0, that is B + u <= 0. All of dU, dV and sums
-/// of two D are of known parity, so there are no ties. The state is (B, u, v) alone.
+/// The three-way comparison of the original needs two sign tests only. With D = |P|^2 - R^2 the
+/// three points ahead have D + dU < D + dU + dV < D + dV, where dU = 1 - 2 u < 0 and
+/// dV = 2 v + 1 > 0. Let B = D + dU + dV, the middle one. Where B >= 0 the v-step cannot be nearest, and the
+/// u-step is nearer than the diagonal when B + (D + dU) = 2 B - dV > 0, that is B > v. Where B < 0
+/// the v-step is nearer than the diagonal when 2 B - dU < 0, that is B + u <= 0. All of dU, dV and
+/// sums of two D are of known parity, so there are no ties. The state is (B, u, v) alone.
 ///
-/// Error: the two points compared, an outer and an inner one of the same row or column, differ by 2 y - 1 in D
-/// (y = the outer one's coordinate there), which is odd: the nearer has |D| <= y - 1 <= R - 1 for integer R, and
-/// sqrt(R^2 + R - 1) < R + 1/2, sqrt(R^2 - R + 1) > R - 1/2.
+/// Error: the two points compared, an outer and an inner one of the same row or column, differ by 2
+/// y - 1 in D (y = the outer one's coordinate there), which is odd: the nearer has |D| <= y - 1 <=
+/// R - 1 for integer R, and sqrt(R^2 + R - 1) < R + 1/2, sqrt(R^2 - R + 1) > R - 1/2.
 ///
 /// | | |
 /// | --- | --- |
@@ -30,10 +30,11 @@ use crate::{ArcError, ArcMove, Step};
 /// | cost | 28 instructions an event on Cortex-M0, 26 on Cortex-M4F, 23 on RV32IMAC |
 /// | source | direct search: Koren 1979, micromill A.6; two tests: our derivation; best points: McIlroy, ACM TOG 2 (1983) 259 |
 ///
-/// The events are those of [`Arc`](crate::Arc) for the same [`ArcMove`]; this one takes whole-step centres only and is
-/// faster. The sweep of an event is |P x step|, at least half the radius as in `Arc`; `total_sweep / radius` is the
-/// length in BLU. The rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not
-/// looked at. Setting up walks the arc once to count its events.
+/// The events are those of [`Arc`](crate::Arc) for the same [`ArcMove`]; this one takes whole-step
+/// centres only and is faster. The sweep of an event is |P x step|, at least half the radius as in
+/// `Arc`; `total_sweep / radius` is the length in BLU. The rim is that of [`Rim`](crate::Rim),
+/// whose `end` residue follows from the points and is not looked at. Setting up walks the arc once
+/// to count its events.
 #[derive(Clone, Debug)]
 pub struct DirectSearch {
     /// Ordinary events until the next careful one.
@@ -47,7 +48,8 @@ pub struct DirectSearch {
     totals: Totals,
 }
 
-/// Of the u-step in the low half, of the v-step in the high one: a word is nearer at hand than two halves.
+/// Of the u-step in the low half, of the v-step in the high one: a word is nearer at hand than two
+/// halves.
 #[derive(Copy, Clone, Debug)]
 struct BothSides(u32);
 
@@ -62,8 +64,8 @@ impl BothSides {
     }
 }
 
-/// What only the first and the last events need, the careful ones: their sweep may be too small, and the last ones go
-/// straight to the end. Of an arc of some size that is one or two.
+/// What only the first and the last events need, the careful ones: their sweep may be too small,
+/// and the last ones go straight to the end. Of an arc of some size that is one or two.
 #[derive(Clone, Debug)]
 struct Ends {
     /// Careful events before the ordinary ones.
@@ -199,7 +201,8 @@ impl DirectSearch {
         self.ends.squared()
     }
 
-    /// The next event if it is an ordinary one, which nearly all are; otherwise [`DirectSearch::careful`] makes it.
+    /// The next event if it is an ordinary one, which nearly all are; otherwise
+    /// [`DirectSearch::careful`] makes it.
     #[inline(always)]
     pub(crate) fn ordinary_next<A: Along>(&mut self, along: &mut A) -> Option<(Step, A::Time)> {
         if self.free == 0 || self.u == 0 {
@@ -213,7 +216,8 @@ impl DirectSearch {
     #[inline(always)]
     fn ordinary<A: Along>(&mut self, along: &mut A) -> (Step, A::Time) {
         let (u, v, balance) = (self.u, self.v, self.balance);
-        // All sums stay within six times R, see `new`; along the circle within three times. u > 0 and v >= 0.
+        // All sums stay within six times R, see `new`; along the circle within three times. u > 0
+        // and v >= 0.
         let (sides, sweep, time) = if balance > v {
             self.u = u.wrapping_sub(1);
             self.balance = balance.wrapping_sub(twice(u)).wrapping_add(3);

@@ -21,12 +21,14 @@ use crate::{ArcError, ArcMove, Step};
 /// | cost | 57 instructions an event on Cortex-M0, 38 on Cortex-M4F, 33 on RV32IMAC |
 /// | source | Koren 1979; micromill, annex A.6 |
 ///
-/// What the printed program lacks: the test of the quadrant, the first D, the reload of dX and dY (only one of them
-/// changes at a quadrant's border), and any end. With the obvious test for the end point half of all arcs
-/// with a rounded end miss it and never stop. Those parts are ours: an arc ends exactly.
+/// What the printed program lacks: the test of the quadrant, the first D, the reload of dX and dY
+/// (only one of them changes at a quadrant's border), and any end. With the obvious test for the
+/// end point half of all arcs with a rounded end miss it and never stop. Those parts are ours: an
+/// arc ends exactly.
 ///
-/// The sweep of an event is |P x step|, at least 1; `total_sweep / radius` is the length in BLU. The
-/// rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not looked at.
+/// The sweep of an event is |P x step|, at least 1; `total_sweep / radius` is the length in BLU.
+/// The rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not
+/// looked at.
 #[derive(Clone, Debug)]
 pub struct DirectSearchPrinted {
     counted: Counted<Walk>,
@@ -102,7 +104,8 @@ impl Iterator for Walk {
             return point.straight(true);
         }
         let twice = |value: i32| value.wrapping_add(value);
-        // u and v are at most R + 3, |D| at most 4 (R + 1) where the arc begins: six times R = 2^28 fits.
+        // u and v are at most R + 3, |D| at most 4 (R + 1) where the arc begins: six times R = 2^28
+        // fits.
         let after_u = self.residue.wrapping_add(1).wrapping_sub(twice(point.u));
         let change_v = twice(point.v).wrapping_add(1);
         let after_v = self.residue.wrapping_add(change_v);

@@ -67,8 +67,8 @@ struct Burst {
 }
 
 impl<const N: usize> Helix<N> {
-    /// The arc `arc` of the axes `plane` with `along` steps of the others (entries of the plane's own
-    /// axes are ignored, and those above the eighth).
+    /// The arc `arc` of the axes `plane` with `along` steps of the others (entries of the plane's
+    /// own axes are ignored, and those above the eighth).
     ///
     /// # Errors
     /// [`ArcError::Plane`], what [`Arc::new`] says, and [`ArcError::TooLong`] above 2^31 events.
@@ -241,7 +241,8 @@ impl<const N: usize> Method for Helix<N> {
             let total = self.arc.total_sweep();
             let mut bit = 1_u8;
             for axis in &mut self.axes {
-                // rate sweep <= total < 2^63 and phase < total: fits, and one subtraction is enough.
+                // rate sweep <= total < 2^63 and phase < total: fits, and one subtraction is
+                // enough.
                 axis.phase = axis
                     .phase
                     .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep.into()));

@@ -45,8 +45,8 @@ struct Share {
 }
 
 impl<const N: usize> Line<N> {
-    /// The line from here to `delta` steps away. Any `i32` is allowed; all zero gives no event. Axes above the
-    /// eighth do not move.
+    /// The line from here to `delta` steps away. Any `i32` is allowed; all zero gives no event.
+    /// Axes above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Self {
         let events = delta
             .iter()
@@ -56,7 +56,8 @@ impl<const N: usize> Line<N> {
         // floor((2 k d + n) / (2 n)) = floor((k d + floor(n / 2)) / n), as k d is an integer.
         let half = events / 2;
         let axes = delta.map(|distance| {
-            // Downwards the phase is mirrored, n - 1 - phase: it passes n when the true one passes 0.
+            // Downwards the phase is mirrored, n - 1 - phase: it passes n when the true one passes
+            // 0.
             let phase = if distance < 0 {
                 events.saturating_sub(half).saturating_sub(1)
             } else {
@@ -88,8 +89,8 @@ impl<const N: usize> Method for Line<N> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
-            // -n <= phase < 0 and rate <= n <= 2^31: the sum is from -2^31 to 2^31 - 1. As 32 bits it carries where it
-            // gets to 0 or above.
+            // -n <= phase < 0 and rate <= n <= 2^31: the sum is from -2^31 to 2^31 - 1. As 32 bits
+            // it carries where it gets to 0 or above.
             let (phase, is_due) = (axis.phase as u32).overflowing_add(axis.rate);
             axis.phase = phase as i32;
             let due = phase.wrapping_sub(self.events) as i32;

@@ -18,7 +18,8 @@ pub(crate) trait Method {
 /// Derives [`Iterator`], [`ExactSizeIterator`], [`FusedIterator`](core::iter::FusedIterator) and
 /// [`Interpolator`](crate::Interpolator) of a type that is a [`Method`] or has one in a field.
 ///
-/// A macro, because a blanket `impl<M: Method> Iterator for M` is not allowed: `Iterator` is foreign.
+/// A macro, because a blanket `impl<M: Method> Iterator for M` is not allowed: `Iterator` is
+/// foreign.
 macro_rules! interpolator {
     ($kind:ident $(<$axes:ident>)? $(, $field:ident)?) => {
         impl$(<const $axes: usize>)? Iterator for $kind$(<$axes>)? {

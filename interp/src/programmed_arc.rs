@@ -100,17 +100,17 @@ impl ProgrammedArc {
     /// The arc on the grid, with its first point at the origin.
     ///
     /// `steps` are the positions on which the axes stand and shall stand: as a rule
-    /// [`Scale::nearest`] of both ends. Where ends that lie on one spoke round to steps that do not,
-    /// or to the same step, the exact positions say whether the arc is short or a whole turn.
+    /// [`Scale::nearest`] of both ends. Where ends that lie on one spoke round to steps that do
+    /// not, or to the same step, the exact positions say whether the arc is short or a whole turn.
     ///
     /// The centre keeps the fraction bits of [`fraction_bits_for`]. A circle goes through the exact
-    /// first point, whose squared radius is never formed: its residues are rounded to nearest, which
-    /// gives the lesser bound of [`Rim::Nominal`].
+    /// first point, whose squared radius is never formed: its residues are rounded to nearest,
+    /// which gives the lesser bound of [`Rim::Nominal`].
     ///
     /// # Errors
-    /// [`ArcError::Degenerate`] where it is too short to go round anything on this grid: make a line
-    /// of it. [`ArcError::TooLarge`] where the radius is 2^28 steps or more, or the centre 2^31 steps
-    /// or more from zero.
+    /// [`ArcError::Degenerate`] where it is too short to go round anything on this grid: make a
+    /// line of it. [`ArcError::TooLarge`] where the radius is 2^28 steps or more, or the centre
+    /// 2^31 steps or more from zero.
     ///
     /// # Cost
     /// Some fifteen products of 64 and 128 bits, three roots and five divisions of 64 bits.
@@ -125,7 +125,8 @@ impl ProgrammedArc {
         };
         let bits = fraction_bits_for(u64::from(radius_steps));
         let [[ax, ay], [bx, by]] = steps;
-        // Both ends are within 2 * 2^28 steps of each other, unless the programmed radii lie about it.
+        // Both ends are within 2 * 2^28 steps of each other, unless the programmed radii lie about
+        // it.
         let to = [bx.wrapping_sub(ax), by.wrapping_sub(ay)];
         let [centre_x, centre_y] = self.centre.map(|at| scale.nearest_fraction(at, bits));
         let (Some(centre_x), Some(centre_y)) = (centre_x, centre_y) else {
@@ -274,10 +275,10 @@ fn is_forward(start: [i64; 2], [dx, dy]: [i32; 2], direction: Direction) -> bool
 
 /// The values of F at both ends for a circle through the exact start.
 ///
-/// With V the vector from the fixed-point centre to the start on the grid and e = V - P its rounding
-/// residual, `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`: R^2 is never formed. `e` is at most one step and is
-/// kept with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`; the error in F, `|V| 2^-g`, moves
-/// the circle by less than `2^-g` steps.
+/// With V the vector from the fixed-point centre to the start on the grid and e = V - P its
+/// rounding residual, `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`: R^2 is never formed. `e` is at most one
+/// step and is kept with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`; the error in F,
+/// `|V| 2^-g`, moves the circle by less than `2^-g` steps.
 fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: u8) -> Rim {
     let [cx, cy] = centre;
     let grid = [cx.wrapping_neg(), cy.wrapping_neg()];
@@ -295,7 +296,8 @@ fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: 
     };
     let [gx, gy] = grid;
     let [px, py] = start;
-    // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for F.
+    // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for
+    // F.
     let shift = bits.wrapping_add(extra);
     let half = (1i64 << shift) >> 1;
     let sum = part(gx, px).wrapping_add(part(gy, py));

@@ -11,9 +11,10 @@
 //!   centre+---------+-- u
 //! ```
 //!
-//! Every event that moves takes u down, v up, or both: at most 2 R and a few in a quadrant. In the last quadrant the
-//! walk ends as soon as it is level with the end in one axis; from there |u - u_end| + |v - v_end| falls with every event.
-//! So no arc misses its end or runs away, wherever its rounded end is.
+//! Every event that moves takes u down, v up, or both: at most 2 R and a few in a quadrant. In the
+//! last quadrant the walk ends as soon as it is level with the end in one axis; from there |u -
+//! u_end| + |v - v_end| falls with every event. So no arc misses its end or runs away, wherever its
+//! rounded end is.
 
 use crate::Step;
 

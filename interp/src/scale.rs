@@ -2,8 +2,8 @@
 
 /// Travel of one motor step as a reduced fraction of nanometres: `nm / steps`.
 ///
-/// 140 nm a step is `140 / 1`; 107 steps a millimetre are `1_000_000 / 107`. Both are exact, which no
-/// "steps per millimetre" in binary floating point is.
+/// 140 nm a step is `140 / 1`; 107 steps a millimetre are `1_000_000 / 107`. Both are exact, which
+/// no "steps per millimetre" in binary floating point is.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Scale {
     nm: u32,
@@ -35,7 +35,8 @@ impl Scale {
         self.steps
     }
 
-    /// The step nearest to a position in nanometres, halves away from zero; `None` beyond the range of `i32`.
+    /// The step nearest to a position in nanometres, halves away from zero; `None` beyond the range
+    /// of `i32`.
     ///
     /// One multiplication and one division of 64 bits.
     #[inline]

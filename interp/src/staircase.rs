@@ -14,12 +14,13 @@ use crate::{ArcError, ArcMove, Step};
 /// [`Staircase::printed`] looks at D alone. No path of single-axis steps is better than
 /// the former: it must visit every diagonal of the lattice, and those points are sqrt 2 apart.
 ///
-/// Why it is within sqrt 2 / 2: the two points to choose from are sqrt 2 apart, so when one is a outside the circle and the other b
-/// inside, a + b <= sqrt 2. The outer one is taken where its D plus the inner one's, an even number, is 0 or less:
-/// a (2 R + a) <= b (2 R - b), hence a < b; otherwise that sum is 2 or more, b (2 R - b) + 2 <= a (2 R + a), and then too
-/// b < sqrt 2 / 2. With both on one side the nearer is taken, and is nearer than the point before.
-/// The printed rule steps outward from D <= 0 and v < R, to D <= 2 R - 1 at most, or inward from D >= 1 and u <= R, to
-/// D >= 2 - 2 R: less than 1 BLU.
+/// Why it is within sqrt 2 / 2: the two points to choose from are sqrt 2 apart, so when one is a
+/// outside the circle and the other b inside, a + b <= sqrt 2. The outer one is taken where its D
+/// plus the inner one's, an even number, is 0 or less: a (2 R + a) <= b (2 R - b), hence a < b;
+/// otherwise that sum is 2 or more, b (2 R - b) + 2 <= a (2 R + a), and then too b < sqrt 2 / 2.
+/// With both on one side the nearer is taken, and is nearer than the point before. The printed rule
+/// steps outward from D <= 0 and v < R, to D <= 2 R - 1 at most, or inward from D >= 1 and u <= R,
+/// to D >= 2 - 2 R: less than 1 BLU.
 ///
 /// | | |
 /// | --- | --- |
@@ -31,12 +32,13 @@ use crate::{ArcError, ArcMove, Step};
 /// | source | Koren, reference-pulse circular interpolators, J. Eng. Ind. 103 (1981) 131; `printed`: micromill, annex A.5 |
 ///
 /// What the printed program gets wrong: it works D out anew with three multiplications an event,
-/// starts at (0, R) only and makes full circles only; its text says that D = 0 may go either way, but inward
-/// is off by exactly 1 BLU then and runs to the centre for R = 1. Here it goes outward. Ends and
-/// directions are ours.
+/// starts at (0, R) only and makes full circles only; its text says that D = 0 may go either way,
+/// but inward is off by exactly 1 BLU then and runs to the centre for R = 1. Here it goes outward.
+/// Ends and directions are ours.
 ///
-/// The sweep of an event is |P x step|, at least 1; `total_sweep / radius` is the length in BLU. The
-/// rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not looked at.
+/// The sweep of an event is |P x step|, at least 1; `total_sweep / radius` is the length in BLU.
+/// The rim is that of [`Rim`](crate::Rim), whose `end` residue follows from the points and is not
+/// looked at.
 #[derive(Clone, Debug)]
 pub struct Staircase {
     counted: Counted<Walk>,

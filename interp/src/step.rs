@@ -2,12 +2,13 @@
 
 /// One event of a move: which axes step, and how much of the path that is.
 ///
-/// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`: an interrupt writes them to its step and
-/// direction pins as they are. Eight axes at most.
+/// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`: an interrupt
+/// writes them to its step and direction pins as they are. Eight axes at most.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step {
-    /// The axes that make a step. Empty only in the idle passes of a DDA, which take their time and move nothing.
+    /// The axes that make a step. Empty only in the idle passes of a DDA, which take their time and
+    /// move nothing.
     pub axes: u8,
     /// Those of them that step backwards; no other bits.
     pub negative: u8,
@@ -21,7 +22,8 @@ impl Step {
     /// -1, 0 or +1 step of one axis, in BLU.
     #[inline]
     pub const fn delta(self, axis: usize) -> i8 {
-        // An axis that does not exist does not step: the masks have eight bits, shifts beyond 31 would wrap.
+        // An axis that does not exist does not step: the masks have eight bits, shifts beyond 31
+        // would wrap.
         if axis > 7 {
             return 0;
         }

@@ -17,9 +17,9 @@ pub struct TimedStep {
 
 /// A direct-search arc at constant path speed: each event waits in proportion to its sweep.
 ///
-/// A wait is T |P x step| / R, T being the ticks of one BLU of path; what is less than a tick is carried to the next, so
-/// that the times add up. No multiplication: T u / R and T v / R go along with the point, with 32 fraction
-/// bits.
+/// A wait is T |P x step| / R, T being the ticks of one BLU of path; what is less than a tick is
+/// carried to the next, so that the times add up. No multiplication: T u / R and T v / R go along
+/// with the point, with 32 fraction bits.
 ///
 /// | | |
 /// | --- | --- |
@@ -46,7 +46,8 @@ pub struct TimedStep {
 /// # Ok::<(), husillo_interp::ArcError>(())
 /// ```
 #[derive(Clone, Debug)]
-// In this order the clock's words are loaded together, which saves four instructions an event on Cortex-M4.
+// In this order the clock's words are loaded together, which saves four instructions an event on
+// Cortex-M4.
 #[repr(C)]
 pub struct TimedDirectSearch {
     clock: Clock,
@@ -66,14 +67,16 @@ struct Clock {
 }
 
 impl TimedDirectSearch {
-    /// From here on `search` takes `ticks_per_blu` ticks for a BLU of path, up to 2^30 (more counts as 2^30).
+    /// From here on `search` takes `ticks_per_blu` ticks for a BLU of path, up to 2^30 (more counts
+    /// as 2^30).
     pub fn new(search: DirectSearch, ticks_per_blu: u32) -> Self {
         let ticks = u64::from(ticks_per_blu.min(1 << 30)).wrapping_shl(32);
         let squared = search.squared();
         // As many fraction bits as the root's 32 bits have room for: 2^31 <= radius < 2^32.
         let bits = squared.leading_zeros() / 2;
         let radius = squared.wrapping_shl(bits.wrapping_mul(2)).isqrt();
-        // ticks 2^bits / radius in two parts: the quotient is below 2^31 and the remainder below 2^32, bits <= 31.
+        // ticks 2^bits / radius in two parts: the quotient is below 2^31 and the remainder below
+        // 2^32, bits <= 31.
         let quotient = ticks.checked_div(radius).unwrap_or(0);
         let remainder = ticks
             .wrapping_sub(quotient.wrapping_mul(radius))
@@ -85,8 +88,8 @@ impl TimedDirectSearch {
         TimedDirectSearch::with_factor(search, factor)
     }
 
-    /// From here on an event of `search` takes `factor` 2^-32 ticks for each unit of sweep. A wait that would exceed 32
-    /// bits is cut to them.
+    /// From here on an event of `search` takes `factor` 2^-32 ticks for each unit of sweep. A wait
+    /// that would exceed 32 bits is cut to them.
     pub fn with_factor(search: DirectSearch, factor: u64) -> Self {
         let [times_u, times_v] = search
             .coordinates()

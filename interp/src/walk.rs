@@ -1,8 +1,8 @@
 //! The state of an arc that is walked: a handful of words, no position, no multiplication.
 //!
 //! In the current quadrant the point is (u, v) from the centre, u falling and v growing, both in
-//! 2^-f BLU. F = (u^2 + v^2 - rho^2) / 2^f is the distance from the circle; the state holds F itself
-//! and its first differences:
+//! 2^-f BLU. F = (u^2 + v^2 - rho^2) / 2^f is the distance from the circle; the state holds F
+//! itself and its first differences:
 //!
 //! ```text
 //!         v                     du = -2u + s   F changes by this with a u-step (towards the v axis)
@@ -116,8 +116,8 @@ pub(crate) struct Spread {
     pub(crate) phase: u32,
 }
 
-/// A step of one axis, or of two: the axes in the low byte, those that go backwards in the high one, so that steps
-/// are joined by `|` in one word.
+/// A step of one axis, or of two: the axes in the low byte, those that go backwards in the high
+/// one, so that steps are joined by `|` in one word.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Toward(u16);
 
@@ -157,7 +157,8 @@ pub(crate) struct Walk<W> {
     residue: W,
     du: W,
     dv: W,
-    /// Where something else than a step is due: the end of the quadrant, in the last one the end of the arc.
+    /// Where something else than a step is due: the end of the quadrant, in the last one the end of
+    /// the arc.
     du_limit: W,
     dv_limit: W,
     one: W,
@@ -187,9 +188,10 @@ fn nearest<W: Word>(residue: W, du: W, dv: W, one: W) -> (Way, W, W) {
     let after_both = after_u.plus(dv);
     // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
     let bias = one.half();
-    // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of
-    // after_both leaves two candidates. Compared by differences: each fits where the three do.
-    // With branches, as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on a desktop.
+    // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of after_both
+    // leaves two candidates. Compared by differences: each fits where the three do. With branches,
+    // as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on
+    // a desktop.
     let is_outside = after_both >= W::ZERO;
     let along_u = dv.minus(one).half();
     let along_v = one.minus(du).half();
@@ -245,7 +247,8 @@ impl<W: Word> Walk<W> {
         (self.one.exponent() as i8).wrapping_sub(self.sweep_shift as i8)
     }
 
-    /// What all its steps add up to; `None` when they are more than 2^31. For a little more than half the instructions of walking them.
+    /// What all its steps add up to; `None` when they are more than 2^31. For a little more than
+    /// half the instructions of walking them.
     pub(crate) fn totals(mut self) -> Option<Totals> {
         let mut totals = Totals::default();
         loop {

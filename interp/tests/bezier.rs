@@ -81,8 +81,8 @@ fn check<const N: usize>(
     }
     prop_assert_eq!(place, control[3].map(round));
 
-    // Every point is within half a step an axis of the curve, in the curve's order; and the curve is never
-    // farther than a stride and a half from the points.
+    // Every point is within half a step an axis of the curve, in the curve's order; and the curve
+    // is never farther than a stride and a half from the points.
     let control = control.map(|point| point.map(|at| at as f64 / one));
     let trace = trace(&control);
     let mut found = 0;
@@ -139,7 +139,8 @@ proptest! {
         check(&Bezier::cubic(control, 0).unwrap(), control, 0)?;
     }
 
-    /// A quadratic is the cubic with the control points a third of the way, here exact: multiples of three.
+    /// A quadratic is the cubic with the control points a third of the way, here exact: multiples
+    /// of three.
     #[test]
     fn a_quadratic_is_its_cubic(points in prop::array::uniform3(prop::array::uniform2(-60_i64..60))) {
         let [a, b, c] = points.map(|point| point.map(|at| at * 3));
@@ -182,7 +183,8 @@ fn the_largest_curve_ends() {
     assert_eq!(end, far);
 }
 
-/// The S of the literature, hard to follow at even speed: time and way never differ by more than rounding.
+/// The S of the literature, hard to follow at even speed: time and way never differ by more than
+/// rounding.
 #[test]
 fn speed_is_constant_on_an_s() {
     let control = [[0, 0], [900, 0], [-600, 400], [300, 400]];

@@ -108,8 +108,8 @@ fn square([x, y]: [i32; 2]) -> i64 {
     i64::from(x).pow(2) + i64::from(y).pow(2)
 }
 
-/// Whole circles of every radius up to 2000 by every method: each quadrant is the one before turned by a right angle,
-/// every point is within the bound, the end is the start.
+/// Whole circles of every radius up to 2000 by every method: each quadrant is the one before turned
+/// by a right angle, every point is within the bound, the end is the start.
 #[test]
 fn circles_are_near_and_the_same_in_all_quadrants() {
     for radius in 1..=2000 {
@@ -281,7 +281,8 @@ fn before_run_off(arc: &ArcMove, points: &[[i32; 2]]) -> usize {
     points.len() - points.iter().rev().take_while(is_level).count()
 }
 
-/// All that holds for a partial arc: it ends exactly, within the proven number of events, near the circle.
+/// All that holds for a partial arc: it ends exactly, within the proven number of events, near the
+/// circle.
 fn check(method: Method, arc: &ArcMove, radius: i64) -> Result<(), TestCaseError> {
     let steps = match method.steps(arc) {
         Ok(steps) => steps,
@@ -372,7 +373,8 @@ proptest! {
         }
     }
 
-    /// The two tests choose what the three-way comparison does, and what the general arc does; with times that add up.
+    /// The two tests choose what the three-way comparison does, and what the general arc does; with
+    /// times that add up.
     #[test]
     fn direct_search_is_direct_search(
         magnitude in 0.0_f64..8.0,
@@ -418,7 +420,8 @@ proptest! {
         prop_assert_eq!(timed.next(), None);
     }
 
-    /// Constant path speed: over a circle an event's time is that of its chord but for 1/R and a tick.
+    /// Constant path speed: over a circle an event's time is that of its chord but for 1/R and a
+    /// tick.
     #[test]
     fn timed_speed_is_constant(radius in 5_i32..2000, ticks_per_blu in 100_u32..10_000) {
         let arc = circle([0, radius], Direction::Clockwise);
@@ -435,8 +438,8 @@ proptest! {
         }
     }
 
-    /// A DDA line ends exactly after round(L) events, each axis within half a step of its share all the way; back it
-    /// visits the same points.
+    /// A DDA line ends exactly after round(L) events, each axis within half a step of its share all
+    /// the way; back it visits the same points.
     #[test]
     fn dda_lines_share_the_length(delta in [-3000_i32..3000, -300_i32..300, -30_i32..30]) {
         let line = LineDda::new(delta).unwrap();
@@ -485,8 +488,9 @@ proptest! {
     }
 }
 
-/// All arcs about the origin with radii up to 4 and ends up to two BLU beside them, one turn more or not: every method
-/// ends exactly, and direct search makes the general arc's events with the same sweeps.
+/// All arcs about the origin with radii up to 4 and ends up to two BLU beside them, one turn more
+/// or not: every method ends exactly, and direct search makes the general arc's events with the
+/// same sweeps.
 #[test]
 fn tiny_arcs_end() {
     let near = |radius: i64| -> Vec<[i32; 2]> {
@@ -523,8 +527,8 @@ fn tiny_arcs_end() {
     }
 }
 
-/// Every line up to 120 steps in both axes by the printed methods: floor(L) + 1 passes, the end met, less than 1 BLU
-/// from the line.
+/// Every line up to 120 steps in both axes by the printed methods: floor(L) + 1 passes, the end
+/// met, less than 1 BLU from the line.
 #[test]
 fn printed_lines_end_after_their_length() {
     for a in 0..=120_i32 {

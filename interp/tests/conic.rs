@@ -128,7 +128,8 @@ prop_compose! {
     }
 }
 
-/// Largest distance of the points from the ellipse; the first and last ones are rounded and excepted.
+/// Largest distance of the points from the ellipse; the first and last ones are rounded and
+/// excepted.
 fn largest_error(ellipse: &EllipseMove, points: &[[i32; 2]]) -> f64 {
     let one = f64::from(1_u32 << ellipse.fraction_bits);
     let [a, b] = ellipse.semi_axes.map(|semi| f64::from(semi) / one);
@@ -159,8 +160,8 @@ proptest! {
         prop_assert!(error <= bound, "{error} {bound}");
     }
 
-    /// The sweeps add up to the ellipse's length, and each is its step's way along the curve: constant
-    /// time a sweep is constant path speed.
+    /// The sweeps add up to the ellipse's length, and each is its step's way along the curve:
+    /// constant time a sweep is constant path speed.
     #[test]
     fn sweep_is_length(semi_axes in [30_u32..1000, 30_u32..1000], direction in direction()) {
         let [a, b] = semi_axes.map(f64::from);
@@ -185,7 +186,8 @@ proptest! {
         let worst = steps.iter().map(|step| {
             let [x, y] = before.next().unwrap().map(f64::from);
             let [to_x, to_y] = [x + f64::from(step.delta(0)), y + f64::from(step.delta(1))];
-            // How far the nearest point of the ellipse goes: the parameter's angle, refined at the middle.
+            // How far the nearest point of the ellipse goes: the parameter's angle, refined at the
+            // middle.
             let (middle_x, middle_y) = ((x + to_x) / 2.0 / a, (y + to_y) / 2.0 / b);
             let tangent = [-middle_y * a, middle_x * b];
             let way = ((to_x - x) * tangent[0] + (to_y - y) * tangent[1]) / tangent[0].hypot(tangent[1]);
@@ -233,7 +235,8 @@ fn distance_from_conic(coefficients: [i64; 6], at: [i32; 2]) -> f64 {
         let value = a * x * x + b * x * y + c * y * y + d * x + e * y + g;
         let (along_x, along_y) = (2.0 * a * x + b * y + d, 2.0 * c * y + b * x + e);
         let square = along_x * along_x + along_y * along_y;
-        // Onto the tangent line of the level set, then back along it to the foot of the perpendicular.
+        // Onto the tangent line of the level set, then back along it to the foot of the
+        // perpendicular.
         let tangent = ((start[0] - x) * -along_y + (start[1] - y) * along_x) / square;
         x += -value * along_x / square + tangent * -along_y * 0.5;
         y += -value * along_y / square + tangent * along_x * 0.5;

@@ -47,8 +47,8 @@ proptest! {
         prop_assert_eq!(plain, helix);
     }
 
-    /// Several turns rise evenly: a turn of a full circle is as long as any other and rises its share,
-    /// within a step.
+    /// Several turns rise evenly: a turn of a full circle is as long as any other and rises its
+    /// share, within a step.
     #[test]
     fn each_turn_rises_its_share(radius in 3_i32..200, turns in 1_u32..6, rise in -2000_i32..2000) {
         let arc = circle(radius, turns, Direction::CounterClockwise);

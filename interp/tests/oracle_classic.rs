@@ -200,7 +200,8 @@ fn counts_are_as_recorded() {
         let (dda, dda_least, dda_most) = steps(&mut ArcDda::printed(&arc).unwrap());
         let (dsm, dsm_least, dsm_most) = steps(&mut DirectSearch::new(&arc).unwrap());
         let moving = dda.iter().filter(|step| step.axes != 0).count();
-        // The least s with a point of an octant's end within half a step: four times it is the least count.
+        // The least s with a point of an octant's end within half a step: four times it is the
+        // least count.
         let fewest = (0..).map(|s: i64| [s, (s / 2).pow(2) + (s - s / 2).pow(2)]);
         let near = squared - radius + 1..=squared + radius;
         let fewest = fewest.into_iter().find(|[_, sum]| near.contains(sum));

@@ -128,8 +128,8 @@ fn any_integers_are_answered() {
 }
 
 proptest! {
-    /// All of the path is on the exact circle within half a step and the rounding of the centre, its
-    /// first and last steps within the rounding of the ends; and within the extent.
+    /// All of the path is on the exact circle within half a step and the rounding of the centre,
+    /// its first and last steps within the rounding of the ends; and within the extent.
     #[test]
     fn the_path_follows_the_exact_circle(
         (nm, per) in prop_oneof![Just((1_000_000, 107)), Just((140, 1)), Just((3_000_000, 1_001))],

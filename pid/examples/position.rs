@@ -18,7 +18,8 @@ fn main() -> Result<(), husillo_pid::SettingsError> {
         .with_derivative(OfMeasurement);
     let mut axis = State::default();
 
-    // 1/1024 counts a sample, and the position in the same unit: the motor turns with its drive, after a while.
+    // 1/1024 counts a sample, and the position in the same unit: the motor turns with its drive,
+    // after a while.
     let (mut velocity, mut position) = (0_i32, 0_i32);
     let target = I32F0::from_num(400);
     println!("sample  position  drive");

@@ -2,7 +2,8 @@
 
 use crate::number::Word;
 
-/// The signal whose difference of two samples is the derivative. Implemented by [`OfError`] and [`OfMeasurement`].
+/// The signal whose difference of two samples is the derivative. Implemented by [`OfError`] and
+/// [`OfMeasurement`].
 pub trait Derivative {
     /// The signal.
     #[doc(hidden)]

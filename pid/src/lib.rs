@@ -9,8 +9,9 @@
 //!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }           the module's own law
 //! ```
 //!
-//! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with its [`State`] or [`ServoState`]. Time does not occur:
-//! the caller samples at a fixed rate, and gains are per sample.
+//! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with
+//! its [`State`] or [`ServoState`]. Time does not occur: the caller samples at a fixed rate, and
+//! gains are per sample.
 //!
 //! ```
 //! use fixed::types::{I16F16, I32F0};

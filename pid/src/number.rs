@@ -7,7 +7,8 @@ use fixed::{FixedI8, FixedI16, FixedI32};
 
 /// A type of signals or gains: the signed fixed-point types of up to 32 bits, and `f32`.
 ///
-/// Fixed-point numbers are computed with as whole numbers of their last digit, so sums are exact. `f32` rounds at every operation.
+/// Fixed-point numbers are computed with as whole numbers of their last digit, so sums are exact.
+/// `f32` rounds at every operation.
 pub trait Number: Copy + Debug + Default + PartialEq + sealed::Sealed {
     /// The register it is computed in.
     type Word: Word;
@@ -19,16 +20,18 @@ pub trait Number: Copy + Debug + Default + PartialEq + sealed::Sealed {
     fn from_word(word: Self::Word) -> Self;
 }
 
-/// A register and the double-width one its products go into. Implemented for `i32` and `f32`, for the use of this crate.
+/// A register and the double-width one its products go into. Implemented for `i32` and `f32`, for
+/// the use of this crate.
 pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed {
     /// Sums of products.
     type Wide: Copy + Debug + Default + PartialEq + PartialOrd;
     /// From a lowest to a highest wide number.
     type Span: Copy + Debug + PartialEq;
-    /// The difference, saturating; for `f32`, 0 where it is not finite, so that a broken sensor drives nothing.
+    /// The difference, saturating; for `f32`, 0 where it is not finite, so that a broken sensor
+    /// drives nothing.
     fn minus(self, other: Self) -> Self;
-    /// Gains as they are kept: doubled, so that half of one is exact (not so `f32`). `None` where their magnitudes add up to more than 2^29, or are
-    /// not finite.
+    /// Gains as they are kept: doubled, so that half of one is exact (not so `f32`). `None` where
+    /// their magnitudes add up to more than 2^29, or are not finite.
     fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]>;
     /// Half of a kept gain.
     fn half(self) -> Self;
@@ -61,7 +64,8 @@ pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed
 #[inline]
 fn seldom() {}
 
-/// Bound of a term that is added to the law, 2^61: with the integral and the products, each within 2^61 as well, the sum is below 2^63.
+/// Bound of a term that is added to the law, 2^61: with the integral and the products, each within
+/// 2^61 as well, the sum is below 2^63.
 const TERM: i64 = 1 << 61;
 /// The largest sum of magnitudes of gains, in units of their last digit.
 const GAINS: u32 = 1 << 29;
@@ -167,7 +171,8 @@ pub struct Span {
 /// The exact product.
 #[inline(always)]
 fn product(one: i32, other: i32) -> i64 {
-    // ARMv6-M, the only one of our targets without these atomics, multiplies 32 bits to 32; the library's 64-bit product takes twice as long there.
+    // ARMv6-M, the only one of our targets without these atomics, multiplies 32 bits to 32; the
+    // library's 64-bit product takes twice as long there.
     if cfg!(all(target_arch = "arm", not(target_has_atomic = "32"))) {
         product_of_halves(one, other)
     } else {
@@ -176,11 +181,13 @@ fn product(one: i32, other: i32) -> i64 {
     }
 }
 
-/// The exact product from products of 16 bits. Source: Warren, *Hacker's Delight*, 2nd ed., 8-2, `mulhs`.
+/// The exact product from products of 16 bits. Source: Warren, *Hacker's Delight*, 2nd ed., 8-2,
+/// `mulhs`.
 #[inline(always)]
 fn product_of_halves(one: i32, other: i32) -> i64 {
     let [(low_a, high_a), (low_b, high_b)] = [one, other].map(|word| (word & 0xffff, word >> 16));
-    // Unsigned halves are below 2^16, signed ones within 2^15: mixed products are within 2^31 - 2^15, so 2^16 - 1 may be added.
+    // Unsigned halves are below 2^16, signed ones within 2^15: mixed products are within 2^31 -
+    // 2^15, so 2^16 - 1 may be added.
     let low = low_a.wrapping_mul(low_b) as u32 >> 16;
     let middle = high_a.wrapping_mul(low_b).wrapping_add(low as i32);
     let other_middle = low_a.wrapping_mul(high_b).wrapping_add(middle & 0xffff);

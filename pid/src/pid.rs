@@ -10,22 +10,27 @@ use crate::windup::{AntiWindup, Clamp, Sum};
 type Wide<S> = <<S as Number>::Word as Word>::Wide;
 type Span<S> = <<S as Number>::Word as Word>::Span;
 
-/// A PID controller in the parallel form: its settings, which any number of channels share. What a channel remembers is its [`State`].
+/// A PID controller in the parallel form: its settings, which any number of channels share. What a
+/// channel remembers is its [`State`].
 ///
-/// Target, measurement and output are of type `S`, gains of type `G` (see [`Number`]); `A` is the remedy against windup.
+/// Target, measurement and output are of type `S`, gains of type `G` (see [`Number`]); `A` is the
+/// remedy against windup.
 ///
 /// ```text
 /// e = target - measured
 /// u[k] = Kp e[k]  +  Ki T (e[0] + ... + e[k-1] + w e[k])  +  Kd/T (e[k] - e[k-1])        w = 0 forward, 1/2 bilinear, 1 backward
 /// ```
 ///
-/// The sum is exact: it is kept as the whole number `Ki T * sum(e)`, in units of the last digits of gain and signal together, to which each
-/// sample adds the whole number `Ki T * e`. Nothing is lost however long it runs, equal and opposite errors cancel to nothing, and a change of
-/// the integral gain does not touch what has been summed. The output is rounded once, at the end, to the nearest (ties upwards): its error
-/// is at most half of its last digit, plus what the gains lost when they were rounded to their type, `(|e| + |sum e| + |de|) / 2` last digits of the gain.
+/// The sum is exact: it is kept as the whole number `Ki T * sum(e)`, in units of the last digits of
+/// gain and signal together, to which each sample adds the whole number `Ki T * e`. Nothing is lost
+/// however long it runs, equal and opposite errors cancel to nothing, and a change of the integral
+/// gain does not touch what has been summed. The output is rounded once, at the end, to the nearest
+/// (ties upwards): its error is at most half of its last digit, plus what the gains lost when they
+/// were rounded to their type, `(|e| + |sum e| + |de|) / 2` last digits of the gain.
 ///
-/// Bounds that make the arithmetic safe: with all gains together at most 2^29 last digits (so `I16F16` gains may add up to 8192), doubled, the products
-/// are at most 2^61; the integral is within limits of at most 2^61; a [`Term`] is at most 2^61.
+/// Bounds that make the arithmetic safe: with all gains together at most 2^29 last digits (so
+/// `I16F16` gains may add up to 8192), doubled, the products are at most 2^61; the integral is
+/// within limits of at most 2^61; a [`Term`] is at most 2^61.
 ///
 /// ```
 /// use fixed::types::{I16F16, I24F8};
@@ -63,7 +68,8 @@ pub struct State<S: Number> {
     previous: S::Word,
 }
 
-/// Something added to the output before its limits and its only rounding: a derivative, a feed-forward. At most 2^61 of its last digits.
+/// Something added to the output before its limits and its only rounding: a derivative, a
+/// feed-forward. At most 2^61 of its last digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Term<S: Number, G: Number<Word = S::Word> = S> {
@@ -91,7 +97,8 @@ impl<S: Number, G: Number<Word = S::Word>> Term<S, G> {
 }
 
 impl<S: Number, G: Number<Word = S::Word>> Pid<S, G> {
-    /// A controller whose integral has the limits of the output, and whose derivative is of the error.
+    /// A controller whose integral has the limits of the output, and whose derivative is of the
+    /// error.
     ///
     /// # Errors
     /// Gains or limits that a [`SettingsError`] names.
@@ -168,8 +175,10 @@ where
         }
     }
 
-    /// The same with limits of the integral's share in the output that are not those of the output: narrower ones against overshoot, wider ones
-    /// where the integral has to work against a feed-forward. With wider ones the output may stay at its limit for some samples after a change of sign.
+    /// The same with limits of the integral's share in the output that are not those of the output:
+    /// narrower ones against overshoot, wider ones where the integral has to work against a
+    /// feed-forward. With wider ones the output may stay at its limit for some samples after a
+    /// change of sign.
     ///
     /// # Errors
     /// [`SettingsError::LimitsCrossed`].
@@ -178,7 +187,8 @@ where
         Ok(Self { sum_limits, ..self })
     }
 
-    /// One sample: the output for `target` and `measured`, within the limits. An error beyond 32 bits saturates.
+    /// One sample: the output for `target` and `measured`, within the limits. An error beyond 32
+    /// bits saturates.
     #[inline]
     pub fn update(&self, state: &mut State<S>, target: S, measured: S) -> S {
         let (target, measured) = (target.to_word(), measured.to_word());
@@ -189,8 +199,9 @@ where
         self.law(state, error, derivative)
     }
 
-    /// One sample of P and I of an error, with the other terms as the caller has made them: see [`derivative`](Self::derivative),
-    /// [`Filter`](crate::Filter), [`FeedForward`](crate::FeedForward).
+    /// One sample of P and I of an error, with the other terms as the caller has made them: see
+    /// [`derivative`](Self::derivative), [`Filter`](crate::Filter),
+    /// [`FeedForward`](crate::FeedForward).
     #[inline]
     pub fn update_with(&self, state: &mut State<S>, error: S, added: Term<S, G>) -> S {
         self.law(state, error.to_word(), added.wide)
@@ -220,11 +231,13 @@ where
         S::from_word(S::Word::rounded_within(given, bits::<G>()))
     }
 
-    /// Makes the next [`update`](Self::update) with the same target and measurement give `output`, to its last digit: for a start, for the change
-    /// to other gains (called on the new controller with the last output), and, called every sample in manual mode with the output set by hand,
+    /// Makes the next [`update`](Self::update) with the same target and measurement give `output`,
+    /// to its last digit: for a start, for the change to other gains (called on the new controller
+    /// with the last output), and, called every sample in manual mode with the output set by hand,
     /// for the change to automatic.
     ///
-    /// The integral is what is adapted, within its limits: where the proportional part alone is farther from `output` than they allow, a bump remains.
+    /// The integral is what is adapted, within its limits: where the proportional part alone is
+    /// farther from `output` than they allow, a bump remains.
     pub fn follow(&self, state: &mut State<S>, target: S, measured: S, output: S) {
         let (target, measured) = (target.to_word(), measured.to_word());
         let error = target.minus(measured);
@@ -243,7 +256,8 @@ where
 }
 
 impl<S: Number> State<S> {
-    /// `source` less its value a sample ago (saturating), for a derivative of one's own; remembers it.
+    /// `source` less its value a sample ago (saturating), for a derivative of one's own; remembers
+    /// it.
     #[inline]
     pub fn difference(&mut self, source: S) -> S {
         S::from_word(self.slope(source.to_word()))

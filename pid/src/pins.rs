@@ -9,7 +9,8 @@ use crate::sign_magnitude::sign_magnitude;
 
 /// A bridge with a PWM and a direction input.
 ///
-/// Before the direction changes the duty goes to 0, so that no pulse of the old duty drives the other way.
+/// Before the direction changes the duty goes to 0, so that no pulse of the old duty drives the
+/// other way.
 #[derive(Debug)]
 pub struct PwmDirection<P, D> {
     pwm: P,
@@ -40,7 +41,8 @@ impl<P: fmt::Debug, D: fmt::Debug> fmt::Display for DriveError<P, D> {
 impl<P: fmt::Debug, D: fmt::Debug> core::error::Error for DriveError<P, D> {}
 
 impl<P: SetDutyCycle, D: OutputPin> PwmDirection<P, D> {
-    /// A bridge whose full duty is a drive of `full_drive`, 255 for a module. Nothing is written yet.
+    /// A bridge whose full duty is a drive of `full_drive`, 255 for a module. Nothing is written
+    /// yet.
     pub const fn new(pwm: P, direction: D, full_drive: u16) -> Self {
         Self {
             pwm,

@@ -44,8 +44,8 @@ pub trait Regulator {
         true
     }
 
-    /// One servo period: the drive for an axis that is to be at `set_point` and is at `measured`, in
-    /// counts modulo 2^32, with a reading of its motor's current.
+    /// One servo period: the drive for an axis that is to be at `set_point` and is at `measured`,
+    /// in counts modulo 2^32, with a reading of its motor's current.
     fn regulate(
         &self,
         state: &mut Self::State,
@@ -112,8 +112,8 @@ impl Regulator for ServoLaw {
 
 /// A PID controller of whole counts, whose output is the PWM with its sign; beyond 255 it is cut.
 ///
-/// It knows no limit of the error or the current. Between two positions more than 2^31 counts apart,
-/// the error is the short way round.
+/// It knows no limit of the error or the current. Between two positions more than 2^31 counts
+/// apart, the error is the short way round.
 impl<G, A, D> Regulator for Pid<I32F0, G, A, D>
 where
     G: Number<Word = i32>,

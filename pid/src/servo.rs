@@ -14,7 +14,8 @@ pub struct ServoGains {
     pub integral_limit: u16,
     /// OL: bound of the PWM.
     pub output_limit: u8,
-    /// CL: bound of the measured current. Odd: the reading grows with the current; even: it shrinks; 0: no limit.
+    /// CL: bound of the measured current. Odd: the reading grows with the current; even: it
+    /// shrinks; 0: no limit.
     pub current_limit: u8,
     /// EL, 0 to 0x3FFF counts (later versions 0x7FFF): a larger position error turns the servo off.
     pub error_limit: u16,
@@ -68,7 +69,8 @@ impl Drive {
     }
 }
 
-/// The law of the PIC-SERVO module (tick 0.512 ms), its settings; what an axis remembers is its [`ServoState`].
+/// The law of the PIC-SERVO module (tick 0.512 ms), its settings; what an axis remembers is its
+/// [`ServoState`].
 ///
 /// ```text
 /// e      = command - actual, saturated to 16 bits       |e| > EL: off, until turned on again
@@ -77,8 +79,9 @@ impl Drive {
 /// pwm    = min(|out| / 256 + (DB if out is not 0), OL) - cut       cut: +1 a sample while the current is over CL, else -1
 /// ```
 ///
-/// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it; the data sheet subtracts the other way round, and so does
-/// this. Source: PIC-SERVO data sheet (J. R. Kerr), with the corrections that the README lists.
+/// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it; the
+/// data sheet subtracts the other way round, and so does this. Source: PIC-SERVO data sheet (J. R.
+/// Kerr), with the corrections that the README lists.
 ///
 /// ```
 /// use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
@@ -143,12 +146,14 @@ impl ServoLaw {
         }
     }
 
-    /// Whether the next tick is a sample of the loop: only then the profile moves on. Always so unless the divisor divides the whole loop.
+    /// Whether the next tick is a sample of the loop: only then the profile moves on. Always so
+    /// unless the divisor divides the whole loop.
     pub const fn is_due(&self, state: &ServoState) -> bool {
         matches!(self.rate_rule, RateRule::Derivative) || state.wait_ticks == 0
     }
 
-    /// One servo tick in which the axis is to be at `command` and is at `actual`, in counts (their difference may wrap), with a reading of the motor current.
+    /// One servo tick in which the axis is to be at `command` and is at `actual`, in counts (their
+    /// difference may wrap), with a reading of the motor current.
     pub fn tick(&self, state: &mut ServoState, command: i32, actual: i32, current: u8) -> Drive {
         let is_sample = state.wait_ticks == 0;
         state.wait_ticks = if is_sample {
@@ -184,7 +189,8 @@ impl ServoLaw {
             state.slope = error.wrapping_sub(i32::from(state.sampled_error));
             state.sampled_error = state.error;
         }
-        // Gains are below 2^15: products within 2^30, 2^31 - 2^16 and 2^30. Where the sum saturates it is far beyond 255 * 256 with and without.
+        // Gains are below 2^15: products within 2^30, 2^31 - 2^16 and 2^30. Where the sum saturates
+        // it is far beyond 255 * 256 with and without.
         let output = self
             .proportional
             .wrapping_mul(error)

@@ -2,10 +2,12 @@
 
 use core::fmt;
 
-/// The gains of the parallel form `u = proportional e + integral sum(e) + derivative (e - e before)`, per sample.
+/// The gains of the parallel form `u = proportional e + integral sum(e) + derivative (e - e
+/// before)`, per sample.
 ///
-/// From gains per second and the period T in seconds: `integral = Ki T`, `derivative = Kd / T`. Units: last digits of the output per last
-/// digit of the error, as signal and output have one type.
+/// From gains per second and the period T in seconds: `integral = Ki T`, `derivative = Kd / T`.
+/// Units: last digits of the output per last digit of the error, as signal and output have one
+/// type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gains<G> {
@@ -19,9 +21,10 @@ pub struct Gains<G> {
 
 /// How the integral is taken from samples.
 ///
-/// The names are today's. Textbooks disagree on them (Kuo, *Digital Control Systems*, calls T/(z-1) the backward difference, and so does the
-/// controller this comes from), so each is named by its formula as well. Sources: Franklin, Powell, Workman, *Digital Control of Dynamic
-/// Systems*, 3rd ed., 6.1; Astrom and Wittenmark, *Computer-Controlled Systems*, 3rd ed., 8.2.
+/// The names are today's. Textbooks disagree on them (Kuo, *Digital Control Systems*, calls T/(z-1)
+/// the backward difference, and so does the controller this comes from), so each is named by its
+/// formula as well. Sources: Franklin, Powell, Workman, *Digital Control of Dynamic Systems*, 3rd
+/// ed., 6.1; Astrom and Wittenmark, *Computer-Controlled Systems*, 3rd ed., 8.2.
 ///
 /// ```
 /// use husillo_pid::Integration;
@@ -32,12 +35,14 @@ pub struct Gains<G> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Integration {
-    /// Euler forward, T/(z-1): `I[k] = I[k-1] + Ki T e[k-1]`. The error counts from the next sample on.
+    /// Euler forward, T/(z-1): `I[k] = I[k-1] + Ki T e[k-1]`. The error counts from the next sample
+    /// on.
     Forward,
     /// Euler backward, T z/(z-1): `I[k] = I[k-1] + Ki T e[k]`. The error counts at once.
     #[default]
     Backward,
-    /// Bilinear (Tustin, trapezoidal), T/2 (z+1)/(z-1): `I[k] = I[k-1] + Ki T/2 (e[k] + e[k-1])`. The mean of the two others.
+    /// Bilinear (Tustin, trapezoidal), T/2 (z+1)/(z-1): `I[k] = I[k-1] + Ki T/2 (e[k] + e[k-1])`.
+    /// The mean of the two others.
     Bilinear,
 }
 
@@ -79,7 +84,8 @@ pub struct Limits<S> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsError {
-    /// The magnitudes of the gains, in units of their last digit, add up to more than 2^29 (`f32`: a gain is not finite).
+    /// The magnitudes of the gains, in units of their last digit, add up to more than 2^29 (`f32`:
+    /// a gain is not finite).
     GainsTooLarge,
     /// The gains have more than 29 bits behind the point.
     FractionTooFine,

@@ -1,7 +1,7 @@
 //! A signed drive as direction and duty.
 
-/// Whether `drive` is negative, and its magnitude scaled from `full_drive` to `max_duty`, downwards; more than full is full, and a full drive of 0
-/// gives no duty.
+/// Whether `drive` is negative, and its magnitude scaled from `full_drive` to `max_duty`,
+/// downwards; more than full is full, and a full drive of 0 gives no duty.
 ///
 /// ```
 /// use husillo_pid::sign_magnitude;

@@ -5,13 +5,15 @@ use crate::pid::Term;
 
 /// The error, `target - measured`; beyond the type it saturates.
 ///
-/// [`Pid::update`](crate::Pid::update) does this itself; it is for errors that go through a [`DeadBand`] first.
+/// [`Pid::update`](crate::Pid::update) does this itself; it is for errors that go through a
+/// [`DeadBand`] first.
 #[inline]
 pub fn error<S: Number>(target: S, measured: S) -> S {
     S::from_word(target.to_word().minus(measured.to_word()))
 }
 
-/// Errors too small to act on: within the width they are 0, beyond it they are shorter by the width, so that there is no jump at its edge.
+/// Errors too small to act on: within the width they are 0, beyond it they are shorter by the
+/// width, so that there is no jump at its edge.
 ///
 /// ```
 /// use fixed::types::I32F0;
@@ -55,7 +57,8 @@ impl<S: Number> DeadBand<S> {
 
 /// What the motion asks for anyhow, added to the output: it need not wait for an error.
 ///
-/// Gains are per sample as all gains are: output per digit of velocity (counts per sample) and of acceleration (counts per sample^2).
+/// Gains are per sample as all gains are: output per digit of velocity (counts per sample) and of
+/// acceleration (counts per sample^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedForward<G: Number> {
@@ -64,7 +67,8 @@ pub struct FeedForward<G: Number> {
 }
 
 impl<G: Number> FeedForward<G> {
-    /// Gains of velocity and acceleration; `None` where their magnitudes add up to more than 2^29 last digits.
+    /// Gains of velocity and acceleration; `None` where their magnitudes add up to more than 2^29
+    /// last digits.
     pub fn new(velocity: G, acceleration: G) -> Option<Self> {
         let [velocity, acceleration] =
             G::Word::gains([velocity.to_word(), acceleration.to_word()])?;
@@ -85,9 +89,11 @@ impl<G: Number> FeedForward<G> {
     }
 }
 
-/// A low-pass of first order for the derivative, `y[k] = y[k-1] + a (x[k] - y[k-1])`: Td s / (1 + Tf s) with the backward difference, `a = T / (Tf + T)`.
+/// A low-pass of first order for the derivative, `y[k] = y[k-1] + a (x[k] - y[k-1])`: Td s / (1 +
+/// Tf s) with the backward difference, `a = T / (Tf + T)`.
 ///
-/// Its state has all the digits of the products, so it ends within `1/a` of their last digits of its input. Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.3.
+/// Its state has all the digits of the products, so it ends within `1/a` of their last digits of
+/// its input. Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.3.
 ///
 /// ```
 /// use fixed::types::I16F16;

@@ -1,4 +1,5 @@
-//! Figures of experiments, and gains from them. For a host or a start-up routine: in floating point, not for the interrupt.
+//! Figures of experiments, and gains from them. For a host or a start-up routine: in floating
+//! point, not for the interrupt.
 
 use fixed::traits::Fixed;
 
@@ -17,10 +18,12 @@ pub struct StepResponse {
     pub settling_s: f64,
 }
 
-/// The figures of `samples` taken every `period_s` seconds from the step on, from `start` to `target`; `band` is the part of the step within which it counts as settled, 0.02 or 0.05 as a rule.
-/// `None` where the response never rises to 90 %, does not settle, or there is no step.
+/// The figures of `samples` taken every `period_s` seconds from the step on, from `start` to
+/// `target`; `band` is the part of the step within which it counts as settled, 0.02 or 0.05 as a
+/// rule. `None` where the response never rises to 90 %, does not settle, or there is no step.
 ///
-/// Definitions: Franklin, Powell, Emami-Naeini, *Feedback Control of Dynamic Systems*, 6th ed., 3.4.
+/// Definitions: Franklin, Powell, Emami-Naeini, *Feedback Control of Dynamic Systems*, 6th ed.,
+/// 3.4.
 ///
 /// ```
 /// use husillo_pid::tuning::step_response;
@@ -67,9 +70,11 @@ pub fn step_response(
     })
 }
 
-/// A relay in the place of the controller: its output makes the axis oscillate at its ultimate frequency.
+/// A relay in the place of the controller: its output makes the axis oscillate at its ultimate
+/// frequency.
 ///
-/// Source: Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase and amplitude margins*, Automatica 20 (1984).
+/// Source: Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase
+/// and amplitude margins*, Automatica 20 (1984).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Relay {
@@ -79,7 +84,8 @@ pub struct Relay {
 }
 
 impl Relay {
-    /// A relay of outputs `amplitude` and `-amplitude` that turns over when the error is beyond `hysteresis` of the other sign. Both are positive.
+    /// A relay of outputs `amplitude` and `-amplitude` that turns over when the error is beyond
+    /// `hysteresis` of the other sign. Both are positive.
     pub const fn new(amplitude: f64, hysteresis: f64) -> Self {
         Self {
             amplitude,
@@ -102,8 +108,8 @@ impl Relay {
         }
     }
 
-    /// The ultimate point of an axis that oscillates like this, by the describing function: `Ku = 4 d / (pi sqrt(a^2 - h^2))`. `None` where the
-    /// oscillation is within the hysteresis.
+    /// The ultimate point of an axis that oscillates like this, by the describing function: `Ku = 4
+    /// d / (pi sqrt(a^2 - h^2))`. `None` where the oscillation is within the hysteresis.
     pub fn ultimate(&self, oscillation: &Oscillation) -> Option<Ultimate> {
         let (a, h) = (oscillation.amplitude, self.hysteresis);
         let square = a * a - h * h;
@@ -140,9 +146,11 @@ pub struct Oscillation {
     pub periods: u32,
 }
 
-/// The oscillation in `samples` taken every `period_s` seconds, about `middle`: leave out the start. `None` without a whole period.
+/// The oscillation in `samples` taken every `period_s` seconds, about `middle`: leave out the
+/// start. `None` without a whole period.
 ///
-/// Periods are counted between upward passages, interpolated between samples, so that the mean is exact to a small part of a sample.
+/// Periods are counted between upward passages, interpolated between samples, so that the mean is
+/// exact to a small part of a sample.
 ///
 /// ```
 /// use husillo_pid::tuning::oscillation;
@@ -188,15 +196,18 @@ pub struct Ultimate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
-    /// `0.5 Ku`. Ziegler and Nichols, *Optimum settings for automatic controllers*, Trans. ASME 64 (1942).
+    /// `0.5 Ku`. Ziegler and Nichols, *Optimum settings for automatic controllers*, Trans. ASME 64
+    /// (1942).
     ZieglerNicholsP,
     /// `0.45 Ku, Ti = Tu / 1.2`. The same.
     ZieglerNicholsPi,
     /// `0.6 Ku, Ti = Tu / 2, Td = Tu / 8`. The same.
     ZieglerNicholsPid,
-    /// `Ku / 3.2, Ti = 2.2 Tu`. Tyreus and Luyben, *Tuning PI controllers for integrator/dead time processes*, Ind. Eng. Chem. Res. 31 (1992).
+    /// `Ku / 3.2, Ti = 2.2 Tu`. Tyreus and Luyben, *Tuning PI controllers for integrator/dead time
+    /// processes*, Ind. Eng. Chem. Res. 31 (1992).
     TyreusLuybenPi,
-    /// `Ku / 2.2, Ti = 2.2 Tu, Td = Tu / 6.3`. Luyben and Luyben, *Essentials of Process Control* (1997).
+    /// `Ku / 2.2, Ti = 2.2 Tu, Td = Tu / 6.3`. Luyben and Luyben, *Essentials of Process Control*
+    /// (1997).
     TyreusLuybenPid,
 }
 
@@ -230,8 +241,9 @@ impl Gains<f64> {
         }
     }
 
-    /// Gains per sample, in PWM a count, as the integers of the servo law: `256 Kp`, `256 Kd` and, as its total is divided by 256 before, `65536 Ki`, to
-    /// the nearest; limits are left at 0. `None` where one is negative, beyond 0x7FFF or not finite.
+    /// Gains per sample, in PWM a count, as the integers of the servo law: `256 Kp`, `256 Kd` and,
+    /// as its total is divided by 256 before, `65536 Ki`, to the nearest; limits are left at 0.
+    /// `None` where one is negative, beyond 0x7FFF or not finite.
     ///
     /// ```
     /// use husillo_pid::Gains;

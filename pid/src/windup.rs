@@ -2,14 +2,16 @@
 
 use crate::number::{Number, Word};
 
-/// A remedy against windup: how the integral goes on, given what the output would have been. Implemented by [`Clamp`], [`Conditional`] and
-/// [`BackCalculation`].
+/// A remedy against windup: how the integral goes on, given what the output would have been.
+/// Implemented by [`Clamp`], [`Conditional`] and [`BackCalculation`].
 ///
-/// All of them keep the integral within its limits, so that the output leaves its limit in the very sample in which the rest of the law
-/// pulls it away by half a last digit or more, that is when the error changes sign; without a part that acts at once, as `Forward` without a
-/// proportional gain, in the sample behind it.
+/// All of them keep the integral within its limits, so that the output leaves its limit in the very
+/// sample in which the rest of the law pulls it away by half a last digit or more, that is when the
+/// error changes sign; without a part that acts at once, as `Forward` without a proportional gain,
+/// in the sample behind it.
 pub trait AntiWindup<W: Word> {
-    /// The next integral. `wanted` is the output before its limits, `given` the one after; `bits` are behind the point of all wide numbers.
+    /// The next integral. `wanted` is the output before its limits, `given` the one after; `bits`
+    /// are behind the point of all wide numbers.
     #[doc(hidden)]
     fn next(&self, sum: &Sum<W>, bits: u32) -> W::Wide;
 }
@@ -46,7 +48,8 @@ impl<W: Word> AntiWindup<W> for Clamp {
     }
 }
 
-/// As [`Clamp`], and the integral holds still while the output is at a limit and the error would drive it further.
+/// As [`Clamp`], and the integral holds still while the output is at a limit and the error would
+/// drive it further.
 ///
 /// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, conditional integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,7 +67,8 @@ impl<W: Word> AntiWindup<W> for Conditional {
 
 /// As [`Clamp`], and what the limit cuts off the output is led back to the integral, times a gain.
 ///
-/// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, back-calculation and tracking; the gain is T/Tt, with Tt the tracking time.
+/// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, back-calculation and tracking; the
+/// gain is T/Tt, with Tt the tracking time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BackCalculation<W: Word = i32> {
@@ -73,8 +77,8 @@ pub struct BackCalculation<W: Word = i32> {
 }
 
 impl<W: Word> BackCalculation<W> {
-    /// Leads back the part `gain` of what is cut off, 0 to 1 as a rule, in the type of the controller's gains. `None` if it has more than
-    /// 29 bits.
+    /// Leads back the part `gain` of what is cut off, 0 to 1 as a rule, in the type of the
+    /// controller's gains. `None` if it has more than 29 bits.
     pub fn new<G: Number<Word = W>>(gain: G) -> Option<Self> {
         let [gain] = W::gains([gain.to_word()])?;
         Some(Self { gain })

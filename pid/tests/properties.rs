@@ -170,7 +170,8 @@ proptest! {
         }
     }
 
-    /// However long the output was at its limit, it leaves it in the very sample in which the error changes sign, with every remedy.
+    /// However long the output was at its limit, it leaves it in the very sample in which the error
+    /// changes sign, with every remedy.
     #[test]
     fn leaves_the_limit_with_the_sign(gains in sane_gains(), rule in rule(), limit in 10i32..100_000, ticks in 1usize..2000, drive in 1i32..10_000, pull in 2i32..10_000) {
         let limits = Limits { low: counts(-limit), high: counts(limit) };
@@ -189,7 +190,8 @@ proptest! {
         }
     }
 
-    /// Conditional integration does not integrate while the output is cut off in the direction of the error.
+    /// Conditional integration does not integrate while the output is cut off in the direction of
+    /// the error.
     #[test]
     fn conditional_holds_still(gains in sane_gains(), errors in proptest::collection::vec(-5000i32..5000, 1..100)) {
         let gains = Gains { derivative: I16F16::ZERO, ..gains };
@@ -224,7 +226,8 @@ proptest! {
         prop_assert!(!integral_is_free || (wanted - 1000 - error / 25).abs() <= 2, "{}", wanted);
     }
 
-    /// After `follow` the next output for the same signals is the one followed, to the last digit, as far as the integral can make it so.
+    /// After `follow` the next output for the same signals is the one followed, to the last digit,
+    /// as far as the integral can make it so.
     #[test]
     fn following_is_bumpless(gains in sane_gains(), other in sane_gains(), rule in rule(), target in -1000i32..1000, measured in -1000i32..1000, manual in -9000i32..9000) {
         let limits = Limits { low: counts(-10_000), high: counts(10_000) };
@@ -247,7 +250,8 @@ proptest! {
         prop_assert_eq!(pid.update(&mut state, target, measured), manual);
     }
 
-    /// A change of the integral gain alone needs no more than the new settings: the sum stays what it was.
+    /// A change of the integral gain alone needs no more than the new settings: the sum stays what
+    /// it was.
     #[test]
     fn integral_gain_may_change(gains in sane_gains(), integral in 0x100i32..0x8_0000, errors in proptest::collection::vec(-1000i32..1000, 1..100)) {
         let pid = Law::new(gains, Integration::Forward, WIDEST).unwrap();
@@ -260,7 +264,8 @@ proptest! {
         prop_assert_eq!(pid.update(&mut one, counts(7), ZERO), next.update(&mut other, counts(7), ZERO));
     }
 
-    /// A step of the target kicks the derivative of the error and not the one of the measurement; a step of the measurement both, alike.
+    /// A step of the target kicks the derivative of the error and not the one of the measurement; a
+    /// step of the measurement both, alike.
     #[test]
     fn measurement_does_not_kick(gains in sane_gains(), before in -1000i32..1000, after in -1000i32..1000) {
         let gains = Gains { integral: I16F16::ZERO, ..gains };
@@ -293,7 +298,8 @@ proptest! {
         prop_assert_eq!(whole, pieces);
     }
 
-    /// What a dead band leaves is never farther from 0 nor of the other sign, and grows with the error by as much.
+    /// What a dead band leaves is never farther from 0 nor of the other sign, and grows with the
+    /// error by as much.
     #[test]
     fn dead_band_shortens(width in any::<i32>(), one in any::<i32>(), other in any::<i32>()) {
         let band = DeadBand::new(counts(width));
@@ -304,7 +310,8 @@ proptest! {
         prop_assert_eq!(left(one) == 0, i64::from(one).abs() <= width);
     }
 
-    /// A filter goes towards its input, never past it, and has gone the part e^-1 of the way after its time constant, roughly.
+    /// A filter goes towards its input, never past it, and has gone the part e^-1 of the way after
+    /// its time constant, roughly.
     #[test]
     fn filter_goes_towards_its_input(samples in 1u16..500, input in 1i32..1_000_000) {
         let (filter, mut state) = (Filter::of_time_constant(samples), FilterState::<I32F0, I16F16>::default());

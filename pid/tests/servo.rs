@@ -20,7 +20,8 @@ fn traces() {
     assert_eq!(cases.len(), 8);
     for case in cases {
         let number = |key: &str| case[key].as_u64().unwrap() as u16;
-        // The file means a reading that grows with the current; by the module's rule that is an odd limit.
+        // The file means a reading that grows with the current; by the module's rule that is an odd
+        // limit.
         let current_limit = match number("CL") {
             0 => 0,
             limit => limit as u8 | 1,
@@ -115,7 +116,8 @@ proptest! {
         }
     }
 
-    /// The loop is due on the first tick and on every n-th after it, and always where only the derivative is divided.
+    /// The loop is due on the first tick and on every n-th after it, and always where only the
+    /// derivative is divided.
     #[test]
     fn due_every_nth_tick(gains in gains(), ticks in 1usize..200) {
         for rule in [RateRule::Loop, RateRule::Derivative] {
@@ -152,7 +154,8 @@ proptest! {
         }
     }
 
-    /// The dead band lifts every drive that is not 0 by its value, up to the output limit, and no other; it leaves the direction.
+    /// The dead band lifts every drive that is not 0 by its value, up to the output limit, and no
+    /// other; it leaves the direction.
     #[test]
     fn dead_band_lifts_what_is_not_zero(gains in gains(), errors in errors()) {
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
@@ -166,7 +169,8 @@ proptest! {
         }
     }
 
-    /// The derivative damps: an error that shrinks is driven less than a constant one, by Kd for each count.
+    /// The derivative damps: an error that shrinks is driven less than a constant one, by Kd for
+    /// each count.
     #[test]
     fn derivative_damps(before in 1i32..300, by in 1i32..300, kd in 1u16..1000) {
         let gains = ServoGains { proportional: 100, derivative: kd, error_limit: 0x3fff, output_limit: 255, ..ServoGains::default() };
@@ -179,7 +183,8 @@ proptest! {
         prop_assert_eq!(axis.output(), still - 100 * by - i32::from(kd) * by);
     }
 
-    /// The output is the formula, for every gain and any error, as far as 32 bits go; and the PWM is its 256th within the limit.
+    /// The output is the formula, for every gain and any error, as far as 32 bits go; and the PWM
+    /// is its 256th within the limit.
     #[test]
     fn output_is_the_formula(gains in gains(), errors in proptest::collection::vec(-0x3fffi32..=0x3fff, 1..100), after in any::<bool>()) {
         let gains = ServoGains { rate_divisor: 1, dead_band: 0, ..gains };
@@ -199,7 +204,8 @@ proptest! {
         }
     }
 
-    /// Whatever it is given: no drive beyond the limit, none while off, off for good once the error was too large.
+    /// Whatever it is given: no drive beyond the limit, none while off, off for good once the error
+    /// was too large.
     #[test]
     fn limits_hold(
         gains in gains(), error_limit in any::<u16>(), current_limit in any::<u8>(),
@@ -219,7 +225,8 @@ proptest! {
         }
     }
 
-    /// Under a lasting overcurrent the drive goes down by one a sample to nothing, and comes back by one a sample.
+    /// Under a lasting overcurrent the drive goes down by one a sample to nothing, and comes back
+    /// by one a sample.
     #[test]
     fn current_limit_cuts_by_one(pwm in any::<u8>(), limit in 1u8.., ticks in 1usize..600) {
         let gains = ServoGains { current_limit: limit, ..ServoGains::default() };

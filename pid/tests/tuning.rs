@@ -35,7 +35,8 @@ fn ultimate() -> Ultimate {
         .unwrap()
 }
 
-/// The relay finds the ultimate point within the accuracy of the describing function and of the sampling.
+/// The relay finds the ultimate point within the accuracy of the describing function and of the
+/// sampling.
 #[test]
 fn relay_finds_the_ultimate_point() {
     let found = ultimate();
@@ -44,7 +45,8 @@ fn relay_finds_the_ultimate_point() {
     assert!((found.period_s / period_s - 1.0).abs() < 0.04, "{found:?}");
 }
 
-/// The gains so found, in fixed point, hold the axis; Tyreus-Luyben overshoots less than Ziegler-Nichols.
+/// The gains so found, in fixed point, hold the axis; Tyreus-Luyben overshoots less than
+/// Ziegler-Nichols.
 #[test]
 fn gains_hold_the_axis() {
     let overshoots = [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid].map(|rule| {
@@ -116,7 +118,8 @@ fn rules_as_published() {
     );
 }
 
-/// A law with the integers drives as the gains say: PWM a count, a count of change, and a count and sample.
+/// A law with the integers drives as the gains say: PWM a count, a count of change, and a count and
+/// sample.
 #[test]
 fn integers_of_the_servo_law() {
     let gains = Gains {

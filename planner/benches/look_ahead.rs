@@ -1,4 +1,5 @@
-//! A million moves of 20 um through the queue, and the events of the ramp. An element is a move, or an event.
+//! A million moves of 20 um through the queue, and the events of the ramp. An element is a move, or
+//! an event.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -64,7 +65,8 @@ fn look_ahead(criterion: &mut Criterion) {
         .sample_size(10)
         .measurement_time(Duration::from_secs(5));
     group.throughput(Throughput::Elements(MOVES as u64));
-    // Braking from 50 mm/s takes 2.5 mm and the queue holds 0.64 mm: all of it is a braking ramp, always.
+    // Braking from 50 mm/s takes 2.5 mm and the queue holds 0.64 mm: all of it is a braking ramp,
+    // always.
     group.bench_function("million_moves_with_junctions", |bencher| {
         bencher.iter(|| {
             let mut queue = LookAhead::<u32, 32>::new();

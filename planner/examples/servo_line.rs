@@ -1,4 +1,5 @@
-//! Straight moves of three servo axes over independent modules: the bounds of their line, and how far they are from it.
+//! Straight moves of three servo axes over independent modules: the bounds of their line, and how
+//! far they are from it.
 
 use husillo_planner::{ServoLine, ServoMotion, ServoProfile};
 

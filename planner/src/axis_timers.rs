@@ -2,19 +2,23 @@
 
 use core::iter::FusedIterator;
 
-/// The events of a straight move at constant speed, each axis at its own exact times, merged into one stream.
+/// The events of a straight move at constant speed, each axis at its own exact times, merged into
+/// one stream.
 ///
-/// Bresenham's line lets the slave axes step with the leading one: at half or twice their mean speed from one event to the next. Here
-/// event k of an axis with b events in a move of T ticks is at `floor(((2 k - 1) T + b) / (2 b))`, the middle of its share of the
-/// time: **jitter one tick** instead of one period of the leading axis. The path is as good as rounding every axis by
-/// itself: off by 1/2 step an axis, not as a whole.
+/// Bresenham's line lets the slave axes step with the leading one: at half or twice their mean
+/// speed from one event to the next. Here event k of an axis with b events in a move of T ticks is
+/// at `floor(((2 k - 1) T + b) / (2 b))`, the middle of its share of the time: **jitter one tick**
+/// instead of one period of the leading axis. The path is as good as rounding every axis by itself:
+/// off by 1/2 step an axis, not as a whole.
 ///
-/// Items are the ticks to wait and the axes that step then, axis 0 in bit 0; at most 8 axes, those beyond are ignored. Axes due at the
-/// same tick step together. Waits above 2^31 ticks are split by items without a step. Add the rest of the move,
-/// [`rest_ticks`](AxisTimers::rest_ticks), before the next one.
+/// Items are the ticks to wait and the axes that step then, axis 0 in bit 0; at most 8 axes, those
+/// beyond are ignored. Axes due at the same tick step together. Waits above 2^31 ticks are split by
+/// items without a step. Add the rest of the move, [`rest_ticks`](AxisTimers::rest_ticks), before
+/// the next one.
 ///
-/// Range: up to 2^31 - 1 events an axis, 2^62 ticks. Size: 32 bytes an axis and 8 more, because every axis has its own clock. Cost of an item for 3 axes, loop
-/// included: 68 instructions on Cortex-M4F, 119 on Cortex-M0; no division.
+/// Range: up to 2^31 - 1 events an axis, 2^62 ticks. Size: 32 bytes an axis and 8 more, because
+/// every axis has its own clock. Cost of an item for 3 axes, loop included: 68 instructions on
+/// Cortex-M4F, 119 on Cortex-M0; no division.
 ///
 /// ```
 /// use husillo_planner::AxisTimers;

@@ -55,13 +55,17 @@ impl FusedIterator for Replay {}
 
 /// Compresses a stream of intervals into [`Burst`]s: for a slow controller, or a link.
 ///
-/// Replayed events are never further than `error_ticks` from the original ones, over the whole stream: a burst begins where the one before
-/// it ended, not where it should have. Each burst is as long as its first interval lets it be: of the first intervals within the
-/// error, up to [`CANDIDATES`](Bursts::CANDIDATES) evenly spread, every one is followed with the range of additions it allows, until none is left. With
-/// an error of 8 ticks or less that are all: no longer burst exists. Of those left over the one that ends nearest to the original time is taken, among equals the most even.
+/// Replayed events are never further than `error_ticks` from the original ones, over the whole
+/// stream: a burst begins where the one before it ended, not where it should have. Each burst is as
+/// long as its first interval lets it be: of the first intervals within the error, up to
+/// [`CANDIDATES`](Bursts::CANDIDATES) evenly spread, every one is followed with the range of
+/// additions it allows, until none is left. With an error of 8 ticks or less that are all: no
+/// longer burst exists. Of those left over the one that ends nearest to the original time is taken,
+/// among equals the most even.
 ///
-/// Range: intervals up to 2^32 - 1 ticks, errors up to 2^30; no replayed interval is negative. Memory: constant; the 17 candidates take 410 bytes of stack twice while a burst is made. Cost: up to two divisions
-/// of 64 bits for each candidate and event; this is for the side that has time.
+/// Range: intervals up to 2^32 - 1 ticks, errors up to 2^30; no replayed interval is negative.
+/// Memory: constant; the 17 candidates take 410 bytes of stack twice while a burst is made. Cost:
+/// up to two divisions of 64 bits for each candidate and event; this is for the side that has time.
 ///
 /// ```
 /// use husillo_planner::{Burst, Bursts};
@@ -73,7 +77,8 @@ impl FusedIterator for Replay {}
 /// assert!(bursts[0].replay().eq([1000, 990, 980, 970, 960]));
 /// ```
 ///
-/// Source: the record and the idea are those of Klipper's `stepcompress.c` (`interval, count, add`); the search is our own.
+/// Source: the record and the idea are those of Klipper's `stepcompress.c` (`interval, count,
+/// add`); the search is our own.
 #[derive(Clone, Debug)]
 pub struct Bursts<I> {
     intervals: I,
@@ -93,7 +98,8 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// Lets an event in that comes after `count` intervals between the times `early` and `late`; whether any addition is left.
+    /// Lets an event in that comes after `count` intervals between the times `early` and `late`;
+    /// whether any addition is left.
     fn allow(&mut self, count: i64, early: i64, late: i64) -> bool {
         // count < 2^16: the sum of additions is add times this, below 2^31; times below 2^49.
         let weight = count.wrapping_mul(count.wrapping_sub(1)) >> 1;
@@ -148,7 +154,8 @@ impl<I> Bursts<I> {
 }
 
 impl<I: Iterator<Item = u32>> Bursts<I> {
-    /// Compresses `intervals` with replayed times at most `error_ticks` (cut to 2^30) off the original ones.
+    /// Compresses `intervals` with replayed times at most `error_ticks` (cut to 2^30) off the
+    /// original ones.
     pub fn new(intervals: I, error_ticks: u32) -> Bursts<I> {
         Bursts {
             intervals,
@@ -175,7 +182,8 @@ impl<I: Iterator<Item = u32>> Iterator for Bursts<I> {
             low: i16::MIN.into(),
             high: i16::MAX.into(),
         }; 17];
-        // From the lowest first interval to the highest within the error; the late one is within it too.
+        // From the lowest first interval to the highest within the error; the late one is within it
+        // too.
         let lowest = time.wrapping_sub(error).max(0);
         let highest = time.wrapping_add(error).min(u32::MAX.into());
         let span = highest.wrapping_sub(lowest);

@@ -74,8 +74,8 @@ impl<const N: usize> Direction<N> {
         u32::try_from(limit).unwrap_or(u32::MAX)
     }
 
-    /// Highest acceleration along the path at which no axis exceeds its own, nm/s^2. The limits of the axes
-    /// are cut to 2^40.
+    /// Highest acceleration along the path at which no axis exceeds its own, nm/s^2. The limits of
+    /// the axes are cut to 2^40.
     pub fn acceleration_limit(&self, axes: &[u64; N]) -> u64 {
         let sizes = self.0.map(i32::unsigned_abs);
         along(axes.iter().copied().zip(sizes), ONE)

@@ -6,21 +6,24 @@
 pub enum Due {
     /// Now, or already passed: make it and call [`Follower::advance`].
     Now,
-    /// In so many ticks, if the spindle keeps its speed; sooner if the next count comes first. Ask again at either.
+    /// In so many ticks, if the spindle keeps its speed; sooner if the next count comes first. Ask
+    /// again at either.
     In(u32),
     /// Not before another count: ask again after the next [`Follower::measure`].
     NotYet,
 }
 
-/// The time base of spindle-synchronised motion (G33, G76, G95): the events of a path become due at encoder counts.
+/// The time base of spindle-synchronised motion (G33, G76, G95): the events of a path become due at
+/// encoder counts.
 ///
 /// ```text
 /// counts  |----c----|----c----|----c----|     measured: when each came
 /// events  |   e     e   |   e     e     |     due at exact fractions of counts
 /// ```
 ///
-/// Event k is due at `start + k counts / events`: with 4096 counts a turn, 1.5 mm pitch and 1 um a step,
-/// `counts / events` is 4096 / 1500. The remainder is carried, so the pitch is exact over any number of turns.
+/// Event k is due at `start + k counts / events`: with 4096 counts a turn, 1.5 mm pitch and 1 um a
+/// step, `counts / events` is 4096 / 1500. The remainder is carried, so the pitch is exact over any
+/// number of turns.
 ///
 /// - An event that falls on a count or before it is due when that count has come, never later: **nothing drifts**.
 /// - Between two counts the measured period of the spindle divides the time (its mean over about 4 counts), so that the steps are as even as its
@@ -30,11 +33,13 @@ pub enum Due {
 /// - **Reverse**: nothing is stepped back and nothing is due until the spindle is again past the farthest event; the thread is then
 ///   met where it was left.
 ///
-/// The path's own speed is that of the spindle: who engages at speed gives the axis a run-in, as on any lathe. A follower polled late, or
-/// a spindle faster than predicted, has several events due at once; the caller keeps its least interval between steps.
+/// The path's own speed is that of the spindle: who engages at speed gives the axis a run-in, as on
+/// any lathe. A follower polled late, or a spindle faster than predicted, has several events due at
+/// once; the caller keeps its least interval between steps.
 ///
-/// Range: counts wrap as `i32`, fewer than 2^31 between two calls; periods up to 2^24 ticks a count, above that they are taken as that. Size:
-/// 48 bytes. Cost: a product and a shift to ask, a division to measure.
+/// Range: counts wrap as `i32`, fewer than 2^31 between two calls; periods up to 2^24 ticks a
+/// count, above that they are taken as that. Size: 48 bytes. Cost: a product and a shift to ask, a
+/// division to measure.
 ///
 /// ```
 /// use husillo_planner::{Due, Follower};
@@ -75,8 +80,8 @@ const PERIOD_BITS: u32 = 7;
 const LONGEST: u32 = 1 << 24;
 
 impl Follower {
-    /// So many `events` in so many `counts`, the first one at count `start`; the encoder is at `count` now. `None` without events
-    /// or counts, or with 2^31 events or more.
+    /// So many `events` in so many `counts`, the first one at count `start`; the encoder is at
+    /// `count` now. `None` without events or counts, or with 2^31 events or more.
     pub const fn new(counts: u32, events: u32, start: i32, count: i32) -> Option<Follower> {
         if counts == 0 || events >> 31 != 0 {
             return None;
@@ -158,8 +163,8 @@ impl Follower {
         }
     }
 
-    /// As [`Follower::advance`] for so many events at once: with one count for 2^16 `events`, the wait of an event in
-    /// 2^-16 counts where each has its own.
+    /// As [`Follower::advance`] for so many events at once: with one count for 2^16 `events`, the
+    /// wait of an event in 2^-16 counts where each has its own.
     pub fn advance_by(&mut self, events: u32) {
         // whole < 2^32, events < 2^32: the product wraps by name only, as counts do after 2^63.
         let counts = i64::from(self.whole).wrapping_mul(events.into());
@@ -173,7 +178,8 @@ impl Follower {
         self.ahead = self.ahead.wrapping_add(counts).wrapping_add_unsigned(more);
     }
 
-    /// Counts from the present one to that of the next event, rounded down; negative when it has passed.
+    /// Counts from the present one to that of the next event, rounded down; negative when it has
+    /// passed.
     pub const fn counts_ahead(&self) -> i64 {
         self.ahead
     }

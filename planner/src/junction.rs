@@ -7,13 +7,15 @@ use crate::{
     stretch::square,
 };
 
-/// Components of two directions that differ by no more than this (4e-9) are the same but for rounding.
+/// Components of two directions that differ by no more than this (4e-9) are the same but for
+/// rounding.
 const ROUNDING: u32 = 4;
 
-/// The rules for corners: the smallest speed that one of them allows. With neither rule corners do not slow down.
+/// The rules for corners: the smallest speed that one of them allows. With neither rule corners do
+/// not slow down.
 ///
-/// What goes straight on has no limit, so the tangent of an arc and of a line that leaves it have none either; a full
-/// reversal has the jump's, which is 0 with junction deviation.
+/// What goes straight on has no limit, so the tangent of an arc and of a line that leaves it have
+/// none either; a full reversal has the jump's, which is 0 with junction deviation.
 ///
 /// ```
 /// use husillo_planner::{Direction, Junction};
@@ -33,15 +35,16 @@ const ROUNDING: u32 = 4;
 pub struct Junction<const N: usize> {
     /// Speed by which each axis may jump; `None`: not looked at.
     pub jump_nm_per_s: Option<[u32; N]>,
-    /// How far beside the corner a circle of the path's own acceleration may pass; `None`: not looked at.
+    /// How far beside the corner a circle of the path's own acceleration may pass; `None`: not
+    /// looked at.
     pub deviation_nm: Option<u32>,
     /// Acceleration of each axis, cut to 2^40. For the deviation rule only.
     pub acceleration_nm_per_s2: [u64; N],
 }
 
 impl<const N: usize> Junction<N> {
-    /// Highest speed from the direction at the end of one move to that at the start of the next; `u32::MAX` when
-    /// there is no limit.
+    /// Highest speed from the direction at the end of one move to that at the start of the next;
+    /// `u32::MAX` when there is no limit.
     ///
     /// Up to three square roots of 64 bits, three divisions of 64 by 32.
     pub fn speed(&self, before: &Direction<N>, after: &Direction<N>) -> u32 {
@@ -86,9 +89,10 @@ impl<const N: usize> Junction<N> {
 
     /// Junction deviation, S. K. Jeon (Grbl, planner.c, "junction deviation", 2011):
     ///
-    /// v^2 = a d s / (1 - s), s the sine of half the angle between the moves (1 when straight on), a what the axes can
-    /// do in the direction of the change. With half the change h and half the sum of the two directions s = |half the sum|,
-    /// h^2 + s^2 = 1, so it is a d s (1 + s) / h^2, which is as exact for small angles as for large ones.
+    /// v^2 = a d s / (1 - s), s the sine of half the angle between the moves (1 when straight on),
+    /// a what the axes can do in the direction of the change. With half the change h and half the
+    /// sum of the two directions s = |half the sum|, h^2 + s^2 = 1, so it is a d s (1 + s) / h^2,
+    /// which is as exact for small angles as for large ones.
     fn deviation_squared(&self, deviation_nm: u32, change: &[u32; N], sum: &[u32; N]) -> u64 {
         if sum.iter().all(|sum| *sum <= ROUNDING) {
             return 0;
@@ -96,15 +100,16 @@ impl<const N: usize> Junction<N> {
         // 4 h^2 and 4 s^2, 2^62 each at most but for rounding.
         let change_squared = squares(change);
         let change_size = change_squared.isqrt().min(1 << 31);
-        // The sine in 2^-31; s (1 + s) in 2^-62, 2^63 at most. For small angles s = sqrt(1 - h^2) is 1 - h^2 / 2; what
-        // that leaves out, h^4 / 8, is below 2^-27 for h^2 < 2^-12.
+        // The sine in 2^-31; s (1 + s) in 2^-62, 2^63 at most. For small angles s = sqrt(1 - h^2)
+        // is 1 - h^2 / 2; what that leaves out, h^4 / 8, is below 2^-27 for h^2 < 2^-12.
         let sine = if change_squared < 1 << 50 {
             (1_u64 << 31).wrapping_sub(change_squared >> 32)
         } else {
             squares(sum).isqrt().min(1 << 31)
         };
         let numerator = sine.wrapping_mul(sine.wrapping_add(2 * u64::from(ONE)));
-        // The axes' acceleration along the unit vector of the change, 40 bits and 1 for the projection.
+        // The axes' acceleration along the unit vector of the change, 40 bits and 1 for the
+        // projection.
         let limits = self.acceleration_nm_per_s2.iter().copied();
         let acceleration = along(limits.zip(change.iter().copied()), change_size as u32);
         let reach = acceleration.saturating_mul(deviation_nm.into());
@@ -112,10 +117,11 @@ impl<const N: usize> Junction<N> {
     }
 }
 
-/// Highest speed on an arc, nm/s: its acceleration towards the centre, v^2 / r, is half of what the axes can do.
+/// Highest speed on an arc, nm/s: its acceleration towards the centre, v^2 / r, is half of what the
+/// axes can do.
 ///
-/// The other part, [`arc_acceleration`], is left for speeding up and slowing down: together they are as long as the
-/// whole. `acceleration_nm_per_s2` is the smaller one of the axes of the plane.
+/// The other part, [`arc_acceleration`], is left for speeding up and slowing down: together they
+/// are as long as the whole. `acceleration_nm_per_s2` is the smaller one of the axes of the plane.
 pub fn arc_speed(acceleration_nm_per_s2: u64, radius_nm: u64) -> u32 {
     let squared = (acceleration_nm_per_s2 / 2).saturating_mul(radius_nm);
     // The root of 64 bits has 32.

@@ -1,9 +1,9 @@
 //! How fast each move may end, given the moves behind it.
 //!
-//! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. Add these up along the
-//! queue and call the sum the *height* of a junction. The square of the speed at the end of the first move may be, for
-//! every junction behind it, the square of the speed allowed there and the height between, whichever junction allows
-//! the least:
+//! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. Add
+//! these up along the queue and call the sum the *height* of a junction. The square of the speed at
+//! the end of the first move may be, for every junction behind it, the square of the speed allowed
+//! there and the height between, whichever junction allows the least:
 //!
 //! ```text
 //!  height + limit^2
@@ -13,9 +13,10 @@
 //!     +---+--+-----+---+----------+-> junctions, first move's end on the left
 //! ```
 //!
-//! Only the candidates are kept: a new junction throws out those behind which it stands lower, once and for all, so a
-//! move is looked at twice in its life however long the queue is. The lowest candidate is always the first one. (This
-//! is the minimum over a sliding window of Knuth's school; Grbl's two passes of planner.c come to the same speeds.)
+//! Only the candidates are kept: a new junction throws out those behind which it stands lower, once
+//! and for all, so a move is looked at twice in its life however long the queue is. The lowest
+//! candidate is always the first one. (This is the minimum over a sliding window of Knuth's school;
+//! Grbl's two passes of planner.c come to the same speeds.)
 
 use crate::{Stretch, ring::Ring, stretch::square};
 
@@ -130,7 +131,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         Ok(())
     }
 
-    /// Takes the first move out when it has been executed; the next one is the executing one from now on.
+    /// Takes the first move out when it has been executed; the next one is the executing one from
+    /// now on.
     pub fn pop(&mut self) -> Option<(Stretch, M)> {
         let slot = self.slots.pop_front()?;
         self.front_number = self.front_number.wrapping_add(1);
@@ -159,7 +161,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.slots.back().map(|slot| (&slot.stretch, &slot.payload))
     }
 
-    /// What holds for the first move now: ask at every event, it may rise. All zero when the queue is empty.
+    /// What holds for the first move now: ask at every event, it may rise. All zero when the queue
+    /// is empty.
     #[inline]
     pub const fn limits(&self) -> Limits {
         self.limits
@@ -167,8 +170,9 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
 
     /// Scales the programmed speeds: 10 to 200 percent, others are taken as the nearest of these.
     ///
-    /// Looks at every move once. A lower override may ask the executing move for less than it can brake to; [`Ramp`](crate::Ramp)
-    /// then brakes as hard as it may, and no junction is passed faster than its limit.
+    /// Looks at every move once. A lower override may ask the executing move for less than it can
+    /// brake to; [`Ramp`](crate::Ramp) then brakes as hard as it may, and no junction is passed
+    /// faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
         let percent = percent.clamp(10, 200);
         if percent == self.percent {
@@ -260,8 +264,8 @@ impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
     }
 }
 
-/// Square of the highest speed from one move to the next: the junction's, neither move's top exceeded. The start speed
-/// of the first is allowed always: a stop from it and a new start are.
+/// Square of the highest speed from one move to the next: the junction's, neither move's top
+/// exceeded. The start speed of the first is allowed always: a stop from it and a new start are.
 fn entry_squared(before: &Stretch, after: &Stretch, percent: u8) -> u64 {
     let speed = after
         .entry_limit_nm_per_s

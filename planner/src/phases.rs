@@ -1,11 +1,12 @@
 //! The seven phases of a jerk-limited move, in whole ticks.
 //!
-//! Units: the jerk is 1, so a change of rate during t ticks of full jerk is t^2 / 2. Rates are kept doubled (`w`), path in sixths of
-//! its unit: all are integers, whatever the ticks.
+//! Units: the jerk is 1, so a change of rate during t ticks of full jerk is t^2 / 2. Rates are kept
+//! doubled (`w`), path in sixths of its unit: all are integers, whatever the ticks.
 
 use crate::wide::quotient;
 
-/// A change of rate: `jerk` ticks of growing, `steady` ticks of constant and `jerk` ticks of shrinking acceleration.
+/// A change of rate: `jerk` ticks of growing, `steady` ticks of constant and `jerk` ticks of
+/// shrinking acceleration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Bend {
     pub(crate) jerk: u32,
@@ -37,7 +38,8 @@ pub(crate) struct Course {
 }
 
 impl Bend {
-    /// The change of rate from one to the other, or up to one tick's worth of acceleration less, so that no limit is exceeded.
+    /// The change of rate from one to the other, or up to one tick's worth of acceleration less, so
+    /// that no limit is exceeded.
     fn between(one: u64, other: u64, most_jerk: u32) -> Bend {
         let change = one.abs_diff(other) >> 1;
         let jerk = (change.isqrt().min(most_jerk.into())) as u32;
@@ -78,7 +80,8 @@ impl Bend {
 }
 
 impl Course {
-    /// The rate when the present acceleration is gone, the ticks and the path to there; `None` if it would turn round.
+    /// The rate when the present acceleration is gone, the ticks and the path to there; `None` if
+    /// it would turn round.
     fn settled(&self) -> Option<(u64, u32, u128)> {
         let ticks = self.acceleration.unsigned_abs();
         // ticks < 2^29.
@@ -96,7 +99,8 @@ impl Course {
         }
     }
 
-    /// The two changes of rate over a peak (or, from above the top, down to it), their path and the peak.
+    /// The two changes of rate over a peak (or, from above the top, down to it), their path and the
+    /// peak.
     fn over(&self, from: u64, peak: u64) -> (Bend, Bend, u128, u64) {
         let first = Bend::between(from, peak, self.most_jerk);
         let peak = if from <= peak {
@@ -117,8 +121,8 @@ impl Course {
         Some(path.wrapping_add(self.over(from, from).2))
     }
 
-    /// The quickest phases with a path of at most `room`, or with `is_whole` of at least `room` by less than one tick's path; and
-    /// their path. `None` where the room is too short.
+    /// The quickest phases with a path of at most `room`, or with `is_whole` of at least `room` by
+    /// less than one tick's path; and their path. `None` where the room is too short.
     ///
     /// A top rate out of reach costs a search by halves: at most 62 square roots.
     pub(crate) fn phases(&self, room: u128, is_whole: bool) -> Option<(Phases, u128)> {

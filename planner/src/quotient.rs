@@ -2,8 +2,9 @@
 
 /// floor(`dividend` / `divisor`), 0 for a divisor of 0.
 ///
-/// Where registers have 32 bits this is two divisions of 32 bits (Knuth, The Art of Computer Programming 2, algorithm D,
-/// with digits of 16 bits) instead of a call that divides 64 by 64: on a Cortex-M4 a fifth of its instructions.
+/// Where registers have 32 bits this is two divisions of 32 bits (Knuth, The Art of Computer
+/// Programming 2, algorithm D, with digits of 16 bits) instead of a call that divides 64 by 64: on
+/// a Cortex-M4 a fifth of its instructions.
 #[inline]
 pub(crate) fn quotient(dividend: u64, divisor: u32) -> u64 {
     if cfg!(target_pointer_width = "64") {
@@ -20,7 +21,8 @@ fn by_digits(dividend: u64, divisor: u32) -> u64 {
         whole = high.checked_div(divisor).unwrap_or(0);
         high = high.wrapping_sub(whole.wrapping_mul(divisor));
     }
-    // high < divisor from here on: the quotient has 32 bits. The divisor to 32 bits, the dividend along with it.
+    // high < divisor from here on: the quotient has 32 bits. The divisor to 32 bits, the dividend
+    // along with it.
     let zeros = divisor.leading_zeros();
     let divisor = divisor.wrapping_shl(zeros);
     let rest = (u64::from(high) << 32 | dividend & 0xffff_ffff).wrapping_shl(zeros);
@@ -30,8 +32,8 @@ fn by_digits(dividend: u64, divisor: u32) -> u64 {
     u64::from(whole) << 32 | u64::from(first << 16 | second)
 }
 
-/// One digit of 16 bits of (`high` 2^16 + `next`) / `divisor`, and the rest; `divisor` has its highest bit set and is
-/// above `high`.
+/// One digit of 16 bits of (`high` 2^16 + `next`) / `divisor`, and the rest; `divisor` has its
+/// highest bit set and is above `high`.
 fn digit(high: u32, next: u32, divisor: u32) -> (u32, u32) {
     let [upper, lower] = [divisor >> 16, divisor & 0xffff];
     // Too large by 2 at most.

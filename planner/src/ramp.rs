@@ -7,12 +7,14 @@ use crate::{
     stretch::square,
 };
 
-/// Path speed from event to event: as fast as top speed, acceleration and the end of the move allow.
+/// Path speed from event to event: as fast as top speed, acceleration and the end of the move
+/// allow.
 ///
-/// Its state is the square of the speed, which changes by 2 a ds at most over an event of the length ds. The speed is
-/// carried from move to move, and what is less than a tick is owed to the next event, whatever move it belongs to. An
-/// event within the ramp costs a square root and a division of 64 bits, one at constant speed neither. At constant
-/// speed the times add up to the programmed ones exactly; on a ramp speeds are rounded down to nm/s.
+/// Its state is the square of the speed, which changes by 2 a ds at most over an event of the
+/// length ds. The speed is carried from move to move, and what is less than a tick is owed to the
+/// next event, whatever move it belongs to. An event within the ramp costs a square root and a
+/// division of 64 bits, one at constant speed neither. At constant speed the times add up to the
+/// programmed ones exactly; on a ramp speeds are rounded down to nm/s.
 ///
 /// ```
 /// use husillo_planner::{LookAhead, Ramp, Stretch};
@@ -55,8 +57,9 @@ pub struct Ramp {
     /// Events at top speed.
     cruise: Timer,
     cruise_shift: u8,
-    /// Sweep that may pass at top speed without a look at anything else, as long as the exit is not below the one
-    /// that was reckoned with; and how much of it has passed and is not yet off what remains.
+    /// Sweep that may pass at top speed without a look at anything else, as long as the exit is not
+    /// below the one that was reckoned with; and how much of it has passed and is not yet off what
+    /// remains.
     cruise_left: u64,
     cruise_exit: u64,
     cruised: u64,
@@ -67,8 +70,8 @@ pub struct Ramp {
     /// The move as begun, for another top speed.
     programmed_top: u32,
     start: u32,
-    /// Square of the speed from which it may fall to any lower one at once: the start speed of the move whose event
-    /// was the last.
+    /// Square of the speed from which it may fall to any lower one at once: the start speed of the
+    /// move whose event was the last.
     drop: u64,
     cruise_ticks_q16: u64,
     total_sweep: u64,
@@ -108,9 +111,9 @@ impl Ramp {
     /// Begins a move at the speed the one before ended with.
     ///
     /// `total_sweep` is that of all its events, `largest_sweep` that of the largest one.
-    /// `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times 2^16: what is exact about the
-    /// programmed feed is in it. A move without events is begun with a sweep of 1 and waited for once; its ticks
-    /// belong to the next event.
+    /// `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times 2^16: what
+    /// is exact about the programmed feed is in it. A move without events is begun with a sweep of
+    /// 1 and waited for once; its ticks belong to the next event.
     ///
     /// Some ten divisions of 64 bits.
     pub fn begin(
@@ -127,7 +130,8 @@ impl Ramp {
         self.programmed_top = stretch.top_nm_per_s.max(1);
         self.start = stretch.start_nm_per_s;
         let (length, length_bits) = unit(stretch.length(), total_sweep);
-        // Up, so that braking over the whole move takes no more than the look-ahead has reckoned with.
+        // Up, so that braking over the whole move takes no more than the look-ahead has reckoned
+        // with.
         self.gain = Rate::new(
             length,
             stretch.double_acceleration(),
@@ -151,8 +155,9 @@ impl Ramp {
 
     /// Ticks to wait before an event of this `sweep`, at most the largest one.
     ///
-    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment. `None` when a hold has
-    /// brought the path to a stop: the event did not happen, ask again after [`Ramp::resume`].
+    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment. `None`
+    /// when a hold has brought the path to a stop: the event did not happen, ask again after
+    /// [`Ramp::resume`].
     #[inline]
     pub fn wait(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
         let sweep_units = u64::from(sweep);
@@ -219,8 +224,8 @@ impl Ramp {
         self.speed = speed_after;
         let mut speeds = u64::from(speed_before).wrapping_add(speed_after.into());
         if before.saturating_add(after) < gain / 2 {
-            // From next to nothing to next to nothing in one event: up and down within it, at the mean half of
-            // the peak sqrt(a ds), which is the root of half the gain.
+            // From next to nothing to next to nothing in one event: up and down within it, at the
+            // mean half of the peak sqrt(a ds), which is the root of half the gain.
             let peak = u64::from(root(gain / 2)).min(u64::from(self.top).wrapping_mul(2));
             speeds = speeds.max(peak).max(1);
         }
@@ -234,7 +239,8 @@ impl Ramp {
         Some(self.settle(time, self.passage.fraction_bits()))
     }
 
-    /// How far it may go on like this when after this event the square of the speed must not exceed `end`.
+    /// How far it may go on like this when after this event the square of the speed must not exceed
+    /// `end`.
     ///
     /// Some power of two of events: no division, and a few more looks on the way to the end.
     fn plan_cruise(&mut self, end: u64, exit_squared: u64) {

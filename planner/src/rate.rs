@@ -11,8 +11,8 @@ pub(crate) struct Rate {
 }
 
 impl Rate {
-    /// `length` 2^-`length_bits` `factor`, for sweeps of at most `largest_sweep`, rounded down. What is
-    /// too large for products of 62 bits with at least one fraction bit is cut.
+    /// `length` 2^-`length_bits` `factor`, for sweeps of at most `largest_sweep`, rounded down.
+    /// What is too large for products of 62 bits with at least one fraction bit is cut.
     pub(crate) fn new(length: u64, factor: u64, length_bits: u8, largest_sweep: u32) -> Rate {
         // 64 bits each.
         let product = u128::from(length).wrapping_mul(factor.into());
@@ -76,7 +76,8 @@ impl Rate {
     }
 }
 
-/// Length of a unit of sweep with 62 or 63 significant bits, and how many of them are fraction bits.
+/// Length of a unit of sweep with 62 or 63 significant bits, and how many of them are fraction
+/// bits.
 ///
 /// `length` is below 2^45, `total_sweep` not 0.
 pub(crate) fn unit(length: u64, total_sweep: u64) -> (u64, u8) {

@@ -16,7 +16,8 @@ pub struct Rates {
     pub start_rate_hz: u32,
     /// Rate never exceeded, at least 1. A move that begins faster slows down to it at once.
     pub top_rate_hz: u32,
-    /// Rate not exceeded at the last event; 0 is standstill. A move too short to get that fast ends slower.
+    /// Rate not exceeded at the last event; 0 is standstill. A move too short to get that fast ends
+    /// slower.
     pub end_rate_hz: u32,
     /// Change of rate a second, speeding up and slowing down, at least 1.
     pub acceleration_hz_per_s: u32,
@@ -31,7 +32,8 @@ pub enum RatesError {
     Zero,
     /// A ramp from standstill to one of the rates would take 2^30 ticks or more.
     RampTooLong,
-    /// The acceleration or the jerk is too high for so slow a timer, or the timer above 2^28 Hz for a jerk.
+    /// The acceleration or the jerk is too high for so slow a timer, or the timer above 2^28 Hz for
+    /// a jerk.
     TimerOutOfRange,
     /// The events are too few to slow down from the start rate to the end rate.
     TooShort,
@@ -87,7 +89,8 @@ fn ramp_ticks(timer_hz: u32, acceleration_hz_per_s: u32, rate_hz: u32) -> u64 {
         .unwrap_or(u64::MAX)
 }
 
-/// What one event adds to the square of the ramp's time: 2 f^2 / a in ticks^2, with [`FRACTION_BITS`].
+/// What one event adds to the square of the ramp's time: 2 f^2 / a in ticks^2, with
+/// [`FRACTION_BITS`].
 pub(crate) fn gain(timer_hz: u32, acceleration_hz_per_s: u32) -> u128 {
     // f < 2^32: 2 f^2 2^32 < 2^97.
     let square = u128::from(u64::from(timer_hz).wrapping_mul(timer_hz.into()));

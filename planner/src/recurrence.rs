@@ -5,9 +5,11 @@ use core::iter::FusedIterator;
 use crate::rates::{Rates, RatesError, gain, square_of};
 use crate::wide::{FRACTION_BITS, divide, quotient, root};
 
-/// Ticks before each event of a trapezoid by the recurrence `c -= 2 c / (4 n + 1)`: one short division an event.
+/// Ticks before each event of a trapezoid by the recurrence `c -= 2 c / (4 n + 1)`: one short
+/// division an event.
 ///
-/// For who has no cycles to spare and no changes on the way; [`Trapezoid`](crate::Trapezoid) is exact at two to three times the cost.
+/// For who has no cycles to spare and no changes on the way; [`Trapezoid`](crate::Trapezoid) is
+/// exact at two to three times the cost.
 ///
 /// - As many events as asked for, always.
 /// - The recurrence is wrong in the first events: started with the true first interval it would run 48 % slow for ever, so
@@ -18,9 +20,10 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root};
 /// - The top rate is exceeded by rounding, and by the error of that event where the first three reach it; the acceleration by 5 % in
 ///   the second event and by up to 25 % in the one event where two parts meet.
 ///
-/// Range: as [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: 64 bytes at most. Cost of an event on a ramp, loop included: 27 instructions on Cortex-M4F,
-/// 62 on Cortex-M0 (at 1 MHz and 100 000 steps/s^2; 138 at 32 MHz and 4000 steps/s^2: its division in software takes longer the longer the
-/// quotient).
+/// Range: as [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: 64 bytes
+/// at most. Cost of an event on a ramp, loop included: 27 instructions on Cortex-M4F, 62 on
+/// Cortex-M0 (at 1 MHz and 100 000 steps/s^2; 138 at 32 MHz and 4000 steps/s^2: its division in
+/// software takes longer the longer the quotient).
 ///
 /// ```
 /// use husillo_planner::{Rates, Recurrence};
@@ -37,8 +40,8 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root};
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 ///
-/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 13 and 15; Atmel AVR446. The first
-/// interval is neither's.
+/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 13
+/// and 15; Atmel AVR446. The first interval is neither's.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Recurrence {
     part: Part,
@@ -46,8 +49,8 @@ pub struct Recurrence {
     run: u32,
     /// The interval in ticks, below 2^30.
     interval: u32,
-    /// What the last division left over: `rest / divisor` is the fraction of a tick that the interval has too much on the way up,
-    /// too little on the way down.
+    /// What the last division left over: `rest / divisor` is the fraction of a tick that the
+    /// interval has too much on the way up, too little on the way down.
     rest: u32,
     /// 4 n + 1 of the next division.
     divisor: u32,
@@ -74,7 +77,8 @@ enum Part {
 }
 
 impl Recurrence {
-    /// The profile of a move of so many events. Start and end rates above the top rate are taken as the top rate.
+    /// The profile of a move of so many events. Start and end rates above the top rate are taken as
+    /// the top rate.
     ///
     /// # Errors
     /// See [`RatesError`].
@@ -95,7 +99,8 @@ impl Recurrence {
             let nearly_half = gain.wrapping_mul(3).wrapping_shr(3);
             quotient(top.wrapping_sub(from).wrapping_add(nearly_half), gain)
         };
-        // Where both ramps meet: the mean squares of the two middle events differ by one gain at most.
+        // Where both ramps meet: the mean squares of the two middle events differ by one gain at
+        // most.
         let ahead = if end >= start {
             u64::from(events).saturating_add(quotient(end.wrapping_sub(start), gain))
         } else {
@@ -110,7 +115,8 @@ impl Recurrence {
         let level = events.wrapping_sub(up).wrapping_sub(down);
         let ends = |from: u128| root(from.wrapping_add(gain)).wrapping_sub(root(from));
         let (first, last) = (ends(start), ends(end));
-        // 4 n of an event of a ramp, to the nearest: an eighth of an event off at most. The divisors stay below 2^31.
+        // 4 n of an event of a ramp, to the nearest: an eighth of an event off at most. The
+        // divisors stay below 2^31.
         let index = |from: u128, count: u32| {
             let sum = quotient(from.wrapping_shl(2).wrapping_add(gain >> 1), gain)
                 .saturating_add(u64::from(count).wrapping_mul(4));
@@ -247,9 +253,10 @@ impl FusedIterator for Recurrence {}
 /// The interval with which the recurrence is right in the limit when it starts with event n: ticks
 /// and their fraction.
 ///
-/// Its solution is proportional to Gamma(n + 3/4) / Gamma(n + 5/4), the true interval in the limit to w^(-1/2), w = n + 1/2: that
-/// is g / (2 T) at the middle of the event, times 1 - 1 / (64 w^2 + 6.7), to 0.02 % from standstill (0.676 of the true first
-/// interval) and better from any other rate.
+/// Its solution is proportional to Gamma(n + 3/4) / Gamma(n + 5/4), the true interval in the limit
+/// to w^(-1/2), w = n + 1/2: that is g / (2 T) at the middle of the event, times 1 - 1 / (64 w^2 +
+/// 6.7), to 0.02 % from standstill (0.676 of the true first interval) and better from any other
+/// rate.
 fn scaled_start(four_n: u32, gain: u128) -> (u32, u32) {
     // The square in the middle of the event: g (4 n + 2) / 4; the product is below 2^124.
     let quarters = four_n.wrapping_add(2);

@@ -4,7 +4,8 @@ use crate::phases::{Bend, Course, Phases};
 use crate::rates::{Rates, RatesError};
 use crate::wide::{divide, quotient};
 
-/// Ticks before each event of a move whose acceleration itself changes at a constant jerk: seven phases.
+/// Ticks before each event of a move whose acceleration itself changes at a constant jerk: seven
+/// phases.
 ///
 /// ```text
 /// rate              ______________
@@ -15,9 +16,9 @@ use crate::wide::{divide, quotient};
 /// jerk     +   0   -      0       -   0   +
 /// ```
 ///
-/// The phases last whole ticks, so that rate, acceleration and path are integers at every tick (in units in which the jerk is 1); the
-/// events are those of this path, each at the nearest tick. Phases that a short move has no room for fall away: the cruise, and the
-/// constant acceleration.
+/// The phases last whole ticks, so that rate, acceleration and path are integers at every tick (in
+/// units in which the jerk is 1); the events are those of this path, each at the nearest tick.
+/// Phases that a short move has no room for fall away: the cruise, and the constant acceleration.
 ///
 /// - As many events as asked for, always; [`len`](ExactSizeIterator::len) is right. The last one falls on the end of phase 7.
 /// - Every event is within 0.6 ticks of the profile, every interval within 1.2; nothing drifts.
@@ -26,14 +27,16 @@ use crate::wide::{divide, quotient};
 /// - The top rate may change on the way and the move may be held and resumed: from the present rate and acceleration a new profile
 ///   begins, within the same jerk.
 ///
-/// Range: as [`Trapezoid`](crate::Trapezoid); the ramp from no acceleration to the greatest below 2^28 ticks; timers up to 2^28 Hz, rates up to a
-/// quarter of the timer's. Where 6 f^3 / jerk exceeds 2^60 (jerk below 170 000 steps/s^3 at 32 MHz) the profile counts in 2, 4,
-/// 8.. ticks and so do all bounds above. Size: 128 bytes, because it keeps its limits for a hold and a change of rate; an event touches
-/// 64. Cost of an event, loop included: 112 instructions on Cortex-M4F and 426 on Cortex-M0, mean of a move of 2000 events at 1 MHz (133 and 509 at
-/// 32 MHz and intervals of thousands of ticks); a Cortex-M0 has 64-bit products and division in software. The first
-/// events after standstill, and those in which phases meet, take some Newton steps more; set-up, hold and resume search the peak by
-/// halves, with two square roots a half, where the move is too short for the top rate: 52 000 instructions on Cortex-M4F, 181 000 on
-/// Cortex-M0 at most.
+/// Range: as [`Trapezoid`](crate::Trapezoid); the ramp from no acceleration to the greatest below
+/// 2^28 ticks; timers up to 2^28 Hz, rates up to a quarter of the timer's. Where 6 f^3 / jerk
+/// exceeds 2^60 (jerk below 170 000 steps/s^3 at 32 MHz) the profile counts in 2, 4, 8.. ticks and
+/// so do all bounds above. Size: 128 bytes, because it keeps its limits for a hold and a change of
+/// rate; an event touches 64. Cost of an event, loop included: 112 instructions on Cortex-M4F and
+/// 426 on Cortex-M0, mean of a move of 2000 events at 1 MHz (133 and 509 at 32 MHz and intervals of
+/// thousands of ticks); a Cortex-M0 has 64-bit products and division in software. The first events
+/// after standstill, and those in which phases meet, take some Newton steps more; set-up, hold and
+/// resume search the peak by halves, with two square roots a half, where the move is too short for
+/// the top rate: 52 000 instructions on Cortex-M4F, 181 000 on Cortex-M0 at most.
 ///
 /// ```
 /// use husillo_planner::{Rates, SCurve};
@@ -57,7 +60,8 @@ pub struct SCurve {
     step: i64,
     /// Six times the rate: path a tick.
     slope: i64,
-    /// How much the slope was above its mean when the last interval ended: so much will the next mean be above it.
+    /// How much the slope was above its mean when the last interval ended: so much will the next
+    /// mean be above it.
     lead: i64,
     /// Three times the acceleration.
     bend: i32,
@@ -71,7 +75,8 @@ pub struct SCurve {
     scale: u8,
     /// A profile tick is 2 to this timer ticks.
     tick_bits: u8,
-    /// Index of the present phase: 0 settles a present acceleration, 1 to 7 are the seven, 8 is past the end.
+    /// Index of the present phase: 0 settles a present acceleration, 1 to 7 are the seven, 8 is
+    /// past the end.
     phase: u8,
     is_holding: bool,
     remaining: u32,
@@ -110,8 +115,8 @@ impl SCurve {
     /// The profile of a move of so many events.
     ///
     /// # Errors
-    /// See [`RatesError`]. An end rate too high to be reached is not an error; a start rate above the top rate is taken down to it at
-    /// once.
+    /// See [`RatesError`]. An end rate too high to be reached is not an error; a start rate above
+    /// the top rate is taken down to it at once.
     pub fn new(rates: &Rates, jerk_hz_per_s2: u32, events: u32) -> Result<SCurve, RatesError> {
         rates.check()?;
         if jerk_hz_per_s2 == 0 {
@@ -173,8 +178,9 @@ impl SCurve {
         let (phases, path) = course
             .phases(least_step.wrapping_mul(events.into()), true)
             .ok_or(RatesError::TooShort)?;
-        // So much longer than asked for, by less than a tick, that the path ends with the last event.
-        // Rounded up: a last event beyond the end is made there; one before it would be early by the cube root of the rounding.
+        // So much longer than asked for, by less than a tick, that the path ends with the last
+        // event. Rounded up: a last event beyond the end is made there; one before it would be
+        // early by the cube root of the rounding.
         let step = divide(path.wrapping_add(events.into()).saturating_sub(1), events);
         let step = step.max(least_step).min(1 << 61) as i64;
         let half_more = step.wrapping_add(step >> 1);
@@ -201,14 +207,16 @@ impl SCurve {
         Ok(profile)
     }
 
-    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the next stop.
+    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the
+    /// next stop.
     pub const fn remaining(&self) -> u32 {
         // Their sum is at most what `new` was given.
         self.remaining.wrapping_add(self.beyond)
     }
 
-    /// Changes the top rate from the next event on (feed override): first the present acceleration goes, then the rate changes, within
-    /// the same jerk. `false` where there is no room left for that before the end: the profile stays as it is.
+    /// Changes the top rate from the next event on (feed override): first the present acceleration
+    /// goes, then the rate changes, within the same jerk. `false` where there is no room left for
+    /// that before the end: the profile stays as it is.
     ///
     /// # Errors
     /// [`RatesError::Zero`] and [`RatesError::TimerOutOfRange`]; nothing has changed then.
@@ -237,8 +245,9 @@ impl SCurve {
         Ok(is_done)
     }
 
-    /// Slows down to standstill from the next event on and gives the events to the stop; the iterator then ends there, with the rest
-    /// of the move [`remaining`](SCurve::remaining). Nothing changes and it is `None` where the end of the move comes before a stop: hold the
+    /// Slows down to standstill from the next event on and gives the events to the stop; the
+    /// iterator then ends there, with the rest of the move [`remaining`](SCurve::remaining).
+    /// Nothing changes and it is `None` where the end of the move comes before a stop: hold the
     /// next move.
     pub fn hold(&mut self) -> Option<u32> {
         if self.is_holding {
@@ -267,8 +276,9 @@ impl SCurve {
         Some(stop)
     }
 
-    /// Ends a hold: the move goes on from its present rate. `false` where a hold is too near its stop at the end of the move for new
-    /// phases: resume it again when it [is held](SCurve::is_held).
+    /// Ends a hold: the move goes on from its present rate. `false` where a hold is too near its
+    /// stop at the end of the move for new phases: resume it again when it [is
+    /// held](SCurve::is_held).
     pub fn resume(&mut self) -> bool {
         if !self.is_holding {
             return true;
@@ -387,13 +397,16 @@ impl SCurve {
         self.to_go.wrapping_add(most) as u64 <= most.wrapping_mul(2) as u64
     }
 
-    /// Finds the event by Newton steps in brackets, phase by phase; `ticks` of its interval have passed in this phase.
+    /// Finds the event by Newton steps in brackets, phase by phase; `ticks` of its interval have
+    /// passed in this phase.
     #[inline(never)]
     fn seek(&mut self, ticks: u32, guess: u32) -> u32 {
-        // Ticks since the event before or since this phase began; the event is after `low` and, once known, at or before `high`.
+        // Ticks since the event before or since this phase began; the event is after `low` and,
+        // once known, at or before `high`.
         let (mut at, mut low, mut high, mut sum) = (ticks, 0_u32, None::<u32>, 0_u32);
         let mut guess = guess;
-        // Newton steps are few; halving 2^30 ticks takes 30, and there are 8 phases and pieces of the cruise.
+        // Newton steps are few; halving 2^30 ticks takes 30, and there are 8 phases and pieces of
+        // the cruise.
         for _ in 0..400 {
             if self.is_there() && at.wrapping_add(sum) != 0 {
                 break;
@@ -479,7 +492,8 @@ impl Iterator for SCurve {
             .wrapping_add(divisor >> 1)
             .checked_div(divisor)
             .unwrap_or(0);
-        // A path that grows with the cube of time is below 4 steps, and fits, if the interval grows by half at most.
+        // A path that grows with the cube of time is below 4 steps, and fits, if the interval grows
+        // by half at most.
         let most = self.last.wrapping_add(self.last >> 1).min(self.left);
         let ticks = if ticks < most {
             self.advance(ticks as i32);
@@ -503,7 +517,8 @@ impl Iterator for SCurve {
 
 impl ExactSizeIterator for SCurve {}
 
-/// 32 bits of `value` from bit `low` on, which is below 32. Both halves by themselves: a shift of 64 bits takes twice as long.
+/// 32 bits of `value` from bit `low` on, which is below 32. Both halves by themselves: a shift of
+/// 64 bits takes twice as long.
 #[inline]
 fn shifted(value: i64, low: u8) -> u32 {
     let high = (value >> 32) as u32;

@@ -7,8 +7,8 @@ const MAX_ACCELERATION: u64 = 1 << 40;
 
 /// One move: how long it is and how fast it may be passed.
 ///
-/// Speeds are along the path in nm/s, up to 4.29 m/s. A length above 2^44 nm and an acceleration above 2^40 nm/s^2 are
-/// taken as these; an acceleration of 0 as 1.
+/// Speeds are along the path in nm/s, up to 4.29 m/s. A length above 2^44 nm and an acceleration
+/// above 2^40 nm/s^2 are taken as these; an acceleration of 0 as 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stretch {
@@ -24,7 +24,8 @@ pub struct Stretch {
     pub acceleration_nm_per_s2: u64,
     /// Speed that may be started and stopped at without a ramp.
     pub start_nm_per_s: u32,
-    /// Highest speed at the junction with the move before (see [`Junction`](crate::Junction)); 0 stops there.
+    /// Highest speed at the junction with the move before (see [`Junction`](crate::Junction)); 0
+    /// stops there.
     pub entry_limit_nm_per_s: u32,
 }
 

@@ -3,7 +3,8 @@
 use crate::rates::{Rates, RatesError, gain, square_of};
 use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 
-/// Ticks before each event of a move that speeds up, cruises and slows down at constant acceleration.
+/// Ticks before each event of a move that speeds up, cruises and slows down at constant
+/// acceleration.
 ///
 /// ```text
 /// rate          top
@@ -14,10 +15,11 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 ///       |up| level       |down|
 /// ```
 ///
-/// The events are those of the true trapezoid, one at every whole step of its path. On a ramp with the time T = f v / a
-/// since standstill (f ticks a second, rate v, acceleration a), the n-th event is at `T^2 = T0^2 + n 2 f^2 / a`. The
-/// square is kept in integers, its root T rounded down with what it leaves over, and the interval is the difference of
-/// two roots: the first event is as exact as the thousandth and nothing drifts.
+/// The events are those of the true trapezoid, one at every whole step of its path. On a ramp with
+/// the time T = f v / a since standstill (f ticks a second, rate v, acceleration a), the n-th event
+/// is at `T^2 = T0^2 + n 2 f^2 / a`. The square is kept in integers, its root T rounded down with
+/// what it leaves over, and the interval is the difference of two roots: the first event is as
+/// exact as the thousandth and nothing drifts.
 ///
 /// - As many events as asked for, always; [`len`](ExactSizeIterator::len) is right.
 /// - Each interval is within 1 tick of the true one, within 2 where two parts of the profile meet, and no sum of
@@ -26,10 +28,11 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// - Slowing down gives the intervals of speeding up backwards, tick for tick, between the same rates.
 /// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
 ///
-/// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64 bytes. Cost of an
-/// event on a ramp, loop included: 66 instructions on Cortex-M4F and 143 on Cortex-M0 (mean of a move of 2000 events at 1 MHz and
-/// 100 000 steps/s^2; 78 and 248 at 32 MHz and 4000 steps/s^2, where intervals change by thousands of ticks); level 38 and 37. Where
-/// a part begins, two divisions by shift and subtract and up to four square roots are added.
+/// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64
+/// bytes. Cost of an event on a ramp, loop included: 66 instructions on Cortex-M4F and 143 on
+/// Cortex-M0 (mean of a move of 2000 events at 1 MHz and 100 000 steps/s^2; 78 and 248 at 32 MHz
+/// and 4000 steps/s^2, where intervals change by thousands of ticks); level 38 and 37. Where a part
+/// begins, two divisions by shift and subtract and up to four square roots are added.
 ///
 /// ```
 /// use husillo_planner::{Rates, Trapezoid};
@@ -46,8 +49,9 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 ///
-/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 6 (exact timing before his
-/// approximation); the root with remainder by integer Newton steps is our own.
+/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 6
+/// (exact timing before his approximation); the root with remainder by integer Newton steps is our
+/// own.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Trapezoid {
     timer_hz: u32,
@@ -122,13 +126,15 @@ impl Trapezoid {
         })
     }
 
-    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the next stop.
+    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the
+    /// next stop.
     pub const fn remaining(&self) -> u32 {
         // Their sum is at most what `new` was given.
         self.remaining.wrapping_add(self.beyond)
     }
 
-    /// The present rate: rounded down, by 1 Hz and by what the acceleration changes in one tick at most.
+    /// The present rate: rounded down, by 1 Hz and by what the acceleration changes in one tick at
+    /// most.
     pub fn rate_hz(&self) -> u32 {
         let (Pace::Up(point) | Pace::Down(point)) = self.pace else {
             return self.top_rate_hz;
@@ -140,8 +146,8 @@ impl Trapezoid {
             .unwrap_or(0) as u32
     }
 
-    /// Changes the top rate from the next event on (feed override). The rate goes there at the move's acceleration,
-    /// up or down; the end is met as before, at most at the end rate.
+    /// Changes the top rate from the next event on (feed override). The rate goes there at the
+    /// move's acceleration, up or down; the end is met as before, at most at the end rate.
     ///
     /// # Errors
     /// [`RatesError::Zero`] and [`RatesError::RampTooLong`]; nothing has changed then.
@@ -159,9 +165,10 @@ impl Trapezoid {
         Ok(())
     }
 
-    /// Slows down to standstill from the next event on and gives the events to the stop; the iterator then ends there,
-    /// with the rest of the move [`remaining`](Trapezoid::remaining). Nothing changes and it is `None` where the end of the move
-    /// comes before a stop: hold the next move.
+    /// Slows down to standstill from the next event on and gives the events to the stop; the
+    /// iterator then ends there, with the rest of the move [`remaining`](Trapezoid::remaining).
+    /// Nothing changes and it is `None` where the end of the move comes before a stop: hold the
+    /// next move.
     pub fn hold(&mut self) -> Option<u32> {
         if self.is_holding {
             return Some(self.remaining);
@@ -243,7 +250,8 @@ impl Trapezoid {
         }
     }
 
-    /// Chooses the part of the profile for the next event, or makes the one event in which two parts meet.
+    /// Chooses the part of the profile for the next event, or makes the one event in which two
+    /// parts meet.
     ///
     /// Invariant: square <= end + remaining gain, so the end can be met.
     #[inline(never)]
@@ -418,7 +426,8 @@ impl Point {
     #[inline]
     fn rise(&mut self, gain: u64, gain_fraction: u32) -> u32 {
         let (fraction, carry) = self.fraction.overflowing_add(gain_fraction);
-        // The interval before was longer: at most 3 times this one, so time < 2^31 and the sum of both times < 2^32.
+        // The interval before was longer: at most 3 times this one, so time < 2^31 and the sum of
+        // both times < 2^32.
         let time = self.time.wrapping_add(self.last);
         let covered = u64::from(self.last).wrapping_mul(time.wrapping_add(self.time).into());
         let rest = u64::from(self.residue)
@@ -456,7 +465,8 @@ impl Point {
     }
 }
 
-/// The root and its remainder of `time^2 + rest`, `rest` a two's complement number; the sum is from 0 to below 2^60.
+/// The root and its remainder of `time^2 + rest`, `rest` a two's complement number; the sum is from
+/// 0 to below 2^60.
 #[inline]
 fn settle(time: u32, rest: u64) -> (u32, u32) {
     // A negative rest is a huge one; twice a time is below 2^32.
@@ -464,12 +474,14 @@ fn settle(time: u32, rest: u64) -> (u32, u32) {
     if rest <= u64::from(twice) {
         return (time, rest as u32);
     }
-    // One Newton step in 32 bits, which the square of its own error seldom spoils; twice a time is the slope of the square.
+    // One Newton step in 32 bits, which the square of its own error seldom spoils; twice a time is
+    // the slope of the square.
     if (rest >> 32) as u32 == u32::MAX {
         let error = (rest as u32).wrapping_neg();
         // Rounded up; at most t, as t^2 is at least the error. (t - c)^2 = t^2 - c (2 t - c).
         let change = error.checked_div(twice).unwrap_or(0).wrapping_add(1);
-        // What is lacking is at most one slope more than the error: modulo 2^32 nothing else looks like a remainder.
+        // What is lacking is at most one slope more than the error: modulo 2^32 nothing else looks
+        // like a remainder.
         let near = time.wrapping_sub(change);
         let left = change
             .wrapping_mul(twice.wrapping_sub(change))

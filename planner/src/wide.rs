@@ -3,7 +3,8 @@
 /// Squares of times and what one event adds to them have so many fraction bits.
 pub(crate) const FRACTION_BITS: u32 = 32;
 
-/// `numerator` / `denominator` by long division in 32-bit digits, rounded down; 0 for a divisor of 0.
+/// `numerator` / `denominator` by long division in 32-bit digits, rounded down; 0 for a divisor of
+/// 0.
 pub(crate) fn divide(numerator: u128, denominator: u32) -> u128 {
     let (mut quotient, mut rest) = (0_u128, 0_u64);
     for shift in [96_u32, 64, 32, 0] {
@@ -17,7 +18,8 @@ pub(crate) fn divide(numerator: u128, denominator: u32) -> u128 {
     quotient
 }
 
-/// `numerator` / `denominator` rounded down, by shift and subtract; `u64::MAX` where that does not fit.
+/// `numerator` / `denominator` rounded down, by shift and subtract; `u64::MAX` where that does not
+/// fit.
 pub(crate) fn quotient(numerator: u128, denominator: u128) -> u64 {
     let width = denominator.leading_zeros();
     let most = width.saturating_sub(numerator.leading_zeros());

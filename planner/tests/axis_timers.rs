@@ -19,7 +19,8 @@ fn times<const N: usize>(timers: AxisTimers<N>) -> ([Vec<u64>; N], u64) {
 }
 
 proptest! {
-    /// Event k of an axis with b events is at floor(((2 k - 1) T + b) / 2 b), and the move takes its ticks.
+    /// Event k of an axis with b events is at floor(((2 k - 1) T + b) / 2 b), and the move takes
+    /// its ticks.
     #[test]
     fn times_are_exact(ticks in 0_u64..1 << 40, shift in 0_u32..40, events in any::<[u16; 4]>(), cut in 0_u32..16) {
         let ticks = ticks >> shift;

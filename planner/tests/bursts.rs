@@ -3,7 +3,8 @@
 use husillo_planner::{Burst, Bursts, Rates, Trapezoid};
 use proptest::prelude::*;
 
-/// The largest distance of a replayed event from its original; the numbers of events have to be the same.
+/// The largest distance of a replayed event from its original; the numbers of events have to be the
+/// same.
 fn largest_error(intervals: &[u32], bursts: &[Burst]) -> i64 {
     let replayed: Vec<u32> = bursts.iter().flat_map(Burst::replay).collect();
     assert_eq!(replayed.len(), intervals.len());
@@ -33,7 +34,8 @@ fn any_record(intervals: &[u32], late: i64, error: i64) -> bool {
 }
 
 proptest! {
-    /// Replaying gives as many events, none further from its original time than the error, over the whole stream.
+    /// Replaying gives as many events, none further from its original time than the error, over the
+    /// whole stream.
     #[test]
     fn replays(intervals in prop::collection::vec(any::<u32>(), 0..300), shift in 0_u32..32, error in 0_u32..200) {
         let intervals: Vec<u32> = intervals.iter().map(|ticks| ticks >> shift).collect();

@@ -3,7 +3,8 @@
 use husillo_planner::{Due, Follower};
 use proptest::prelude::*;
 
-/// A spindle whose position in counts is any function of ticks; gives the spindle's true position at each event.
+/// A spindle whose position in counts is any function of ticks; gives the spindle's true position
+/// at each event.
 fn run(
     position: impl Fn(u32) -> f64,
     follower: &mut Follower,
@@ -23,7 +24,8 @@ fn run(
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// With more counts than events the pitch error is below one step, however the speed varies: 10 % to 100 % and back.
+    /// With more counts than events the pitch error is below one step, however the speed varies: 10
+    /// % to 100 % and back.
     #[test]
     fn pitch_error_below_a_step(counts in 100_u32..4000, events in 50_u32..2000, wave in 3000.0_f64..30_000.0, speed in 0.01_f64..0.2) {
         prop_assume!(events <= counts);
@@ -43,7 +45,8 @@ proptest! {
         prop_assert!(made.len() + 1 >= all && made.len() <= all + 2);
     }
 
-    /// With several events a count the period divides it: below one step too while the speed changes slowly.
+    /// With several events a count the period divides it: below one step too while the speed
+    /// changes slowly.
     #[test]
     fn interpolates_between_counts(events in 1_u32..8, speed in 0.001_f64..0.02) {
         let position = |now: u32| {
@@ -57,7 +60,8 @@ proptest! {
         }
     }
 
-    /// The pitch is a fraction that nothing is lost of: after any number of turns the event is at its exact count.
+    /// The pitch is a fraction that nothing is lost of: after any number of turns the event is at
+    /// its exact count.
     #[test]
     fn no_drift(counts in 1_u32..5000, events in 1_u32..5000, turns in 1_i64..500) {
         let mut follower = Follower::new(counts, events, 0, 0).unwrap();
@@ -80,7 +84,8 @@ proptest! {
     }
 }
 
-/// The motion stands while the spindle does, and does not step back with it; it goes on where it left the thread.
+/// The motion stands while the spindle does, and does not step back with it; it goes on where it
+/// left the thread.
 #[test]
 fn stop_and_reverse() {
     // Forward to 500 counts, stop, back to 300, forward again.

@@ -26,7 +26,8 @@ fn rates() -> impl Strategy<Value = Rates> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// The number of events is right, and the rates and the acceleration are kept to but for the stated errors.
+    /// The number of events is right, and the rates and the acceleration are kept to but for the
+    /// stated errors.
     #[test]
     fn within_bounds(rates in rates(), events in 1_u32..4000) {
         let Ok(profile) = Recurrence::new(&rates, events) else {
@@ -45,8 +46,8 @@ proptest! {
         prop_assert_eq!(fault(&intervals, &bounds), None);
     }
 
-    /// The time of the whole move is that of the exact trapezoid within 2.2 %, a tick an event, and a tenth
-    /// of the longest interval where the ramps meet.
+    /// The time of the whole move is that of the exact trapezoid within 2.2 %, a tick an event, and
+    /// a tenth of the longest interval where the ramps meet.
     #[test]
     fn time_is_right(rates in rates(), events in 1_u32..4000) {
         let (Ok(cheap), Ok(exact)) = (Recurrence::new(&rates, events), Trapezoid::new(&rates, events)) else {

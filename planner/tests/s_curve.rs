@@ -160,7 +160,8 @@ fn refused() {
     assert!(size_of::<SCurve>() <= 128);
 }
 
-/// A jerk that brings the acceleration, or the top rate, within a tick is refused: the limits would not be kept.
+/// A jerk that brings the acceleration, or the top rate, within a tick is refused: the limits would
+/// not be kept.
 #[test]
 fn a_jerk_too_high_for_the_timer_is_refused() {
     for (timer_hz, top_rate_hz, acceleration_hz_per_s, jerk) in [

@@ -57,7 +57,8 @@ impl Slow {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Every period has the largest velocity that can still end at the goal: bit by bit as by search.
+    /// Every period has the largest velocity that can still end at the goal: bit by bit as by
+    /// search.
     #[test]
     fn every_period_is_as_fast_as_can_be(way in 1_i64..3, top in 1_i64..40_000, acceleration in 500_i64..9_000) {
         let mut profile = ServoProfile::new(0);
@@ -67,8 +68,8 @@ proptest! {
         }
     }
 
-    /// From rest to any goal: never beyond it, never faster than the top velocity, never a change above the acceleration, the position
-    /// the sum of the velocities, the end exact and at rest.
+    /// From rest to any goal: never beyond it, never faster than the top velocity, never a change
+    /// above the acceleration, the position the sum of the velocities, the end exact and at rest.
     #[test]
     fn moves_keep_their_limits_and_end_exactly(
         start: i32,
@@ -118,8 +119,9 @@ proptest! {
         prop_assert!(periods <= least + 2.0, "{periods} instead of {least}");
     }
 
-    /// Goals, velocities, accelerations and modes may change at any time: velocities change by no more than the acceleration in force, but
-    /// for stops that say so, and the last goal is reached exactly.
+    /// Goals, velocities, accelerations and modes may change at any time: velocities change by no
+    /// more than the acceleration in force, but for stops that say so, and the last goal is reached
+    /// exactly.
     #[test]
     fn changes_on_the_way_end_at_the_last_goal(
         changes in vec((0_u8..6, any::<i16>(), 1_u32..200_000, 1_u32..20_000, 0_usize..300), 1..12),
@@ -156,7 +158,8 @@ proptest! {
         prop_assert_eq!((last.position, profile.position_48(), profile.velocity()), (-77, -77 * UNIT, 0));
     }
 
-    /// A velocity is reached in the least number of periods and held to the bit; a smooth stop is the same to 0.
+    /// A velocity is reached in the least number of periods and held to the bit; a smooth stop is
+    /// the same to 0.
     #[test]
     fn velocities_are_reached_and_held(velocity in 0_u32..=LARGEST, acceleration in 100_000_u32..=LARGEST, reverse: bool) {
         let mut profile = ServoProfile::new(5);
@@ -260,7 +263,8 @@ proptest! {
     }
 }
 
-/// The move of the protocol's worked example: -500 counts, 1.0 counts a period, 1000/65536 counts a period^2; about 570 periods.
+/// The move of the protocol's worked example: -500 counts, 1.0 counts a period, 1000/65536 counts a
+/// period^2; about 570 periods.
 #[test]
 fn worked_example_of_the_module() {
     let mut profile = ServoProfile::new(0);

@@ -41,7 +41,8 @@ fn bounds(rates: &Rates) -> Bounds {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// Every interval is that of the true trapezoid, to the tick (two ticks where parts meet), and so is every sum.
+    /// Every interval is that of the true trapezoid, to the tick (two ticks where parts meet), and
+    /// so is every sum.
     #[test]
     fn intervals_are_true(rates in rates(), events in 1_u32..4000) {
         let Ok(profile) = Trapezoid::new(&rates, events) else {
@@ -93,8 +94,8 @@ proptest! {
         prop_assert_eq!(&there[tail..], &back[tail..]);
     }
 
-    /// Whatever is asked for on the way, the number of events is right, `len` tells when the iterator ends, acceleration
-    /// and rates are kept to, and the end rate is met.
+    /// Whatever is asked for on the way, the number of events is right, `len` tells when the
+    /// iterator ends, acceleration and rates are kept to, and the end rate is met.
     #[test]
     fn changes_on_the_way(
         rates in rates(),
@@ -126,7 +127,8 @@ proptest! {
         prop_assert_eq!(fault(&intervals, &fastest), None);
     }
 
-    /// A hold comes to standstill within the braking distance, rounded up, and leaves the rest of the move.
+    /// A hold comes to standstill within the braking distance, rounded up, and leaves the rest of
+    /// the move.
     #[test]
     fn hold_stops(rates in rates(), events in 1_u32..3000, at in 0_u32..3000) {
         let Ok(mut profile) = Trapezoid::new(&rates, events) else { return Ok(()) };
@@ -234,8 +236,8 @@ fn long_ramp() {
     assert!((sum as f64 - exact).abs() < 2.0, "{sum} {exact}");
 }
 
-/// Also where the ramp to the present rate takes less than a tick, an event at that rate takes its time; and what has ended
-/// cannot be held.
+/// Also where the ramp to the present rate takes less than a tick, an event at that rate takes its
+/// time; and what has ended cannot be held.
 #[test]
 fn steep_ramps_take_their_time() {
     let rates = Rates {

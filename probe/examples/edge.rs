@@ -5,7 +5,8 @@ use husillo_probe::{
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // An edge whose normal is turned by atan(3/4), 20 mm from the origin, and a probe that comes along X.
+    // An edge whose normal is turned by atan(3/4), 20 mm from the origin, and a probe that comes
+    // along X.
     let normal = UnitVector::new([-4, 3, 0]).ok_or("no direction")?;
     let edge_nm = -20_000_000;
     let tip = Tip {

@@ -36,22 +36,25 @@ pub struct Calibration<const K: usize> {
 }
 
 impl<const K: usize> Calibration<K> {
-    /// Calibrates a probe from latched touches of a reference whose place is not known. At least one touch more than there are
-    /// unknowns; several in each direction average the noise.
+    /// Calibrates a probe from latched touches of a reference whose place is not known. At least
+    /// one touch more than there are unknowns; several in each direction average the noise.
     ///
-    /// A touch is `p = c + (R +- r) n + ed d`: centre, radii of reference and tip (+ a sphere, - a ring), outward normal of the
-    /// ball's centre, pre-travel. Gauss-Newton finds the `c`, the mean `ed` and, without `tip_radius_nm`, the `r` for which the
-    /// distances `|p - ed d - c|` are `R +- r` with the least squares. The entries of the table, one for each of
-    /// `directions`, follow from what is left of the touches nearest to it (the mean where there are none).
+    /// A touch is `p = c + (R +- r) n + ed d`: centre, radii of reference and tip (+ a sphere, - a
+    /// ring), outward normal of the ball's centre, pre-travel. Gauss-Newton finds the `c`, the mean
+    /// `ed` and, without `tip_radius_nm`, the `r` for which the distances `|p - ed d - c|` are `R
+    /// +- r` with the least squares. The entries of the table, one for each of `directions`, follow
+    /// from what is left of the touches nearest to it (the mean where there are none).
     ///
-    /// What a reference cannot tell: with every approach along the normal only `r - ed` counts (the effective radius), so state the
-    /// tip radius or touch obliquely too; and a pre-travel that is larger by `v.d` in every direction is the same as a
-    /// reference displaced by `v`, so that part stays in the centre, where it moves all measurements alike.
+    /// What a reference cannot tell: with every approach along the normal only `r - ed` counts (the
+    /// effective radius), so state the tip radius or touch obliquely too; and a pre-travel that is
+    /// larger by `v.d` in every direction is the same as a reference displaced by `v`, so that part
+    /// stays in the centre, where it moves all measurements alike.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`], [`FitError::Undetermined`], [`FitError::NoFit`]; [`FitError::Inseparable`] without
-    /// `tip_radius_nm` and oblique approaches (the cosines between travel and normal must spread by 0.01 or more).
+    /// [`FitError::TooFewPoints`], [`FitError::Undetermined`], [`FitError::NoFit`];
+    /// [`FitError::Inseparable`] without `tip_radius_nm` and oblique approaches (the cosines
+    /// between travel and normal must spread by 0.01 or more).
     pub fn fit<I>(
         touches: I,
         reference: &Reference,
@@ -74,7 +77,8 @@ impl<const K: usize> Calibration<K> {
         );
         model.fit(touches.clone(), tip_radius_nm.is_some())?;
 
-        // Per entry: sum of g f and of g g, for the correction f / g of touches f off with cosine g.
+        // Per entry: sum of g f and of g g, for the correction f / g of touches f off with cosine
+        // g.
         let mut sums = [(0.0, 0.0); K];
         for touch in touches.clone() {
             let (_, cosine, off) = model.ray(&touch);
@@ -124,7 +128,8 @@ struct Model {
     radius: f64,
 }
 
-/// Below this, relative to the number of touches, unknowns cannot be told apart: a spread of cosines of 0.01.
+/// Below this, relative to the number of touches, unknowns cannot be told apart: a spread of
+/// cosines of 0.01.
 const APART: f64 = 1e-4;
 
 impl Model {
@@ -139,7 +144,8 @@ impl Model {
         }
     }
 
-    /// The direction from the centre to the ball, its cosine to the travel, and how far the ball is outside the radius.
+    /// The direction from the centre to the ball, its cosine to the travel, and how far the ball is
+    /// outside the radius.
     fn ray(&self, touch: &Touch) -> ([f64; 3], f64, f64) {
         let travel = touch.direction.to_floats();
         let ball = add(

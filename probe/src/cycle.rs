@@ -6,8 +6,9 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 
 /// A probing cycle as a state machine: asked once a tick, it answers what the axes shall do.
 ///
-/// It knows no axes, no clock and no speeds of its own, so that stepping axes, servo axes and modules at the end of a line
-/// serve it alike: the machine reports where it is and carries out the last [`Request`].
+/// It knows no axes, no clock and no speeds of its own, so that stepping axes, servo axes and
+/// modules at the end of a line serve it alike: the machine reports where it is and carries out the
+/// last [`Request`].
 ///
 /// ```text
 ///  Start ─► Approach ─► Search ─► Brake ─► BackOff ─► Touch ─► Brake ─► BackOff ─► ... ─► Done
@@ -17,8 +18,9 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 ///    └─► Failed ◄──── Retreat ◄──── Yield (brake) ◄──── each failure
 /// ```
 ///
-/// The position that counts is the latched one, so neither the speed nor the braking is in the result.
-/// Additions, and three multiplications while it brakes; the request is said once, [`Request::Wait`] from then on.
+/// The position that counts is the latched one, so neither the speed nor the braking is in the
+/// result. Additions, and three multiplications while it brakes; the request is said once,
+/// [`Request::Wait`] from then on.
 ///
 /// ```
 /// use husillo_probe::{Cycle, Edge, Input, Plan, Request, UnitVector};
@@ -171,7 +173,8 @@ impl Cycle {
         &self.plan
     }
 
-    /// Brakes; with a latch that cannot be of this contact it fails then, and backs off from where the axes are.
+    /// Brakes; with a latch that cannot be of this contact it fails then, and backs off from where
+    /// the axes are.
     fn brake(&mut self, input: &Input) -> Request {
         let is_on_the_way = self.is_on_the_way(input);
         self.state = State::Brake {
@@ -185,8 +188,9 @@ impl Cycle {
         Request::Stop
     }
 
-    /// Whether the contact can have been latched on this search: along the direction not before the approach point, not behind the end
-    /// of the search and not beyond the axes. Axes that follow their targets with an error are granted the over-travel.
+    /// Whether the contact can have been latched on this search: along the direction not before the
+    /// approach point, not behind the end of the search and not beyond the axes. Axes that follow
+    /// their targets with an error are granted the over-travel.
     fn is_on_the_way(&self, input: &Input) -> bool {
         let along = |from, to| self.plan.direction.length_along(minus(to, from));
         // Additions of two 32-bit lengths.

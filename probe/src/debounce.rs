@@ -20,9 +20,9 @@ impl Edge {
 
 /// A level that changes only after so many equal samples in a row.
 ///
-/// A run that is cut short by one sample of the old level begins anew, so a disturbance shorter than the run is never seen.
-/// The price is a delay of `samples - 1` samples, the same for every edge: [`Latch`](crate::Latch) takes it back.
-/// One compare and one count a sample.
+/// A run that is cut short by one sample of the old level begins anew, so a disturbance shorter
+/// than the run is never seen. The price is a delay of `samples - 1` samples, the same for every
+/// edge: [`Latch`](crate::Latch) takes it back. One compare and one count a sample.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Debounce {
@@ -32,7 +32,8 @@ pub struct Debounce {
 }
 
 impl Debounce {
-    /// A contact at `level` now, that changes after `samples` equal samples; 0 is taken as 1, which passes everything.
+    /// A contact at `level` now, that changes after `samples` equal samples; 0 is taken as 1, which
+    /// passes everything.
     #[must_use]
     pub const fn new(samples: u8, level: bool) -> Debounce {
         Debounce {
@@ -42,7 +43,8 @@ impl Debounce {
         }
     }
 
-    /// Takes one sample of the pin, `true` is closed; returns the edge in the sample that completes a run.
+    /// Takes one sample of the pin, `true` is closed; returns the edge in the sample that completes
+    /// a run.
     pub const fn sample(&mut self, closed: bool) -> Option<Edge> {
         if closed == self.level {
             self.run = 0;

@@ -1,9 +1,10 @@
 //! Features from points, by least squares of the distances at right angles to the feature.
 //!
-//! Fits are set-up work, far from where the tool goes, so they are made in `f64`: points become differences to the first one
-//! (exact up to 2^53 nm), all sums are about the centroid, and results are rounded to integers once. Against an exact fit that
-//! is well below 1 nm while the points are within 1 m and determine the feature well. A linear-algebra crate is not worth it
-//! here: nothing is larger than five unknowns, and the crates that are `no_std` can panic.
+//! Fits are set-up work, far from where the tool goes, so they are made in `f64`: points become
+//! differences to the first one (exact up to 2^53 nm), all sums are about the centroid, and results
+//! are rounded to integers once. Against an exact fit that is well below 1 nm while the points are
+//! within 1 m and determine the feature well. A linear-algebra crate is not worth it here: nothing
+//! is larger than five unknowns, and the crates that are `no_std` can panic.
 
 mod corner;
 mod line;

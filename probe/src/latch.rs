@@ -8,7 +8,8 @@ use crate::{Debounce, Edge};
 pub struct Latched<P> {
     /// What the contact did.
     pub edge: Edge,
-    /// The position sampled with the first sample of the run that made the edge, less what is looked back.
+    /// The position sampled with the first sample of the run that made the edge, less what is
+    /// looked back.
     pub position: P,
 }
 
@@ -25,11 +26,13 @@ impl core::fmt::Display for TooFarBack {
 
 impl core::error::Error for TooFarBack {}
 
-/// A debounced contact that knows the position at the instant of contact, not at the instant of its report.
+/// A debounced contact that knows the position at the instant of contact, not at the instant of its
+/// report.
 ///
-/// Every sample stores the position in a ring of `DEPTH`. An edge is reported `samples - 1` samples after the pin changed, so
-/// that many are looked back, and `look_back_samples` more for what lies in front of the pin: a filter, a bounce on
-/// closing, the way of the signal. `P` is any position: `[i64; 3]` nm, `[i32; 1]` counts.
+/// Every sample stores the position in a ring of `DEPTH`. An edge is reported `samples - 1` samples
+/// after the pin changed, so that many are looked back, and `look_back_samples` more for what lies
+/// in front of the pin: a filter, a bounce on closing, the way of the signal. `P` is any position:
+/// `[i64; 3]` nm, `[i32; 1]` counts.
 ///
 /// ```text
 /// pin       . . . # . # # # # #       samples = 3
@@ -72,7 +75,8 @@ impl<P: Copy, const DEPTH: usize> Latch<P, DEPTH> {
         })
     }
 
-    /// Takes one sample of pin and position, taken together; returns the edge in the sample that completes it.
+    /// Takes one sample of pin and position, taken together; returns the edge in the sample that
+    /// completes it.
     pub fn sample(&mut self, closed: bool, position: P) -> Option<Latched<P>> {
         // `newest < DEPTH` always, so nothing wraps here or below.
         let next = self.newest.wrapping_add(1);

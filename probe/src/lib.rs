@@ -12,8 +12,8 @@
 //!        Tip (PreTravel by direction, radius) ──► surface point ──► features
 //! ```
 //!
-//! Positions are plain `[i64; 3]`, in nm where a length is meant and in any unit where it only passes through. From the pin to
-//! the surface point there are integers only.
+//! Positions are plain `[i64; 3]`, in nm where a length is meant and in any unit where it only
+//! passes through. From the pin to the surface point there are integers only.
 
 #![no_std]
 #![forbid(unsafe_code)]

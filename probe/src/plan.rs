@@ -4,8 +4,9 @@ use crate::{Edge, UnitVector};
 
 /// One probing cycle: where, how fast, how often.
 ///
-/// Positions and lengths are in nm or counts, whichever the axes use, speeds in the same unit a second (or in any other unit:
-/// they are only handed on in [`Request::Move`](crate::Request::Move)).
+/// Positions and lengths are in nm or counts, whichever the axes use, speeds in the same unit a
+/// second (or in any other unit: they are only handed on in
+/// [`Request::Move`](crate::Request::Move)).
 ///
 /// ```text
 ///            travel        search, probing speed            over-travel
@@ -24,7 +25,8 @@ pub struct Plan {
     pub search: u32,
     /// How far beyond a contact the axes may go until they stand.
     pub over_travel: u32,
-    /// How far before a contact the next touch begins and the cycle ends. 0: the cycle ends where the axes stop.
+    /// How far before a contact the next touch begins and the cycle ends. 0: the cycle ends where
+    /// the axes stop.
     pub back_off: u32,
     /// Slow touches to average; 0: the contact of the search is the result.
     pub touches: u8,
@@ -36,7 +38,8 @@ pub struct Plan {
     pub slow_speed: u32,
     /// Speed of backing off.
     pub back_off_speed: u32,
-    /// The edge looked for: [`Edge::Made`] is a touch, [`Edge::Broken`] (G38.4, G38.5) begins in contact and ends free of it.
+    /// The edge looked for: [`Edge::Made`] is a touch, [`Edge::Broken`] (G38.4, G38.5) begins in
+    /// contact and ends free of it.
     pub until: Edge,
 }
 

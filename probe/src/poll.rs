@@ -3,7 +3,8 @@
 use crate::{Cycle, Failure, Input, Measurement, Request};
 
 impl Cycle {
-    /// [`tick`](Cycle::tick), for a loop: what the machine shall do goes to `carry_out`, which is not called for [`Request::Wait`].
+    /// [`tick`](Cycle::tick), for a loop: what the machine shall do goes to `carry_out`, which is
+    /// not called for [`Request::Wait`].
     ///
     /// # Errors
     /// `WouldBlock` until the cycle is over; then what went wrong.

@@ -4,13 +4,15 @@ use crate::UnitVector;
 
 /// Pre-travel in nm as a table by direction of travel.
 ///
-/// A stylus bends before the contact opens, and a tripod of contacts bends more in some directions than in others; so the
-/// way from touch to signal depends on the direction of approach (`ed` of `M = p - ed d - r n` must be looked up by `d`).
+/// A stylus bends before the contact opens, and a tripod of contacts bends more in some directions
+/// than in others; so the way from touch to signal depends on the direction of approach (`ed` of `M
+/// = p - ed d - r n` must be looked up by `d`).
 ///
-/// Between its `K` directions the table is interpolated with weights `1 / (chord distance)^4` (D. Shepard, "A two-dimensional
-/// interpolation function for irregularly-spaced data", ACM 1968, on the unit sphere, with power 4): exact in its own
-/// directions, continuous, never outside its smallest and largest entry, the same whatever the order of the entries. It needs
-/// no grid: one entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
+/// Between its `K` directions the table is interpolated with weights `1 / (chord distance)^4` (D.
+/// Shepard, "A two-dimensional interpolation function for irregularly-spaced data", ACM 1968, on
+/// the unit sphere, with power 4): exact in its own directions, continuous, never outside its
+/// smallest and largest entry, the same whatever the order of the entries. It needs no grid: one
+/// entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PreTravel<const K: usize> {
@@ -58,8 +60,9 @@ impl<const K: usize> PreTravel<K> {
 
     /// The pre-travel in nm along `direction`; 0 of an empty table.
     ///
-    /// The weights have 24 bits, so the last digit is right within 1 + 2^-23 of the table's range. `K + 1` 64-bit
-    /// divisions; none where the direction is in the table or all its entries are the same.
+    /// The weights have 24 bits, so the last digit is right within 1 + 2^-23 of the table's range.
+    /// `K + 1` 64-bit divisions; none where the direction is in the table or all its entries are
+    /// the same.
     #[must_use]
     pub fn along(&self, direction: &UnitVector) -> i32 {
         let mut nearest = u64::MAX;
@@ -86,7 +89,8 @@ impl<const K: usize> PreTravel<K> {
                 .checked_div(square_distance(entry, direction))
                 .unwrap_or(0);
             let weight = ratio.wrapping_mul(ratio);
-            // Above the lowest entry all is positive; 2^24 x 2^32 each, so 128 entries fit, more saturate.
+            // Above the lowest entry all is positive; 2^24 x 2^32 each, so 128 entries fit, more
+            // saturate.
             let above = u64::from(nm.abs_diff(low));
             sum = sum.saturating_add(weight.wrapping_mul(above));
             weights = weights.saturating_add(weight);
@@ -101,7 +105,8 @@ impl<const K: usize> PreTravel<K> {
     }
 }
 
-/// Two directions that differ by rounding alone: cosines are within 3 x 2^-30, so their squares are within 6.
+/// Two directions that differ by rounding alone: cosines are within 3 x 2^-30, so their squares are
+/// within 6.
 const SAME: u64 = 8;
 
 /// The square of the chord between two directions, `2 - 2 cos`, in units of 2^-30: 0..=2^32.
@@ -128,7 +133,8 @@ mod tests {
         assert_eq!(table.along(&UnitVector::Y), 6000);
         // As far from each of the three.
         assert_eq!(table.along(&UnitVector::Z), 6000);
-        // Halfway between two, 1/34 of the weight on the third: (8000 + 6000 + 4000 / 34) / (2 + 1 / 34).
+        // Halfway between two, 1/34 of the weight on the third: (8000 + 6000 + 4000 / 34) / (2 + 1
+        // / 34).
         let between = UnitVector::new([1, 1, 0]).unwrap();
         assert_eq!(table.along(&between), 6957);
         assert_eq!(PreTravel::uniform(-7).along(&between), -7);

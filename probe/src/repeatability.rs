@@ -2,8 +2,9 @@
 
 /// Statistics of repeated readings, kept as exact integer sums.
 ///
-/// Readings in nm or counts; they are kept as differences from the first, which must be within +-2^30 (farther ones count
-/// as that). Any number of readings up to 2^32 - 1; later ones are not taken. A few additions and one multiplication each.
+/// Readings in nm or counts; they are kept as differences from the first, which must be within
+/// +-2^30 (farther ones count as that). Any number of readings up to 2^32 - 1; later ones are not
+/// taken. A few additions and one multiplication each.
 ///
 /// ```
 /// use husillo_probe::Repeatability;
@@ -66,7 +67,8 @@ impl Repeatability {
         self.readings
     }
 
-    /// The mean to the nearest, halves away from zero of the difference to the first; `None` without a reading.
+    /// The mean to the nearest, halves away from zero of the difference to the first; `None`
+    /// without a reading.
     #[must_use]
     pub fn mean(&self) -> Option<i64> {
         let readings = u64::from(self.readings);
@@ -99,19 +101,22 @@ impl Repeatability {
         ends.into_iter().max()
     }
 
-    /// The standard deviation of the sample, with `n - 1`, to the nearest; `None` below two readings.
+    /// The standard deviation of the sample, with `n - 1`, to the nearest; `None` below two
+    /// readings.
     ///
     /// The variance is exact, then truncated to a quarter; one 128-bit division.
     #[must_use]
     pub fn standard_deviation(&self) -> Option<u64> {
         let readings = u128::from(self.readings);
-        // n sum d^2 - (sum d)^2 is not negative (Cauchy); n < 2^32 and sum d^2 < 2^92, so four of it stay below 2^126.
+        // n sum d^2 - (sum d)^2 is not negative (Cauchy); n < 2^32 and sum d^2 < 2^92, so four of
+        // it stay below 2^126.
         let sum = u128::from(self.sum.unsigned_abs());
         let numerator = readings
             .wrapping_mul(self.squares)
             .wrapping_sub(sum.wrapping_mul(sum));
         let pairs = readings.wrapping_mul(readings.checked_sub(1)?);
-        // A standard deviation is at most the range / sqrt(2), so this is at most 2^63. The root of four times it, halved, rounds.
+        // A standard deviation is at most the range / sqrt(2), so this is at most 2^63. The root of
+        // four times it, halved, rounds.
         let twice = numerator.wrapping_mul(4).checked_div(pairs)?;
         let twice = u64::try_from(twice).unwrap_or(u64::MAX).isqrt();
         Some(twice.wrapping_add(1) >> 1)

@@ -10,12 +10,14 @@ pub struct Input {
     pub position: [i64; 3],
     /// The debounced contact, `true` is closed.
     pub contact: bool,
-    /// Where the axes were at the last change of `contact` ([`Latched::position`](crate::Latched::position), or what the axis
-    /// controller captured). Read only in the tick in which the cycle sees the change; without a latch, give `position`.
-    /// What is more than the over-travel off the way of the search is refused as [`Failure::NotLatched`].
+    /// Where the axes were at the last change of `contact`
+    /// ([`Latched::position`](crate::Latched::position), or what the axis controller captured).
+    /// Read only in the tick in which the cycle sees the change; without a latch, give `position`.
+    /// What is more than the over-travel off the way of the search is refused as
+    /// [`Failure::NotLatched`].
     pub latched: [i64; 3],
-    /// The last request is carried out: the axes stand at the target, or they have stopped. It must be `false` from the
-    /// answer with a [`Request::Move`] or [`Request::Stop`] until that is so.
+    /// The last request is carried out: the axes stand at the target, or they have stopped. It must
+    /// be `false` from the answer with a [`Request::Move`] or [`Request::Stop`] until that is so.
     pub still: bool,
 }
 
@@ -44,7 +46,8 @@ pub enum Request {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurement {
-    /// The latched position, mean of the slow touches, each coordinate to the nearest; not compensated.
+    /// The latched position, mean of the slow touches, each coordinate to the nearest; not
+    /// compensated.
     pub touch: Touch,
     /// How many touches went into it.
     pub touches: u8,
@@ -66,17 +69,20 @@ pub struct Touch {
 
 /// Why a probing cycle has no result.
 ///
-/// After each of them but [`ContactAtStart`](Failure::ContactAtStart) the probe has backed off where the plan has it.
+/// After each of them but [`ContactAtStart`](Failure::ContactAtStart) the probe has backed off
+/// where the plan has it.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
-    /// In contact before the cycle has moved (or not in contact, when the plan looks for the end of one).
+    /// In contact before the cycle has moved (or not in contact, when the plan looks for the end of
+    /// one).
     ContactAtStart,
     /// Contact on the way to the approach point: something is in the way.
     ContactInApproach,
     /// No contact within the search.
     NoContact,
-    /// The contact was made, but what was latched is not on the way of the search: it is of another contact.
+    /// The contact was made, but what was latched is not on the way of the search: it is of another
+    /// contact.
     NotLatched,
     /// The contact broke before the axes stood, or a slow touch did not find it again.
     LostContact,

@@ -5,9 +5,10 @@ use crate::{PreTravel, UnitVector};
 
 /// What is known of a probe: the radius of its tip and its pre-travel.
 ///
-/// `M = p - ed d - r n`: measured point, latched position of the ball's centre, pre-travel along the direction of travel
-/// `d`, radius along the outward normal `n` of the surface. (Equation 1.6 of the one-axis original is the case
-/// `d = -x`, `n = +x`.) Both signs follow from the two directions, so oblique approaches need nothing more.
+/// `M = p - ed d - r n`: measured point, latched position of the ball's centre, pre-travel along
+/// the direction of travel `d`, radius along the outward normal `n` of the surface. (Equation 1.6
+/// of the one-axis original is the case `d = -x`, `n = +x`.) Both signs follow from the two
+/// directions, so oblique approaches need nothing more.
 ///
 /// Integers only; what it adds to the error of the position is below 1 nm.
 ///
@@ -29,11 +30,11 @@ pub struct Tip<const K: usize> {
 }
 
 impl<const K: usize> Tip<K> {
-    /// The point of contact, in nm: the latched `position_nm` of an approach along `travel`, on a surface whose outward normal
-    /// is `normal`.
+    /// The point of contact, in nm: the latched `position_nm` of an approach along `travel`, on a
+    /// surface whose outward normal is `normal`.
     ///
-    /// Rounded twice, at most 1 nm from exact in each axis. Where the normal is not known, feature fits take
-    /// [`centre_nm`](Tip::centre_nm) instead and correct the feature by the radius.
+    /// Rounded twice, at most 1 nm from exact in each axis. Where the normal is not known, feature
+    /// fits take [`centre_nm`](Tip::centre_nm) instead and correct the feature by the radius.
     #[must_use]
     pub fn surface_nm(
         &self,
@@ -47,7 +48,8 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// The centre of the ball at the instant of contact, in nm: the latched position less the pre-travel.
+    /// The centre of the ball at the instant of contact, in nm: the latched position less the
+    /// pre-travel.
     #[must_use]
     pub fn centre_nm(&self, position_nm: [i64; 3], travel: &UnitVector) -> [i64; 3] {
         minus(
@@ -56,8 +58,8 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// The latched position that a surface point would give, in nm: the inverse of [`surface_nm`](Tip::surface_nm), for
-    /// targets and for simulation.
+    /// The latched position that a surface point would give, in nm: the inverse of
+    /// [`surface_nm`](Tip::surface_nm), for targets and for simulation.
     #[must_use]
     pub fn position_nm(
         &self,
@@ -72,9 +74,9 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// How far before the surface a point is reported, along `travel`, when the normal is taken as opposite to the travel, in
-    /// nm: the cosine error `r (1 / cos a - 1)`. The work piece seems larger by it. `None` where the travel does not go into
-    /// the surface.
+    /// How far before the surface a point is reported, along `travel`, when the normal is taken as
+    /// opposite to the travel, in nm: the cosine error `r (1 / cos a - 1)`. The work piece seems
+    /// larger by it. `None` where the travel does not go into the surface.
     ///
     /// 0.0038 r at 5 degrees, 0.0154 r at 10, 0.155 r at 30.
     #[must_use]

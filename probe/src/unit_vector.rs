@@ -4,8 +4,9 @@ use fixed::types::I2F30;
 
 /// A vector of length 1: a direction of travel or a normal.
 ///
-/// Each component is within 0.63 x 2^-30 (5.9e-10) of the true one when made of integers below 2^31 in magnitude, and
-/// within 2 x 2^-30 for larger ones. Over a tip radius of 10 mm that is less than 0.01 nm, over 1 m it is 0.6 nm.
+/// Each component is within 0.63 x 2^-30 (5.9e-10) of the true one when made of integers below 2^31
+/// in magnitude, and within 2 x 2^-30 for larger ones. Over a tip radius of 10 mm that is less than
+/// 0.01 nm, over 1 m it is 0.6 nm.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct UnitVector(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] [I2F30; 3]);
@@ -96,8 +97,8 @@ impl UnitVector {
         I2F30::from_bits(round_30(dot).clamp(one.wrapping_neg(), one) as i32)
     }
 
-    /// `length` along this direction, each component to the nearest, halves away from zero; lengths beyond +-2^32 count as
-    /// 2^32.
+    /// `length` along this direction, each component to the nearest, halves away from zero; lengths
+    /// beyond +-2^32 count as 2^32.
     #[must_use]
     pub fn scaled(&self, length: i64) -> [i64; 3] {
         let length = length.clamp(-(1 << 32), 1 << 32);
@@ -106,7 +107,8 @@ impl UnitVector {
             .map(|component| round_30(length.wrapping_mul(i64::from(component.to_bits()))))
     }
 
-    /// The length of `vector`'s projection on this direction, to the nearest; components beyond +-2^31 count as 2^31.
+    /// The length of `vector`'s projection on this direction, to the nearest; components beyond
+    /// +-2^31 count as 2^31.
     #[must_use]
     pub fn length_along(&self, vector: [i64; 3]) -> i64 {
         // Three products of at most 2^61.

@@ -4,7 +4,8 @@ use husillo_probe::{
     Cycle, Debounce, Edge, Failure, Input, Latch, Measurement, Plan, PlanError, Request, UnitVector,
 };
 
-/// Carries out requests in three axes with a limit of acceleration, one tick after the other, and has a solid in the way.
+/// Carries out requests in three axes with a limit of acceleration, one tick after the other, and
+/// has a solid in the way.
 struct Rig {
     position: [f64; 3],
     speed: f64,
@@ -252,7 +253,8 @@ fn failures_are_named_and_the_probe_backs_off() {
     assert_eq!(rig.run(&PLAN), Err(Failure::StuckContact));
 }
 
-/// A latch of an earlier contact, before the search, behind its end or beyond the axes, is none of this one.
+/// A latch of an earlier contact, before the search, behind its end or beyond the axes, is none of
+/// this one.
 #[test]
 fn a_latch_off_the_way_is_refused() {
     let input = |x, contact, latched| Input {

@@ -106,7 +106,8 @@ fn web_and_pocket() {
 
 #[test]
 fn bore_and_boss() {
-    // Pythagorean points of a circle of 65 mm, exact in nm, seen by a ball of 1 mm from inside: radius 64.
+    // Pythagorean points of a circle of 65 mm, exact in nm, seen by a ball of 1 mm from inside:
+    // radius 64.
     let points = [(63, 16), (-63, 16), (16, -63), (-52, -39), (33, 56)]
         .map(|(x, y)| [500 * MM + x * MM, -200 * MM + y * MM, (x - y) * 1000]);
     let circle = Circle::fit(points, &up()).unwrap();
@@ -154,7 +155,8 @@ fn spheres() {
     assert_eq!(sphere.residuals.form_nm, 0);
     assert_eq!(sphere.distance_nm([900 * MM; 3]), -7 * MM);
 
-    // The least-squares radius is the mean distance: shifts of +-300 nm in opposite pairs leave centre and radius.
+    // The least-squares radius is the mean distance: shifts of +-300 nm in opposite pairs leave
+    // centre and radius.
     let paired = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
         .into_iter()
         .zip([300, -300, 0])

@@ -3,8 +3,9 @@
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use serde_json::Value;
 
-/// Units a millimetre. A multiple of every denominator of the cases, so that positions and results are whole numbers, and coarse
-/// enough for the errors of the unit vectors (42e6 x 0.63 x 2^-30) to stay below half a unit.
+/// Units a millimetre. A multiple of every denominator of the cases, so that positions and results
+/// are whole numbers, and coarse enough for the errors of the unit vectors (42e6 x 0.63 x 2^-30) to
+/// stay below half a unit.
 const SCALE: i64 = 21_000_000;
 
 fn oracle() -> Value {
@@ -80,8 +81,9 @@ fn cosine_error_is_the_tables() {
         // The table has eight decimals: a unit of them is a nanometre here.
         let table = row["err_over_r"].as_f64().unwrap() * f64::from(radius_nm);
         assert!((error as f64 - table).abs() <= 1.0, "{row}: {error}");
-        // It is what compensation with the wrong normal falls short of the true surface along the travel: the point lies
-        // outside the work piece, which seems larger. (The note in the vectors has it "too far along d"; its numbers are right.)
+        // It is what compensation with the wrong normal falls short of the true surface along the
+        // travel: the point lies outside the work piece, which seems larger. (The note in the
+        // vectors has it "too far along d"; its numbers are right.)
         let naive = tip.surface_nm([0; 3], &UnitVector::X, &UnitVector::X.reversed());
         let surface = tip.surface_nm([0; 3], &UnitVector::X, &normal);
         let above: f64 = (0..3)

@@ -37,7 +37,8 @@ proptest! {
         }
     }
 
-    /// The latched position is that of the first sample of the run, less the look back, for every debounce that fits.
+    /// The latched position is that of the first sample of the run, less the look back, for every
+    /// debounce that fits.
     #[test]
     fn latch_looks_back(samples in 1_u8..20, look_back in 0_u8..20, pin in proptest::collection::vec(any::<bool>(), 0..300)) {
         let contact = Debounce::new(samples, false);
@@ -53,7 +54,8 @@ proptest! {
         }
     }
 
-    /// Components are within the bound stated: 0.63 x 2^-30 of integers below 2^31, 2 x 2^-30 of any.
+    /// Components are within the bound stated: 0.63 x 2^-30 of integers below 2^31, 2 x 2^-30 of
+    /// any.
     #[test]
     fn unit_vectors_keep_their_bound(v in vector(1 << 31), large in vector(i64::MAX), shrink in 0_u32..31) {
         for (vector, bound) in [(v.map(|c| c >> shrink), 0.63), (large, 2.0)] {
@@ -71,7 +73,8 @@ proptest! {
         }
     }
 
-    /// Compensation is within 1 nm of M = p - ed d - r n, and the way back leads to the same position.
+    /// Compensation is within 1 nm of M = p - ed d - r n, and the way back leads to the same
+    /// position.
     #[test]
     fn compensation_is_the_formula(
         p in vector(1 << 40), d in direction(), n in direction(),
@@ -87,7 +90,8 @@ proptest! {
         prop_assert_eq!(tip.position_nm(surface, &d, &n), p);
     }
 
-    /// An interpolated pre-travel is its entry in each of its directions and between the extremes in all others.
+    /// An interpolated pre-travel is its entry in each of its directions and between the extremes
+    /// in all others.
     #[test]
     fn pre_travel_is_within_its_table(
         entries in proptest::array::uniform6((vector(1000), any::<i32>())), d in direction(),
@@ -128,7 +132,8 @@ proptest! {
             - (*high as f64 - mean).max(mean - *low as f64)).abs() <= 0.5);
     }
 
-    /// Every cycle ends, whatever the contact and the axes do; with a result it has looked where it was told to.
+    /// Every cycle ends, whatever the contact and the axes do; with a result it has looked where it
+    /// was told to.
     #[test]
     fn cycles_end(
         touches in 0_u8..5, back_off in 0_u32..500, over_travel in 0_u32..500, until in any::<bool>(),

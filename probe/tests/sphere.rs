@@ -1,7 +1,9 @@
-//! A measuring machine with 2 um scales and 0.5 um of noise: calibrates its probe on a reference and measures a sphere.
+//! A measuring machine with 2 um scales and 0.5 um of noise: calibrates its probe on a reference
+//! and measures a sphere.
 //!
-//! The simulation is of its own: positions are floats, touches are found from the geometry alone, and every latched
-//! coordinate is a count of its scale. Its noise is the sum of twelve uniform random numbers.
+//! The simulation is of its own: positions are floats, touches are found from the geometry alone,
+//! and every latched coordinate is a count of its scale. Its noise is the sum of twelve uniform
+//! random numbers.
 
 use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Repeatability, Sphere, Tip, Touch, UnitVector,
@@ -17,7 +19,8 @@ const SCALE_NM: f64 = 2_000.0;
 const NOISE_NM: f64 = 500.0;
 const TIP_NM: f64 = 1_000_000.0;
 
-/// Pre-travel of a tripod of contacts: 6 um, 2 um more and less three times round, 3 um along the stylus.
+/// Pre-travel of a tripod of contacts: 6 um, 2 um more and less three times round, 3 um along the
+/// stylus.
 fn pre_travel_nm([x, y, z]: [f64; 3]) -> f64 {
     let round = 6_000.0 + 2_000.0 * (3.0 * y.atan2(x)).cos();
     round * (1.0 - z * z) + 3_000.0 * z * z
@@ -27,7 +30,8 @@ fn floats(direction: &UnitVector) -> [f64; 3] {
     direction.components().map(|component| component.to_num())
 }
 
-/// Probes with everything the true machine has: scales, noise along the travel, pre-travel by direction.
+/// Probes with everything the true machine has: scales, noise along the travel, pre-travel by
+/// direction.
 struct Prober {
     random: Rand64,
     scale_nm: f64,
@@ -35,7 +39,8 @@ struct Prober {
 }
 
 impl Prober {
-    /// The latched position where the ball's centre comes to `reach` from `centre`, travelling through `centre + aside`.
+    /// The latched position where the ball's centre comes to `reach` from `centre`, travelling
+    /// through `centre + aside`.
     fn touch(
         &mut self,
         centre: [f64; 3],
@@ -76,7 +81,8 @@ impl Prober {
     }
 }
 
-/// Directions of travel to the pole and to rings of 4, 8, 4 and 8 points down to the equator, as in ISO 10360-5.
+/// Directions of travel to the pole and to rings of 4, 8, 4 and 8 points down to the equator, as in
+/// ISO 10360-5.
 fn directions() -> [UnitVector; 25] {
     let ring = |polar: f64, n: u32, from: f64| {
         (0..n).map(move |k| {
@@ -164,7 +170,8 @@ fn exact() -> Prober {
 #[test]
 fn ideal_touches_calibrate_to_the_nanometre() {
     let tip = calibrated(&mut exact());
-    // What is the same as a displaced reference stays in its centre: compare what is even in the direction.
+    // What is the same as a displaced reference stays in its centre: compare what is even in the
+    // direction.
     let entries = tip.pre_travel.entries();
     let opposite = |direction: &UnitVector| {
         entries

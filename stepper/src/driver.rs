@@ -9,7 +9,8 @@ pub const FULL_CURRENT: i16 = 1000;
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Driver {
-    /// Two PBL3717A, one a phase: 100, 60, 20 and 0 % by I1 and I0 (data sheet: 420, 250 and 80 mV at the comparator).
+    /// Two PBL3717A, one a phase: 100, 60, 20 and 0 % by I1 and I0 (data sheet: 420, 250 and 80 mV
+    /// at the comparator).
     Pbl3717a,
     /// Half an A3988: the same inputs, 100, 66.7, 33.3 and 0 %.
     A3988,
@@ -17,7 +18,8 @@ pub enum Driver {
     L297,
     /// A unipolar motor on four switches; coils 0 and 2 share a pole pair, as do 3 and 1.
     Unipolar,
-    /// Two bridges of which only PH is driven, at full current: the micro mill's first controller. Full step only.
+    /// Two bridges of which only PH is driven, at full current: the micro mill's first controller.
+    /// Full step only.
     PhasePair,
 }
 

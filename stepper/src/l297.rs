@@ -31,13 +31,15 @@ impl L297Inputs {
 
 /// The step sequencer L297 pin by pin, for simulators and tests of what drives it.
 ///
-/// A controller with the chip on its board needs CLOCK and CW/CCW only, which [`StepDirection`](crate::StepDirection) makes with
-/// [`L297::timing`]; one without it takes a [`Sequencer`], which makes the chip's outputs itself.
+/// A controller with the chip on its board needs CLOCK and CW/CCW only, which
+/// [`StepDirection`](crate::StepDirection) makes with [`L297::timing`]; one without it takes a
+/// [`Sequencer`], which makes the chip's outputs itself.
 ///
-/// Eight states; the odd ones have two phases on, the even ones have one. A half step goes to the next state, a full step
-/// over it, so HALF/FULL going low in an odd state gives normal drive and in an even state wave drive. The outputs are those
-/// of [`Driver::L297`](crate::Driver::L297): A, B, C, D, INH1 = A or B, INH2 = C or D, and HOME in state 1. The chopper is
-/// not here: it takes away the inhibit lines (CONTROL low) or the phases (high) while a winding has its current.
+/// Eight states; the odd ones have two phases on, the even ones have one. A half step goes to the
+/// next state, a full step over it, so HALF/FULL going low in an odd state gives normal drive and
+/// in an even state wave drive. The outputs are those of [`Driver::L297`](crate::Driver::L297): A,
+/// B, C, D, INH1 = A or B, INH2 = C or D, and HOME in state 1. The chopper is not here: it takes
+/// away the inhibit lines (CONTROL low) or the phases (high) while a winding has its current.
 ///
 /// Source: ST, L297 data sheet, pin functions and figures 8 to 10.
 ///
@@ -65,8 +67,8 @@ impl L297 {
         }
     }
 
-    /// Other levels at the inputs, all at once; the outputs after it. An edge of CLOCK counts with the direction and mode
-    /// given beside it.
+    /// Other levels at the inputs, all at once; the outputs after it. An edge of CLOCK counts with
+    /// the direction and mode given beside it.
     pub fn set(&mut self, inputs: L297Inputs) -> Levels {
         let rises = inputs.clock && !self.inputs.clock;
         self.inputs = inputs;
@@ -99,8 +101,8 @@ impl L297 {
         ((self.states.sixteenth().wrapping_add(6) & 15) >> 1).wrapping_add(1)
     }
 
-    /// The times its inputs ask for, in ticks of a timer of `timer_hz`, rounded up: 1 us set-up, 4 us hold, 0.5 us of CLOCK
-    /// high and low. RESET wants 1 us and as much before the next clock.
+    /// The times its inputs ask for, in ticks of a timer of `timer_hz`, rounded up: 1 us set-up, 4
+    /// us hold, 0.5 us of CLOCK high and low. RESET wants 1 us and as much before the next clock.
     ///
     /// Up to 1 GHz; above that the times are those of 1 GHz.
     #[must_use]

@@ -6,9 +6,9 @@ use crate::sine::sine;
 
 /// `PER_FULL` microsteps to one full step: 1, 2, 4, ... 256.
 ///
-/// Starts at 45 degrees, both coils at 71 %, as sine drives do after power-up. Currents are in 1/32767 of full current,
-/// exact to half a unit; with the feature `micromath` they are computed, within 1.1e-3 of full current
-/// (36 units; tested against the table).
+/// Starts at 45 degrees, both coils at 71 %, as sine drives do after power-up. Currents are in
+/// 1/32767 of full current, exact to half a unit; with the feature `micromath` they are computed,
+/// within 1.1e-3 of full current (36 units; tested against the table).
 ///
 /// ```
 /// use husillo_stepper::Microstep;

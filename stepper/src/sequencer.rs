@@ -75,9 +75,9 @@ impl core::error::Error for Unsupported {}
 
 /// Steps one motor through the states of its driver, in both directions from any state.
 ///
-/// A step is one addition and one table look-up. The start state is the driver's own: the L297's reset state 1, the
-/// unipolar 3, the micro mill's (A, not B) for PBL3717A and `PhasePair`, (A, B) for the A3988; one state further in
-/// [`Mode::Wave`].
+/// A step is one addition and one table look-up. The start state is the driver's own: the L297's
+/// reset state 1, the unipolar 3, the micro mill's (A, not B) for PBL3717A and `PhasePair`, (A, B)
+/// for the A3988; one state further in [`Mode::Wave`].
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequencer {
@@ -135,7 +135,8 @@ impl Sequencer {
         }
     }
 
-    /// The same with the directions exchanged, for a motor or screw mounted the other way (the micro mill's X).
+    /// The same with the directions exchanged, for a motor or screw mounted the other way (the
+    /// micro mill's X).
     #[must_use]
     pub const fn reversed(mut self) -> Sequencer {
         self.reversed = !self.reversed;
@@ -145,8 +146,8 @@ impl Sequencer {
 
     /// Changes the mode in any state: the state stays, the next steps go the new distance from it.
     ///
-    /// As on the L297, a full step adds 2 to the state number whatever it is, so full steps from a one-phase state are
-    /// wave drive and from a two-phase state normal drive.
+    /// As on the L297, a full step adds 2 to the state number whatever it is, so full steps from a
+    /// one-phase state are wave drive and from a two-phase state normal drive.
     ///
     /// # Errors
     /// [`Unsupported`] as for [`Sequencer::new`]; nothing changes.
@@ -171,14 +172,16 @@ impl Sequencer {
         self.levels()
     }
 
-    /// Goes to the state at `sixteenth` of the electrical cycle (taken modulo 16), to restore a phase that was
-    /// remembered over a power cut; the levels after it. Only the driver's real states make sense.
+    /// Goes to the state at `sixteenth` of the electrical cycle (taken modulo 16), to restore a
+    /// phase that was remembered over a power cut; the levels after it. Only the driver's real
+    /// states make sense.
     pub fn restore(&mut self, sixteenth: u8) -> Levels {
         self.at = sixteenth & 15;
         self.levels()
     }
 
-    /// Where in the electrical cycle it is, in sixteenths: 2 is 45 degrees, coils A and B both forward.
+    /// Where in the electrical cycle it is, in sixteenths: 2 is 45 degrees, coils A and B both
+    /// forward.
     #[must_use]
     pub const fn sixteenth(&self) -> u8 {
         self.at
@@ -242,8 +245,8 @@ impl CoilDriver for Sequencer {
         self.levels()
     }
 
-    /// 60 % in every phase that has 100 %: the PBL3717A in whole and half steps, by I0 high. Quarter steps and the
-    /// A3988 need their levels for the angle, the other drivers have none.
+    /// 60 % in every phase that has 100 %: the PBL3717A in whole and half steps, by I0 high.
+    /// Quarter steps and the A3988 need their levels for the angle, the other drivers have none.
     fn set_reduced(&mut self, on: bool) -> Levels {
         if let (Driver::Pbl3717a, Mode::Wave | Mode::Full | Mode::Half, true) =
             (self.driver, self.mode, self.is_enabled())

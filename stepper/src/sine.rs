@@ -3,7 +3,8 @@
 /// Full current in [`sine`] and [`Microstep`](crate::Microstep).
 pub const AMPLITUDE: i16 = 32767;
 
-/// Entry k = 32767 sin(k 90 / 256 degrees), rounded to the nearest whole number; a test makes it again with `f64`.
+/// Entry k = 32767 sin(k 90 / 256 degrees), rounded to the nearest whole number; a test makes it
+/// again with `f64`.
 #[rustfmt::skip]
 const QUARTER: [i16; 257] = [
     0, 201, 402, 603, 804, 1005, 1206, 1407, 1608, 1809, 2009, 2210, 2410, 2611, 2811, 3012,
@@ -25,7 +26,8 @@ const QUARTER: [i16; 257] = [
     32767,
 ];
 
-/// 32767 times the sine of `angle`, which is in 1024ths of a turn (taken modulo 1024); exact to half a unit.
+/// 32767 times the sine of `angle`, which is in 1024ths of a turn (taken modulo 1024); exact to
+/// half a unit.
 #[must_use]
 pub const fn sine(angle: u16) -> i16 {
     let within = (angle & 255) as usize;

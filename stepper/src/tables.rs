@@ -1,13 +1,15 @@
-//! The level tables: one electrical cycle in sixteen positions, position k at 22.5 k degrees nominal.
+//! The level tables: one electrical cycle in sixteen positions, position k at 22.5 k degrees
+//! nominal.
 //!
-//! Every driver uses the same positions, so a step mode is only a stride: 4 full, 2 half, 1 quarter. Two phases are on
-//! at 2, 6, 10 and 14, one phase at 0, 4, 8 and 12; odd positions exist for drivers with current levels only.
+//! Every driver uses the same positions, so a step mode is only a stride: 4 full, 2 half, 1
+//! quarter. Two phases are on at 2, 6, 10 and 14, one phase at 0, 4, 8 and 12; odd positions exist
+//! for drivers with current levels only.
 
 /// One electrical cycle of levels.
 pub(crate) type Cycle = [u8; 16];
 
-/// One cycle from its first quadrant; each number is the current of a coil: [`FULL`], [`MORE`], [`LESS`] or [`OFF`],
-/// negative with PH low.
+/// One cycle from its first quadrant; each number is the current of a coil: [`FULL`], [`MORE`],
+/// [`LESS`] or [`OFF`], negative with PH low.
 const fn bridges(quadrant: [[i8; 2]; 4]) -> Cycle {
     let mut cycle = [0; 16];
     let mut at = 0;
@@ -31,7 +33,8 @@ const FULL: i8 = 4;
 const MORE: i8 = 3;
 /// 20 % or 33.3 %: I1 I0 = 10.
 const LESS: i8 = 2;
-/// No current: I1 I0 = 11. Not 0, since PH has a level here too: the one it has before it when stepping forward.
+/// No current: I1 I0 = 11. Not 0, since PH has a level here too: the one it has before it when
+/// stepping forward.
 const OFF: i8 = 1;
 
 /// PH, I0 and I1 in bits 0, 1 and 2.
@@ -51,7 +54,8 @@ pub(crate) const PBL3717A_LOW: Cycle =
 /// A3988: two phases share 2/3 each, so the torque hardly changes over the cycle.
 pub(crate) const A3988: Cycle = bridges([[FULL, -OFF], [FULL, LESS], [MORE, MORE], [LESS, FULL]]);
 
-/// L297: state s at position 2 s + 8. HOME is bit 6; INH1 = A or B, INH2 = C or D, which in two-phase states is both high.
+/// L297: state s at position 2 s + 8. HOME is bit 6; INH1 = A or B, INH2 = C or D, which in
+/// two-phase states is both high.
 pub(crate) const L297: Cycle = halves([
     0b01_0001,  // state 4: A
     0b11_0101,  // state 5: A C
@@ -69,7 +73,8 @@ pub(crate) const UNIPOLAR: Cycle = halves([1, 9, 8, 12, 4, 6, 2, 3]);
 /// The two PH lines; with both phases always on, only the two-phase positions are real.
 pub(crate) const PHASE_PAIR: Cycle = halves([0b01, 0b11, 0b11, 0b10, 0b10, 0b00, 0b00, 0b01]);
 
-/// Eight half-step states; the quarter positions between them repeat the state below and are never reached.
+/// Eight half-step states; the quarter positions between them repeat the state below and are never
+/// reached.
 const fn halves(states: [u8; 8]) -> Cycle {
     let mut cycle = [0; 16];
     let mut at = 0;

@@ -27,7 +27,8 @@ fn l297_levels(row: &Value) -> u8 {
     coils | bit(row, "INH1") << 4 | bit(row, "INH2") << 5 | bit(row, "home") << 6
 }
 
-/// Walks the table twice forward and twice back, from the sequencer's present state, which is the first row.
+/// Walks the table twice forward and twice back, from the sequencer's present state, which is the
+/// first row.
 fn assert_walk(mut motor: Sequencer, expected: &[u8], what: &str) {
     let n = expected.len();
     assert_eq!(motor.levels().0, expected[0], "{what}: first");

@@ -42,8 +42,8 @@ fn walk() -> impl Strategy<Value = Vec<i8>> {
 }
 
 proptest! {
-    /// A board with an L297 behind STEP and DIR has the same phases as a controller that makes them itself, whatever the
-    /// steps and the changes of mode between them.
+    /// A board with an L297 behind STEP and DIR has the same phases as a controller that makes them
+    /// itself, whatever the steps and the changes of mode between them.
     #[test]
     fn an_l297_behind_pulses_is_the_sequencer(
         steps in proptest::collection::vec((any::<bool>(), any::<bool>()), 0..200)
@@ -116,8 +116,9 @@ proptest! {
         prop_assert_eq!(motor.levels(), other.levels());
     }
 
-    /// One step turns the field one step of the mode: 90 degrees exactly in full step, 45 in half step; in quarter step
-    /// 22.5 within the error of the current levels; never backwards, never half a cycle.
+    /// One step turns the field one step of the mode: 90 degrees exactly in full step, 45 in half
+    /// step; in quarter step 22.5 within the error of the current levels; never backwards, never
+    /// half a cycle.
     #[test]
     fn a_step_turns_the_field_by_a_step(mut motor in sequencer(), walk in walk()) {
         let nominal = 90.0 / f64::from(motor.mode().steps_per_full());
@@ -150,7 +151,8 @@ proptest! {
         }
     }
 
-    /// Off means no current in any state; steps while off are not made; on again is the phase held last.
+    /// Off means no current in any state; steps while off are not made; on again is the phase held
+    /// last.
     #[test]
     fn off_and_on_restores_the_phase(mut motor in sequencer(), walk in walk(), ignored in walk()) {
         for &delta in &walk {
@@ -166,7 +168,8 @@ proptest! {
         prop_assert_ne!(fresh.step(1), held);
     }
 
-    /// A change of mode moves nothing; after it, steps per full step of the new mode make a quarter cycle.
+    /// A change of mode moves nothing; after it, steps per full step of the new mode make a quarter
+    /// cycle.
     #[test]
     fn mode_changes_in_any_state(mut motor in sequencer(), walk in walk(), mode in 0..MODES.len()) {
         for &delta in &walk {
@@ -204,8 +207,9 @@ proptest! {
         }
     }
 
-    /// On the pins: one rising edge a step with the right DIR, which is stable for the set-up time before and the hold
-    /// time after it; pulses and gaps are at least as long as asked; a step never takes longer than stated.
+    /// On the pins: one rising edge a step with the right DIR, which is stable for the set-up time
+    /// before and the hold time after it; pulses and gaps are at least as long as asked; a step
+    /// never takes longer than stated.
     #[test]
     fn pulses_keep_their_times(
         walk in walk(), setup_ticks in 0u32..20, hold_ticks in 0u32..40, high_ticks in 0u32..20, low_ticks in 0u32..20,
@@ -269,7 +273,8 @@ fn the_sine_table_is_its_rule() {
     }
 }
 
-/// Currents are cosine and sine of the angle: exact to half a unit from the table, within 1.1e-3 of full current computed.
+/// Currents are cosine and sine of the angle: exact to half a unit from the table, within 1.1e-3 of
+/// full current computed.
 #[test]
 fn microstep_currents_are_cosine_and_sine() {
     let mut motor = Microstep::<256>::new();
@@ -285,7 +290,8 @@ fn microstep_currents_are_cosine_and_sine() {
     println!("largest difference from the table: {worst} of {AMPLITUDE}");
 }
 
-/// Coarser microsteps are the same circle with longer steps; one a full step is a two-phase full step.
+/// Coarser microsteps are the same circle with longer steps; one a full step is a two-phase full
+/// step.
 #[test]
 fn microsteps_of_all_sizes_share_the_circle() {
     fn full_step<const PER_FULL: u16>() -> [i16; 2] {

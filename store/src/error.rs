@@ -6,7 +6,8 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
-    /// The area is empty, beyond the flash, or not a multiple of two erase sizes, or it begins within a sector.
+    /// The area is empty, beyond the flash, or not a multiple of two erase sizes, or it begins
+    /// within a sector.
     Area,
     /// The content is longer than half of the area less the header.
     Full,

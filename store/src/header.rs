@@ -7,7 +7,8 @@ const CRC: Crc<u32, Table<0>> = Crc::<u32, Table<0>>::new(&CRC_32_ISO_HDLC);
 
 /// CRC-32 of what `before` is the CRC-32 of, and these bytes behind it; of nothing it is 0.
 ///
-/// Not a `Digest` that is kept: that asks the parameters of the CRC at run time, and its shifts by them could overflow.
+/// Not a `Digest` that is kept: that asks the parameters of the CRC at run time, and its shifts by
+/// them could overflow.
 pub(crate) fn extended(before: u32, bytes: &[u8]) -> u32 {
     let mut digest = CRC.digest_with_initial((!before).reverse_bits());
     digest.update(bytes);
@@ -17,7 +18,8 @@ pub(crate) fn extended(before: u32, bytes: &[u8]) -> u32 {
 /// Bytes of a header.
 pub(crate) const HEADER: usize = 16;
 
-/// Four little-endian words: the number of the save, the length and CRC-32 of the content, the CRC-32 of these three.
+/// Four little-endian words: the number of the save, the length and CRC-32 of the content, the
+/// CRC-32 of these three.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Header {
     pub number: u32,

@@ -7,7 +7,8 @@ use crate::store::Half;
 use crate::unit::UNIT;
 use crate::{Store, StoreError};
 
-/// A content that is being written; [`commit`](Save::commit) makes it the one that counts. Dropped without that, the old one stays.
+/// A content that is being written; [`commit`](Save::commit) makes it the one that counts. Dropped
+/// without that, the old one stays.
 #[derive(Debug)]
 pub struct Save<'a, F> {
     store: &'a mut Store<F>,

@@ -24,8 +24,8 @@ pub(crate) fn read<F: ReadNorFlash>(
         let (part, others) = core::mem::take(&mut rest)
             .split_at_mut_checked(count)
             .unwrap_or_default();
-        // Of the window only what is asked for, in whole reads: it does not go beyond an area of whole sectors.
-        // Read sizes are powers of two.
+        // Of the window only what is asked for, in whole reads: it does not go beyond an area of
+        // whole sectors. Read sizes are powers of two.
         let low = F::READ_SIZE.wrapping_sub(1);
         let first = within & !low;
         let end = within.wrapping_add(count).wrapping_add(low) & !low;

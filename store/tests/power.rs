@@ -27,7 +27,8 @@ fn content<const UNIT: usize>(flash: &mut Flash<UNIT>) -> Option<Vec<u8>> {
     Some(content)
 }
 
-/// Old or new, whatever operation power fails in and whatever it leaves there; and the next save works.
+/// Old or new, whatever operation power fails in and whatever it leaves there; and the next save
+/// works.
 fn survives<const UNIT: usize>() {
     let [old, new] = [b"old".repeat(50), b"newer".repeat(45)];
     let mut before = Flash::<UNIT>::new(4, 256);
@@ -130,7 +131,8 @@ fn what_is_not_committed_is_not_there() {
 }
 
 proptest! {
-    /// Saves of any contents, power failing anywhere: what is found is the last content committed or the one after it.
+    /// Saves of any contents, power failing anywhere: what is found is the last content committed
+    /// or the one after it.
     #[test]
     fn rows_of_saves(
         saves in proptest::collection::vec((proptest::collection::vec(any::<u8>(), 0..240), 0_usize..100, 1_u64..), 1..12),

@@ -2,15 +2,17 @@
 
 use crate::quotient::quotient;
 
-/// Way from moving by `velocity` in this period to rest, this period included: the sum of `velocity`, `velocity - acceleration`,
-/// `velocity - 2 acceleration` and so on as far as they are positive.
+/// Way from moving by `velocity` in this period to rest, this period included: the sum of
+/// `velocity`, `velocity - acceleration`, `velocity - 2 acceleration` and so on as far as they are
+/// positive.
 ///
 /// Both below 2^32, the acceleration not 0. With n = velocity / acceleration rounded down, that is
 /// (n + 1) velocity - acceleration n (n + 1) / 2.
 pub(super) fn way_to_rest(velocity: u32, acceleration: u32) -> u64 {
     let periods = velocity.checked_div(acceleration).unwrap_or(0);
-    // velocity >= n acceleration, so the difference is positive, and the first product is below 2^65 only for
-    // acceleration = 1: velocities are at most 2^31 (see `ServoProfile`), so it stays below 2^63.
+    // velocity >= n acceleration, so the difference is positive, and the first product is below
+    // 2^65 only for acceleration = 1: velocities are at most 2^31 (see `ServoProfile`), so it stays
+    // below 2^63.
     let periods = u64::from(periods);
     let all = periods.wrapping_add(1).wrapping_mul(velocity.into());
     // n (n + 1) / 2 is below 2^62, and times the acceleration at most `all`.
@@ -18,10 +20,12 @@ pub(super) fn way_to_rest(velocity: u32, acceleration: u32) -> u64 {
     all.wrapping_sub(pairs.wrapping_mul(acceleration.into()))
 }
 
-/// The largest velocity from `low` to `high` with a way to rest of at most `way`; `low` when there is none.
+/// The largest velocity from `low` to `high` with a way to rest of at most `way`; `low` when there
+/// is none.
 ///
-/// All velocities are at most 2^31. `high - low` is at most twice the acceleration, so that few lines of the broken line
-/// `way_to_rest` are tried. One division of 32 bits for each end, one of 64 by 32 bits.
+/// All velocities are at most 2^31. `high - low` is at most twice the acceleration, so that few
+/// lines of the broken line `way_to_rest` are tried. One division of 32 bits for each end, one of
+/// 64 by 32 bits.
 pub(super) fn fastest(low: u32, high: u32, acceleration: u32, way: u64) -> u32 {
     if way_to_rest(high, acceleration) <= way {
         return high;

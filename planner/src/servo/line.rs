@@ -5,15 +5,18 @@ use crate::direction::Direction;
 /// Velocities and accelerations have 31 bits.
 const LARGEST: u32 = i32::MAX as u32;
 
-/// One time law for the trapezoids of `N` axes, so that they start and end together and stay on the straight line between.
+/// One time law for the trapezoids of `N` axes, so that they start and end together and stay on the
+/// straight line between.
 ///
-/// For [`ServoMotion::Trapezoid`](crate::ServoMotion) of independent modules, all started in the same period (a group command). Distances
-/// in counts, velocities in 2^-16 counts a period, accelerations in 2^-16 counts a period^2, as everywhere with these modules.
+/// For [`ServoMotion::Trapezoid`](crate::ServoMotion) of independent modules, all started in the
+/// same period (a group command). Distances in counts, velocities in 2^-16 counts a period,
+/// accelerations in 2^-16 counts a period^2, as everywhere with these modules.
 ///
-/// The longest axis takes its part of the path velocity, and of the acceleration: of the numbers up to a sixteenth below it the one
-/// whose parts for the other axes are nearest below whole numbers. An acceleration of another axis is rounded up,
-/// and its velocity is the least with which a trapezoid of that acceleration does its way in the time of the longest axis. So
-/// accelerations are matched to 2^-16 and the times to the unit of velocity:
+/// The longest axis takes its part of the path velocity, and of the acceleration: of the numbers up
+/// to a sixteenth below it the one whose parts for the other axes are nearest below whole numbers.
+/// An acceleration of another axis is rounded up, and its velocity is the least with which a
+/// trapezoid of that acceleration does its way in the time of the longest axis. So accelerations
+/// are matched to 2^-16 and the times to the unit of velocity:
 ///
 /// - **Limits**: no axis exceeds its part of the path velocity by more than 1 unit, nor its part of the acceleration by 1 unit.
 /// - **Time skew**: all axes end within [`skew_ticks`](Self::skew_ticks) of each other, 3 periods and duration / velocity: a unit of
@@ -55,11 +58,13 @@ struct Law {
 }
 
 impl<const N: usize> ServoLine<N> {
-    /// For `distances` in counts at this velocity and acceleration along the path, in counts; both are taken as 1 at least and as 2^31 - 1
-    /// at most. `None` when there is no way at all. `N` is at most 15.
+    /// For `distances` in counts at this velocity and acceleration along the path, in counts; both
+    /// are taken as 1 at least and as 2^31 - 1 at most. `None` when there is no way at all. `N` is
+    /// at most 15.
     ///
-    /// For the highest path velocity within limits of the axes see [`Direction::speed_limit`]. Set-up of a line: no division of more than 64
-    /// bits; up to 65 divisions and 32 products of 128 bits for each axis.
+    /// For the highest path velocity within limits of the axes see [`Direction::speed_limit`].
+    /// Set-up of a line: no division of more than 64 bits; up to 65 divisions and 32 products of
+    /// 128 bits for each axis.
     pub fn new(distances: [i32; N], path_velocity: u32, path_acceleration: u32) -> Option<Self> {
         let direction = Direction::new(distances.map(i64::from))?;
         let counts = distances.iter().map(|way| way.unsigned_abs()).max()?;
@@ -84,7 +89,8 @@ impl<const N: usize> ServoLine<N> {
         let law = Law {
             counts,
             acceleration,
-            // 2^63 and 2^47 at most. Two quotients rounded down, so at least as long as in truth with the 2.
+            // 2^63 and 2^47 at most. Two quotients rounded down, so at least as long as in truth
+            // with the 2.
             time: quotient(way << 16, velocity)
                 .wrapping_add(ramp)
                 .wrapping_add(2),
@@ -119,7 +125,8 @@ impl<const N: usize> ServoLine<N> {
 }
 
 impl Law {
-    /// Velocity and acceleration of an axis with this way; `longest` is the velocity of the longest one.
+    /// Velocity and acceleration of an axis with this way; `longest` is the velocity of the longest
+    /// one.
     fn axis(self, counts: u32, longest: u32) -> (u32, u32) {
         if counts == 0 {
             return (0, 0);
@@ -127,13 +134,15 @@ impl Law {
         if counts == self.counts {
             return (longest, self.acceleration);
         }
-        // Rounded up; the quotient is at most the longest axis' acceleration, as the way is shorter.
+        // Rounded up; the quotient is at most the longest axis' acceleration, as the way is
+        // shorter.
         let scaled = u64::from(self.acceleration).wrapping_mul(counts.into());
         let rounding = u64::from(self.counts).wrapping_sub(1);
         let acceleration = quotient(scaled.wrapping_add(rounding), self.counts) as u32;
         let way = product(way_units(counts), acceleration);
         let time = product(self.time, acceleration);
-        // way / v + v / a <= time, times a v: 94 bits on the left with 16 for the fraction of the time, 126 on the right.
+        // way / v + v / a <= time, times a v: 94 bits on the left with 16 for the fraction of the
+        // time, 126 on the right.
         let velocity = least(longest, |velocity| {
             let square = square(velocity);
             let left = way.wrapping_add(square).wrapping_shl(16);
@@ -144,7 +153,8 @@ impl Law {
     }
 }
 
-/// Of the accelerations of the longest axis up to a sixteenth (and 64 units) below this the one that needs the least rounding up for the others.
+/// Of the accelerations of the longest axis up to a sixteenth (and 64 units) below this the one
+/// that needs the least rounding up for the others.
 fn common(most: u32, longest: u32, distances: &[i32]) -> u32 {
     let mut best = most;
     let mut least = u32::MAX;
@@ -154,7 +164,8 @@ fn common(most: u32, longest: u32, distances: &[i32]) -> u32 {
         let worst = distances.iter().map(|way| {
             let scaled = u64::from(acceleration).wrapping_mul(way.unsigned_abs().into());
             let rest = scaled.checked_rem(longest.into()).unwrap_or(0);
-            // What is missing to the next multiple: below `longest`, or as much where nothing is missing.
+            // What is missing to the next multiple: below `longest`, or as much where nothing is
+            // missing.
             u64::from(longest).wrapping_sub(rest) as u32
         });
         let worst = worst.map(|missing| if missing == longest { 0 } else { missing });
@@ -174,7 +185,8 @@ fn way_units(counts: u32) -> u64 {
     u64::from(counts) << 16
 }
 
-/// The least number from 1 to `most` for which something holds that holds for all above it up to there; `most` when for none.
+/// The least number from 1 to `most` for which something holds that holds for all above it up to
+/// there; `most` when for none.
 fn least(most: u32, holds: impl Fn(u32) -> bool) -> u32 {
     let [mut low, mut high] = [1, most.max(1)];
     while low < high {

@@ -28,23 +28,27 @@ enum Mode {
     Velocity(i32),
 }
 
-/// The profiles of a servo module: trapezoid, velocity and plain duty; abrupt, smooth and at-position stops.
+/// The profiles of a servo module: trapezoid, velocity and plain duty; abrupt, smooth and
+/// at-position stops.
 ///
 /// ```text
 /// velocity      ________            every period: velocity +- acceleration, position + velocity,
 ///          ____/        \____       in an accumulator of 32.16 bits
 /// ```
 ///
-/// [`tick`](Self::tick) once a servo period (0.512 ms in the module of J. R. Kerr, PIC-SERVO data sheet, 1999; a servo-rate divisor
-/// ticks every so many periods). The data sheet leaves open when deceleration starts. Here each period takes **the largest velocity
-/// from which the goal can still be reached without passing it**, when the velocity falls by the acceleration every period from the next one
-/// on: within the top velocity and one acceleration from the last velocity. So the deceleration begins as late as possible, what the
-/// sum of the steps lacks is spread over it, and the goal is reached exactly and at rest, without a creep at the end.
-/// No move of this acceleration and top velocity takes fewer periods.
+/// [`tick`](Self::tick) once a servo period (0.512 ms in the module of J. R. Kerr, PIC-SERVO data
+/// sheet, 1999; a servo-rate divisor ticks every so many periods). The data sheet leaves open when
+/// deceleration starts. Here each period takes **the largest velocity from which the goal can still
+/// be reached without passing it**, when the velocity falls by the acceleration every period from
+/// the next one on: within the top velocity and one acceleration from the last velocity. So the
+/// deceleration begins as late as possible, what the sum of the steps lacks is spread over it, and
+/// the goal is reached exactly and at rest, without a creep at the end. No move of this
+/// acceleration and top velocity takes fewer periods.
 ///
-/// Goal, top velocity and acceleration may change at any time. What cannot be kept then is kept as soon as it can: above a lower
-/// top velocity, or too near at a goal, the velocity falls by the acceleration every period, and a goal that was passed is
-/// returned to. With an acceleration of 0 the velocity never changes.
+/// Goal, top velocity and acceleration may change at any time. What cannot be kept then is kept as
+/// soon as it can: above a lower top velocity, or too near at a goal, the velocity falls by the
+/// acceleration every period, and a goal that was passed is returned to. With an acceleration of 0
+/// the velocity never changes.
 ///
 /// ```
 /// use husillo_planner::{ServoMotion, ServoProfile};
@@ -64,8 +68,8 @@ enum Mode {
 /// assert_eq!(profile.position(), 110);
 /// ```
 ///
-/// 32 bytes. A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a Cortex-M0, on ramps 176 and 637: up to three
-/// divisions.
+/// 32 bytes. A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a
+/// Cortex-M0, on ramps 176 and 637: up to three divisions.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct ServoProfile {
     /// Counts times 2^16, modulo 2^48, sign extended.
@@ -96,8 +100,8 @@ impl ServoProfile {
         }
     }
 
-    /// Starts a motion, from the commanded position and velocity as they are: set the position anew first, with
-    /// [`stop_abruptly`](Self::stop_abruptly), when the servo was off.
+    /// Starts a motion, from the commanded position and velocity as they are: set the position anew
+    /// first, with [`stop_abruptly`](Self::stop_abruptly), when the servo was off.
     pub fn start(&mut self, motion: ServoMotion) {
         self.is_done = false;
         self.is_acceleration_done = false;
@@ -141,7 +145,8 @@ impl ServoProfile {
         self.mode = Mode::Off(0);
     }
 
-    /// Holds the actual position in counts, at once: a step of the command, as the axis was elsewhere. Switches the servo on.
+    /// Holds the actual position in counts, at once: a step of the command, as the axis was
+    /// elsewhere. Switches the servo on.
     pub const fn stop_abruptly(&mut self, actual: i32) {
         self.hold(actual);
     }
@@ -159,7 +164,8 @@ impl ServoProfile {
         }
     }
 
-    /// Calls the commanded position `position`, with no change of velocity; a goal stays the number it is.
+    /// Calls the commanded position `position`, with no change of velocity; a goal stays the number
+    /// it is.
     pub const fn set_position(&mut self, position: i32) {
         self.position = (position as i64) << 16;
         // Of a finished move the goal is the position that is held.
@@ -213,13 +219,14 @@ impl ServoProfile {
         self.is_done
     }
 
-    /// Whether there is a position to hold: not so after [`ServoMotion::Pwm`] and [`switch_off`](Self::switch_off), until a motion
-    /// starts or a stop holds.
+    /// Whether there is a position to hold: not so after [`ServoMotion::Pwm`] and
+    /// [`switch_off`](Self::switch_off), until a motion starts or a stop holds.
     pub const fn is_servo_on(&self) -> bool {
         !matches!(self.mode, Mode::Off(_))
     }
 
-    /// While the servo is off, the part of 255 of the time that the motor is driven, negative towards smaller counts; 0 otherwise.
+    /// While the servo is off, the part of 255 of the time that the motor is driven, negative
+    /// towards smaller counts; 0 otherwise.
     pub const fn duty(&self) -> i16 {
         match self.mode {
             Mode::Off(duty) => duty,
@@ -232,7 +239,8 @@ impl ServoProfile {
         self.is_acceleration_done
     }
 
-    /// Whether the motion started last has begun to decelerate towards its goal. Never with [`ServoMotion::Velocity`].
+    /// Whether the motion started last has begun to decelerate towards its goal. Never with
+    /// [`ServoMotion::Velocity`].
     pub const fn is_slew_done(&self) -> bool {
         self.is_slew_done
     }

@@ -14,8 +14,8 @@ pub struct Bounds {
 
 /// The first thing wrong with `intervals`, of a move that begins at any rate.
 ///
-/// The mean rates of two neighbouring intervals differ by at most the acceleration times the time between their middles,
-/// whatever the rates in between; both intervals may be off by the slack.
+/// The mean rates of two neighbouring intervals differ by at most the acceleration times the time
+/// between their middles, whatever the rates in between; both intervals may be off by the slack.
 pub fn fault(intervals: &[u32], bounds: &Bounds) -> Option<String> {
     let Bounds {
         timer_hz,
@@ -66,9 +66,11 @@ pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u
         .collect()
 }
 
-/// The first place where the mean acceleration changes faster than the jerk, both ends of each interval off by the slack.
+/// The first place where the mean acceleration changes faster than the jerk, both ends of each
+/// interval off by the slack.
 ///
-/// The second divided difference of the rates' means: third divided difference of the times' inverse, at most the jerk / 6.
+/// The second divided difference of the rates' means: third divided difference of the times'
+/// inverse, at most the jerk / 6.
 pub fn jerk_fault(intervals: &[u32], bounds: &Bounds, jerk_hz_per_s2: f64) -> Option<String> {
     // Position k at time t[k]: its third divided difference is the mean of a third derivative / 6.
     let f = bounds.timer_hz;

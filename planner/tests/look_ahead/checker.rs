@@ -43,8 +43,9 @@ fn windows(moves: &[Move], events: &[Event], least_ticks: f64) -> Vec<Window> {
 
 /// Speed and acceleration along the path, over windows of some `least_ticks`.
 ///
-/// The mean speeds of two neighbouring windows of T and U seconds differ by a (T + U) / 2 at most when the acceleration
-/// never exceeds a. To this comes a tick at each end of a window and the rounding of speeds to 1 nm/s.
+/// The mean speeds of two neighbouring windows of T and U seconds differ by a (T + U) / 2 at most
+/// when the acceleration never exceeds a. To this comes a tick at each end of a window and the
+/// rounding of speeds to 1 nm/s.
 pub fn check_path(
     moves: &[Move],
     events: &[Event],
@@ -105,8 +106,8 @@ pub fn check_axes(moves: &[Move], events: &[Event], hz: u32) {
     }
 }
 
-/// The speeds that are best possible at every event, from the whole list of moves in floating point: forwards and
-/// backwards over all events. The squares, one more than there are events.
+/// The speeds that are best possible at every event, from the whole list of moves in floating
+/// point: forwards and backwards over all events. The squares, one more than there are events.
 pub fn optimum(moves: &[Move], percent: u8) -> Vec<f64> {
     let mut allowed = vec![0.0_f64];
     let mut gains = Vec::new();

@@ -8,7 +8,8 @@ use crate::{
 
 const HZ: u32 = 32_000_000;
 
-/// From the first event at top speed to the last one no event is longer than constant speed has it by more than a tick.
+/// From the first event at top speed to the last one no event is longer than constant speed has it
+/// by more than a tick.
 fn assert_no_dip(moves: &[Move]) {
     let events = run::<32>(moves, HZ, &[]).events;
     let time = |event: &crate::runner::Event| {

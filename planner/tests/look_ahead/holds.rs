@@ -13,7 +13,8 @@ const HZ: u32 = 32_000_000;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A hold stops within v^2 / 2a, across as many moves as that takes; nothing is lost after it is resumed.
+    /// A hold stops within v^2 / 2a, across as many moves as that takes; nothing is lost after it
+    /// is resumed.
     #[test]
     fn a_hold_stops_and_loses_nothing(moves in any_polyline(), at in any::<prop::sample::Index>()) {
         let count = moves.iter().map(|one| one.sweeps.len()).sum();
@@ -45,8 +46,8 @@ proptest! {
         }
     }
 
-    /// Overrides in random places change the speed with the acceleration of the path, and no corner is passed faster
-    /// than it may be.
+    /// Overrides in random places change the speed with the acceleration of the path, and no corner
+    /// is passed faster than it may be.
     #[test]
     fn overrides_change_smoothly(
         moves in any_polyline(),
@@ -73,7 +74,8 @@ proptest! {
         }
     }
 
-    /// Holds and overrides together, one after the other, with moves of all kinds: every event comes.
+    /// Holds and overrides together, one after the other, with moves of all kinds: every event
+    /// comes.
     #[test]
     fn everything_at_once(
         moves in any_moves(20),

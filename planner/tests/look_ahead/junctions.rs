@@ -53,7 +53,8 @@ proptest! {
         prop_assert!((speed - exact).abs() <= 1.0 + exact * 1e-12, "{speed} {exact}");
     }
 
-    /// Junction speeds are those of the formulas, to 1e-6 of them, from a tenth of a milliradian on.
+    /// Junction speeds are those of the formulas, to 1e-6 of them, from a tenth of a milliradian
+    /// on.
     #[test]
     fn corners_are_right(
         from in vector(), turn in prop::array::uniform3(-1.0..1.0_f64), angle in -4.0..0.5_f64,

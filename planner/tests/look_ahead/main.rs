@@ -1,4 +1,5 @@
-//! Look-ahead and ramp from the outside: moves in, events out, and an independent look at what the path does.
+//! Look-ahead and ramp from the outside: moves in, events out, and an independent look at what the
+//! path does.
 
 mod checker;
 mod circle;

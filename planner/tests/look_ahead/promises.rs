@@ -36,8 +36,8 @@ fn actions() -> impl Strategy<Value = Vec<Action>> {
 }
 
 proptest! {
-    /// The limits are exactly those of a full backward pass, whatever has been pushed and popped before; a push never
-    /// lowers them.
+    /// The limits are exactly those of a full backward pass, whatever has been pushed and popped
+    /// before; a push never lowers them.
     #[test]
     fn limits_are_those_of_a_full_pass(moves in any_moves(40), actions in actions()) {
         let mut coming = moves.iter().map(|one| one.stretch).cycle();
@@ -79,7 +79,8 @@ proptest! {
         prop_assert_eq!(queue.limits().exit_squared, 0);
     }
 
-    /// Nothing panics, whatever the numbers, and extremes are taken as the nearest that is possible.
+    /// Nothing panics, whatever the numbers, and extremes are taken as the nearest that is
+    /// possible.
     #[test]
     fn any_numbers_do(
         length_nm: u64, top_nm_per_s: u32, ceiling_nm_per_s: u32, acceleration_nm_per_s2: u64,

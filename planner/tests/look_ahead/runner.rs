@@ -32,8 +32,8 @@ pub struct Run {
     pub stops: usize,
 }
 
-/// Executes all moves with a queue that is kept full; wishes come before the event with their number. A hold is
-/// resumed as soon as the path stands still.
+/// Executes all moves with a queue that is kept full; wishes come before the event with their
+/// number. A hold is resumed as soon as the path stands still.
 pub fn run<const CAPACITY: usize>(moves: &[Move], hz: u32, wishes: &[(usize, Wish)]) -> Run {
     let mut queue = LookAhead::<usize, CAPACITY>::new();
     let mut ramp = Ramp::new(hz);

@@ -95,7 +95,8 @@ proptest! {
         }
     }
 
-    /// Where the start speed is the top speed, every event takes the time of constant speed: no ramp at all.
+    /// Where the start speed is the top speed, every event takes the time of constant speed: no
+    /// ramp at all.
     #[test]
     fn without_ramps_time_is_the_programmed_one(moves in any_moves(10), hz in 10_000_u32..40_000_000) {
         let moves: Vec<Move> = moves.into_iter().map(|mut one| {
@@ -118,7 +119,8 @@ proptest! {
     }
 }
 
-/// A long line of many short ones takes the time of a trapezoid: 100 mm at 2 mm/min, a slow feed, and at 20 mm/s.
+/// A long line of many short ones takes the time of a trapezoid: 100 mm at 2 mm/min, a slow feed,
+/// and at 20 mm/s.
 #[test]
 fn short_lines_take_the_time_of_one() {
     for (feed, pieces, piece_nm) in [(33_333, 200, 20_000), (20_000_000, 5_000, 20_000)] {

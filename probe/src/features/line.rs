@@ -18,12 +18,13 @@ pub struct Line {
 }
 
 impl Line {
-    /// The least-squares line of at least two points: through the centroid, along the eigenvector of the scatter matrix with
-    /// the largest eigenvalue. It runs to the side of `towards`.
+    /// The least-squares line of at least two points: through the centroid, along the eigenvector
+    /// of the scatter matrix with the largest eigenvalue. It runs to the side of `towards`.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one or as wide as long.
+    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one or as wide
+    /// as long.
     pub fn fit<I>(points: I, towards: &UnitVector) -> Result<Line, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -58,11 +59,11 @@ impl Line {
         libm::round(length(across)) as i64
     }
 
-    /// The point of this line nearest to `other`, in nm: the corner, where the two cross. `None` where they are parallel within
-    /// 1 mrad.
+    /// The point of this line nearest to `other`, in nm: the corner, where the two cross. `None`
+    /// where they are parallel within 1 mrad.
     ///
-    /// With `w` the way between their points and `c` the cosine of their angle, it lies `((w.a) - c (w.b)) / (1 - c^2)` along
-    /// this line.
+    /// With `w` the way between their points and `c` the cosine of their angle, it lies `((w.a) - c
+    /// (w.b)) / (1 - c^2)` along this line.
     #[must_use]
     pub fn crossing_nm(&self, other: &Line) -> Option<[i64; 3]> {
         let (a, b) = (self.direction.to_floats(), other.direction.to_floats());

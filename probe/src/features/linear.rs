@@ -2,11 +2,12 @@
 
 use super::vector::{dot, exceeds, length};
 
-/// The solution of `matrix x = right` for a symmetric positive definite matrix; `None` where a pivot falls below `tolerance`
-/// of the largest diagonal element, which is where the unknowns cannot be told apart.
+/// The solution of `matrix x = right` for a symmetric positive definite matrix; `None` where a
+/// pivot falls below `tolerance` of the largest diagonal element, which is where the unknowns
+/// cannot be told apart.
 ///
-/// Gauss' elimination without exchange of rows, which is stable for such matrices (G. Golub, C. Van Loan, "Matrix
-/// computations", 4.2).
+/// Gauss' elimination without exchange of rows, which is stable for such matrices (G. Golub, C. Van
+/// Loan, "Matrix computations", 4.2).
 pub(crate) fn solve<const N: usize>(
     mut matrix: [[f64; N]; N],
     mut right: [f64; N],
@@ -47,7 +48,8 @@ pub(crate) fn trace(matrix: &[[f64; 3]; 3]) -> f64 {
     a + b + c
 }
 
-/// The adjugate of a symmetric matrix: same eigenvectors, and the largest eigenvalue belongs to the smallest.
+/// The adjugate of a symmetric matrix: same eigenvectors, and the largest eigenvalue belongs to the
+/// smallest.
 pub(crate) fn adjugate(matrix: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let [a, b, c] = *matrix;
     [cross(b, c), cross(c, a), cross(a, b)]
@@ -57,11 +59,11 @@ pub(crate) fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] 
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }
 
-/// The unit eigenvector of the largest eigenvalue of a symmetric matrix without negative eigenvalues; `None` unless that is
-/// larger than the next by 2^-12 at least.
+/// The unit eigenvector of the largest eigenvalue of a symmetric matrix without negative
+/// eigenvalues; `None` unless that is larger than the next by 2^-12 at least.
 ///
-/// The matrix is squared and divided by its trace again and again: the ratio of the eigenvalues is squared each time, so that
-/// only `v v^T` is left (power iteration with doubled exponent).
+/// The matrix is squared and divided by its trace again and again: the ratio of the eigenvalues is
+/// squared each time, so that only `v v^T` is left (power iteration with doubled exponent).
 pub(crate) fn largest_eigenvector(mut matrix: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     // (1 - 2^-12)^(2^18) = e^-64.
     for _ in 0..18 {

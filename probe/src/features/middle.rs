@@ -16,8 +16,9 @@ pub struct Middle {
 impl Middle {
     /// The middle of two points and their distance along `direction`; up to 2.1 m apart.
     ///
-    /// Two pairs of touches, the second along the line found by the first, give the centre of a bore or boss: what pairs off the
-    /// diameter leave is within [`Circle`](super::Circle)'s residuals. Integers only.
+    /// Two pairs of touches, the second along the line found by the first, give the centre of a
+    /// bore or boss: what pairs off the diameter leave is within [`Circle`](super::Circle)'s
+    /// residuals. Integers only.
     #[must_use]
     pub fn of(a: [i64; 3], b: [i64; 3], direction: &UnitVector) -> Middle {
         let way = minus(b, a);

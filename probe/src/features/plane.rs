@@ -8,7 +8,8 @@ use crate::unit_vector::{minus, plus};
 
 /// A plane: a face, or an edge as the face below it.
 ///
-/// Fitted to compensated points, or to centres of the ball and then [`moved`](Plane::moved_nm) by the tip radius.
+/// Fitted to compensated points, or to centres of the ball and then [`moved`](Plane::moved_nm) by
+/// the tip radius.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plane {
@@ -31,13 +32,14 @@ impl Plane {
         }
     }
 
-    /// The least-squares plane of at least three points: through the centroid, its normal the eigenvector of the scatter matrix
-    /// with the smallest eigenvalue. The normal points to the side of `outward`.
+    /// The least-squares plane of at least three points: through the centroid, its normal the
+    /// eigenvector of the scatter matrix with the smallest eigenvalue. The normal points to the
+    /// side of `outward`.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line (narrower than a thousandth of their
-    /// length) or as thick as wide.
+    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line
+    /// (narrower than a thousandth of their length) or as thick as wide.
     pub fn fit<I>(points: I, outward: &UnitVector) -> Result<Plane, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -48,12 +50,14 @@ impl Plane {
         Plane::of_scatter(points, &centroid, &scatter, outward)
     }
 
-    /// An edge: the least-squares plane that contains the direction `along`, of at least two points. So the straight edge
-    /// of a part seen from above is the plane upright below it, `along` Z. The normal points to the side of `outward`.
+    /// An edge: the least-squares plane that contains the direction `along`, of at least two
+    /// points. So the straight edge of a part seen from above is the plane upright below it,
+    /// `along` Z. The normal points to the side of `outward`.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one above the other along `along`.
+    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one above the
+    /// other along `along`.
     pub fn edge<I>(points: I, along: &UnitVector, outward: &UnitVector) -> Result<Plane, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -72,7 +76,8 @@ impl Plane {
         Plane::of_scatter(points, &centroid, &scatter, outward)
     }
 
-    /// The plane with a normal that is known, of at least one point: an edge touched once, a height touched often.
+    /// The plane with a normal that is known, of at least one point: an edge touched once, a height
+    /// touched often.
     ///
     /// # Errors
     ///
@@ -86,14 +91,15 @@ impl Plane {
         Ok(Plane::about(points, &centroid, *normal))
     }
 
-    /// The distance of a point from the plane, positive on the side of the normal, to the nearest nm; up to 2.1 m from
-    /// [`point_nm`](Plane::point_nm). Integers only.
+    /// The distance of a point from the plane, positive on the side of the normal, to the nearest
+    /// nm; up to 2.1 m from [`point_nm`](Plane::point_nm). Integers only.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         self.normal.length_along(minus(point, self.point_nm))
     }
 
-    /// The plane `by_nm` farther along its normal: by minus the tip radius, the surface from centres of the ball.
+    /// The plane `by_nm` farther along its normal: by minus the tip radius, the surface from
+    /// centres of the ball.
     #[must_use]
     pub fn moved_nm(&self, by_nm: i64) -> Plane {
         Plane {

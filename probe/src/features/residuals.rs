@@ -10,8 +10,9 @@ pub struct Residuals {
     pub rms_nm: i64,
     /// The largest distance, without sign.
     pub largest_nm: i64,
-    /// The largest signed distance less the smallest: the deviation of form (ISO 1101) about the least-squares feature. Of a line
-    /// in space, whose distances have no sign, the largest distance.
+    /// The largest signed distance less the smallest: the deviation of form (ISO 1101) about the
+    /// least-squares feature. Of a line in space, whose distances have no sign, the largest
+    /// distance.
     pub form_nm: i64,
 }
 
@@ -21,12 +22,13 @@ pub struct Residuals {
 pub enum FitError {
     /// Fewer points than the feature has unknowns.
     TooFewPoints,
-    /// The points do not determine the feature: they lie on a point, a line, a plane, or evenly all round.
+    /// The points do not determine the feature: they lie on a point, a line, a plane, or evenly all
+    /// round.
     Undetermined,
     /// The iteration does not come to rest: the points are far from any such feature.
     NoFit,
-    /// Calibration: every approach was along the normal, so tip radius and pre-travel cannot be told apart. State the tip radius
-    /// or touch obliquely too.
+    /// Calibration: every approach was along the normal, so tip radius and pre-travel cannot be
+    /// told apart. State the tip radius or touch obliquely too.
     Inseparable,
 }
 

@@ -34,13 +34,15 @@ pub struct Circle {
 impl Sphere {
     /// The least-squares sphere of at least four points.
     ///
-    /// The start is the algebraic fit (I. Kåsa, "A circle fitting procedure and its error analysis", IEEE Trans. Instr. Meas. 25,
-    /// 1976, in space), then Gauss-Newton on the distances from the surface (S. J. Ahn et al., "Least-squares orthogonal distances
-    /// fitting", Pattern Recognition 34, 2001) until the centre moves less than 10^-3 nm. Some twenty passes at most.
+    /// The start is the algebraic fit (I. Kåsa, "A circle fitting procedure and its error
+    /// analysis", IEEE Trans. Instr. Meas. 25, 1976, in space), then Gauss-Newton on the distances
+    /// from the surface (S. J. Ahn et al., "Least-squares orthogonal distances fitting", Pattern
+    /// Recognition 34, 2001) until the centre moves less than 10^-3 nm. Some twenty passes at most.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are in a plane; [`FitError::NoFit`].
+    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are in a plane;
+    /// [`FitError::NoFit`].
     pub fn fit<I>(points: I) -> Result<Sphere, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -60,8 +62,8 @@ impl Sphere {
         libm::round(from_centre - self.radius_nm as f64) as i64
     }
 
-    /// The sphere `by_nm` larger in radius. From centres of the ball: by minus the tip radius a ball, by plus the tip radius a
-    /// hollow.
+    /// The sphere `by_nm` larger in radius. From centres of the ball: by minus the tip radius a
+    /// ball, by plus the tip radius a hollow.
     #[must_use]
     pub fn grown_nm(&self, by_nm: i64) -> Sphere {
         Sphere {
@@ -72,13 +74,15 @@ impl Sphere {
 }
 
 impl Circle {
-    /// The least-squares circle of at least three points, seen along `axis`: known, or the normal of a [`Plane`](super::Plane).
+    /// The least-squares circle of at least three points, seen along `axis`: known, or the normal
+    /// of a [`Plane`](super::Plane).
     ///
     /// As [`Sphere::fit`], in the plane.
     ///
     /// # Errors
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line; [`FitError::NoFit`].
+    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line;
+    /// [`FitError::NoFit`].
     pub fn fit<I>(points: I, axis: &UnitVector) -> Result<Circle, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -92,7 +96,8 @@ impl Circle {
         })
     }
 
-    /// The distance of a point from the circle, seen along its axis, positive outside, to the nearest nm.
+    /// The distance of a point from the circle, seen along its axis, positive outside, to the
+    /// nearest nm.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         let way = difference(point, self.centre_nm);
@@ -100,8 +105,8 @@ impl Circle {
         libm::round(from_centre - self.radius_nm as f64) as i64
     }
 
-    /// The circle `by_nm` larger in radius. From centres of the ball: by plus the tip radius a bore, by minus the tip radius a
-    /// boss.
+    /// The circle `by_nm` larger in radius. From centres of the ball: by plus the tip radius a
+    /// bore, by minus the tip radius a boss.
     #[must_use]
     pub fn grown_nm(&self, by_nm: i64) -> Circle {
         Circle {
@@ -133,7 +138,8 @@ impl Round {
 /// Points flatter than this, as a ratio of squares of lengths, determine no circle or sphere.
 const FLAT: f64 = 1e-6;
 
-/// Directions from the centre need less room: a cap of 5 degrees has a scatter of 10^-6 along its axis.
+/// Directions from the centre need less room: a cap of 5 degrees has a scatter of 10^-6 along its
+/// axis.
 const NARROW: f64 = 1e-9;
 
 pub(crate) fn fit_round(
@@ -162,7 +168,8 @@ pub(crate) fn fit_round(
     Err(FitError::NoFit)
 }
 
-/// The centre that makes the squares of the distances most alike: `sum z z^T c = sum z |z|^2 / 2` about the centroid.
+/// The centre that makes the squares of the distances most alike: `sum z z^T c = sum z |z|^2 / 2`
+/// about the centroid.
 fn algebraic(
     offsets: impl Iterator<Item = [f64; 3]>,
     axis: Option<[f64; 3]>,
@@ -172,7 +179,8 @@ fn algebraic(
         outer(&mut scatter, 1.0, offset, offset);
         right = add(right, dot(offset, offset) / 2.0, offset);
     }
-    // Nothing is known along the axis, and nothing asked: the centre stays at the centroid's height.
+    // Nothing is known along the axis, and nothing asked: the centre stays at the centroid's
+    // height.
     if let Some(axis) = axis {
         let size = trace(&scatter);
         outer(&mut scatter, size, axis, axis);
@@ -180,8 +188,8 @@ fn algebraic(
     solve(scatter, right, FLAT).ok_or(FitError::Undetermined)
 }
 
-/// One step of Gauss-Newton: with `u` the directions from the centre and `d` the distances, both less their means,
-/// `sum u u^T shift = sum u d`. The mean of the distances is the radius.
+/// One step of Gauss-Newton: with `u` the directions from the centre and `d` the distances, both
+/// less their means, `sum u u^T shift = sum u d`. The mean of the distances is the radius.
 fn improve(
     offsets: impl Iterator<Item = [f64; 3]> + Clone,
     count: f64,

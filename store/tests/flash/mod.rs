@@ -1,4 +1,5 @@
-//! A flash of sectors in RAM: bits fall from 1 to 0, a sector rises at once, and power may fail at any operation.
+//! A flash of sectors in RAM: bits fall from 1 to 0, a sector rises at once, and power may fail at
+//! any operation.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
@@ -25,7 +26,8 @@ pub struct Flash<const UNIT: usize> {
     pub bytes: Vec<u8>,
     /// Which units were written.
     written: Vec<bool>,
-    /// Operations (the erasing of a sector, the writing of a unit) until power fails, and what is left of the one it fails in.
+    /// Operations (the erasing of a sector, the writing of a unit) until power fails, and what is
+    /// left of the one it fails in.
     pub power: Option<(usize, u64)>,
 }
 
