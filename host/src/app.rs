@@ -111,7 +111,10 @@ fn jog(args: &cell::Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
-        "micromill" => mill::jog(args, out)?,
+        "micromill" => {
+            let is_well = mill::jog(args, out)?;
+            return Ok(if is_well { OK } else { milling::failed() });
+        }
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!("{machine} cannot be jogged: there are microfactory, drill and micromill, and files with [bytes]")

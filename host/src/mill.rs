@@ -19,11 +19,12 @@ pub use translate::{Translated, translate};
 
 use crate::cell::Jog;
 use crate::cmm::Port;
+use crate::wire::stop_flag;
 use action::Action;
 use hand::Hand;
 use husillo_transports::micromill::{Line, Order};
-use std::fmt::Write;
-use std::io;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
 use std::time::Instant;
 
 /// The original's link, bits a second.
@@ -57,11 +58,13 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
         return Err("--figure and --without-answers are for the microfactory".into());
     }
     let baud = args.baud.unwrap_or(BAUD);
+    let stop = stop_flag()?;
     let port = Port::open_at(name, baud).map_err(|error| format!("{name}: {error}"))?;
-    let mut hand = match Hand::new(port, baud) {
+    let mut hand = match Hand::new(port, baud, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
-            eprintln!("error: {name}: {sentence}");
+            // A terminal that has gone away does not matter.
+            let _ = writeln!(io::stderr(), "error: {name}: {sentence}");
             return Ok(false);
         }
     };
@@ -74,7 +77,7 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
                 let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
             }
             Err(sentence) => {
-                eprintln!("error: {name}: {action}: {sentence}");
+                let _ = writeln!(io::stderr(), "error: {name}: {action}: {sentence}");
                 return Ok(false);
             }
         }

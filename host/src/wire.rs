@@ -4,10 +4,13 @@ use crate::cmm::Port;
 use crate::emulation::Emulation;
 use std::collections::VecDeque;
 use std::io::{self, BufRead};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::mpsc::{self, Receiver};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+
+/// Ctrl-C is looked for so often while a line is typed.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// A wire to a device or to a simulated one, with the time that passes on it.
 pub enum Wire<E> {
@@ -147,6 +150,23 @@ pub fn stops_asked() -> u32 {
     return crate::terminal::stops_asked();
     #[cfg(not(unix))]
     0
+}
+
+/// The next line of standard input; `None` where that has ended, or Ctrl-C is pressed meanwhile.
+pub fn typed_line() -> Option<String> {
+    static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
+    let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
+    // A line that is waited for is not interrupted by Ctrl-C: so another thread waits.
+    let typed = typed.get_or_insert_with(typed_lines);
+    let before = stops_asked();
+    loop {
+        match typed.recv_timeout(LOOK) {
+            Ok(line) => return Some(line),
+            Err(RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) if stops_asked() > before => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
 }
 
 /// The lines of standard input as they are typed; none any more where it has ended.

@@ -3,13 +3,15 @@
 use super::{ERRORS, Failure, Job, OK, to_stderr, verdict, write};
 use crate::cli::{Compile, Send, Target};
 use crate::cmm::Port;
+use crate::cmm::interrupt::INTERRUPTED;
 use crate::diagnostics::Format;
 use crate::mill::{self, Sending, Translated};
 use crate::source::Source;
+use crate::wire::{stop_flag, stops_asked, typed_line};
 use crate::{console, feeder, program, setup};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 /// Whether it is the micro mill that is meant.
 pub(super) fn is_for(target: &Target, file: &str) -> bool {
@@ -44,6 +46,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         return Err(Failure::Usage(message.into()));
     }
     let baud = args.baud.unwrap_or(mill::BAUD);
+    let stop = stop_flag()?;
     let port =
         Port::open_at(port, baud).map_err(|error| Failure::Usage(format!("{port}: {error}")))?;
     let sending = Sending {
@@ -55,16 +58,16 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let count = made.lines.len();
     let progress = |done: usize| {
         if done == count || done.is_multiple_of(100) {
-            eprintln!("{done} of {count} lines");
+            // A terminal that has gone away does not stop a machine in the middle of a line.
+            let _ = writeln!(io::stderr(), "{done} of {count} lines");
         }
     };
-    let sent = match mill::send(port, &sending, &made.lines, progress, |tool| {
-        args.yes || asks(tool)
-    }) {
+    let operator = |tool| args.yes || asks(tool);
+    let sent = match mill::send(port, &sending, &made.lines, stop, progress, operator) {
         Ok(sent) => sent,
         Err(message) => {
-            eprintln!("{}: {message}", job.name());
-            return Ok(ERRORS);
+            let _ = writeln!(io::stderr(), "{}: {message}", job.name());
+            return Ok(failed());
         }
     };
     let expected = steps(&job, mill::text(&made.lines))?;
@@ -152,12 +155,17 @@ fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
     Ok(steps)
 }
 
+/// Exit status where the machine did not do all it had to.
+pub(super) fn failed() -> u8 {
+    if stops_asked() > 0 {
+        INTERRUPTED
+    } else {
+        ERRORS
+    }
+}
+
 /// Whether the operator goes on.
 fn asks(tool: u8) -> bool {
     eprintln!("Tool {tool}: put it in, then Enter (or q to end)");
-    let mut answer = String::new();
-    match io::stdin().lock().read_line(&mut answer) {
-        Ok(1..) => !answer.trim().eq_ignore_ascii_case("q"),
-        _ => false,
-    }
+    typed_line().is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
 }

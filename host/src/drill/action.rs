@@ -19,6 +19,8 @@ pub enum Action {
     Jog(Axis, bool, Duration),
     /// The spindle.
     Spindle(bool),
+    /// Stop: behind the record it is at, out of the manual mode, the spindle off.
+    Stop,
     /// The present place becomes a hole of the program.
     Teach,
     /// Write the program in the memory to a file.
@@ -84,6 +86,7 @@ impl Action {
                     Some("off") => Self::Spindle(false),
                     _ => return Err("`spindle` on or off?".into()),
                 },
+                "stop" => Self::Stop,
                 "save" => Self::Save(words.next().ok_or("`save` to which file?")?.clone()),
                 _ => Self::axis(word, words.next())?,
             });
@@ -95,8 +98,8 @@ impl Action {
     fn axis(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
-                "unknown action `{word}`: a drill has home, steps as in `x -25`, a jog as in `x+ 2s`, spindle on, spindle off, teach, save \
-                 FILE, run, clear, test, help"
+                "unknown action `{word}`: a drill has home, steps as in `x -25`, a jog as in `x+ 2s`, spindle on, spindle off, stop, teach, \
+                 save FILE, run, clear, test, help"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);
@@ -139,6 +142,7 @@ impl fmt::Display for Action {
                 write!(f, "{}{}", axis.name(), if *forward { '+' } else { '-' })
             }
             Self::Spindle(on) => write!(f, "spindle {}", if *on { "on" } else { "off" }),
+            Self::Stop => f.write_str("stop"),
             Self::Teach => f.write_str("teach"),
             Self::Save(file) => write!(f, "save {file}"),
             Self::Run => f.write_str("run"),
@@ -225,6 +229,15 @@ impl Hand {
             self.manual(JOG_STEPS)?;
         }
         match action {
+            // What ran before was ended as the drill was reached.
+            Action::Stop => {
+                self.advance = None;
+                self.client.reach()?;
+                if self.client.has_extras() {
+                    self.client.run(Step::Spindle(false))?;
+                    self.spindle = false;
+                }
+            }
             Action::Home if self.advance.is_some() => self.key(b'r')?,
             Action::Home => self.client.run_for(Step::Home, KEY, |_| {})?,
             Action::Steps(axis, steps) => {

@@ -1,24 +1,18 @@
 //! The operator before a terminal.
 
 use super::sender::{Operator, left};
-use crate::wire::{stops_asked, typed_lines};
+use crate::wire::typed_line;
 use husillo_gcode::Nm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Duration;
 
 /// Parts of the bar.
 const PARTS: u64 = 1000;
-/// Ctrl-C is looked for so often while a line is typed.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// Standard input, an output, and a bar on standard error.
 pub struct Console<'a> {
     out: &'a mut dyn Write,
     bar: ProgressBar,
-    /// Lines as they are typed, from when the first one was asked for.
-    typed: Option<Receiver<String>>,
 }
 
 impl<'a> Console<'a> {
@@ -28,26 +22,12 @@ impl<'a> Console<'a> {
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {msg}") {
             bar.set_style(style);
         }
-        Self {
-            out,
-            bar,
-            typed: None,
-        }
+        Self { out, bar }
     }
 
     /// The next line; `None` where the input has ended, or Ctrl-C was pressed.
-    fn line(&mut self) -> Option<String> {
-        // A line that is waited for is not interrupted by Ctrl-C: so another thread waits.
-        let typed = self.typed.get_or_insert_with(typed_lines);
-        let before = stops_asked();
-        loop {
-            match typed.recv_timeout(LOOK) {
-                Ok(line) => return Some(line.trim().to_owned()),
-                Err(RecvTimeoutError::Disconnected) => return None,
-                Err(RecvTimeoutError::Timeout) if stops_asked() > before => return None,
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-        }
+    fn line() -> Option<String> {
+        typed_line().map(|line| line.trim().to_owned())
     }
 
     /// Takes the bar away.
@@ -69,7 +49,7 @@ impl Operator for Console<'_> {
         self.tell(&format!(
             "{tool}: the spindle stands. Put it in and type its diameter in mm.{wanted}"
         ));
-        self.line()
+        Self::line()
     }
 
     fn progress(&mut self, share: f64, left_s: f64) {

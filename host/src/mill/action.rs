@@ -19,6 +19,8 @@ pub enum Action {
     Backlash(Axis, u16),
     /// The part's zero is here.
     Zero,
+    /// Stop what moves, another's motion too.
+    Stop,
     /// Tell where the motors are.
     Where,
 }
@@ -56,6 +58,7 @@ impl Action {
             actions.push(match word {
                 "home" => Self::Home,
                 "zero" => Self::Zero,
+                "stop" => Self::Stop,
                 "where" => Self::Where,
                 "faster" | "slower" => {
                     let pace = if word == "faster" {
@@ -129,7 +132,7 @@ impl Action {
         if word.is_empty() || !rest.is_empty() {
             return Err(format!(
                 "unknown action `{word}`: a mill has home, steps as in `x -25`, jogs as in `x+ 2s` or `x+y- 2s faster 1s slower 1s`, \
-                 run x -250 2s, backlash x 204, zero, where"
+                 run x -250 2s, backlash x 204, zero, stop, where"
             ));
         }
         let time = time(word, amount)?;
@@ -174,6 +177,7 @@ impl fmt::Display for Action {
             Self::Run(axis, hz, _) => write!(f, "run {} {hz:+}", letter(*axis)),
             Self::Backlash(axis, um) => write!(f, "backlash {} {um}", letter(*axis)),
             Self::Zero => f.write_str("zero"),
+            Self::Stop => f.write_str("stop"),
             Self::Where => f.write_str("where"),
         }
     }
@@ -196,7 +200,7 @@ mod tests {
             time: second * seconds,
         };
         let actions = parse(
-            "home x -12000 x+y-z+ 2s faster 1s slower 3s z- 1s run y -250 1s backlash x 204 zero where",
+            "home x -12000 x+y-z+ 2s faster 1s slower 3s z- 1s run y -250 1s backlash x 204 zero stop where",
         );
         let expected = [
             Action::Home,
@@ -213,13 +217,14 @@ mod tests {
             Action::Run(Axis::Y, -250, second),
             Action::Backlash(Axis::X, 204),
             Action::Zero,
+            Action::Stop,
             Action::Where,
         ];
         assert_eq!(actions.unwrap(), expected);
         let names: Vec<_> = expected.iter().map(Action::to_string).collect();
         assert_eq!(
             names.join(", "),
-            "home, x -12000, x+y-z+, z-, run y -250, backlash x 204, zero, where"
+            "home, x -12000, x+y-z+, z-, run y -250, backlash x 204, zero, stop, where"
         );
         for wrong in [
             "fly",

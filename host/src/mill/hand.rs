@@ -4,6 +4,8 @@ use super::action::{Action, Leg, Pace};
 use super::session::{Session, why};
 use crate::cmm::Port;
 use husillo_transports::micromill::{Axis, Order, Outcome};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A jog ends by itself so long after the host was heard last, ms.
@@ -25,8 +27,8 @@ impl Hand {
     /// # Errors
     ///
     /// A sentence about the port or the controller.
-    pub fn new(port: Port, bits_per_s: u32) -> Result<Self, String> {
-        let mut session = Session::new(port, bits_per_s);
+    pub fn new(port: Port, bits_per_s: u32, stop: Arc<AtomicBool>) -> Result<Self, String> {
+        let mut session = Session::new(port, bits_per_s, stop);
         session.order(Order::Stop, "stop")?;
         session.order(Order::Stream(false), "no streaming")?;
         session.order(Order::Every(1), "report of steps")?;
@@ -54,13 +56,22 @@ impl Hand {
             }
             Action::Backlash(axis, um) => self.ordered(Order::Backlash(*axis, *um)),
             Action::Zero => self.ordered(Order::Zero),
+            // Once more: the first string of the session was one.
+            Action::Stop => self.ordered(Order::Stop),
             Action::Where => Ok(()),
         };
         let told = self.session.steps.len();
-        for (axis, forward) in self.session.steps.drain(..) {
-            self.place[usize::from(axis)] += if forward { 1 } else { -1 };
+        for (place, steps) in self.place.iter_mut().zip(self.session.told()) {
+            *place += steps;
         }
-        made?;
+        self.session.steps.clear();
+        if let Err(sentence) = made {
+            let [x, y, z] = self.place;
+            return Err(match self.session.is_halted() {
+                true => format!("{sentence}; {told} steps; motors at x {x} y {y} z {z}"),
+                false => sentence,
+            });
+        }
         if *action == Action::Home {
             self.place = [0; 3];
             return Ok("homed".into());

@@ -3,6 +3,8 @@
 use super::session::Session;
 use crate::cmm::Port;
 use husillo_transports::micromill::{Line, Order};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// How lines are sent.
 #[derive(Clone, Copy, Debug)]
@@ -30,15 +32,57 @@ pub struct Sent {
 ///
 /// # Errors
 ///
-/// A sentence about the line of the file, or the port.
+/// A sentence about the line of the file, or the port; or `stop` was set, and where the motors are
+/// then.
 pub fn send(
     port: Port,
     sending: &Sending,
     lines: &[(usize, Line)],
+    stop: Arc<AtomicBool>,
+    progress: impl FnMut(usize),
+    operator: impl FnMut(u8) -> bool,
+) -> Result<Sent, String> {
+    let mut session = Session::new(port, sending.bits_per_s, stop);
+    let mut is_counted = false;
+    let made = made(
+        &mut session,
+        sending,
+        lines,
+        &mut is_counted,
+        progress,
+        operator,
+    );
+    match made {
+        Err(sentence) if session.is_halted() && sending.every > 0 && is_counted => {
+            let [x, y, z] = session.told().map(|steps| steps * i64::from(sending.every));
+            let from = if sending.homes {
+                "machine zero"
+            } else {
+                "its beginning"
+            };
+            let about = if sending.every > 1 { "about " } else { "" };
+            let lines = session.lines;
+            Err(format!(
+                "{sentence}; {lines} lines made; motors at {about}x {x} y {y} z {z} steps from {from}"
+            ))
+        }
+        Err(sentence) => Err(sentence),
+        Ok(()) => Ok(Sent {
+            steps: session.steps,
+            lines: session.lines,
+        }),
+    }
+}
+
+/// All that is sent; `is_counted` from where on steps tell the place.
+fn made(
+    session: &mut Session,
+    sending: &Sending,
+    lines: &[(usize, Line)],
+    is_counted: &mut bool,
     mut progress: impl FnMut(usize),
     mut operator: impl FnMut(u8) -> bool,
-) -> Result<Sent, String> {
-    let mut session = Session::new(port, sending.bits_per_s);
+) -> Result<(), String> {
     session.order(Order::Stop, "stop")?;
     session.order(Order::Stream(false), "no streaming")?;
     session.order(Order::Every(sending.every), "report of steps")?;
@@ -46,6 +90,7 @@ pub fn send(
         session.order(Order::Home, "homing")?;
     }
     session.steps.clear();
+    *is_counted = true;
     if sending.streams {
         session.order(Order::Stream(true), "streaming")?;
     }
@@ -53,6 +98,8 @@ pub fn send(
         if let Line::Tool(tool) = line {
             session.finish()?;
             if !operator(*tool) {
+                // Where that was Ctrl-C it says so.
+                session.turn(0)?;
                 return Err(format!("line {number}: stopped before tool {tool}"));
             }
         }
@@ -68,8 +115,5 @@ pub fn send(
     if sending.streams {
         session.order(Order::Stream(false), "no streaming")?;
     }
-    Ok(Sent {
-        steps: session.steps,
-        lines: session.lines,
-    })
+    Ok(())
 }

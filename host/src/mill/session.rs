@@ -1,17 +1,29 @@
 //! A controller on a port: orders, one after the other, and what it tells meanwhile.
 
 use crate::cmm::Port;
+use crate::wire::stops_asked;
 use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The longest wait for a byte before the machine is asked how far it is, us.
 const TURN_US: u32 = 100_000;
+/// The longest wait before Ctrl-C is looked for, us: 4 steps of a jog.
+const LOOK_US: u32 = 20_000;
+/// A controller that has not confirmed a stop after this does not answer, us.
+const HALT_US: u32 = 3_000_000;
 
 /// The host's end of the line, and what has come.
 pub struct Session {
     port: Port,
+    timing: HostTiming,
     host: Host,
     waiting: VecDeque<u8>,
+    /// Set by Ctrl-C.
+    stop: Arc<AtomicBool>,
+    /// That was seen to.
+    is_halted: bool,
     /// Each step told: axis, and whether forward.
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
@@ -19,12 +31,18 @@ pub struct Session {
 }
 
 impl Session {
-    /// A controller in any state: [`Order::Stop`] is a good beginning.
-    pub fn new(port: Port, bits_per_s: u32) -> Self {
+    /// A controller in any state: [`Order::Stop`] is a good beginning. It is stopped, whatever it
+    /// does, as soon
+    /// as `stop` is set.
+    pub fn new(port: Port, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+        let timing = HostTiming::of(bits_per_s);
         Self {
             port,
-            host: Host::new(HostTiming::of(bits_per_s)),
+            timing,
+            host: Host::new(timing),
             waiting: VecDeque::new(),
+            stop,
+            is_halted: false,
             steps: Vec::new(),
             lines: 0,
         }
@@ -70,8 +88,12 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// The port, or a controller that was reset.
+    /// The port, a controller that was reset, or Ctrl-C: what moved is stopped then.
     pub fn turn(&mut self, longest_us: u32) -> Result<Option<Outcome>, String> {
+        if !self.is_halted && self.stop.load(Ordering::Relaxed) {
+            self.is_halted = true;
+            return Err(self.halt());
+        }
         let wait_us = match self.host.poll(self.now()) {
             Progress::Over(outcome) => return Ok(Some(outcome)),
             Progress::Sending => {
@@ -87,10 +109,48 @@ impl Session {
             Progress::Waiting { us } => us,
             Progress::Idle => longest_us,
         };
-        let bytes = self.port.receive(wait_us.min(longest_us)).map_err(gone)?;
+        let wait_us = wait_us.min(longest_us).min(LOOK_US);
+        let bytes = self.port.receive(wait_us).map_err(gone)?;
         self.waiting.extend(bytes);
         self.hear()?;
         Ok(None)
+    }
+
+    /// Whether Ctrl-C has ended it.
+    pub const fn is_halted(&self) -> bool {
+        self.is_halted
+    }
+
+    /// Steps told since they were forgotten last, by axis.
+    pub fn told(&self) -> [i64; 3] {
+        let mut told = [0; 3];
+        for (axis, forward) in &self.steps {
+            told[usize::from(*axis)] += if *forward { 1 } else { -1 };
+        }
+        told
+    }
+
+    /// Stops what moves, whatever is on the line: what came of it. Pressed again, Ctrl-C ends the
+    /// wait.
+    fn halt(&mut self) -> String {
+        // The string under way is over. The first byte of this one goes at once, and stops.
+        self.host = Host::new(self.timing);
+        let start = self.now();
+        self.host.start(Order::Stop, start);
+        loop {
+            match self.turn(LOOK_US) {
+                Ok(None) => {}
+                Ok(Some(Outcome::Done)) => return "interrupted: the controller has stopped".into(),
+                Ok(Some(outcome)) => return unconfirmed(why(outcome)),
+                Err(sentence) => return unconfirmed(&sentence),
+            }
+            if stops_asked() > 1 {
+                return unconfirmed("not waited for any more");
+            }
+            if self.now().wrapping_sub(start) > HALT_US {
+                return unconfirmed(why(Outcome::Silent));
+            }
+        }
     }
 
     fn hear(&mut self) -> Result<(), String> {
@@ -114,6 +174,12 @@ impl Session {
 
 fn gone(error: std::io::Error) -> String {
     format!("the port: {error}")
+}
+
+fn unconfirmed(why: &str) -> String {
+    format!(
+        "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch the mill off"
+    )
 }
 
 /// A sentence about an order that was not obeyed to its end.
