@@ -12,6 +12,7 @@ mod axis_fit;
 mod calibrated;
 mod calibrating;
 mod calibration_file;
+mod collision;
 mod contact;
 mod direction;
 pub mod emulated;
@@ -51,6 +52,7 @@ use file::{CmmFile, Stylus};
 use head::Head;
 use interrupt::{INTERRUPTED, Interrupt};
 use piece::Mounted;
+use prober::Prober as _;
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::Session;
@@ -81,6 +83,8 @@ const OUT_OF_TOLERANCE: u8 = 1;
 const WRONG: u8 = 2;
 /// Exit status of a routine that stopped on the way.
 const TROUBLE: u8 = 3;
+/// Exit status where an axis has met something where nothing was to be touched.
+const COLLISION: u8 = 4;
 
 /// `husillo measure`: prints the results to `out`, and what `-o` asks for to `table`.
 ///
@@ -96,7 +100,9 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
             eprintln!("{message}");
             Err(Stopped::Told(INTERRUPTED))
         }
-        Err(Stopped::Told(TROUBLE)) if interrupt.has_stopped() => Err(Stopped::Told(INTERRUPTED)),
+        Err(Stopped::Told(TROUBLE | COLLISION)) if interrupt.has_stopped() => {
+            Err(Stopped::Told(INTERRUPTED))
+        }
         done => done,
     }
 }
@@ -159,7 +165,7 @@ fn measure_by(
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let mut is_refused = false;
+    let (mut is_refused, mut has_collided) = (false, false);
     let result = Head::start(line, machine, args.repeat).and_then(|head| {
         let mut head = Calibrated::new(head, machine.errors.clone());
         let mut tell = |row: &ResultRow| {
@@ -168,10 +174,13 @@ fn measure_by(
             }
             rows.push(row.clone());
         };
-        session.run(&actions, &mut head, &mut tell)?;
-        if is_session {
-            is_refused = typed(&mut session, &mut head, interrupt, tell)?;
-        }
+        let done = session.run(&actions, &mut head, &mut tell);
+        let done = done.and_then(|()| match is_session {
+            true => typed(&mut session, &mut head, interrupt, tell),
+            false => Ok(false),
+        });
+        has_collided = head.has_collided();
+        is_refused = done?;
         Ok(())
     });
     if args.format == Results::Json {
@@ -187,8 +196,17 @@ fn measure_by(
             Results::Text | Results::Json => Ok(()),
         }
     });
-    result.map_err(|trouble| Stopped::Machine(told(&trouble)))?;
+    match result {
+        Err(trouble) if has_collided => {
+            eprintln!("{}", told(&trouble));
+            return Err(Stopped::Told(COLLISION));
+        }
+        result => result.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
+    }
     written.map_err(|error| Stopped::Usage(error.to_string()))?;
+    if has_collided {
+        return Err(Stopped::Told(COLLISION));
+    }
     if is_refused {
         return Err(Stopped::Told(TROUBLE));
     }
@@ -249,7 +267,10 @@ fn prepared(
     });
     result.map_err(|trouble| {
         eprintln!("{}", told(&trouble));
-        Stopped::Told(TROUBLE)
+        Stopped::Told(match head.has_collided() {
+            true => COLLISION,
+            false => TROUBLE,
+        })
     })?;
     written.map_err(|error| Stopped::Usage(error.to_string()))?;
     Ok(session.stylus())
@@ -325,6 +346,7 @@ const fn ended(ending: Ending) -> Result<(), Stopped> {
         Ending::Good => Ok(()),
         Ending::OutOfTolerance => Err(Stopped::Told(OUT_OF_TOLERANCE)),
         Ending::Trouble => Err(Stopped::Told(TROUBLE)),
+        Ending::Collision => Err(Stopped::Told(COLLISION)),
     }
 }
 

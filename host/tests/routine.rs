@@ -122,6 +122,59 @@ fn out_of_tolerance_is_exit_status_1() {
     run.code(1).stdout(predicate::str::starts_with(head));
 }
 
+/// A routine that goes from one side of the block to the other.
+const THROUGH: &str = "\
+goto x 30 y 2 z -8
+goto z -25
+point P at x 30 y 10 z -25 +-0.05 towards +y
+goto x 30 y 58 z -25
+";
+
+#[test]
+fn a_collision_is_exit_status_4_and_nothing_is_good() {
+    let routine = written("through.routine", THROUGH);
+    let run = |format: &str, output: &Path| {
+        let mut command = measure_piece(PIECE, "8 um");
+        command.args(["--format", format, "-o"]).arg(output);
+        command.arg("run").arg(&routine).assert().code(4)
+    };
+    let page = scratch("through.html");
+    // The ball of 1 mm is before the face at y = 10 mm.
+    let told = contains("through.routine:4:1")
+        .and(contains("]: collision: a contact at X 30.0"))
+        .and(contains(", Y 9.0"))
+        .and(contains("Y went at about 2.").or(contains("YZ went at about 2.")));
+    run("text", &page).stderr(told).stdout(
+        contains("1 feature, spoiled by a collision: none of 1 tolerances counts as kept")
+            .and(contains("tolerances kept").not()),
+    );
+    let page = fs::read_to_string(page).unwrap();
+    assert!(page.contains("spoiled by a collision</td>"), "{page}");
+    assert!(!page.contains(">ok<") && !page.contains("verdict ok"));
+
+    let table = scratch("through.csv");
+    let json = run("json", &table);
+    let told: Value = serde_json::from_slice(&json.get_output().stdout).unwrap();
+    let feature = &told["features"][0];
+    assert_eq!(
+        [
+            &told["in_tolerance"],
+            &told["collision"],
+            &feature["in_tolerance"]
+        ],
+        [&Value::Bool(false), &Value::Bool(true), &Value::Bool(false)]
+    );
+    assert_eq!(feature["dimensions"][2]["in_tolerance"], Value::Null);
+    let table = fs::read_to_string(table).unwrap();
+    let rows = table.lines().filter(|row| row.ends_with(",spoiled"));
+    assert!(rows.count() == 1 && !table.contains(",ok"), "{table}");
+
+    // The same way over the block is none.
+    let over = THROUGH.replace("goto x 30 y 58", "goto z -8\ngoto y 58\ngoto x 30 y 58");
+    let over = result(measure_piece(PIECE, "8 um"), written("over.routine", &over));
+    assert_eq!([&over["collision"], &over["in_tolerance"]], [false, true]);
+}
+
 #[test]
 fn trouble_is_exit_status_3() {
     let routine = written("far.routine", "point P at x 0 y 0 z 10 towards +z\n");

@@ -187,6 +187,10 @@ impl<P: Prober> Prober for Calibrated<P> {
         })
     }
 
+    fn has_collided(&self) -> bool {
+        self.prober.has_collided()
+    }
+
     fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
         let (touched, flanks) = self.touch_with(direction, way_nm, P::touch)?;
         Ok(Touched {
@@ -368,6 +372,10 @@ mod tests {
     }
 
     impl Prober for Wrong {
+        fn has_collided(&self) -> bool {
+            false
+        }
+
         fn position(&mut self) -> Result<[i64; 3], Trouble> {
             Ok(self.at)
         }

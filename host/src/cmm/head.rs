@@ -33,6 +33,10 @@ pub struct Head {
     is_astray: bool,
     /// The axis whose module has given up by itself, until it is told to stop.
     given_up: Option<usize>,
+    /// Where the probe that is pressed now has touched first, counts.
+    pub(super) contact_at: Option<Vec<i32>>,
+    /// Something was met where nothing was to be touched.
+    pub(super) has_collided: bool,
 }
 
 impl Head {
@@ -58,6 +62,8 @@ impl Head {
             touches,
             is_astray: false,
             given_up: None,
+            contact_at: None,
+            has_collided: false,
         };
         // A divisor makes the profiles of old modules slower, but only the derivative of version 10.
         let periods = head.axes.iter().map(|axis| {
@@ -162,6 +168,11 @@ impl Head {
     /// Where the axes are by these replies.
     pub fn place_of(&self, replies: &[Reply]) -> [i64; 3] {
         self.place(|index, _| replies[index].readings.position)
+    }
+
+    /// Where the axes are at these counts, one each.
+    pub(super) fn place_at(&self, counts: &[i32]) -> [i64; 3] {
+        self.place(|index, _| counts[index])
     }
 
     /// Where the axes were by these replies when they found what they looked for.
@@ -413,6 +424,10 @@ impl Prober for Head {
         self.search_to(goal_nm, self.rate(nm_per_min), until)
     }
 
+    fn has_collided(&self) -> bool {
+        self.has_collided()
+    }
+
     fn see_as(&mut self, view: &View) {
         self.view = view.clone();
     }
@@ -541,6 +556,71 @@ mod tests {
         head.jog(0, true, 60.0, false).unwrap();
         let [at, _] = motors(&mut head);
         assert!((998..=1000).contains(&at[0]), "{at:?}");
+    }
+
+    /// The face is at -4 mm, which is -2000 counts.
+    #[test]
+    fn a_contact_on_the_way_stops_all_axes_and_is_left_slowly() {
+        let mut head = head();
+        let met = head.go_to([6 * MM, 0, -12 * MM]);
+        let Err(Trouble::Collision { axes, at, speed }) = met else {
+            panic!("{met:?}")
+        };
+        assert_eq!(axes, "XZ");
+        assert!(at.contains("Z -4.000"), "{at}");
+        // 2.4 mm/s on Z, half of it on X.
+        let speed: f64 = speed.unwrap().trim_end_matches(" mm/s").parse().unwrap();
+        assert!((2.5..2.9).contains(&speed), "{speed}");
+        assert!(head.has_collided());
+        let [at, later] = motors(&mut head);
+        // 50 um: what the motor runs on as the host repeats the stop.
+        assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
+        assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
+
+        // Deeper in steps: not by more than a probe takes, 100 counts.
+        let mut depth = 0;
+        let stopped = loop {
+            depth += 1;
+            match head.go_to([2 * MM, 0, -4 * MM - depth * MM / 10]) {
+                Ok(_) => assert!(depth < 9, "nothing stops it"),
+                Err(trouble) => break trouble,
+            }
+        };
+        assert!(matches!(stopped, Trouble::Collision { .. }), "{stopped}");
+        let [at, _] = motors(&mut head);
+        assert!((-2130..=-2096).contains(&at[2]), "{at:?}");
+
+        // Off the surface, 0.32 mm at 0.4 mm/s of the 4.4, and the rest at 2.4 mm/s.
+        let (time, there) = seconds(&mut head, |head| head.go_to([2 * MM, 0, 0]));
+        assert!(there.unwrap()[2].abs_diff(0) <= 2_000);
+        assert!((2.2..3.8).contains(&time), "{time} s");
+        assert!(head.go_to([0, 0, -3 * MM]).is_ok());
+        // A jog meets it as well.
+        let met = head.jog(2, false, 60.0, false);
+        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        let [at, _] = motors(&mut head);
+        assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
+    }
+
+    /// The index of Z is below the face: a homing that meets it is no home.
+    #[test]
+    fn homing_against_a_face_is_a_collision() {
+        let machine = CmmFile::load("cmm3").unwrap_or_else(|_| panic!("cmm3"));
+        let face = "3:150".parse().unwrap();
+        let emulated = Emulated::new(&[4; 3], &[face], None).unwrap();
+        let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        let mut head = Head::start(line, &machine, 1).unwrap();
+        head.go_to([0, 0, MM / 10]).unwrap();
+        let met = head.home(2);
+        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        let [at, _] = motors(&mut head);
+        assert!(at[2].abs_diff(150) <= 4, "{at:?}");
+        // In contact it is not begun.
+        let begun = head.home(2);
+        assert!(
+            matches!(begun, Err(Trouble::Probe(Failure::ContactAtStart))),
+            "{begun:?}"
+        );
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Home on the index of an encoder.
 
 use super::head::Head;
+use super::touching::is_closed;
 use super::trouble::Trouble;
 use super::way::{Search, Way};
+use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
 
 impl Head {
@@ -11,16 +13,17 @@ impl Head {
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoIndex`] up to the end of the travel, and all of [`travel`](Self::travel).
+    /// [`Trouble::NoIndex`] up to the end of the travel, a contact at the start, and all of
+    /// [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
-        if self
-            .status(coordinate)?
-            .readings
-            .auxiliary
-            .contains(Auxiliary::INDEX)
-        {
+        let reply = self.status(coordinate)?;
+        if is_closed(&reply) {
+            // It would leave the contact without anybody looking.
+            return Err(Trouble::Probe(Failure::ContactAtStart));
+        }
+        if reply.readings.auxiliary.contains(Auxiliary::INDEX) {
             self.back_from(index, self.axes[index].held)?;
         }
         let found = self.search_index(index, quick)?;
@@ -43,7 +46,9 @@ impl Head {
         let axis = &self.axes[index];
         let (letter, [_, high]) = (axis.file.letter, axis.file.travel);
         let search = Search {
-            events: Homing::INDEX,
+            // The contact ends it as well: a collision.
+            events: Homing::INDEX.with(Homing::LIMIT_1),
+            stop: Homing::ABRUPT,
             only: Some(index),
         };
         let way = self.only(index, high, Some(search), rate)?;

@@ -1,12 +1,15 @@
 //! An axis that runs for some time.
 
 use super::head::{Head, is_done, stop};
+use super::touching::is_closed;
 use super::trouble::Trouble;
 use super::way::per_period;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
 impl Head {
-    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it smoothly. It is a move to the end of the
+    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it
+    /// smoothly. From a
+    /// contact it runs at that of a search. It is a move to the end of the
     /// travel that is broken off: there the module ends it, host or not.
     ///
     /// # Errors
@@ -43,7 +46,12 @@ impl Head {
             // At the end of the travel already.
             return Ok(());
         }
-        let rate = if is_slow {
+        let is_touching = self.is_touching()?;
+        let mut goals: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
+        goals[index] = goal;
+        let mut watch = self.watch(&goals);
+        self.begin_watch(&mut watch, is_touching)?;
+        let rate = if is_slow || is_touching {
             self.probe.rate.min(axis.file.rate)
         } else {
             axis.file.rate
@@ -63,12 +71,19 @@ impl Head {
         )?;
         let end_us = self.line.elapsed_us() + (seconds * 1e6) as u64;
         while self.line.elapsed_us() < end_us {
-            let reply = &self.read()?[index];
+            let replies = self.read()?;
+            self.look(&mut watch, &replies)?;
+            let reply = &replies[index];
             if is_done(reply) && axis.is_near(reply.readings.position, goal) {
                 break;
             }
         }
         self.line.command(axis.file.module, stop(StopWay::Smooth))?;
-        self.settle().map(drop)
+        let was_armed = self.end_watch(&mut watch)?;
+        let replies = self.settle()?;
+        if was_armed && replies.iter().any(is_closed) {
+            return Err(self.collision(&watch));
+        }
+        Ok(())
     }
 }

@@ -60,6 +60,13 @@ impl Tally {
         self.reported.values().sum()
     }
 
+    /// Those told: nothing stands in the way of these sessions.
+    fn collisions(&self) -> u64 {
+        let told = self.reported.iter();
+        let collisions = told.filter(|(words, _)| words.starts_with("collision"));
+        collisions.map(|(_, count)| count).sum()
+    }
+
     fn close(&mut self, mut port: Port) {
         let Port::Simulated(emulated, ns) = &mut port else {
             unreachable!("simulated")
@@ -268,6 +275,7 @@ fn a_noisy_line_gives_right_results_or_errors() {
     show(&NOISY, &tally);
     assert!(tally.damage.wrong_bits > 5_000 && tally.moves > 100 && tally.touches > 100);
     assert_eq!((tally.wrong_moves, tally.wrong_touches), (0, 0));
+    assert_eq!(tally.collisions(), 0);
 }
 
 /// Bytes lost and doubled on their way.
@@ -286,6 +294,7 @@ fn lost_and_doubled_bytes_give_right_results_or_errors() {
     show(&plan, &tally);
     assert!(tally.damage.damaged_replies > 100 && tally.touches > 20);
     assert_eq!((tally.wrong_moves, tally.wrong_touches), (0, 0));
+    assert_eq!(tally.collisions(), 0);
 }
 
 /// The module loses its supply for half a second, at any moment of a session.

@@ -41,6 +41,10 @@ pub trait Prober {
         until: Edge,
     ) -> Result<Probed, Trouble>;
 
+    /// Whether it has met something where nothing was to be touched: what was measured is not good
+    /// then.
+    fn has_collided(&self) -> bool;
+
     /// From now on its messages name the positions that readings are called by.
     fn see_as(&mut self, _: &View) {}
 

@@ -132,7 +132,11 @@ impl ReferenceBody {
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::Z]);
         centre = one.map_err(Trouble::Fit)?.centre_nm;
         let touches = pass(&normals, centre, clearance)?;
-        prober.go_to(plus(centre, [0, 0, far]))?;
+        // From the last touch, beside the sphere, straight to its top would be through it.
+        let [last_x, last_y, _] = prober.position()?;
+        let [x, y, above] = plus(centre, [0, 0, far]);
+        prober.go_to([last_x, last_y, above])?;
+        prober.go_to([x, y, above])?;
         let directions = normals.iter().map(|normal| normal.map(|part| -part));
         fitted::<POINTS>(touches, &reference, tip_radius, directions.collect())
     }

@@ -83,6 +83,11 @@ impl Scale {
             .unwrap_or(amount.num)
     }
 
+    /// Counts a second for people.
+    pub fn text_of_rate(self, rate: i64) -> String {
+        format!("{}/s", self.text(self.of_counts(rate)))
+    }
+
     /// A speed in counts a second; at least 1.
     pub fn rate(self, quantity: Quantity) -> Option<u32> {
         let rate = match quantity {

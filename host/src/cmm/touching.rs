@@ -29,6 +29,7 @@ impl Head {
         self.check_travel(&goal, meant)?;
         let search = Search {
             events: Homing::LIMIT_1,
+            stop: Homing::SMOOTH,
             only: None,
         };
         let way = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
@@ -117,6 +118,7 @@ impl Head {
                     let is_search = target != from && direction.length_along(along) > 0;
                     let search = is_search.then_some(Search {
                         events: Homing::LIMIT_1,
+                        stop: Homing::SMOOTH,
                         only: None,
                     });
                     let wanted = self.counts(target)?;
@@ -124,7 +126,10 @@ impl Head {
                     if goal != wanted {
                         beyond = Some((wanted, target));
                     }
-                    way = self.travel(&goal, Some(speed), search)?;
+                    way = match search {
+                        Some(search) => self.travel(&goal, Some(speed), Some(search))?,
+                        None => self.retract(&goal, speed)?,
+                    };
                     is_in_vain = is_search && !way.is_found;
                 }
                 // The modules stop by themselves.
@@ -187,6 +192,6 @@ impl Head {
 }
 
 /// Whether the probe touches.
-fn is_closed(reply: &Reply) -> bool {
+pub(super) fn is_closed(reply: &Reply) -> bool {
     reply.status.contains(Status::LIMIT_1)
 }

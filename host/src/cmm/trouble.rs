@@ -45,6 +45,14 @@ pub enum Trouble {
     NotHomed { axis: char },
     /// The goal is not within the travel.
     OutsideTravel { goal: String, travel: [String; 2] },
+    /// A contact where nothing was to be touched; the speed is that of the last reading before it.
+    Collision {
+        axes: String,
+        at: String,
+        speed: Option<String>,
+    },
+    /// A contact that was told once, and not again.
+    DoubtfulContact,
     /// No index on the way.
     NoIndex { axis: char },
     /// No contact on the way.
@@ -114,6 +122,10 @@ impl Trouble {
             Self::NoContact { .. } => {
                 "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
             }
+            Self::Collision { .. } => {
+                "look at the stylus, go back the way it came (until the contact is open that is slow), and calibrate the probe again. `safe` in a routine leads over the part"
+            }
+            Self::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
             Self::NotTouching => "first touch it: G38.2 stops at the contact and stays there",
             Self::NotLatched { .. } => {
                 "it changed as the axes came to rest at the end of the search: search farther"
@@ -168,6 +180,17 @@ impl fmt::Display for Trouble {
             ),
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
+            Self::Collision { axes, at, speed } => {
+                write!(out, "collision: a contact at {at}, where nothing was to be touched")?;
+                match speed {
+                    Some(speed) => write!(out, ", as {axes} went at about {speed}")?,
+                    None => write!(out, ", as {axes} began to move")?,
+                }
+                out.write_str("; all axes have been stopped")
+            }
+            Self::DoubtfulContact => out.write_str(
+                "a contact was told that a second reading does not confirm: all axes have been stopped",
+            ),
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => write!(out, "contact all the way from {from} to {to}"),

@@ -30,6 +30,8 @@ pub struct Way {
 pub struct Search {
     /// Any of these, on each of the axes that search.
     pub events: Homing,
+    /// How a module then stops its axis.
+    pub stop: Homing,
     /// The axis, by its place in the machine file, that searches alone.
     pub only: Option<usize>,
 }
@@ -37,6 +39,11 @@ pub struct Search {
 impl Search {
     fn is_for(self, index: usize) -> bool {
         self.only.is_none_or(|only| only == index)
+    }
+
+    /// Whether it is the contact that is searched.
+    fn is_touch(self) -> bool {
+        self.events == Homing::LIMIT_1
     }
 
     /// Whether a module that searched has found it.
@@ -63,8 +70,9 @@ pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u
 
 impl Head {
     /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate` counts/s, and waits until all stand. With
-    /// a `search` each module ends it at the event, latches where it was and stops smoothly, whatever the host does; without event and
-    /// host the move ends at its goal.
+    /// a `search` each module ends it at the event, latches where it was and stops, whatever the
+    /// host does; without event and
+    /// host the move ends at its goal. Without a search a contact is a collision.
     ///
     /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and started by one command to the group.
     ///
@@ -77,15 +85,19 @@ impl Head {
         rate: Option<u32>,
         search: Option<Search>,
     ) -> Result<Way, Trouble> {
-        self.guarded(|head| head.go_along(goal, rate, search))
+        self.guarded(|head| match search {
+            Some(search) => head.go_along(goal, rate, search),
+            None => head.go_clear(goal, rate),
+        })
     }
 
     fn go_along(
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
-        search: Option<Search>,
+        search: Search,
     ) -> Result<Way, Trouble> {
+        let mut watch = (!search.is_touch()).then(|| self.watch(goal));
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
             return Ok(Way {
@@ -93,20 +105,19 @@ impl Head {
                 is_found: false,
             });
         };
-        if let Some(search) = search {
-            self.arm(search)?;
-        }
-        self.start_line(goal, &line, search)?;
-        let seconds = f64::from(line.duration_ticks) * self.period_s;
-        let end_us = self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US;
+        self.arm(search)?;
+        self.start_line(goal, &line, Some(search))?;
+        let end_us = self.latest_end_us(&line);
         loop {
             let mut replies = self.read()?;
-            let found_by = |replies: &[Reply]| search.map(|search| search.found_by(replies));
-            let found = found_by(&replies).unwrap_or_default();
+            if let Some(watch) = &mut watch {
+                self.look_in_search(watch, &replies)?;
+            }
+            let found = search.found_by(&replies);
             if found.iter().any(|(_, is_found)| *is_found) {
                 // Those that were read before it have seen it by now.
                 replies = self.read()?;
-                let found = found_by(&replies).unwrap_or_default();
+                let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
                     let axis = self.axes[*index].file.letter;
                     return Err(Trouble::NotSeen { axis });
@@ -117,16 +128,17 @@ impl Head {
                     let axis = self.axes[index].file.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
+                if let Some(watch) = &mut watch {
+                    self.look_in_search(watch, &replies)?;
+                }
                 return Ok(Way {
                     replies,
                     is_found: true,
                 });
             }
             if replies.iter().all(is_done) {
-                if let Some(search) = search {
-                    // An event while it settles is none; the search is given up.
-                    self.disarm(search)?;
-                }
+                // An event while it settles is none; the search is given up.
+                self.disarm(search)?;
                 let replies = self.stand(Some(goal))?;
                 return Ok(Way {
                     replies,
@@ -140,12 +152,12 @@ impl Head {
     }
 
     /// Arms the search of the axes that it is for.
-    fn arm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn arm(&mut self, search: Search) -> Result<(), Trouble> {
         for (index, axis) in self.axes.iter().enumerate() {
             if !search.is_for(index) {
                 continue;
             }
-            let command = Command::SetHoming(search.events.with(Homing::SMOOTH));
+            let command = Command::SetHoming(search.events.with(search.stop));
             let reply = self.line.command(axis.file.module, command)?;
             if !searches(&reply) {
                 // It has heard something else, and what it has latched is of another search.
@@ -156,7 +168,7 @@ impl Head {
     }
 
     /// Gives the search up.
-    fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
         for (index, axis) in self.axes.iter().enumerate() {
             if search.is_for(index) {
                 let command = Command::SetHoming(Homing::default());
@@ -167,7 +179,7 @@ impl Head {
     }
 
     /// The move from where the axes are held; `None` where there is no way.
-    fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
+    pub(super) fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
         let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.file.coordinate();
@@ -183,8 +195,14 @@ impl Head {
         ServoLine::new(ways, velocity, acceleration)
     }
 
+    /// When a way that begins now is over at the latest, us.
+    pub(super) fn latest_end_us(&self, line: &ServoLine<3>) -> u64 {
+        let seconds = f64::from(line.duration_ticks) * self.period_s;
+        self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US
+    }
+
     /// Loads the trapezoids and starts them all at once.
-    fn start_line(
+    pub(super) fn start_line(
         &mut self,
         goal: &[i32],
         line: &ServoLine<3>,
@@ -253,7 +271,7 @@ impl Head {
     }
 
     /// Waits until all axes stand: at the goal, or where they stop.
-    fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
+    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
         loop {
@@ -301,7 +319,7 @@ impl Head {
     }
 
     /// Why the time is over: an axis that has not ended its motion, or the one that is farthest from where it was to be, or had been.
-    fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
+    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
         let meant = goal.unwrap_or(before);
         let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
         let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
@@ -319,6 +337,6 @@ impl Head {
 }
 
 /// Whether it waits for an event.
-fn searches(reply: &Reply) -> bool {
+pub(super) fn searches(reply: &Reply) -> bool {
     reply.status.contains(Status::HOME_IN_PROGRESS)
 }

@@ -62,6 +62,17 @@ pub struct Wanted {
     pub tolerance_micro: Option<[i64; 2]>,
 }
 
+/// What a figure with a tolerance is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within it.
+    Good,
+    /// Not within it.
+    Out,
+    /// Nobody knows: a collision has bent or moved something.
+    Spoiled,
+}
+
 /// A figure as measured, in millionths of its unit (so lengths in nm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {

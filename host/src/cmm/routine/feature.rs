@@ -1,6 +1,6 @@
 //! Features as measured.
 
-use super::dimension::{Dimension, Figure, Wanted};
+use super::dimension::{Dimension, Figure, Verdict, Wanted};
 use super::frame::{Frame, Vector, components, cross, dot, floats, length, minus};
 use super::site::Contact;
 use husillo_probe::{Circle, Line, Plane, Sphere, UnitVector};
@@ -24,6 +24,8 @@ pub struct Feature {
     pub frame: Frame,
     /// Its figures in that frame.
     pub dimensions: Vec<Dimension>,
+    /// The probe has collided before or after it: nothing of it is good.
+    pub is_spoiled: bool,
 }
 
 /// A point of a feature, on the machine.
@@ -162,10 +164,26 @@ impl Feature {
         self
     }
 
-    /// Whether a figure is out of its tolerance; what has none is not.
+    /// Whether no figure is out of its tolerance, which what has none is not, and nothing has
+    /// spoiled them.
     pub fn is_good(&self) -> bool {
         let mut dimensions = self.dimensions.iter();
-        dimensions.all(|dimension| dimension.is_good() != Some(false))
+        !self.is_spoiled && dimensions.all(|dimension| dimension.is_good() != Some(false))
+    }
+
+    /// What a figure of it is called, if it has a tolerance.
+    pub fn verdict(&self, dimension: &Dimension) -> Option<Verdict> {
+        let is_good = dimension.is_good()?;
+        Some(match is_good {
+            _ if self.is_spoiled => Verdict::Spoiled,
+            true => Verdict::Good,
+            false => Verdict::Out,
+        })
+    }
+
+    /// Nothing of it is good any more.
+    pub const fn spoil(&mut self) {
+        self.is_spoiled = true;
     }
 }
 

@@ -22,6 +22,9 @@ pub enum Ending {
     OutOfTolerance,
     /// It stopped on the way.
     Trouble,
+    /// An axis has met something where nothing was to be touched: nothing that was measured is
+    /// good.
+    Collision,
 }
 
 /// What is to be run.
@@ -130,9 +133,16 @@ pub fn run(
         }
     });
     written?;
+    let has_collided = runner.site.has_collided();
+    if has_collided {
+        runner.features.iter_mut().for_each(Feature::spoil);
+    }
     let (name, features) = (routine.name(), &runner.features);
     let trouble = done.as_ref().err().map(|finding| finding.message.clone());
-    let json = || listing::json(name, &machine.title, features, trouble.as_deref());
+    let json = || {
+        let trouble = trouble.as_deref();
+        listing::json(name, &machine.title, features, trouble, has_collided)
+    };
     match args.format {
         Results::Text => writeln!(out, "{}", listing::summary(features))?,
         Results::Json => writeln!(out, "{}", json())?,
@@ -156,11 +166,12 @@ pub fn run(
         file.extend(text.into_bytes());
     }
     out.flush()?;
+    if let Err(finding) = &done {
+        tell(finding);
+    }
     Ok(match done {
-        Err(finding) => {
-            tell(&finding);
-            Ending::Trouble
-        }
+        _ if has_collided => Ending::Collision,
+        Err(_) => Ending::Trouble,
         Ok(()) if features.iter().all(Feature::is_good) => Ending::Good,
         Ok(()) => Ending::OutOfTolerance,
     })
@@ -182,8 +193,13 @@ pub fn recorded(
     let mut routine = Outputs::stream(path)?;
     let mut input = BufReader::new(io::stdin());
     let refused = record::record(&mut input, &mut routine, &mut runner, out, tell)?;
+    let has_collided = runner.site.has_collided();
+    if has_collided {
+        runner.features.iter_mut().for_each(Feature::spoil);
+    }
     writeln!(out, "{path}: {}", listing::summary(&runner.features))?;
     Ok(match refused {
+        _ if has_collided => Ending::Collision,
         0 => Ending::Good,
         _ => Ending::Trouble,
     })

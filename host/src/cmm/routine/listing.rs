@@ -1,6 +1,6 @@
 //! Measured features as text, JSON and a table.
 
-use super::dimension::{Dimension, decimal, number, signed};
+use super::dimension::{Dimension, Verdict, decimal, number, signed};
 use super::feature::Feature;
 use crate::report::length;
 use serde_json::{Value, json};
@@ -34,9 +34,10 @@ pub fn text(feature: &Feature) -> String {
                 " nominal {:>10} {tolerance:<17} deviation {:>8}{}",
                 decimal(wanted.nominal_micro),
                 signed(dimension.deviation_micro().unwrap_or_default()),
-                match dimension.is_good() {
-                    Some(true) => "  ok",
-                    Some(false) => "  OUT OF TOLERANCE",
+                match feature.verdict(dimension) {
+                    Some(Verdict::Good) => "  ok",
+                    Some(Verdict::Out) => "  OUT OF TOLERANCE",
+                    Some(Verdict::Spoiled) => "  spoiled by a collision",
                     None => "",
                 }
             );
@@ -75,32 +76,49 @@ pub fn summary(features: &[Feature]) -> String {
     let judged = features.iter().flat_map(|feature| &feature.dimensions);
     let verdicts: Vec<bool> = judged.filter_map(Dimension::is_good).collect();
     let out = verdicts.iter().filter(|is_good| !**is_good).count();
+    let is_spoiled = features.iter().any(|feature| feature.is_spoiled);
     let features = match features.len() {
         1 => "1 feature".to_owned(),
         count => format!("{count} features"),
     };
     match (verdicts.len(), out) {
+        (0, _) if is_spoiled => format!("{features}, spoiled by a collision"),
+        (all, _) if is_spoiled => {
+            format!("{features}, spoiled by a collision: none of {all} tolerances counts as kept")
+        }
         (0, _) => features,
         (all, 0) => format!("{features}, {all} of {all} tolerances kept"),
         (all, out) => format!("{features}, {out} of {all} tolerances not kept"),
     }
 }
 
-/// One JSON object for all, with the trouble that ended it.
-pub fn json(name: &str, machine: &str, features: &[Feature], trouble: Option<&str>) -> String {
+/// One JSON object for all, with the trouble that ended it and whether it was, or came after, a
+/// collision.
+pub fn json(
+    name: &str,
+    machine: &str,
+    features: &[Feature],
+    trouble: Option<&str>,
+    has_collided: bool,
+) -> String {
     let all: Vec<Value> = features.iter().map(object).collect();
     let whole = json!({
         "routine": name,
         "machine": machine,
         "trouble": trouble,
-        "in_tolerance": trouble.is_none() && features.iter().all(Feature::is_good),
+        "collision": has_collided,
+        "in_tolerance": trouble.is_none() && !has_collided && features.iter().all(Feature::is_good),
         "features": all,
     });
     format!("{whole:#}")
 }
 
 fn object(feature: &Feature) -> Value {
-    let dimensions: Vec<Value> = feature.dimensions.iter().map(figure).collect();
+    let dimensions: Vec<Value> = feature
+        .dimensions
+        .iter()
+        .map(|dimension| figure(feature, dimension))
+        .collect();
     let point = |nm: [i64; 3]| feature.frame.to_part(nm).map(number);
     let points: Vec<Value> = feature
         .marks
@@ -123,7 +141,7 @@ fn object(feature: &Feature) -> Value {
     })
 }
 
-fn figure(dimension: &Dimension) -> Value {
+fn figure(feature: &Feature, dimension: &Dimension) -> Value {
     let mut value = json!({
         "figure": dimension.figure,
         "unit": dimension.figure.unit(),
@@ -135,7 +153,10 @@ fn figure(dimension: &Dimension) -> Value {
         if let Some([least, most]) = wanted.tolerance_micro {
             value["least"] = number(least).into();
             value["most"] = number(most).into();
-            value["in_tolerance"] = dimension.is_good().into();
+            // `null`: nobody knows.
+            let verdict = feature.verdict(dimension);
+            let judged = verdict.filter(|verdict| *verdict != Verdict::Spoiled);
+            value["in_tolerance"] = judged.map(|verdict| verdict == Verdict::Good).into();
         }
     }
     value
@@ -154,9 +175,10 @@ pub fn csv(features: &[Feature]) -> String {
             let text = |micro: Option<i64>| micro.map(|micro| number(micro).to_string());
             let nominal = text(wanted.map(|wanted| wanted.nominal_micro));
             let deviation = text(dimension.deviation_micro());
-            let result = match dimension.is_good() {
-                Some(true) => "ok",
-                Some(false) => "out",
+            let result = match feature.verdict(dimension) {
+                Some(Verdict::Good) => "ok",
+                Some(Verdict::Out) => "out",
+                Some(Verdict::Spoiled) => "spoiled",
                 None => "",
             };
             // Names are letters, digits, `_` and `-`: nothing to quote.

@@ -1,6 +1,6 @@
 //! The measuring report: one HTML file with everything inside, no script, no network.
 
-use super::dimension::{Dimension, decimal, signed};
+use super::dimension::{Dimension, Verdict, decimal, signed};
 use super::feature::Feature;
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
@@ -96,22 +96,28 @@ fn table(page: &mut String, features: &[Feature]) {
     for feature in features {
         let mut name = (escape(&feature.name), feature.keyword, " class=\"first\"");
         for dimension in &feature.dimensions {
-            row(page, dimension, &name);
+            row(page, dimension, feature.verdict(dimension), &name);
             name = (String::new(), "", "");
         }
     }
     page.push_str("</tbody></table></div></section>\n");
 }
 
-fn row(page: &mut String, dimension: &Dimension, (name, keyword, class): &(String, &str, &str)) {
+fn row(
+    page: &mut String,
+    dimension: &Dimension,
+    verdict: Option<Verdict>,
+    (name, keyword, class): &(String, &str, &str),
+) {
     let wanted = dimension.wanted;
     let nominal = wanted.map(|wanted| decimal(wanted.nominal_micro));
     let tolerance = wanted.and_then(|wanted| wanted.tolerance_micro);
     let tolerance = tolerance.map(|ends| limits(ends).replace("+-", "\u{b1}"));
     let deviation = dimension.deviation_micro().map(signed);
-    let (result, colour) = match dimension.is_good() {
-        Some(true) => ("ok", "ok"),
-        Some(false) => ("out of tolerance", "out"),
+    let (result, colour) = match verdict {
+        Some(Verdict::Good) => ("ok", "ok"),
+        Some(Verdict::Out) => ("out of tolerance", "out"),
+        Some(Verdict::Spoiled) => ("spoiled by a collision", "out"),
         None => ("", ""),
     };
     let _ = writeln!(

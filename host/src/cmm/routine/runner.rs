@@ -88,6 +88,7 @@ impl<'a> Runner<'a> {
             marks,
             frame: self.site.frame,
             dimensions: Vec::new(),
+            is_spoiled: false,
         };
         Ok(feature.with_figures(&task.wanted))
     }

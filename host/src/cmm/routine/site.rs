@@ -55,6 +55,11 @@ impl<'a> Site<'a> {
         self.prober
     }
 
+    /// Whether an axis has met something where nothing was to be touched.
+    pub fn has_collided(&self) -> bool {
+        self.prober.has_collided()
+    }
+
     /// Radius of the tip, nm.
     pub fn radius_nm(&self) -> i64 {
         self.tip.radius_nm.into()

@@ -131,6 +131,10 @@ impl Prober for Ideal {
         self.go_to(goal_nm)
     }
 
+    fn has_collided(&self) -> bool {
+        false
+    }
+
     fn probe_to(
         &mut self,
         goal_nm: [i64; 3],
