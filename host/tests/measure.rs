@@ -115,6 +115,26 @@ fn zero_moves_what_is_counted_and_not_the_travel() {
         .stderr(contains("error: X 7100 counts is outside the travel, -9"));
 }
 
+/// The axis is to stand at 1200 and stands a count beside: 0 is where it stands.
+#[test]
+fn zero_is_where_the_axis_stands() {
+    let places = [1200, 300, -777, 2500];
+    let mut beside = 0;
+    for place in places {
+        let goal = place.to_string();
+        let rows = measured(&["goto", &goal, "zero", "status"]);
+        near(&rows[1]["position"], 0.0, 0.0);
+        near(&rows[2]["position"], 0.0, 0.0);
+        let [stood, held] = [&rows[0]["position"], &rows[2]["held"]].map(number);
+        assert_eq!(held, f64::from(place) - stood);
+        beside += i32::from(held != 0.0);
+    }
+    assert!(
+        beside > 0,
+        "no axis stands beside its goal: nothing was tried"
+    );
+}
+
 #[test]
 fn several_axes_are_called_0_and_asked() {
     let rows = measured(&[

@@ -215,15 +215,16 @@ impl Calibrated<Head> {
         self.view.position_from(readings, self.view.flanks)
     }
 
-    /// Calls the place that an axis holds 0.
+    /// Calls the place where an axis stands 0. What it is to hold may be a little beside, and keeps
+    /// its place.
     ///
     /// # Errors
     ///
-    /// There is no such axis.
+    /// There is no such axis, or no answer.
     pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
         self.prober.index(coordinate)?;
-        let held = self.held();
-        self.view.zero[coordinate] += held[coordinate];
+        let present = self.position()?;
+        self.view.zero[coordinate] += present[coordinate];
         Ok(())
     }
 
