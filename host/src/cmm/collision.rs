@@ -259,8 +259,10 @@ impl Head {
             counts(&replies)
         };
         let place = self.place_at(&at);
-        // Where the axes stand now, a way farther, is no place to start from.
-        self.contact_at = Some(at);
+        // A probe that is pressed deeper has touched first where it had before.
+        if has_latched || self.contact_at.is_none() {
+            self.contact_at = Some(at);
+        }
         Ok(Some(Trouble::Collision {
             axes: watch.axes.clone(),
             at: self.text(place),
