@@ -2,6 +2,7 @@
 
 mod axis;
 mod event;
+mod guard;
 mod refused;
 
 mod arc;

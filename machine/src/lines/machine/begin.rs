@@ -53,6 +53,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         let from = self.schedule.programmed();
         self.segment = Some(Segment { from, command });
         self.ramp.stop();
+        self.guard.rest();
         self.schedule.end_thread();
         match command {
             Command::Dwell { micros } => {

@@ -67,6 +67,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                     delta: [0; N],
                 })
             } else {
+                self.guard.pass(MAX_WAIT_TICKS);
                 Event::Dwell {
                     wait_ticks: MAX_WAIT_TICKS,
                 }
@@ -131,13 +132,14 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             _ => Origin::Feed,
         };
         if follows {
+            self.guard.own_step(0, &delta);
             return Event::Follow(FollowEvent {
                 wait_counts_q16: wait as u32,
                 delta,
             });
         }
         Event::Step(StepEvent {
-            wait_ticks: wait as u32,
+            wait_ticks: self.guard.path_step(wait, &delta) as u32,
             delta,
         })
     }
@@ -145,6 +147,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     /// One motor step of take-up, while any is owed.
     fn take_up_step(&mut self) -> Option<Event<N>> {
         let step = self.take_up.step(&self.config)?;
+        self.guard.own_step(step.wait_ticks, &step.delta);
         self.origin = Origin::TakeUp;
         Some(Event::Step(step))
     }
@@ -168,6 +171,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             }
             if let Some(signal) = self.signals.iter_mut().find_map(Option::take) {
                 self.origin = Origin::Rest;
+                if let Event::Dwell { wait_ticks } = signal {
+                    self.guard.pass(wait_ticks);
+                }
                 return Some(signal);
             }
             if self.run.is_some() {
@@ -179,6 +185,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             if self.carried_ticks >= u64::from(MAX_WAIT_TICKS) {
                 self.carried_ticks = self.carried_ticks.wrapping_sub(u64::from(MAX_WAIT_TICKS));
                 self.origin = Origin::Rest;
+                self.guard.pass(MAX_WAIT_TICKS);
                 return Some(Event::Dwell {
                     wait_ticks: MAX_WAIT_TICKS,
                 });

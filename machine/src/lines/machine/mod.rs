@@ -8,6 +8,7 @@ use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
+use crate::lines::guard::Guard;
 use crate::lines::schedule::Schedule;
 use crate::lines::segment::lattice;
 use crate::lines::take_up::TakeUp;
@@ -53,6 +54,7 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUE
     has_ended: bool,
     segment: Option<Segment<N>>,
     take_up: TakeUp<N, L>,
+    guard: Guard<N>,
     /// The step that waits for the take-up, or for the rest of a long wait.
     held: Option<([i8; N], u64)>,
     /// Outputs and pauses of the command begun last.
@@ -104,6 +106,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             has_ended: false,
             segment: None,
             take_up: TakeUp::new(lash),
+            guard: Guard::new(&config),
             held: None,
             signals: [const { None }; 4],
             carried_ticks: 0,
@@ -260,6 +263,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.held = None;
         self.take_up.abort();
         self.carried_ticks = 0;
+        self.guard.rest();
         let mut position = [Nm(0); N];
         for (position, (load, axis)) in position
             .iter_mut()

@@ -36,6 +36,9 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             return Next::Wait; // exactly between the moves
         }
         self.queue.pop();
+        if !entry.moves() && !is_nothing {
+            self.guard.rest();
+        }
         if core::mem::take(&mut self.owes_taken) {
             self.link.answer(Answer::Taken);
         }

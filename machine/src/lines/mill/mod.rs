@@ -18,7 +18,7 @@ pub use event::{MillEvent, MillInputs, MillStep};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
-use crate::{MAX_WAIT_TICKS, cell::play::Play};
+use crate::{MAX_WAIT_TICKS, cell::play::Play, guard::Guard};
 use course::Course;
 use entry::{Entry, Place};
 use path::Flat;
@@ -83,6 +83,7 @@ pub struct Mill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: 
     /// The move under way, and what goes with it.
     path: Option<Flat>,
     course: Course,
+    guard: Guard<3>,
     /// Ticks of moves too short for a step: they belong to the next one.
     carried_ticks: u64,
     /// Motors and loads after the events given.
@@ -120,6 +121,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             task: Task::Idle,
             path: None,
             course: Course::new(Timer::new(0, 1, 1), Ways::NONE),
+            guard: Guard::new(&config.machine),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
             lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
@@ -295,6 +297,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         self.task = Task::Idle;
         self.path = None;
         self.carried_ticks = 0;
+        self.guard.rest();
     }
 
     /// What comes next where it is no step of a path that nothing stands before.
@@ -332,6 +335,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
         self.task = Task::Idle;
         self.path = None;
         self.carried_ticks = 0;
+        self.guard.rest();
         self.stand();
         self.link.answer(Answer::Stopped);
     }
@@ -344,6 +348,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             }
             bit = bit.wrapping_shl(1);
         }
+        self.guard.own_step(wait_ticks, &ways.deltas());
         Next::Give(MillEvent::Step(self.say(wait_ticks, ways, loads)))
     }
 

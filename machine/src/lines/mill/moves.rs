@@ -29,6 +29,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                     if let Some(play) = self.plays.get_mut(way.number()) {
                         play.take_up(way.negative == 0);
                     }
+                    self.guard.own_step(wait_ticks, &way.deltas());
                     return Some(self.say(wait_ticks, way, 0));
                 }
                 course.next.take()
@@ -51,6 +52,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         if axes & 4 != 0 {
             z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
         }
+        let wait = self.guard.path_step(wait, &ways.deltas());
         Some(self.say(wait as u32, ways, ways.axes))
     }
 

@@ -1,0 +1,190 @@
+//! No axis is stepped faster than its highest rate, over all borders of moves.
+
+mod common;
+
+use common::{axis, config};
+use husillo_backlash::Backlash;
+use husillo_interp::Path;
+use husillo_machine::{AxisRamp, Config, Event, Machine};
+use proptest::prelude::*;
+
+/// Least ticks between two steps of each axis, and the ticks of the whole.
+struct Intervals<const N: usize> {
+    clock: u64,
+    last: [Option<u64>; N],
+    least: [u64; N],
+}
+
+impl<const N: usize> Intervals<N> {
+    fn new() -> Self {
+        Intervals {
+            clock: 0,
+            last: [None; N],
+            least: [u64::MAX; N],
+        }
+    }
+
+    fn see(&mut self, event: Event<N>) {
+        let (wait, delta) = match event {
+            Event::Step(step) => (step.wait_ticks, step.delta),
+            Event::Dwell { wait_ticks } => (wait_ticks, [0; N]),
+            _ => return,
+        };
+        self.clock += u64::from(wait);
+        for ((last, least), delta) in self.last.iter_mut().zip(&mut self.least).zip(delta) {
+            if delta != 0 {
+                if let Some(last) = last {
+                    *least = (*least).min(self.clock - *last);
+                }
+                *last = Some(self.clock);
+            }
+        }
+    }
+}
+
+/// What is done beside the lines.
+#[derive(Clone, Debug)]
+enum Act {
+    Line(String),
+    /// So many events are asked for.
+    Events(u16),
+    Hold,
+    Resume,
+    Abort,
+    Override(u8),
+}
+
+fn run(config: Config<3>, acts: &[Act]) -> Intervals<3> {
+    let mut machine = Machine::<3, Path<3>, Backlash, 8>::new(config);
+    let mut seen = Intervals::new();
+    for act in acts {
+        match act {
+            Act::Line(line) => {
+                machine.resume();
+                while !machine.has_room() {
+                    let Some(event) = machine.next_event() else {
+                        break;
+                    };
+                    seen.see(event);
+                }
+                let _ = machine.line(line.as_bytes());
+            }
+            Act::Events(count) => {
+                for event in core::iter::from_fn(|| machine.next_event()).take((*count).into()) {
+                    seen.see(event);
+                }
+            }
+            Act::Hold => machine.hold(),
+            Act::Resume => machine.resume(),
+            Act::Abort => machine.abort(),
+            Act::Override(percent) => machine.set_feed_override(*percent),
+        }
+    }
+    machine.resume();
+    while let Some(event) = machine.next_event() {
+        seen.see(event);
+    }
+    seen
+}
+
+fn lines(text: &str) -> Vec<Act> {
+    text.lines().map(|line| Act::Line(line.into())).collect()
+}
+
+fn assert_allowed(config: &Config<3>, seen: &Intervals<3>) {
+    for (number, (axis, least)) in config.axes.iter().zip(seen.least).enumerate() {
+        let allowed = u64::from(config.timer_hz / axis.max_rate_hz);
+        assert!(
+            least >= allowed,
+            "axis {number}: {least} ticks, {allowed} are the least"
+        );
+    }
+}
+
+/// X, Y and Z with ramps, as a small router has them.
+fn with_ramps(lash_steps: u32) -> Config<3> {
+    let config = config();
+    let axes = config.axes.map(|_| husillo_machine::Axis {
+        ramp: Some(AxisRamp {
+            acceleration_hz_per_s: 300,
+            start_rate_hz: 40,
+            jerk_hz_per_s2: None,
+            junction_hz: Some(60),
+        }),
+        ..axis(lash_steps)
+    });
+    Config { axes, ..config }
+}
+
+#[test]
+fn a_move_of_two_nanometres_does_not_fire_its_step_behind_the_last_one() {
+    let program = "G21 G90\nG1 X0.010149 F1.4\nX0.010151\nX0.020\nM2";
+    for config in [config(), with_ramps(0)] {
+        assert_allowed(&config, &run(config, &lines(program)));
+    }
+}
+
+#[test]
+fn moves_shorter_than_a_step_take_their_programmed_time() {
+    // 3000 moves of 7 nm at 0.5 mm/min: 21 um take 2.52 s.
+    let mut text = String::from("G21 G90 G1 F0.5\n");
+    for number in 1..=3000 {
+        text += &format!("X{:.6}\n", f64::from(number) * 7e-6);
+    }
+    text += "M2";
+    let seen = run(config(), &lines(&text));
+    assert_allowed(&config(), &seen);
+    assert!(seen.clock.abs_diff(2_520_000) <= 2, "{}", seen.clock);
+}
+
+fn short() -> impl Strategy<Value = i64> {
+    prop_oneof![-20_i64..20, -300_i64..300, -3000_i64..3000, Just(0)]
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    let mm = |nm: i64| nm as f64 / 1e6;
+    let line =
+        (0..12_u8, short(), short(), short(), 1..200_u32).prop_map(move |(kind, x, y, z, feed)| {
+            let feed = f64::from(feed) / 100.0;
+            let [x, y, z] = [x, y, z].map(mm);
+            Act::Line(match kind {
+                0 | 1 => format!("G91 G0 X{x:.6} Y{y:.6} Z{z:.6}"),
+                2 => format!("G91 G0 X{x:.6}"),
+                3 => format!("G91 G1 X{x:.6} F{feed}"),
+                4 => format!("G4 P{:.6}", x.abs()),
+                5 => format!("G91 G2 X0 Y0 I{x:.6} J{y:.6} F{feed}"),
+                6 => format!(
+                    "G91 G3 X{:.6} Y{:.6} I{x:.6} J{y:.6} F{feed}",
+                    2.0 * x,
+                    2.0 * y
+                ),
+                7 => format!("G91 G2 X{:.6} Y{:.6} I{x:.6} J{y:.6} F{feed}", x - y, x + y),
+                _ => format!("G91 G1 X{x:.6} Y{y:.6} Z{z:.6} F{feed}"),
+            })
+        });
+    prop_oneof![
+        12 => line,
+        3 => (0_u16..40).prop_map(Act::Events),
+        1 => Just(Act::Hold),
+        1 => Just(Act::Resume),
+        1 => Just(Act::Abort),
+        1 => (10_u8..=200).prop_map(Act::Override),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { max_shrink_iters: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_axis_is_stepped_faster_than_its_rate(
+        acts in prop::collection::vec(act(), 1..40),
+        has_ramps: bool,
+        lash_steps in prop_oneof![Just(0_u32), 1_u32..6],
+    ) {
+        let mut config = if has_ramps { with_ramps(lash_steps) } else { config() };
+        for axis in &mut config.axes {
+            axis.lash_steps = lash_steps;
+        }
+        assert_allowed(&config, &run(config, &acts));
+    }
+}
