@@ -264,7 +264,7 @@ impl MachineFile {
             &mut findings,
         );
         root.integer("schema", 1..=1);
-        let name = root.string("name").unwrap_or_default();
+        let name = root.name();
         let title = root.string("title").unwrap_or_else(|| name.clone());
         let timer_hz = root
             .integer("timer_hz", 1_000..=1_000_000_000)
@@ -291,12 +291,16 @@ impl MachineFile {
             })
             .flatten();
         let idle = root.optional_table("idle", read_idle).unwrap_or(Idle::Hold);
-        let lash = match &axes {
-            Some((Some(x), Some(y), Some(z))) => {
-                LashFile::read(&mut root, [x.step, y.step, z.step])
-            }
-            _ => LashFile::default(),
+        // Read where an axis is missing, too: its keys are known all the same.
+        let step = |axis: &Option<AxisFile>| {
+            let unknown = Fraction { num: 1, den: 1 };
+            axis.as_ref().map_or(unknown, |axis| axis.step)
         };
+        let steps = match &axes {
+            Some((x, y, z)) => [step(x), step(y), step(z)],
+            None => [Fraction { num: 1, den: 1 }; 3],
+        };
+        let lash = LashFile::read(&mut root, steps);
         let bytes = root.optional_table("bytes", bytes_file::read);
         root.finish();
         match axes {
@@ -410,9 +414,9 @@ fn read_idle(table: &mut Table<'_, '_>) -> Idle {
 fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<AxisFile> {
     let step = table.quantity(
         "step",
-        "a length as in \"0.14 um\"",
+        "a length from 1 nm to 1 m as in \"0.14 um\"",
         |quantity| match quantity {
-            Quantity::Length(length) if length.num > 0 => Some(length),
+            Quantity::Length(length) if is_step(length) => Some(length),
             _ => None,
         },
     );
@@ -445,6 +449,21 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
     if max_rate.is_none() {
         table.missing("max_rate");
     }
+    let start_rate = rate(table, "start_rate", step);
+    let pull_out_rate = rate(table, "pull_out_rate", step);
+    let junction = rate(table, "junction", step);
+    check_above(
+        table,
+        ["max_rate", "pull_out_rate"],
+        [max_rate, pull_out_rate],
+        "the motor loses steps there",
+    );
+    check_above(
+        table,
+        ["start_rate", "max_rate"],
+        [start_rate, max_rate],
+        "the axis never steps so fast",
+    );
     let max_rate = max_rate.unwrap_or(1);
     let driver = table
         .choice("driver", &DRIVERS)
@@ -484,12 +503,12 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
         travel_span,
         lash_steps: lash.unwrap_or(0),
         // Without an acceleration there are no ramps.
-        start_rate: rate(table, "start_rate", step).unwrap_or(match acceleration {
+        start_rate: start_rate.unwrap_or(match acceleration {
             Some(_) => 0,
             None => max_rate,
         }),
         max_rate,
-        pull_out_rate: rate(table, "pull_out_rate", step),
+        pull_out_rate,
         acceleration,
         jerk: table.quantity(
             "jerk",
@@ -499,7 +518,7 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
                 _ => None,
             },
         ),
-        junction: rate(table, "junction", step),
+        junction,
         driver,
         pulse,
         mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
@@ -572,6 +591,33 @@ fn rate(table: &mut Table<'_, '_>, key: &'static str, step: Fraction) -> Option<
             _ => None,
         },
     )
+}
+
+/// From a nanometre to a metre: what positions in nanometres can tell apart, and a machine's travel.
+fn is_step(length: Fraction) -> bool {
+    length.num >= length.den && length.num <= length.den.saturating_mul(1_000_000_000)
+}
+
+/// Refuses a rate above the other one, at its own place.
+fn check_above(
+    table: &mut Table<'_, '_>,
+    [key, other]: [&'static str; 2],
+    rates: [Option<u32>; 2],
+    why: &str,
+) {
+    let [Some(rate), Some(limit)] = rates else {
+        return;
+    };
+    if rate <= limit {
+        return;
+    }
+    if let Some((_, span)) = table.value(key) {
+        table.wrong(
+            span,
+            &format!("`{key}` is above `{other}`"),
+            &format!("{rate} Hz, above {limit} Hz: {why}"),
+        );
+    }
 }
 
 fn positive(value: i64) -> Option<u32> {
@@ -671,6 +717,76 @@ mod tests {
                 .each_ref()
                 .map(|axis| axis.home.map(|home| home.order)),
             [Some(3), Some(2), Some(1)]
+        );
+    }
+
+    /// Message and marked text of every finding in the micro mill's file with one text replaced.
+    fn findings_with(from: &str, to: &str) -> Vec<String> {
+        let text = text_of("micromill");
+        assert!(text.contains(from), "{from}");
+        match MachineFile::parse("mine.toml", &text.replacen(from, to, 1)) {
+            Ok(_) => Vec::new(),
+            Err(findings) => findings
+                .into_iter()
+                .map(|finding| finding.message)
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused_once_and_by_its_key() {
+        for (from, to, message) in [
+            (
+                "\"170 Hz\"",
+                "\"391 Hz\"",
+                "`max_rate` is above `pull_out_rate`",
+            ),
+            (
+                "\"170 Hz\"",
+                "\"170 Hz\"\nstart_rate = \"171 Hz\"",
+                "`start_rate` is above `max_rate`",
+            ),
+            ("name = \"micromill\"", "name = \"\"", "`name` is empty"),
+            ("name = \"micromill\"", "name = \" \"", "`name` is empty"),
+            ("\"0.14 um\"", "\"0.0000001 um\"", "`step` does not fit"),
+            ("\"0.14 um\"", "\"2000 mm\"", "`step` does not fit"),
+            ("\"0.14 um\"", "\"-0.14 um\"", "`step` does not fit"),
+            ("\"170 Hz\"", "\"-170 Hz\"", "`max_rate` does not fit"),
+            ("\"170 Hz\"", "\"0 Hz\"", "`max_rate` does not fit"),
+            (
+                "mean_um = 204",
+                "mean_um = nan",
+                "`mean_um` is out of range",
+            ),
+            (
+                "mean_um = 204",
+                "mean_um = -inf",
+                "`mean_um` is out of range",
+            ),
+            ("mean_um = 204", "mean_um = -1", "`mean_um` is out of range"),
+            (
+                "swing_um = 33",
+                "swing_um = -1",
+                "`swing_um` is out of range",
+            ),
+            (
+                "resistance_ohm = 29.0",
+                "resistance_ohm = inf",
+                "`resistance_ohm` is out of range",
+            ),
+        ] {
+            assert_eq!(findings_with(from, to), [message], "{to}");
+        }
+        assert_eq!(findings_with("\"170 Hz\"", "\"390 Hz\""), [""; 0]);
+    }
+
+    #[test]
+    fn a_missing_axis_makes_no_key_unknown() {
+        let found = findings_with("[axis.z]", "[axis.w]");
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(
+            found.iter().all(|message| message.contains("axis")),
+            "{found:?}"
         );
     }
 

@@ -19,6 +19,17 @@ const MOST_IDEAL: usize = 20_000;
 /// Steps of each motor in the phase diagram.
 const PHASE_STEPS: usize = 24;
 
+/// Where an axis lost its first steps.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstLoss {
+    /// Number of the step event, from 1.
+    pub event: u64,
+    /// Seconds from the start.
+    pub time_s: f64,
+    /// Position of the machine then, nm of the machine frame.
+    pub at_nm: [f64; 3],
+}
+
 /// A run under way, and its results.
 pub struct Run<'a> {
     machine: &'a MachineFile,
@@ -63,6 +74,9 @@ pub struct Run<'a> {
     trace: Option<Box<dyn Write>>,
     /// Losses to come, those of later events last.
     pushes: Vec<Push>,
+    /// Steps lost so far, and where the first of them were.
+    lost: [u64; 3],
+    first_losses: [Option<FirstLoss>; 3],
     /// What the encoders told.
     pub told: Vec<String>,
     /// Sides of the work, where they are compared.
@@ -140,6 +154,8 @@ impl<'a> Run<'a> {
             take_up_axis: None,
             trace,
             pushes: Vec::new(),
+            lost: [0; 3],
+            first_losses: [None; 3],
             told: Vec::new(),
             symmetry: None,
         };
@@ -224,6 +240,26 @@ impl<'a> Run<'a> {
                 rig.apply(levels, wait_ticks);
             });
         self.tool = self.rig.tool();
+        if self.rig.lost_steps() != self.lost {
+            self.lose();
+        }
+    }
+
+    /// Keeps where each axis lost its first steps.
+    #[cold]
+    fn lose(&mut self) {
+        let lost = self.rig.lost_steps();
+        let here = FirstLoss {
+            event: self.events,
+            time_s: self.ticks as f64 / f64::from(self.machine.timer_hz),
+            at_nm: self.tool_nm(),
+        };
+        for ((first, before), now) in self.first_losses.iter_mut().zip(self.lost).zip(lost) {
+            if before != now && first.is_none() {
+                *first = Some(here);
+            }
+        }
+        self.lost = lost;
     }
 
     /// The losses of this event.
@@ -500,6 +536,11 @@ impl<'a> Run<'a> {
     /// Steps the motors did not follow.
     pub fn lost_steps(&self) -> [u64; 3] {
         self.rig.lost_steps()
+    }
+
+    /// Where each axis lost its first steps.
+    pub fn first_losses(&self) -> [Option<FirstLoss>; 3] {
+        self.first_losses
     }
 
     /// Writes what is left of the trace.

@@ -72,6 +72,18 @@ impl<'a, 'f> Table<'a, 'f> {
         string
     }
 
+    /// The name of the machine, which is not empty.
+    pub fn name(&mut self) -> String {
+        let name = self.string("name").unwrap_or_default();
+        if let (Some((value, span)), true) = (self.value("name"), name.trim().is_empty()) {
+            // What is no string has been reported.
+            if value.as_str().is_some() {
+                self.wrong(span, "`name` is empty", "expected a name");
+            }
+        }
+        name
+    }
+
     /// An integer within a range.
     pub fn integer(&mut self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let (value, span) = self.value(key)?;

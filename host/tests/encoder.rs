@@ -35,10 +35,11 @@ fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
 #[test]
 fn what_is_lost_is_told_and_given_again() {
     let (status, without) = run("none", None);
-    assert_eq!((status, &without["encoders"]), (0, &Value::Null));
+    assert_eq!((status, &without["encoders"]), (1, &Value::Null));
     assert_eq!(without["lost_steps"], 8);
+    assert_eq!(without["errors"], 1);
     let (status, report) = run("report", Some("report"));
-    assert_eq!(status, 0);
+    assert_eq!(status, 1);
     assert_eq!(report["encoders"].as_array().unwrap().len(), 1);
     assert!(
         report["encoders"][0]

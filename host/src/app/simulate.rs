@@ -14,6 +14,7 @@ use crate::run::Run;
 use crate::setup::{self, ClosedMill};
 use crate::symmetry::{Difference, Symmetry};
 use husillo_gcode::Dialect;
+use husillo_machine::OnLoss;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
@@ -167,6 +168,8 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     run.finish()?;
 
     let offset = machine.modal().work_offset().map(|nm| nm.0);
+    let lost = losses(&job, &run);
+    let errors = errors + lost.len() as u64;
     let mut results = results(&job, &run, &facts, offset, [errors, warnings]);
     results.order = order;
     results.left_right = run.symmetry.as_ref().and_then(Symmetry::difference);
@@ -202,11 +205,48 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
             size.div_ceil(1000)
         )?;
     }
+    for sentence in &lost {
+        eprintln!("{}: {sentence}", job.name());
+    }
     if has_stopped {
         eprintln!("{}: stopped: an axis is not where it should be", job.name());
         return Ok(ERRORS);
     }
-    Ok(OK)
+    Ok(if lost.is_empty() { OK } else { ERRORS })
+}
+
+/// A sentence for each axis that lost steps which nothing made good: how many, where first, and what to do.
+fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let axes = job.machine.axes.iter().zip(run.lost_steps());
+    for ((axis, lost), first) in axes.zip(run.first_losses()) {
+        let is_made_good = axis
+            .encoder
+            .is_some_and(|file| file.encoder.on_loss == OnLoss::Correct);
+        if lost == 0 || is_made_good {
+            continue;
+        }
+        let place = first.map_or(String::new(), |first| {
+            let [x, y, z] = first.at_nm.map(report::millimetres);
+            format!(
+                "; the first at step event {}, after {}, near X{x} Y{y} Z{z} mm of the machine",
+                first.event,
+                duration(first.time_s)
+            )
+        });
+        let advice = match axis.pull_out_rate {
+            Some(rate) => format!(
+                "the motor follows up to {rate} Hz: lower the feed, or `max_rate` or `start_rate` of the axis"
+            ),
+            None => "lower the feed or `max_rate` of the axis".to_owned(),
+        };
+        let letter = char::from(axis.letter);
+        let steps = if lost == 1 { "step" } else { "steps" };
+        sentences.push(format!(
+            "axis {letter} lost {lost} {steps}{place}: {advice}"
+        ));
+    }
+    sentences
 }
 
 /// Reports of the encoders that are printed; JSON has all.

@@ -103,7 +103,7 @@ impl CmmFile {
         let (span, table) = (document.span(), document.get_ref());
         let mut root = Table::new(path, text, "the file", span, table, &mut findings);
         root.integer("schema", 1..=1);
-        let name = root.string("name").unwrap_or_default();
+        let name = root.name();
         let title = root.string("title").unwrap_or(name);
         if root.choice("kind", &[("cmm", ())]).is_none() {
             root.missing("kind");

@@ -108,11 +108,16 @@ impl Wave {
     }
 
     fn read(table: &mut Table<'_, '_>) -> Option<Wave> {
+        // All of them first: a key is known though another one is wrong.
+        let mean_um = table.required_number("mean_um", 0.0..=1e4);
+        let swing_um = table.required_number("swing_um", 0.0..=1e3);
+        let sine_mm = table.required_number("sine_mm", 0.1..=1e5);
+        let cosine_mm = table.required_number("cosine_mm", 0.1..=1e5);
         Some(Wave {
-            mean_um: table.required_number("mean_um", 0.0..=1e4)?,
-            swing_um: table.required_number("swing_um", 0.0..=1e3)?,
-            sine_mm: table.required_number("sine_mm", 0.1..=1e5)?,
-            cosine_mm: table.required_number("cosine_mm", 0.1..=1e5)?,
+            mean_um: mean_um?,
+            swing_um: swing_um?,
+            sine_mm: sine_mm?,
+            cosine_mm: cosine_mm?,
         })
     }
 }
@@ -135,7 +140,8 @@ impl LashFile {
         });
         let simulated = root.optional_table("simulated_lash", |table| {
             let x = table.table("x", Wave::read).flatten();
-            Some([x?, table.table("y", Wave::read).flatten()?])
+            let y = table.table("y", Wave::read).flatten();
+            Some([x?, y?])
         });
         let mut file = LashFile {
             simulated: simulated.flatten(),
