@@ -4,15 +4,21 @@ mod common;
 
 use common::{axis, config};
 use husillo_backlash::Backlash;
+use husillo_gcode::Command;
 use husillo_interp::Path;
-use husillo_machine::{AxisRamp, Config, Event, Machine};
+use husillo_machine::{AxisRamp, Config, Event, Machine, Segment};
 use proptest::prelude::*;
 
 /// Least ticks between two steps of each axis, and the ticks of the whole.
 struct Intervals<const N: usize> {
     clock: u64,
-    last: [Option<u64>; N],
+    /// Tick of each axis' last step, and the number of its move.
+    last: [Option<(u64, u32)>; N],
     least: [u64; N],
+    /// Between two steps of the same arc.
+    least_in_arc: [u64; N],
+    segment: Option<Segment<N>>,
+    moves: u32,
 }
 
 impl<const N: usize> Intervals<N> {
@@ -21,23 +27,34 @@ impl<const N: usize> Intervals<N> {
             clock: 0,
             last: [None; N],
             least: [u64::MAX; N],
+            least_in_arc: [u64::MAX; N],
+            segment: None,
+            moves: 0,
         }
     }
 
-    fn see(&mut self, event: Event<N>) {
+    fn see(&mut self, event: Event<N>, segment: Option<&Segment<N>>) {
+        if self.segment.as_ref() != segment {
+            self.segment = segment.copied();
+            self.moves += 1;
+        }
+        let is_arc = segment.is_some_and(|it| matches!(it.command, Command::Arc { .. }));
         let (wait, delta) = match event {
             Event::Step(step) => (step.wait_ticks, step.delta),
             Event::Dwell { wait_ticks } => (wait_ticks, [0; N]),
             _ => return,
         };
         self.clock += u64::from(wait);
-        for ((last, least), delta) in self.last.iter_mut().zip(&mut self.least).zip(delta) {
-            if delta != 0 {
-                if let Some(last) = last {
-                    *least = (*least).min(self.clock - *last);
-                }
-                *last = Some(self.clock);
+        for (axis, _) in (0..).zip(delta).filter(|(_, delta)| *delta != 0) {
+            if let Some((last, number)) = self.last[axis] {
+                let least = if is_arc && number == self.moves {
+                    &mut self.least_in_arc[axis]
+                } else {
+                    &mut self.least[axis]
+                };
+                *least = (*least).min(self.clock - last);
             }
+            self.last[axis] = Some((self.clock, self.moves));
         }
     }
 }
@@ -65,13 +82,16 @@ fn run(config: Config<3>, acts: &[Act]) -> Intervals<3> {
                     let Some(event) = machine.next_event() else {
                         break;
                     };
-                    seen.see(event);
+                    seen.see(event, machine.executing());
                 }
                 let _ = machine.line(line.as_bytes());
             }
             Act::Events(count) => {
-                for event in core::iter::from_fn(|| machine.next_event()).take((*count).into()) {
-                    seen.see(event);
+                for _ in 0..*count {
+                    let Some(event) = machine.next_event() else {
+                        break;
+                    };
+                    seen.see(event, machine.executing());
                 }
             }
             Act::Hold => machine.hold(),
@@ -82,7 +102,7 @@ fn run(config: Config<3>, acts: &[Act]) -> Intervals<3> {
     }
     machine.resume();
     while let Some(event) = machine.next_event() {
-        seen.see(event);
+        seen.see(event, machine.executing());
     }
     seen
 }
@@ -92,11 +112,20 @@ fn lines(text: &str) -> Vec<Act> {
 }
 
 fn assert_allowed(config: &Config<3>, seen: &Intervals<3>) {
-    for (number, (axis, least)) in config.axes.iter().zip(seen.least).enumerate() {
-        let allowed = u64::from(config.timer_hz / axis.max_rate_hz);
+    for (number, axis) in config.axes.iter().enumerate() {
+        let interval = u64::from(config.timer_hz / axis.max_rate_hz);
+        // Ends lie between steps: a move of 64 steps or more may have a part of one too many.
+        let allowed = interval - interval / 64;
+        let least = seen.least[number];
         assert!(
             least >= allowed,
             "axis {number}: {least} ticks, {allowed} are the least"
+        );
+        // At 45 degrees two steps share the way of the diagonal.
+        let (least, allowed) = (seen.least_in_arc[number], allowed * 70 / 100);
+        assert!(
+            least >= allowed,
+            "axis {number} in an arc: {least} ticks, {allowed} are the least"
         );
     }
 }

@@ -10,11 +10,11 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
         return u64::MAX;
     };
     let mut divisor = c;
-    let mut product = rest.checked_mul(b);
+    let mut product = times(rest, b);
     while product.is_none() {
         rest >>= 1;
         divisor >>= 1;
-        product = rest.checked_mul(b);
+        product = times(rest, b);
     }
     let product = match product {
         Some(product) => product,
@@ -24,7 +24,10 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
         Some(fraction) => fraction,
         None => 0,
     };
-    quotient.saturating_mul(b).saturating_add(fraction)
+    match times(quotient, b) {
+        Some(whole) => whole.saturating_add(fraction),
+        None => u64::MAX,
+    }
 }
 
 /// `a * b / c` times 2^16, rounded down; saturates, and is `u64::MAX` for `c = 0`.
@@ -32,7 +35,7 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
 /// Without a fraction where `a * b` does not fit 64 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
-    let Some(product) = a.checked_mul(b) else {
+    let Some(product) = times(a, b) else {
         return mul_div(a, b, c).saturating_mul(1 << 16);
     };
     let (Some(quotient), Some(mut rest)) = (product.checked_div(c), product.checked_rem(c)) else {
@@ -47,6 +50,12 @@ pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
         None => 0,
     };
     quotient.saturating_mul(1 << 16).saturating_add(fraction)
+}
+
+/// [`u64::checked_mul`], once in the code of a small chip: it takes 100 bytes of it.
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+pub(crate) const fn times(a: u64, b: u64) -> Option<u64> {
+    a.checked_mul(b)
 }
 
 #[cfg(test)]

@@ -1,43 +1,44 @@
 //! No axis steps sooner after its last step than its highest rate allows, however short the moves are.
 
-use crate::{Config, MAX_WAIT_TICKS};
+use crate::lines::tempo::Tempo;
+use crate::{Axis, Config};
+
+/// So many steps of each axis are watched in a move. In a longer one the time of the whole move keeps
+/// them apart: its ends lie between steps, so it has less than one step too many.
+const WATCHED_STEPS: u8 = 64;
 
 /// Keeps the time of each axis' last step, over all moves, take-ups and dwells.
 ///
-/// A move ends with a step at its last tick, wherever between two steps its programmed end lies. A next move that is shorter
-/// than a step may round to one all the same. Such a step waits here. The path makes up for the delay in the waits that follow, a
-/// quarter of each at most, so programmed times still add up.
+/// A move's time is that of its programmed way, and its steps are those between two places of the
+/// grid: a way shorter than a step may have a step all the same. Where a step would come too soon
+/// after the last one of its axis, it waits, and what follows with it. Later moves make up for the
+/// delay, as far as the rates allow, so programmed times still add up.
+///
+/// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may wait too, for
+/// an interval at most.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard<const N: usize> {
-    /// Ticks between two steps of each axis at its highest rate, rounded down; [`MAX_WAIT_TICKS`] at most.
-    interval: [u64; N],
-    /// Ticks since the beginning.
-    clock: u64,
-    /// The earliest tick of the next step of each axis.
-    earliest: [u64; N],
+    now: u32,
+    /// Tick of the last step of each axis.
+    last: [u32; N],
     /// Ticks by which the path is behind its programmed time.
-    late: u64,
+    late: u32,
+    /// Axes whose next step is compared with their last one: bit 0 is the first.
+    watched: u8,
+    /// How many more of its steps are.
+    left: [u8; N],
 }
 
 impl<const N: usize> Guard<N> {
-    pub(crate) fn new(config: &Config<N>) -> Self {
+    /// As if every axis had just made a step.
+    pub(crate) const fn new() -> Self {
         Guard {
-            interval: config.axes.map(|axis| {
-                let interval = config.timer_hz.checked_div(axis.max_rate_hz);
-                interval
-                    .unwrap_or(MAX_WAIT_TICKS)
-                    .min(MAX_WAIT_TICKS)
-                    .into()
-            }),
-            clock: 0,
-            earliest: [0; N],
+            now: 0,
+            last: [0; N],
             late: 0,
+            watched: u8::MAX,
+            left: [WATCHED_STEPS; N],
         }
-    }
-
-    /// Time in which no axis steps.
-    pub(crate) const fn pass(&mut self, ticks: u32) {
-        self.clock = self.clock.wrapping_add(ticks as u64);
     }
 
     /// The path stands: it makes up for no delay from before.
@@ -45,40 +46,91 @@ impl<const N: usize> Guard<N> {
         self.late = 0;
     }
 
-    /// The ticks before a step of the path that was to come after `wait` of them, [`MAX_WAIT_TICKS`] at most.
-    #[inline]
-    pub(crate) fn path_step(&mut self, wait: u64, delta: &[i8; N]) -> u64 {
-        let mut due = self.clock.wrapping_add(wait);
-        if self.late != 0 {
-            let sooner = self.late.min(wait >> 2);
-            self.late = self.late.wrapping_sub(sooner);
-            due = due.wrapping_sub(sooner);
+    /// A move at constant speed begins: the ticks that it takes.
+    pub(crate) fn ticks(&mut self, tempo: &Tempo, percent: u8, events: u32) -> u64 {
+        let programmed = tempo.ticks(percent);
+        if events >= u32::from(WATCHED_STEPS) {
+            return programmed;
         }
-        let mut at = due;
-        for (earliest, delta) in self.earliest.iter().zip(delta) {
-            if *delta != 0 && *earliest > at {
-                at = *earliest;
-            }
-        }
-        self.late = self.late.wrapping_add(at.wrapping_sub(due));
-        let wait = at.wrapping_sub(self.clock);
-        self.stepped(at, delta);
-        wait
+        // All its steps are watched: none comes too soon.
+        let sooner = u32::try_from(programmed).map_or(self.late, |ticks| ticks.min(self.late));
+        self.late = self.late.wrapping_sub(sooner);
+        programmed.wrapping_sub(sooner.into())
     }
 
-    /// A step that comes after exactly `wait_ticks`: of a take-up, or of what follows the spindle, whose time is not known.
-    pub(crate) fn own_step(&mut self, wait_ticks: u32, delta: &[i8; N]) {
-        self.stepped(self.clock.wrapping_add(wait_ticks.into()), delta);
+    /// A move of so many steps begins: its first ones are watched.
+    pub(crate) const fn begin(&mut self, is_round: bool, events: u32) {
+        // Two steps at 45 degrees of a circle may be nearer.
+        let is_long = is_round && events >= 2 * WATCHED_STEPS as u32;
+        self.watched = u8::MAX;
+        self.left = [if is_long { 1 } else { WATCHED_STEPS }; N];
     }
 
-    #[inline]
-    fn stepped(&mut self, at: u64, delta: &[i8; N]) {
-        self.clock = at;
-        let axes = self.earliest.iter_mut().zip(&self.interval).zip(delta);
-        for ((earliest, interval), delta) in axes {
-            if *delta != 0 {
-                *earliest = at.wrapping_add(*interval);
+    /// The wait of a step of the path that was to come after `wait` ticks, of which one or more axes are watched.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn wait(&mut self, config: &Config<N>, wait: u32, axes: u8) -> u32 {
+        let (mut at, mut bit) = (wait, 1_u8);
+        let axes = axes & self.watched;
+        let axes_of = config.axes.iter().zip(self.last.iter().zip(&mut self.left));
+        for (axis, (last, left)) in axes_of {
+            if axes & bit != 0 {
+                let interval = interval_ticks(axis, config.timer_hz);
+                at = at.max(interval.saturating_sub(self.now.wrapping_sub(*last)));
+                *left = left.saturating_sub(1);
+                if *left == 0 {
+                    self.watched &= !bit;
+                }
             }
+            bit = bit.wrapping_shl(1);
+        }
+        self.late = self.late.saturating_add(at.wrapping_sub(wait));
+        at
+    }
+
+    /// Whether one of these axes is watched.
+    #[inline]
+    pub(crate) const fn watches(&self, axes: u8) -> bool {
+        self.watched & axes != 0
+    }
+
+    /// These axes of the path step after `wait` ticks.
+    #[inline]
+    pub(crate) fn stepped(&mut self, wait: u32, axes: u8) {
+        self.now = self.now.wrapping_add(wait);
+        let mut bit = 1_u8;
+        for last in &mut self.last {
+            if axes & bit != 0 {
+                *last = self.now;
+            }
+            bit = bit.wrapping_shl(1);
         }
     }
+
+    /// These axes step beside the path, of a take-up or by the spindle, whose time is not known.
+    #[inline(never)]
+    pub(crate) fn stepped_aside(&mut self, wait: u32, axes: u8) {
+        self.stepped(wait, axes);
+        self.watched |= axes;
+    }
+}
+
+/// Axes that move, as bits.
+#[inline]
+pub(crate) fn bits<const N: usize>(delta: &[i8; N]) -> u8 {
+    let (mut axes, mut bit) = (0, 1_u8);
+    for delta in delta {
+        if *delta != 0 {
+            axes |= bit;
+        }
+        bit = bit.wrapping_shl(1);
+    }
+    axes
+}
+
+/// Ticks between two steps of an axis at its highest rate, less the part of a step that a longer
+/// move may have too many.
+fn interval_ticks(axis: &Axis, timer_hz: u32) -> u32 {
+    let interval = timer_hz.checked_div(axis.max_rate_hz).unwrap_or(0);
+    interval.wrapping_sub(interval / u32::from(WATCHED_STEPS))
 }

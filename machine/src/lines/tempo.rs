@@ -4,7 +4,7 @@ use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{Moves, length};
 
 use crate::lines::arc::in_plane;
-use crate::lines::duration::{mul_div, mul_div_q16};
+use crate::lines::duration::{mul_div, mul_div_q16, times};
 use crate::{Axis, Config, Segment};
 
 /// Length and time of a move: of the way as programmed, not of the steps it rounds to, so that many moves shorter than a
@@ -90,7 +90,7 @@ impl<const N: usize> Config<N> {
             let flat = in_plane(&segment.from, arc);
             let turns = u64::from(arc.turns).saturating_add(u64::from(flat.from == flat.to));
             let [rim, _] = flat.radii();
-            around = mul_div(rim.saturating_mul(turns), 710, 113);
+            around = mul_div(times(rim, turns).unwrap_or(u64::MAX), 710, 113);
         }
         let length_nm = length(&ways, around);
         let (programmed_q16, top) = match feed {
@@ -120,7 +120,7 @@ impl<const N: usize> Config<N> {
             around_nm: mul_div(
                 path.total_sweep(),
                 u64::from(scale.nm()),
-                path.radius()?.saturating_mul(u64::from(scale.steps())),
+                times(path.radius()?, scale.steps().into()).unwrap_or(u64::MAX),
             ),
             radius_nm,
         })
@@ -152,7 +152,7 @@ impl Axis {
     fn least_q16(&self, way_nm: u64, hz: u64) -> u64 {
         // nm and rate are below 2^32 each.
         let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
-        let way = way_nm.saturating_mul(u64::from(self.scale.steps()));
+        let way = times(way_nm, self.scale.steps().into()).unwrap_or(u64::MAX);
         match mul_div_q16(way, hz, nm_per_s) {
             0 => 0,
             // Up: a short move must not exceed the rate by rounding.

@@ -15,7 +15,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         let (stretch, events) = (*stretch, work.events);
         self.segment = Some(work.segment);
         let heading = work.heading;
-        let ticks = work.tempo.ticks(self.schedule.moves.percent());
+        let percent = self.schedule.moves.percent();
+        let ticks = self.guard.ticks(&work.tempo, percent, events);
+        self.guard.begin(work.tempo.round.is_some(), events);
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweep = work.sweep.max(1);
             let largest_sweep = work.largest_sweep.max(1);

@@ -5,6 +5,7 @@ use husillo_gcode::Command;
 use husillo_interp::{Moves, Step};
 
 use super::{Machine, Origin, Run};
+use crate::lines::guard::bits;
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
@@ -67,7 +68,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                     delta: [0; N],
                 })
             } else {
-                self.guard.pass(MAX_WAIT_TICKS);
+                self.guard.stepped(MAX_WAIT_TICKS, 0);
                 Event::Dwell {
                     wait_ticks: MAX_WAIT_TICKS,
                 }
@@ -131,23 +132,26 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             }) => Origin::Rapid,
             _ => Origin::Feed,
         };
+        let axes = bits(&delta);
         if follows {
-            self.guard.own_step(0, &delta);
+            self.guard.stepped_aside(0, axes);
             return Event::Follow(FollowEvent {
                 wait_counts_q16: wait as u32,
                 delta,
             });
         }
-        Event::Step(StepEvent {
-            wait_ticks: self.guard.path_step(wait, &delta) as u32,
-            delta,
-        })
+        let mut wait_ticks = wait as u32;
+        if self.guard.watches(axes) {
+            wait_ticks = self.guard.wait(&self.config, wait_ticks, axes);
+        }
+        self.guard.stepped(wait_ticks, axes);
+        Event::Step(StepEvent { wait_ticks, delta })
     }
 
     /// One motor step of take-up, while any is owed.
     fn take_up_step(&mut self) -> Option<Event<N>> {
         let step = self.take_up.step(&self.config)?;
-        self.guard.own_step(step.wait_ticks, &step.delta);
+        self.guard.stepped_aside(step.wait_ticks, bits(&step.delta));
         self.origin = Origin::TakeUp;
         Some(Event::Step(step))
     }
@@ -172,7 +176,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             if let Some(signal) = self.signals.iter_mut().find_map(Option::take) {
                 self.origin = Origin::Rest;
                 if let Event::Dwell { wait_ticks } = signal {
-                    self.guard.pass(wait_ticks);
+                    self.guard.stepped(wait_ticks, 0);
                 }
                 return Some(signal);
             }
@@ -185,7 +189,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             if self.carried_ticks >= u64::from(MAX_WAIT_TICKS) {
                 self.carried_ticks = self.carried_ticks.wrapping_sub(u64::from(MAX_WAIT_TICKS));
                 self.origin = Origin::Rest;
-                self.guard.pass(MAX_WAIT_TICKS);
+                self.guard.stepped(MAX_WAIT_TICKS, 0);
                 return Some(Event::Dwell {
                     wait_ticks: MAX_WAIT_TICKS,
                 });

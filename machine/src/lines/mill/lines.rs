@@ -13,6 +13,7 @@ use super::{
     task::Task,
     ways::Ways,
 };
+use crate::lines::guard::Guard;
 use crate::lines::segment::lattice;
 use crate::{Config, MAX_WAIT_TICKS, Segment};
 
@@ -97,7 +98,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         };
         lay(&mut self.path, &self.config.machine, &segment, start, end);
         let Some(path) = &self.path else { return 0 };
-        let ticks = ticks(&self.config.machine, &segment, path);
+        let ticks = ticks(&self.config.machine, &segment, path, &mut self.guard);
+        self.guard.begin(path.radius().is_some(), path.remaining());
         if path.remaining() == 0 {
             self.path = None;
             return ticks;
@@ -136,6 +138,6 @@ fn lay(
 }
 
 #[inline(never)]
-fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Flat) -> u64 {
-    machine.tempo(segment, path).ticks(100)
+fn ticks(machine: &Config<3>, segment: &Segment<3>, path: &Flat, guard: &mut Guard<3>) -> u64 {
+    guard.ticks(&machine.tempo(segment, path), 100, path.remaining())
 }

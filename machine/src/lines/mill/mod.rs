@@ -18,7 +18,8 @@ pub use event::{MillEvent, MillInputs, MillStep};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
-use crate::{MAX_WAIT_TICKS, cell::play::Play, guard::Guard};
+use crate::lines::guard::Guard;
+use crate::{MAX_WAIT_TICKS, cell::play::Play};
 use course::Course;
 use entry::{Entry, Place};
 use path::Flat;
@@ -121,7 +122,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             task: Task::Idle,
             path: None,
             course: Course::new(Timer::new(0, 1, 1), Ways::NONE),
-            guard: Guard::new(&config.machine),
+            guard: Guard::new(),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
             lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
@@ -348,7 +349,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'a, QUEU
             }
             bit = bit.wrapping_shl(1);
         }
-        self.guard.own_step(wait_ticks, &ways.deltas());
+        self.guard.stepped_aside(wait_ticks, ways.axes);
         Next::Give(MillEvent::Step(self.say(wait_ticks, ways, loads)))
     }
 

@@ -29,7 +29,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                     if let Some(play) = self.plays.get_mut(way.number()) {
                         play.take_up(way.negative == 0);
                     }
-                    self.guard.own_step(wait_ticks, &way.deltas());
+                    self.guard.stepped_aside(wait_ticks, way.axes);
                     return Some(self.say(wait_ticks, way, 0));
                 }
                 course.next.take()
@@ -52,8 +52,12 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
         if axes & 4 != 0 {
             z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
         }
-        let wait = self.guard.path_step(wait, &ways.deltas());
-        Some(self.say(wait as u32, ways, ways.axes))
+        let mut wait = wait as u32;
+        if self.guard.watches(ways.axes) {
+            wait = self.guard.wait(&self.config.machine, wait, ways.axes);
+        }
+        self.guard.stepped(wait, ways.axes);
+        Some(self.say(wait, ways, ways.axes))
     }
 
     /// What comes before a step of the path: a take-up, or a part of its wait; or it does not come.
