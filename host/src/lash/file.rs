@@ -193,6 +193,7 @@ fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
 
 fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> {
     let mut along = Vec::new();
+    let mut is_wrong = false;
     for (axis, key) in ["x_mm", "y_mm", "z_mm"].into_iter().enumerate() {
         if let Some((value, span)) = table.value(key) {
             match numbers(value) {
@@ -203,7 +204,7 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
                         &format!("`{key}` is no list of numbers"),
                         "places in mm",
                     );
-                    return None;
+                    is_wrong = true;
                 }
             }
         }
@@ -212,6 +213,9 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
         table.missing("um");
         return None;
     };
+    if is_wrong {
+        return None;
+    }
     // A list, or a list of lists.
     let rows = value.as_array().and_then(|rows| {
         let rows = rows.iter().map(|row| numbers(row.get_ref()));
