@@ -1,4 +1,4 @@
-//! No axis steps sooner after its last step than its highest rate allows, however short the moves are.
+//! No axis steps sooner after its last step than its highest rate allows, however short a move is.
 
 use crate::lines::tempo::Tempo;
 use crate::{Axis, Config};
@@ -66,7 +66,8 @@ impl<const N: usize> Guard<N> {
         self.left = [if is_long { 1 } else { WATCHED_STEPS }; N];
     }
 
-    /// The wait of a step of the path that was to come after `wait` ticks, of which one or more axes are watched.
+    /// The wait of a step of the path that was to come after `wait` ticks; one of its axes or more are
+    /// watched.
     #[cold]
     #[inline(never)]
     pub(crate) fn wait(&mut self, config: &Config<N>, wait: u32, axes: u8) -> u32 {
