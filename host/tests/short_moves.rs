@@ -41,7 +41,8 @@ fn a_run_that_loses_steps_says_which_and_ends_with_1() {
     std::fs::write(&file, "G21 G90\nG1 X0.05 F1\nM2\n").unwrap();
     let file = file.to_str().unwrap();
     husillo()
-        .args(["run", file, "--lose", "x:100:4"])
+        .args(["run", file, "--lose", "x:100:4", "-o"])
+        .arg(scratch("loses.html"))
         .assert()
         .code(1)
         .stderr(contains("axis X lost 4 steps; the first at step event 100"));
