@@ -95,6 +95,33 @@ impl<const N: usize> Guard<N> {
         self.watched & axes != 0
     }
 
+    /// Whether the time of a step of these axes has to be known, with so many steps of the move behind
+    /// it: it is compared with the last one of its axis, or the next move may begin soon after it.
+    ///
+    /// What steps earlier in a move is farther from the next one than any axis' shortest interval,
+    /// where all axes have the same rate.
+    #[inline]
+    pub(crate) const fn follows(&self, axes: u8, remaining: u32) -> bool {
+        remaining < WATCHED_STEPS as u32 || self.watches(axes)
+    }
+
+    /// A step of the path that [`follows`](Guard::follows): when it comes, instead of after `wait` ticks.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn step(&mut self, config: &Config<N>, mut wait: u32, axes: u8) -> u32 {
+        if self.watches(axes) {
+            wait = self.wait(config, wait, axes);
+        }
+        self.stepped(wait, axes);
+        wait
+    }
+
+    /// A step of the path that need not be known of.
+    #[inline]
+    pub(crate) const fn pass(&mut self, wait: u32) {
+        self.now = self.now.wrapping_add(wait);
+    }
+
     /// These axes of the path step after `wait` ticks.
     #[inline]
     pub(crate) fn stepped(&mut self, wait: u32, axes: u8) {

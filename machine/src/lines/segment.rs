@@ -82,7 +82,12 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
         }
     }
     if let Command::Arc { arc, .. } = command {
-        for (axis, span) in arc.plane.axes().into_iter().zip(in_plane(from, arc).extent()) {
+        for (axis, span) in arc
+            .plane
+            .axes()
+            .into_iter()
+            .zip(in_plane(from, arc).extent())
+        {
             if let Some(extent) = extents.get_mut(axis) {
                 *extent = Some(span.map(Nm));
             }

@@ -19,11 +19,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             Some(Flat::Arc(arc)) if course.next.is_none() => arc.next().map(|step| {
                 let ways = Ways::from(step);
                 course.turns(ways);
-                (ways, course.timer.wait(step.sweep))
+                (ways, course.timer.wait(step.sweep), arc.remaining())
             }),
             Some(Flat::Line(line)) if course.next.is_none() => line
                 .next()
-                .map(|step| (Ways::from(step), course.timer.wait_one())),
+                .map(|step| (Ways::from(step), course.timer.wait_one(), line.remaining())),
             Some(_) => {
                 if let Some((way, wait_ticks)) = course.take_up() {
                     if let Some(play) = self.plays.get_mut(way.number()) {
@@ -32,11 +32,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
                     self.guard.stepped_aside(wait_ticks, way.axes);
                     return Some(self.say(wait_ticks, way, 0));
                 }
-                course.next.take()
+                course.next.take().map(|(ways, wait)| (ways, wait, 0))
             }
             None => return None,
         };
-        let Some((ways, wait)) = next else {
+        let Some((ways, wait, remaining)) = next else {
             self.end_path();
             return None;
         };
@@ -53,10 +53,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Mill<'_, QUEUE, A
             z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
         }
         let mut wait = wait as u32;
-        if self.guard.watches(ways.axes) {
-            wait = self.guard.wait(&self.config.machine, wait, ways.axes);
+        if self.guard.follows(ways.axes, remaining) {
+            wait = self.guard.step(&self.config.machine, wait, ways.axes);
+        } else {
+            self.guard.pass(wait);
         }
-        self.guard.stepped(wait, ways.axes);
         Some(self.say(wait, ways, ways.axes))
     }
 
