@@ -160,6 +160,8 @@ pub enum ErrorKind {
     ArcSmallerThanTool(Measure),
     /// More commands between two moves of a compensated contour than can wait for the corner: four.
     TooManyWaiting,
+    /// The commands of the block before have not been taken yet.
+    CommandsWaiting,
     /// A fault of parameters, expressions or the flow of a program.
     #[cfg(feature = "program")]
     Program(Fault),
@@ -231,6 +233,7 @@ impl ErrorKind {
             ErrorKind::Gouge => 322,
             ErrorKind::ArcSmallerThanTool(_) => 323,
             ErrorKind::TooManyWaiting => 324,
+            ErrorKind::CommandsWaiting => 509,
             ErrorKind::Pocket(_) => 330,
             ErrorKind::ContourTooLong => 331,
             ErrorKind::ContourStart => 332,
@@ -379,6 +382,7 @@ impl fmt::Display for ErrorKind {
             ErrorKind::ContourTooLong => "contour with too many moves",
             ErrorKind::ContourStart => "contour is not beside the start of the cycle",
             ErrorKind::ThreadStart => "thread does not begin outside of its crest",
+            ErrorKind::CommandsWaiting => "commands of the block before are still to be taken",
             ErrorKind::TooManyWaiting => {
                 "too many commands between two moves of a compensated contour"
             }

@@ -18,7 +18,7 @@ use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::{Dialect, Flavour};
 use crate::codes::letters::first_of;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::features::{EXTENDED, ROOMY};
 use crate::modal::commands::Commands;
 #[cfg(feature = "extended")]
@@ -99,14 +99,22 @@ impl<const N: usize> Modal<N> {
     }
 
     /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3
-    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. `commands` are
-    /// replaced. With an error there are none, and the state is as it was.
+    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. They have to be
+    /// taken until there are none before the next block, or dropped by [`Commands::clear`]. With an
+    /// error of the block there are none, and the state is as it was.
     ///
     /// # Errors
-    /// Those of [`Modal::plan`].
+    /// Those of [`Modal::plan`]; commands that have not been taken (E0509): they stay, and the block
+    /// has done nothing.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
-        commands.clear();
+        if !commands.is_empty() {
+            return Err(Error {
+                kind: ErrorKind::CommandsWaiting,
+                at: 0,
+                end: 0,
+            });
+        }
         let done = match self.plain_move(block) {
             Some(mode) => self.apply_move(block, mode, commands),
             None => self.apply_any(block, commands),

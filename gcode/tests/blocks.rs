@@ -131,6 +131,7 @@ fn the_short_way_of_moves_is_the_same() {
             };
             let mut commands = Commands::new();
             one.apply(&block, &mut commands).expect("a plan");
+            commands.clear();
             let mut other = one.clone();
             let line = format!("{path} {beside}");
             let parse = |line: &str| Block::parse(line.as_bytes(), &Dialect::RS274);
@@ -285,4 +286,34 @@ fn mills_have_the_same_codes() {
         }
     }
     assert!(known > 30, "{known}");
+}
+
+/// Commands of a block that were not taken are never lost without a word: the next block is refused,
+/// nothing of it is done, and they are still to come.
+#[test]
+fn commands_that_wait_are_not_lost() {
+    let dialect = Dialect::RS274;
+    let mut modal = Modal::<3>::new(dialect);
+    let mut commands = Commands::new();
+    let block = |line: &str| Block::parse(line.as_bytes(), &dialect).expect("a block");
+    modal
+        .apply(&block("M3 S100 G0 X1"), &mut commands)
+        .expect("a plan");
+    let before = modal.clone();
+    for _ in 0..2 {
+        let refused = modal
+            .apply(&block("G0 X2"), &mut commands)
+            .expect_err("they wait");
+        assert_eq!(refused.kind, ErrorKind::CommandsWaiting);
+        assert!(modal == before && !commands.is_empty());
+    }
+    assert_eq!(commands.by_ref().count(), 2, "spindle and rapid");
+    assert!(commands.is_empty());
+    modal.apply(&block("G0 X2"), &mut commands).expect("a plan");
+    commands.clear();
+    modal
+        .apply(&block("G0 X3"), &mut commands)
+        .expect("dropped on purpose");
+    let last: Vec<_> = commands.map(|command| command.to_string()).collect();
+    assert_eq!(last, ["rapid X3 Y0 Z0"]);
 }

@@ -177,9 +177,15 @@ impl<const N: usize> Commands<N> {
         },
     };
 
-    /// None to come; what the fields hold is no longer looked at.
-    pub(crate) fn clear(&mut self) {
+    /// Drops the commands that have not been taken: of a program that is cut short.
+    pub fn clear(&mut self) {
+        // What the fields hold is no longer looked at.
         self.pending = 0;
+    }
+
+    /// Whether all commands have been taken.
+    pub const fn is_empty(&self) -> bool {
+        self.pending == 0
     }
 
     pub(crate) fn tool(&mut self, number: u32) {
