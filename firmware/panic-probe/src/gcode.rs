@@ -42,6 +42,8 @@ pub fn keep() {
         Arc::<3>::in_plane as *const (),
         Modal::<3>::apply as *const (),
         Commands::<3>::new as *const (),
+        Commands::<3>::clear as *const (),
+        Commands::<3>::is_empty as *const (),
         Measure::of as *const (),
         Measure::length as *const (),
         Decimal::new as *const (),
