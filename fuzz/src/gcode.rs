@@ -61,6 +61,7 @@ impl States {
         let parsed = Block::parse(text, &dialect);
         check_printed(text, &parsed, &self.aside);
         let planned = parsed.and_then(|block| self.aside.plan(&block));
+        self.commands.clear();
         let applied = self
             .block
             .read(text, &dialect)

@@ -60,6 +60,7 @@ pub fn line(count: Count<'_>) {
                 .read(text, &dialect)
                 .and_then(|()| modal.apply(&block, &mut commands));
             black_box((done.is_ok(), &commands));
+            commands.clear();
         }
     });
 }
