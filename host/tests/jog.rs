@@ -26,8 +26,8 @@ fn a_session_in_simulated_time() {
         .assert()
         .success()
         .stdout(contains("homed").and(contains("the tool touches: the figure begins")))
-        // 400 steps at 100 a second; 5 of them, with 200 to take up before.
-        .stdout(contains("x +400: 4.").and(contains("z -5: 2.")));
+        // 400 steps at 400 a second; 5 of them, with 200 to take up before.
+        .stdout(contains("x +400: 1.").and(contains("z -5: 0.")));
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn the_same_over_a_pseudo_terminal() {
     ends(1, ",0,0,0,0,0,1,0,1");
     ends(2, ",1000,0,0,0,0,1,1,1");
     ends(3, ",10000,0,0,0,0,1,0,1");
-    ends(4, ",10000,-1,0,0,0,1,0,1");
+    ends(4, ",2500,-1,0,0,0,1,0,1");
     ends(rows.len() - 1, ",0,0,0,0,0,0,0,1");
     let turns = rows
         .iter()

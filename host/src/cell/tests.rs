@@ -17,6 +17,7 @@ use std::time::Duration;
 fn settings() -> Settings {
     let mut settings = Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap();
     settings.config.axis_rate_hz = 4000;
+    settings.pull_out_ticks = 0; // its motors follow
     settings.config.spindle_rate_hz = 2560;
     settings.config.lash_steps = [20, 0, 20];
     settings.config.back_off_steps = 20;
