@@ -134,7 +134,7 @@ proptest! {
     fn the_path_follows_the_exact_circle(
         (nm, per) in prop_oneof![Just((1_000_000, 107)), Just((140, 1)), Just((3_000_000, 1_001))],
         radius in 20.0..3000.0_f64,
-        (start, sweep) in (0.0..6.28_f64, 0.1..6.2_f64),
+        (start, sweep) in (0.0..std::f64::consts::TAU, 0.1..6.2_f64),
         centre in prop::array::uniform2(-1_000_000_i64..1_000_000),
         is_clockwise: bool,
     ) {

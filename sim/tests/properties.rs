@@ -201,7 +201,9 @@ fn a_pulse_without_its_times_is_no_step() {
     let up = Levels(back.0 | Levels::STEP.0);
     let off = Levels(high.0 & !Levels::ENABLE.0);
     let good: &[_] = &[(high, 100), (low, 3)];
-    let cases: [(&[(Levels, u32)], i32, u64); 7] = [
+    /// Levels after waits, where the rotor is then, and what was lost.
+    type Case<'a> = (&'a [(Levels, u32)], i32, u64);
+    let cases: [Case<'_>; 7] = [
         (good, 1, 0),
         (&[(high, 100), (low, 2)], 0, 1), // high too shortly
         (&[(high, 100), (low, 3), (high, 4), (low, 3)], 1, 1), // low too shortly
