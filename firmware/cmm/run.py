@@ -10,7 +10,7 @@ from bench import Bench, figures  # noqa: E402
 
 board, husillo = sys.argv[1:3]
 # Home on the index, trapezoids, the probe both ways, a jog, the state at the end.
-ACTIONS = "home x goto 1200 goto -777 goto 3 touch + touch - --repeat 3 goto 0 zero goto 250 jog -x 1s slow status".split()
+ACTIONS = "home x goto 1200 goto -777 goto 3 touch + touch - --repeat 3 goto 0 zero goto 250 jog -x 0.2s slow status".split()
 
 
 def measure(*where):
