@@ -77,6 +77,8 @@ pub struct Run<'a> {
     /// Steps lost so far, and where the first of them were.
     lost: [u64; 3],
     first_losses: [Option<FirstLoss>; 3],
+    /// Axes that an encoder saw behind and that have not been corrected.
+    behind: [bool; 3],
     /// What the encoders told.
     pub told: Vec<String>,
     /// Sides of the work, where they are compared.
@@ -156,6 +158,7 @@ impl<'a> Run<'a> {
             pushes: Vec::new(),
             lost: [0; 3],
             first_losses: [None; 3],
+            behind: [false; 3],
             told: Vec::new(),
             symmetry: None,
         };
@@ -196,15 +199,18 @@ impl<'a> Run<'a> {
             }
             Followed::Event(ref event) => self.event(machine.machine(), event)?,
             Followed::Lost { axis, steps } => {
+                self.behind[axis] = true;
                 let letter = letter(axis);
                 self.told
                     .push(format!("{letter} is {steps} steps behind, {after}"));
             }
             Followed::Corrected { axis } => {
+                self.behind[axis] = false;
                 let letter = letter(axis);
                 self.told.push(format!("{letter} is right again, {after}"));
             }
             Followed::Stalled { axis, steps } => {
+                self.behind[axis] = true;
                 let letter = letter(axis);
                 self.told.push(format!(
                     "{letter} is stalled, {steps} steps behind, {after}"
@@ -541,6 +547,11 @@ impl<'a> Run<'a> {
     /// Where each axis lost its first steps.
     pub fn first_losses(&self) -> [Option<FirstLoss>; 3] {
         self.first_losses
+    }
+
+    /// Axes that are behind by what they lost, as their encoders have it.
+    pub const fn behind(&self) -> [bool; 3] {
+        self.behind
     }
 
     /// Writes what is left of the trace.

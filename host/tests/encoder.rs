@@ -7,6 +7,11 @@ use serde_json::Value;
 
 /// Exit status and results of the circles on a micro mill whose X has an encoder that does `on_loss`, with one loss.
 fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
+    run_losing(name, on_loss, &["x:20000:-8"])
+}
+
+/// The same with these losses.
+fn run_losing(name: &str, on_loss: Option<&str>, losses: &[&str]) -> (i32, Value) {
     let mill = std::fs::read_to_string("../machines/micromill.toml").unwrap();
     let encoder = on_loss.map(|on_loss| {
         format!("[axis.x.encoder]\ncounts_per_mm = 50000\ntolerance = \"4 steps\"\non_loss = \"{on_loss}\"\n")
@@ -14,16 +19,11 @@ fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
     let file = mill + &encoder.unwrap_or_default();
     let path = written(&format!("{name}.toml"), &file);
     let mut command = husillo();
-    command.args([
-        "run",
-        "../examples/circles.nc",
-        "--format",
-        "json",
-        "--lose",
-        "x:20000:-8",
-        "-m",
-    ]);
-    let output = command.arg(&path).output().unwrap();
+    command.args(["run", "../examples/circles.nc", "--format", "json"]);
+    for loss in losses {
+        command.args(["--lose", loss]);
+    }
+    let output = command.arg("-m").arg(&path).output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     let results = serde_json::from_slice(&output.stdout);
     (
@@ -61,4 +61,17 @@ fn what_is_lost_is_told_and_given_again() {
     let (status, stop) = run("stop", Some("stop"));
     assert_eq!(status, 1);
     assert!(stop["events"].as_u64().unwrap() < 20_010, "{stop}");
+}
+
+/// An axis that loses steps as fast as they are given again is not made good, whatever was asked for.
+#[test]
+fn what_could_not_be_corrected_is_an_error() {
+    let again = (0..40).map(|turn| format!("x:{}:-8", 20_000 + 8 * turn));
+    let losses: Vec<String> = again.collect();
+    let losses: Vec<&str> = losses.iter().map(String::as_str).collect();
+    let (status, stalled) = run_losing("stalled", Some("correct"), &losses);
+    let told = stalled["encoders"].as_array().unwrap();
+    let last = told.last().unwrap().as_str().unwrap();
+    assert!(last.starts_with("X is stalled"), "{stalled}");
+    assert_eq!((status, &stalled["errors"]), (1, &1.into()));
 }

@@ -215,14 +215,17 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     Ok(if lost.is_empty() { OK } else { ERRORS })
 }
 
-/// A sentence for each axis that lost steps which nothing made good: how many, where first, and what to do.
+/// A sentence for each axis that lost steps which nothing made good: how many, where first, and what
+/// to do.
 fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
     let mut sentences = Vec::new();
     let axes = job.machine.axes.iter().zip(run.lost_steps());
-    for ((axis, lost), first) in axes.zip(run.first_losses()) {
-        let is_made_good = axis
+    let axes = axes.zip(run.behind());
+    for (((axis, lost), is_behind), first) in axes.zip(run.first_losses()) {
+        let corrects = axis
             .encoder
             .is_some_and(|file| file.encoder.on_loss == OnLoss::Correct);
+        let is_made_good = corrects && !is_behind;
         if lost == 0 || is_made_good {
             continue;
         }
