@@ -401,6 +401,7 @@ impl Job {
                 let mut source = self.open()?;
                 let dialect = self.start.dialect;
                 let zero = zero::fitting(&mut source, self.name(), dialect, &self.config)?;
+                let Some(zero) = zero else { return Ok(()) };
                 let [x, y, z] = zero;
                 eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
                 zero

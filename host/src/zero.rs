@@ -84,6 +84,8 @@ struct Reach {
     machine_leaves: [Option<(Place, MoveError)>; 3],
     /// The axis whose travel the part leaves first of all.
     first: usize,
+    /// Something else is wrong with the program: what is behind it was not seen.
+    has_errors: bool,
 }
 
 /// Where the program is walked to tell what moves with work zero from what does not: 17 km off,
@@ -128,6 +130,7 @@ impl Reach {
                 Ok(())
             },
         )?;
+        reach.has_errors = told.errors > 0;
         Ok(reach)
     }
 
@@ -158,7 +161,8 @@ impl Reach {
 
 /// Work zero where the part fits: X and Y in the middle of the table, its highest Z at the upper
 /// end of Z. An axis without known limits keeps machine zero, and so does one that the part does
-/// not move or is too small for it.
+/// not move or is too small for it. `None` where the program has errors: nobody knows where its part
+/// is, and the check tells them.
 ///
 /// # Errors
 ///
@@ -168,8 +172,11 @@ pub fn fitting(
     file: &str,
     dialect: Dialect,
     config: &Config<3>,
-) -> io::Result<[Nm; 3]> {
+) -> io::Result<Option<[Nm; 3]>> {
     let reach = Reach::of(source, file, dialect, config, [Nm(0); 3])?;
+    if reach.has_errors {
+        return Ok(None);
+    }
     let mut zero = [Nm(0); 3];
     for (axis, zero) in zero.iter_mut().enumerate() {
         let (Some([least, most]), Some([low, high])) = (reach.part[axis], config.axes[axis].travel)
@@ -188,7 +195,7 @@ pub fn fitting(
         let even = exact.div_euclid(ROUND) * ROUND;
         *zero = Nm(if low.0 - least.0 <= even { even } else { exact });
     }
-    Ok(zero)
+    Ok(Some(zero))
 }
 
 /// `fit` gives hundredths of a millimetre.
