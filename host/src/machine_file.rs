@@ -734,6 +734,39 @@ mod tests {
     }
 
     #[test]
+    fn pulses_bound_the_rate_of_a_step_and_direction_driver() {
+        let text = include_str!("../../machines/router.toml");
+        let findings = |text: &str| match MachineFile::parse("router.toml", text) {
+            Ok(_) => Vec::new(),
+            Err(findings) => findings
+                .iter()
+                .map(|finding| finding.message.clone())
+                .collect(),
+        };
+        let file = MachineFile::parse("router.toml", text).unwrap();
+        let (hz, rate) = (file.timer_hz, file.axes[0].max_rate);
+        // High and low for half of the shortest interval, and a tick more.
+        let half_ns = 500_000_000 / u64::from(rate);
+        let tick_ns = 1_000_000_000_u64.div_ceil(hz.into());
+        let pulse =
+            |ns: u64| format!("{text}\n[axis.x.pulse]\nhigh = \"{ns} ns\"\nlow = \"{ns} ns\"\n");
+        assert_eq!(findings(&pulse(half_ns - tick_ns)), [""; 0]);
+        let refused = findings(&pulse(half_ns + tick_ns));
+        assert_eq!(refused.len(), 1, "{refused:?}");
+        assert!(
+            refused[0].contains("the pulses of the driver take at most"),
+            "{refused:?}"
+        );
+        // Coils have no pulses.
+        let coils = pulse(1000).replacen("step-direction", "unipolar", 1);
+        assert!(
+            findings(&coils)[0].contains("pulse"),
+            "{:?}",
+            findings(&coils)
+        );
+    }
+
+    #[test]
     fn nonsense_is_refused_once_and_by_its_key() {
         for (from, to, message) in [
             (

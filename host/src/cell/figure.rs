@@ -206,6 +206,13 @@ mod tests {
         }
     }
 
+    /// The original's triangle is right-angled, with a slope of two.
+    #[test]
+    fn the_triangle_is_the_originals() {
+        let text = include_str!("../../../examples/microfactory/triangle.nc");
+        assert_eq!(from(text).unwrap(), [[1000, 500], [0, -500], [-1000, 0]]);
+    }
+
     #[test]
     fn positions_are_rounded_not_moves() {
         // 0.001 mm is 0.53 steps: after three of them the tool is at 1.6 steps.

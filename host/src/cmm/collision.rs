@@ -7,8 +7,7 @@ use super::way::{Search, Way, searches};
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
 
-/// On a way without a touch each module stops its own axis where the contact changes, within a
-/// servo
+/// On a move without a touch each module stops its own axis where the contact changes, within a servo
 /// period and whatever the host does.
 const GUARD: Search = Search {
     events: Homing::LIMIT_1,
@@ -16,8 +15,7 @@ const GUARD: Search = Search {
     only: None,
 };
 
-/// Readings in a row without a contact after which a probe that was pressed is free: contacts
-/// bounce.
+/// So many readings in a row without a contact say that a pressed probe is free: contacts bounce.
 const FREE_READINGS: u32 = 2;
 
 /// Readings that a speed is told from: a module is read at any instant of its period.
@@ -271,9 +269,8 @@ impl Head {
         }))
     }
 
-    /// Whether it goes farther than a probe may be pressed from where it touched first, and goes
-    /// away
-    /// from there.
+    /// Whether it goes farther than a probe may be pressed from where it touched first, and away from
+    /// there.
     fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
         let Some(contact) = &self.contact_at else {
             return false;

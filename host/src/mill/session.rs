@@ -32,8 +32,7 @@ pub struct Session {
 
 impl Session {
     /// A controller in any state: [`Order::Stop`] is a good beginning. It is stopped, whatever it
-    /// does, as soon
-    /// as `stop` is set.
+    /// does, as soon as `stop` is set.
     pub fn new(port: Port, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
         let timing = HostTiming::of(bits_per_s);
         Self {
