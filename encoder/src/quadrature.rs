@@ -82,7 +82,7 @@ pub enum Direction {
 
 /// A decoder of quadrature signals: one sample of both levels in, its counts out.
 ///
-/// Samples must come at least once between any two edges. Two edges are told ([`Skipped`]); three
+/// Samples must come at least once between any two edges. Two edges are reported ([`Skipped`]); three
 /// look like one the other way and four like none, which no decoder can see: only the index does.
 ///
 /// The table has 16 states as in the usual hardware decoders (for instance Avago HCTL-2016, data

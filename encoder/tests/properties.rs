@@ -149,7 +149,7 @@ proptest! {
     }
 
     /// The same edge of the index is found from both sides, wherever the walk turns outside it, and
-    /// lost counts are told.
+    /// lost counts are reported.
     #[test]
     fn index_is_the_same_from_both_sides(turns in vec(1_i32..1000, 1..20), lost in -30_i32..30) {
         const TURN: i32 = 400;

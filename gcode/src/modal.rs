@@ -99,13 +99,13 @@ impl<const N: usize> Modal<N> {
     }
 
     /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3
-    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. They have to be
-    /// taken until there are none before the next block, or dropped by [`Commands::clear`]. With an
-    /// error of the block there are none, and the state is as it was.
+    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. They have to
+    /// be taken until there are none before the next block, or dropped by [`Commands::clear`]. With
+    /// an error of the block there are none, and the state is as it was.
     ///
     /// # Errors
-    /// Those of [`Modal::plan`]; commands that have not been taken (E0509): they stay, and the block
-    /// has done nothing.
+    /// Those of [`Modal::plan`]; commands that have not been taken (E0509): they stay, and the
+    /// block has done nothing.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         if !commands.is_empty() {

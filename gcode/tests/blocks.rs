@@ -288,8 +288,8 @@ fn mills_have_the_same_codes() {
     assert!(known > 30, "{known}");
 }
 
-/// Commands of a block that were not taken are never lost without a word: the next block is refused,
-/// nothing of it is done, and they are still to come.
+/// Commands of a block that were not taken are never lost without a word: the next block is
+/// refused, nothing of it is done, and they are still to come.
 #[test]
 fn commands_that_wait_are_not_lost() {
     let dialect = Dialect::RS274;

@@ -125,8 +125,8 @@ pub struct AxisFile {
 }
 
 impl AxisFile {
-    /// The shortest interval between two steps that the motor follows, in timer ticks, rounded down: by its pull-out rate, or
-    /// by its winding and its load. 0: it follows any.
+    /// The shortest interval between two steps that the motor follows, in timer ticks, rounded
+    /// down: by its pull-out rate, or by its winding and its load. 0: it follows any.
     pub fn pull_out_ticks(&self, timer_hz: u32) -> u32 {
         let by_winding = || self.power.as_ref().and_then(Power::pull_out_hz);
         match self.pull_out_rate {
@@ -593,7 +593,8 @@ fn rate(table: &mut Table<'_, '_>, key: &'static str, step: Fraction) -> Option<
     )
 }
 
-/// From a nanometre to a metre: what positions in nanometres can tell apart, and a machine's travel.
+/// From a nanometre to a metre: what positions in nanometres can tell apart, and a machine's
+/// travel.
 fn is_step(length: Fraction) -> bool {
     length.num >= length.den && length.num <= length.den.saturating_mul(1_000_000_000)
 }

@@ -7,9 +7,10 @@ use husillo_machine::{Event, Motors};
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
 
-/// Writes `event,wait_ticks,dx,dy,dz`, one row an event; dwells are rows with zero deltas that share the number of the
-/// event before them. With motors each row ends with the inputs of their drivers from then on, `lx,ly,lz`: bit 0 is a driver's first
-/// input. A step of a step and direction driver is several rows there, all but that of the rising edge with zero deltas.
+/// Writes `event,wait_ticks,dx,dy,dz`, one row an event; dwells are rows with zero deltas that
+/// share the number of the event before them. With motors each row ends with the inputs of their
+/// drivers from then on, `lx,ly,lz`: bit 0 is a driver's first input. A step of a step and
+/// direction driver is several rows there, all but that of the rising edge with zero deltas.
 ///
 /// # Errors
 ///

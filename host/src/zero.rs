@@ -161,8 +161,8 @@ impl Reach {
 
 /// Work zero where the part fits: X and Y in the middle of the table, its highest Z at the upper
 /// end of Z. An axis without known limits keeps machine zero, and so does one that the part does
-/// not move or is too small for it. `None` where the program has errors: nobody knows where its part
-/// is, and the check tells them.
+/// not move or is too small for it. `None` where the program has errors: nobody knows where its
+/// part is, and the check tells them.
 ///
 /// # Errors
 ///

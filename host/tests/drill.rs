@@ -591,7 +591,8 @@ fn what_it_makes_is_written_down() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// What the original makes: its spindle goes on after X and Y, turns while Z goes down and up, and is off when X moves on.
+/// What the original makes: its spindle goes on after X and Y, turns while Z goes down and up, and
+/// is off when X moves on.
 #[test]
 fn the_spindle_of_the_original_is_in_what_it_makes() {
     let path = passing("made-original.csv");

@@ -63,7 +63,8 @@ fn what_is_lost_is_told_and_given_again() {
     assert!(stop["events"].as_u64().unwrap() < 20_010, "{stop}");
 }
 
-/// An axis that loses steps as fast as they are given again is not made good, whatever was asked for.
+/// An axis that loses steps as fast as they are given again is not made good, whatever was asked
+/// for.
 #[test]
 fn what_could_not_be_corrected_is_an_error() {
     let again = (0..40).map(|turn| format!("x:{}:-8", 20_000 + 8 * turn));

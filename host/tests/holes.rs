@@ -344,7 +344,8 @@ fn standard_input_and_output_to_a_file() {
         .stdout(contains("no hole in <input>"));
 }
 
-/// The files that independent readers agree on, where they are at hand: see `excellon/tests/corpus.rs`.
+/// The files that independent readers agree on, where they are at hand: see
+/// `excellon/tests/corpus.rs`.
 #[test]
 fn every_hole_of_real_files_within_four_micrometres() {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/excellon");

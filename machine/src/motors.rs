@@ -25,9 +25,9 @@ pub enum Idle {
 
 /// The motors of a machine, one driver an axis.
 ///
-/// What a step event is at the pins is theirs: one change of levels for coils; for step and direction drivers
-/// DIR, the rising edge at the step's time, and the falling edge, with the times of each driver
-/// ([`CoilDriver::timing`]).
+/// What a step event is at the pins is theirs: one change of levels for coils; for step and
+/// direction drivers DIR, the rising edge at the step's time, and the falling edge, with the times
+/// of each driver ([`CoilDriver::timing`]).
 ///
 /// ```
 /// use husillo_machine::{Idle, Motors};
@@ -78,11 +78,12 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         }
     }
 
-    /// A step event: calls `present` with the levels to show at each change, and the ticks since the last one.
+    /// A step event: calls `present` with the levels to show at each change, and the ticks since
+    /// the last one.
     ///
-    /// One call for coils, up to `2 N + 1` for step and direction drivers. The step itself is the last one. It comes
-    /// `wait_ticks` after the last event, or where a driver is not ready by then as soon as it is; later
-    /// steps make up for it.
+    /// One call for coils, up to `2 N + 1` for step and direction drivers. The step itself is the
+    /// last one. It comes `wait_ticks` after the last event, or where a driver is not ready by then
+    /// as soon as it is; later steps make up for it.
     #[inline]
     pub fn step<F: FnMut(u32, &[Levels; N])>(
         &mut self,
@@ -114,8 +115,8 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         present(wait_ticks, &self.levels);
     }
 
-    /// A time without a step: the last pulses end, and at its end the idle policy acts. Calls `present` as
-    /// [`step`](Motors::step) does.
+    /// A time without a step: the last pulses end, and at its end the idle policy acts. Calls
+    /// `present` as [`step`](Motors::step) does.
     pub fn rest<F: FnMut(u32, &[Levels; N])>(&mut self, wait_ticks: u32, mut present: F) {
         self.rested_ticks = self.rested_ticks.saturating_add(wait_ticks.into());
         let mut left = wait_ticks;

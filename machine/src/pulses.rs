@@ -4,9 +4,9 @@ use husillo_stepper::{CoilDriver, Levels, PulseTiming};
 
 /// Where the pulses of `N` drivers are, in timer ticks from the last change of levels.
 ///
-/// Each axis has its own pulse, so the pulses of two axes may overlap. A step that comes before its driver is
-/// ready for it (DIR was not stable long enough, STEP not low long enough) comes when it is; the steps behind it make
-/// up for that time.
+/// Each axis has its own pulse, so the pulses of two axes may overlap. A step that comes before its
+/// driver is ready for it (DIR was not stable long enough, STEP not low long enough) comes when it
+/// is; the steps behind it make up for that time.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Pulses<const N: usize> {
     /// `None`: a step of this driver is one change of levels.
@@ -41,8 +41,8 @@ impl<const N: usize> Pulses<N> {
         })
     }
 
-    /// Everything that happens in a wait and at its end, the step by `delta`, which may be none: calls `present` for
-    /// each change of levels with the ticks since the one before.
+    /// Everything that happens in a wait and at its end, the step by `delta`, which may be none:
+    /// calls `present` for each change of levels with the ticks since the one before.
     pub(crate) fn run<D: CoilDriver>(
         &mut self,
         drivers: &mut [D; N],
@@ -131,7 +131,8 @@ impl<const N: usize> Pulses<N> {
         }
     }
 
-    /// Time passes; STEP of an axis that falls now keeps its 0 until [`change`](Pulses::change) is called.
+    /// Time passes; STEP of an axis that falls now keeps its 0 until [`change`](Pulses::change) is
+    /// called.
     fn pass(&mut self, ticks: u32) {
         self.setup_left = self.setup_left.saturating_sub(ticks);
         for pulse in &mut self.axes {
@@ -141,7 +142,8 @@ impl<const N: usize> Pulses<N> {
         }
     }
 
-    /// STEP of the axes whose pulse has ended falls, and DIR of those that turn changes where it may.
+    /// STEP of the axes whose pulse has ended falls, and DIR of those that turn changes where it
+    /// may.
     fn change<D: CoilDriver>(
         &mut self,
         drivers: &mut [D; N],

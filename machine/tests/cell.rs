@@ -328,8 +328,8 @@ fn a_figure_begins_at_contact_and_follows_its_lines() {
     for [now_x, _, now_z] in path.iter().rev().take(1000) {
         assert!((now_x - x).abs_diff(now_z - z) <= 1, "{now_x} {now_z}");
     }
-    // 321 + 4000 steps and a diagonal of 1414 at 400 a second; X takes up once, Z twice: back at -X, back at -Z, and both
-    // again before the diagonal, where one time serves both.
+    // 321 + 4000 steps and a diagonal of 1414 at 400 a second; X takes up once, Z twice: back at
+    // -X, back at -Z, and both again before the diagonal, where one time serves both.
     let steps = 321.0 + 4000.0 + 1000.0 * 2.0_f64.sqrt() + 600.0;
     let seconds = (model.time_ticks - before) as f64 / 1e6;
     assert!((seconds - steps / 400.0 - 0.010).abs() < 0.05, "{seconds}");

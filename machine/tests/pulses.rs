@@ -62,8 +62,9 @@ fn events() -> impl Strategy<Value = Vec<(u32, [i8; AXES], bool)>> {
 }
 
 proptest! {
-    /// Whatever comes: one rising edge a step with the right DIR, and each driver's set-up, hold, high and low are kept.
-    /// Steps come late only where a driver is not ready, and what is late is made up for.
+    /// Whatever comes: one rising edge a step with the right DIR, and each driver's set-up, hold,
+    /// high and low are kept. Steps come late only where a driver is not ready, and what is late is
+    /// made up for.
     #[test]
     fn a_step_is_one_rising_edge_with_its_times(
         timings in prop::array::uniform3(timing()), events in events(),
@@ -112,7 +113,8 @@ proptest! {
         prop_assert!(pins.iter().all(|pins| !pins.levels.contains(Levels::STEP)), "all pulses end");
     }
 
-    /// Steps of an axis that are no closer than its driver takes come in time, whatever the others do between them.
+    /// Steps of an axis that are no closer than its driver takes come in time, whatever the others
+    /// do between them.
     #[test]
     fn what_a_driver_takes_comes_in_time(timing in timing(), deltas in prop::collection::vec(prop::bool::ANY, 1..100)) {
         let driver = StepDirection::new(timing);

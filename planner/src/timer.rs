@@ -32,10 +32,11 @@ impl Timer {
     /// than `largest_sweep`.
     ///
     /// The rate gets as many fraction bits as products with `largest_sweep` leave in 64 bits, and
-    /// 32 more below them where `sweep` has more bits than those, rounded up: the sum of all waits is
-    /// exactly `ticks` wherever `ticks * largest_sweep` is below 2^92, and after any number of events it is the true time so far, rounded down, or one tick more at most.
-    /// `ticks / sweep * largest_sweep`, the longest wait, has to be below 2^61 ticks; beyond that
-    /// waits are cut to it. A sweep of 0 is taken as 1.
+    /// 32 more below them where `sweep` has more bits than those, rounded up: the sum of all waits
+    /// is exactly `ticks` wherever `ticks * largest_sweep` is below 2^92, and after any number of
+    /// events it is the true time so far, rounded down, or one tick more at most. The longest wait,
+    /// `ticks / sweep * largest_sweep`, has to be below 2^61 ticks; beyond that waits are cut to it. A
+    /// sweep of 0 is taken as 1.
     pub fn new(ticks: u64, sweep: u64, largest_sweep: u32) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, 61, true)
     }

@@ -32,8 +32,9 @@ const REST: L297Inputs = L297Inputs {
 };
 
 impl CellRig {
-    /// Axes so many load steps above their home switches, the work piece so many steps of Y above where the axis is. The motors
-    /// lose steps that come closer than `pull_out_ticks` of the timer; 0: none.
+    /// Axes so many load steps above their home switches, the work piece so many steps of Y above
+    /// where the axis is. The motors lose steps that come closer than `pull_out_ticks` of the
+    /// timer; 0: none.
     #[must_use]
     pub fn new(
         config: &CellConfig,

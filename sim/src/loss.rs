@@ -9,8 +9,8 @@ pub enum Cause {
     HalfCycle,
     /// The levels changed while the coils had no current.
     NoCurrent,
-    /// A step and direction driver counted no step, or one too few: STEP was high or low too shortly, or DIR was not
-    /// stable around its rising edge.
+    /// A step and direction driver counted no step, or one too few: STEP was high or low too
+    /// shortly, or DIR was not stable around its rising edge.
     Pulse,
     /// Something held the rotor.
     Blocked,

@@ -31,9 +31,9 @@ impl AxisModel {
         AxisModel::new(Stage::Coils(driver), mode.steps_per_full())
     }
 
-    /// A step and direction driver like the A4988: it counts rising edges of STEP alone. A step is lost where STEP is
-    /// high or low too shortly, DIR not stable around the edge, or ENABLE off. What
-    /// [`StepDirection`](husillo_stepper::StepDirection) drives.
+    /// A step and direction driver like the A4988: it counts rising edges of STEP alone. A step is
+    /// lost where STEP is high or low too shortly, DIR not stable around the edge, or ENABLE off.
+    /// What [`StepDirection`](husillo_stepper::StepDirection) drives.
     #[must_use]
     pub const fn step_direction(timing: PulseTiming) -> AxisModel {
         AxisModel::new(Stage::StepDirection(timing), 1)
@@ -62,7 +62,8 @@ impl AxisModel {
         AxisModel { lash_steps, ..self }
     }
 
-    /// The shortest interval between two steps (changes of levels, or counted edges of STEP) that the rotor still follows, in timer ticks.
+    /// The shortest interval between two steps (changes of levels, or counted edges of STEP) that
+    /// the rotor still follows, in timer ticks.
     #[must_use]
     pub const fn with_pull_out_ticks(self, pull_out_ticks: u32) -> AxisModel {
         AxisModel {

@@ -105,7 +105,8 @@ fn stood_anywhere(config: &CellConfig, above: [u16; 3], turns: [[i16; 3]; 2]) ->
     rig
 }
 
-/// An axis makes a full step with each pulse of CLOCK, up to 524.8 of them a second; faster ones are lost.
+/// An axis makes a full step with each pulse of CLOCK, up to 524.8 of them a second; faster ones
+/// are lost.
 #[test]
 fn a_pulse_of_clock_is_a_full_step_up_to_where_it_was_measured() {
     for (axis_rate_hz, is_lost) in [(400, false), (524, false), (530, true)] {

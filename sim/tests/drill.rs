@@ -43,7 +43,8 @@ fn a_hole_is_where_it_should_be() {
     }
 }
 
-/// The original turns its spindle for each hole, with Z up when it is switched, and not between two holes.
+/// The original turns its spindle for each hole, with Z up when it is switched, and not between two
+/// holes.
 #[test]
 fn the_spindle_of_the_original_turns_for_each_hole() {
     let mut bench = Bench::<64>::new(original());
@@ -55,7 +56,8 @@ fn the_spindle_of_the_original_turns_for_each_hole() {
     assert!(bench.rig.holes().iter().all(|hole| hole.is_clean));
 }
 
-/// A hole stops the spindle of the original also where it was switched on by hand, as homing does: before Z goes up.
+/// A hole stops the spindle of the original also where it was switched on by hand, as homing does:
+/// before Z goes up.
 #[test]
 fn a_hole_and_homing_stop_the_spindle_of_the_original() {
     let mut bench = Bench::<64>::new(original());
@@ -85,7 +87,8 @@ fn a_fault_stops_the_spindle_of_the_original() {
     assert_eq!(switched, [true, false]);
 }
 
-/// The modern one's spindle is switched by its host: it turns on from hole to hole, and stops with the program.
+/// The modern one's spindle is switched by its host: it turns on from hole to hole, and stops with
+/// the program.
 #[test]
 fn the_spindle_of_the_modern_one_turns_from_hole_to_hole() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));

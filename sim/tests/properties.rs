@@ -169,7 +169,8 @@ fn steps_without_current_are_lost() {
     assert_eq!((rig.lost_steps(), rig.tool()), ([1], [0]));
 }
 
-/// 200 steps are 200 rising edges; a driver for both edges makes half as many, and the chip sees that.
+/// 200 steps are 200 rising edges; a driver for both edges makes half as many, and the chip sees
+/// that.
 #[test]
 fn a_chip_that_counts_rising_edges_counts_no_others() {
     let timing = PulseNanoseconds::A4988.ticks(1_000_000);

@@ -7,9 +7,9 @@ use crate::{Levels, PulseTiming};
 /// [`Sequencer`](crate::Sequencer), [`StepDirection`](crate::StepDirection) and
 /// [`StepToggle`](crate::StepToggle) are those of this crate; a machine is generic over it.
 ///
-/// With coils a step is one change of levels. Where [`timing`](CoilDriver::timing) gives times, a step is
-/// a pulse, three changes in this order: [`turn`](CoilDriver::turn) sets DIR, `step` lets STEP rise, and
-/// [`end_pulse`](CoilDriver::end_pulse) lets it fall.
+/// With coils a step is one change of levels. Where [`timing`](CoilDriver::timing) gives times, a
+/// step is a pulse, three changes in this order: [`turn`](CoilDriver::turn) sets DIR, `step` lets
+/// STEP rise, and [`end_pulse`](CoilDriver::end_pulse) lets it fall.
 ///
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels};
@@ -30,14 +30,15 @@ use crate::{Levels, PulseTiming};
 /// assert_eq!(ring.step(-1), Levels(0b10000));
 /// ```
 pub trait CoilDriver {
-    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) is ever given. Where it is not, as here by
-    /// default, a machine does without the code for pulses.
+    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) is ever given. Where
+    /// it is not, as here by default, a machine does without the code for pulses.
     const HAS_PULSES: bool = false;
 
     /// The levels after `delta` steps: -1, 0 or +1. A disabled driver stays where it is.
     fn step(&mut self, delta: i8) -> Levels;
 
-    /// The levels before a step by `delta`, as long as the set-up time of [`timing`](CoilDriver::timing).
+    /// The levels before a step by `delta`, as long as the set-up time of
+    /// [`timing`](CoilDriver::timing).
     ///
     /// Nothing changes where a step is no pulse, as here by default.
     fn turn(&mut self, delta: i8) -> Levels {

@@ -47,9 +47,9 @@ impl<P: OutputPin, const PINS: usize> LevelPins<P, PINS> {
 
 /// STEP, DIR and ENABLE of a step and direction driver on three pins.
 ///
-/// Two ways to use it. [`step`](StepDirectionPins::step) makes a whole pulse and waits for it: for a motor that
-/// a loop drives. [`write`](StepDirectionPins::write) shows levels: for a timer's interrupt that goes through
-/// the phases of [`StepDirection`](crate::StepDirection).
+/// Two ways to use it. [`step`](StepDirectionPins::step) makes a whole pulse and waits for it: for
+/// a motor that a loop drives. [`write`](StepDirectionPins::write) shows levels: for a timer's
+/// interrupt that goes through the phases of [`StepDirection`](crate::StepDirection).
 ///
 /// A driver whose ENABLE is wired for good has no third pin: give it [`Unwired`].
 #[derive(Debug)]
@@ -66,7 +66,8 @@ pub struct StepDirectionPins<S, D, E> {
 impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error>>
     StepDirectionPins<S, D, E>
 {
-    /// A driver that a low ENABLE switches on, as most do (A4988, DRV8825, TMC). Nothing is written yet.
+    /// A driver that a low ENABLE switches on, as most do (A4988, DRV8825, TMC). Nothing is written
+    /// yet.
     pub const fn active_low(step: S, direction: D, enable: E, times: PulseNanoseconds) -> Self {
         StepDirectionPins {
             step,
@@ -92,8 +93,8 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
 
     /// Shows `levels`: ENABLE, then DIR, then STEP. Only pins whose level changes are written.
     ///
-    /// Where DIR changes and STEP rises in one call, the set-up time passes between them. All other times are
-    /// the caller's: `StepDirection` gives them.
+    /// Where DIR changes and STEP rises in one call, the set-up time passes between them. All other
+    /// times are the caller's: `StepDirection` gives them.
     ///
     /// # Errors
     /// The first pin's error; the next write then writes all pins again.
@@ -120,8 +121,9 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
         Ok(())
     }
 
-    /// One step in the direction of the sign of `delta`: DIR, the set-up time, STEP high and low for their times, and
-    /// what is left of the hold time. With `delta` 0 nothing is done. ENABLE is switched on.
+    /// One step in the direction of the sign of `delta`: DIR, the set-up time, STEP high and low
+    /// for their times, and what is left of the hold time. With `delta` 0 nothing is done. ENABLE
+    /// is switched on.
     ///
     /// # Errors
     /// The first pin's error; the next step then writes all pins again.

@@ -83,8 +83,8 @@ impl PulseTiming {
         at_least_one(self.low_ticks)
     }
 
-    /// The shortest time from one step of a driver to its next one, in ticks, also where the direction
-    /// turns between them.
+    /// The shortest time from one step of a driver to its next one, in ticks, also where the
+    /// direction turns between them.
     #[must_use]
     pub const fn shortest_interval_ticks(self) -> u32 {
         let pulse = self.high().saturating_add(self.low());

@@ -35,8 +35,8 @@ impl core::fmt::Display for Busy {
 
 impl core::error::Error for Busy {}
 
-/// A step and direction driver that takes a step on each rising edge of STEP, as most chips do. DIR is
-/// high for positive steps. It owns neither pins nor timer.
+/// A step and direction driver that takes a step on each rising edge of STEP, as most chips do. DIR
+/// is high for positive steps. It owns neither pins nor timer.
 ///
 /// One motor with a timer of its own: [`start`](StepDirection::start) and
 /// [`advance`](StepDirection::advance) give the levels and the time of each. Several motors on one
@@ -82,11 +82,11 @@ impl StepDirection {
         }
     }
 
-    /// Begins one step in the direction of the sign of `delta`. `None`: nothing is to be done, since
-    /// `delta` is 0 or the driver is disabled.
+    /// Begins one step in the direction of the sign of `delta`. `None`: nothing is to be done,
+    /// since `delta` is 0 or the driver is disabled.
     ///
-    /// How long it has been idle is not known here, so a change of direction waits the rest of the hold
-    /// time every time.
+    /// How long it has been idle is not known here, so a change of direction waits the rest of the
+    /// hold time every time.
     ///
     /// # Errors
     /// A step is still under way: nothing changes, ask again when it is complete.
@@ -180,7 +180,8 @@ impl CoilDriver for StepDirection {
         self.levels()
     }
 
-    /// STEP rises. While it is high no other step begins: [`end_pulse`](CoilDriver::end_pulse) first.
+    /// STEP rises. While it is high no other step begins: [`end_pulse`](CoilDriver::end_pulse)
+    /// first.
     #[inline]
     fn step(&mut self, delta: i8) -> Levels {
         if delta != 0 && self.enabled {

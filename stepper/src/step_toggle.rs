@@ -5,8 +5,8 @@ use crate::{CoilDriver, Levels};
 /// A step and direction driver that takes a step on both edges of STEP ("double edge": TMC2209 with
 /// `dedge` set), so that a step is one change of levels.
 ///
-/// DIR is high for positive steps. **Most chips count rising edges only and lose every second step of
-/// this**: they need [`StepDirection`](crate::StepDirection).
+/// DIR is high for positive steps. **Most chips count rising edges only and lose every second step
+/// of this**: they need [`StepDirection`](crate::StepDirection).
 ///
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels, StepToggle};

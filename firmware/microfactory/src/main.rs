@@ -26,8 +26,8 @@ static WAYS: Shared<u8> = Shared::new(0);
 const ENABLE: u8 = 0b01;
 const NOT_RESET: u8 = 0b10;
 
-/// CLOCK is high so long: an L297 wants 0.5 us, and CW/CCW stable for 4 us after it has risen. A Cortex-M0 at
-/// 16 MHz takes some microseconds from one interrupt of the timer to the next.
+/// CLOCK is high so long: an L297 wants 0.5 us, and CW/CCW stable for 4 us after it has risen. A
+/// Cortex-M0 at 16 MHz takes some microseconds from one interrupt of the timer to the next.
 const PULSE_US: u32 = 10;
 
 /// A wait is over: CLOCKs of a step rise, or fall.

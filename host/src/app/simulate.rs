@@ -215,8 +215,8 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     Ok(if lost.is_empty() { OK } else { ERRORS })
 }
 
-/// A sentence for each axis that lost steps which nothing made good: how many, where first, and what
-/// to do.
+/// A sentence for each axis that lost steps which nothing made good: how many, where first, and
+/// what to do.
 fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
     let mut sentences = Vec::new();
     let axes = job.machine.axes.iter().zip(run.lost_steps());

@@ -7,8 +7,8 @@ use super::way::{Search, Way, searches};
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
 
-/// On a move without a touch each module stops its own axis where the contact changes, within a servo
-/// period and whatever the host does.
+/// On a move without a touch each module stops its own axis where the contact changes, within a
+/// servo period and whatever the host does.
 const GUARD: Search = Search {
     events: Homing::LIMIT_1,
     stop: Homing::ABRUPT,
@@ -269,8 +269,8 @@ impl Head {
         }))
     }
 
-    /// Whether it goes farther than a probe may be pressed from where it touched first, and away from
-    /// there.
+    /// Whether it goes farther than a probe may be pressed from where it touched first, and away
+    /// from there.
     fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
         let Some(contact) = &self.contact_at else {
             return false;

@@ -125,7 +125,8 @@ fn a_board_of_two_tools() {
         assert_eq!(rig.dragged_steps(), 0);
         assert!(!rig.spindle_turns());
         assert!(rig.holes().iter().all(|hole| hole.is_clean));
-        // An original one switches its spindle for each hole; of the other one `send` does it for each tool.
+        // An original one switches its spindle for each hole; of the other one `send` does it for
+        // each tool.
         let told = device(&mut client).tell();
         let is_on = |line: &&String| line.as_str() == "spindle on";
         let switched = told.iter().filter(is_on).count();
@@ -295,7 +296,8 @@ fn it_asks_for_each_tool() {
     assert_eq!((failed.done, failed.begun), (2, 2));
 }
 
-/// An original one switches its spindle itself: nobody is asked anything before a board of one tool.
+/// An original one switches its spindle itself: nobody is asked anything before a board of one
+/// tool.
 #[test]
 fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     let parts = [part(1, &[[20, 10]])];

@@ -5,7 +5,8 @@
 pub struct CellConfig {
     /// Ticks a second of the timer that counts the waits; at least one a step.
     pub timer_hz: u32,
-    /// Steps a second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse of CLOCK.
+    /// Steps a second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse
+    /// of CLOCK.
     pub axis_rate_hz: u16,
     /// Steps a second of the spindle; above 0.
     pub spindle_rate_hz: u16,

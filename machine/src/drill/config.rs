@@ -22,8 +22,8 @@ pub struct DrillConfig {
     pub switch_play_steps: Option<u16>,
     /// Z goes up to its sensor before a program moves X or Y: after it was jogged down, and not in the original.
     pub raises_first: bool,
-    /// The spindle is switched on before each hole and off after it, and off before homing, as in the
-    /// original. Without it the host switches it, and it turns from hole to hole.
+    /// The spindle is switched on before each hole and off after it, and off before homing, as in
+    /// the original. Without it the host switches it, and it turns from hole to hole.
     pub spindle_by_hole: bool,
     /// Rest after each move, so that an axis stands before the next one goes.
     pub settle_ticks: u32,

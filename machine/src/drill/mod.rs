@@ -418,7 +418,8 @@ impl<const N: usize> Drill<N> {
         self.step(Z, -1)
     }
 
-    /// Switches the spindle where that is the controller's task: `true` where the next event is that.
+    /// Switches the spindle where that is the controller's task: `true` where the next event is
+    /// that.
     fn switch_by_hole(&mut self, on: bool) -> bool {
         let [is_on, _] = self.spindle;
         let is_due = self.config.spindle_by_hole && is_on != on;

@@ -3,8 +3,8 @@
 use crate::lines::tempo::Tempo;
 use crate::{Axis, Config};
 
-/// So many steps of each axis are watched in a move. In a longer one the time of the whole move keeps
-/// them apart: its ends lie between steps, so it has less than one step too many.
+/// So many steps of each axis are watched in a move. In a longer one the time of the whole move
+/// keeps them apart: its ends lie between steps, so it has less than one step too many.
 const WATCHED_STEPS: u8 = 64;
 
 /// Keeps the time of each axis' last step, over all moves, take-ups and dwells.
@@ -66,8 +66,8 @@ impl<const N: usize> Guard<N> {
         self.left = [if is_long { 1 } else { WATCHED_STEPS }; N];
     }
 
-    /// The wait of a step of the path that was to come after `wait` ticks; one of its axes or more are
-    /// watched.
+    /// The wait of a step of the path that was to come after `wait` ticks; one of its axes or more
+    /// are watched.
     #[cold]
     #[inline(never)]
     pub(crate) fn wait(&mut self, config: &Config<N>, wait: u32, axes: u8) -> u32 {
@@ -95,8 +95,9 @@ impl<const N: usize> Guard<N> {
         self.watched & axes != 0
     }
 
-    /// Whether the time of a step of these axes has to be known, with so many steps of the move behind
-    /// it: it is compared with the last one of its axis, or the next move may begin soon after it.
+    /// Whether the time of a step of these axes has to be known, with so many steps of the move
+    /// behind it: it is compared with the last one of its axis, or the next move may begin soon
+    /// after it.
     ///
     /// What steps earlier in a move is farther from the next one than any axis' shortest interval,
     /// where all axes have the same rate.
@@ -105,7 +106,8 @@ impl<const N: usize> Guard<N> {
         remaining < WATCHED_STEPS as u32 || self.watches(axes)
     }
 
-    /// A step of the path that [`follows`](Guard::follows): when it comes, instead of after `wait` ticks.
+    /// A step of the path that [`follows`](Guard::follows): when it comes, instead of after `wait`
+    /// ticks.
     #[cold]
     #[inline(never)]
     pub(crate) fn step(&mut self, config: &Config<N>, mut wait: u32, axes: u8) -> u32 {

@@ -18,8 +18,9 @@ pub struct Rules {
     pub zero_is_no_move: bool,
     /// The Z word of a record is a depth in steps, 0 being the whole way. The original ignores it.
     pub z_is_depth: bool,
-    /// The spindle, which the host switches on before a program, stops when the program has ended: one that is
-    /// left to itself does not leave it turning. The original's controller stops it after each hole.
+    /// The spindle, which the host switches on before a program, stops when the program has ended:
+    /// one that is left to itself does not leave it turning. The original's controller stops it
+    /// after each hole.
     pub stops_spindle: bool,
     /// What the original reserved or lacked: teach-in by `T` in the manual mode, help by `?`, records read back and counted by `n`, the
     /// spindle by `O` and `S` outside of the manual mode, which homes, the manual mode with the program kept by `M`, whether a program runs by
