@@ -62,8 +62,8 @@ pub trait Lash<const N: usize> {
     /// every axis at `load`; this axis is number `axis` of them.
     ///
     /// 0 unless the axis turns round, and for `direction` 0; the new direction is remembered, so
-    /// the caller makes the steps that this returns. A caller may leave out calls for further steps in one
-    /// direction.
+    /// the caller makes the steps that this returns. A caller may leave out calls for further steps
+    /// in one direction.
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32;
 
     /// Motor steps owed, signed, because the lash under the nut is another at `load` than where
