@@ -4,20 +4,13 @@
 mod common;
 mod emulated;
 
-use common::{measured, near, number, written};
+use common::{measured, near, number, signal, written};
 use emulated::Emulated;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 
-/// As Ctrl-C at a terminal does.
-fn interrupt(child: &std::process::Child) {
-    let status = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(status.unwrap().success());
-}
-
-/// Ctrl-C while an axis runs stops it: the modules are told, and the exit status says so.
+/// Ctrl-C, a request to end and a closed terminal stop an axis that runs: the modules are told, and
+/// the exit status says so.
 #[test]
 fn an_interruption_stops_the_axes() {
     let Some(chain) = Emulated::new(
@@ -27,30 +20,32 @@ fn an_interruption_stops_the_axes() {
     ) else {
         return;
     };
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
-        .args(["jog", "+x", "60s"])
-        .stderr(std::process::Stdio::piped())
-        .stdout(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap())
-        .lines()
-        .map(Result::unwrap);
-    // The jog has begun: a trajectory to the end of the travel, 99 999 counts.
-    assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
-    interrupt(&child);
-    let told: Vec<String> = lines.collect();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{told:?}");
-    assert!(
-        told.iter()
-            .any(|line| line.contains("interrupted: all axes have been told to stop"))
-    );
-    // STOP_MOTOR, smoothly and with the amplifier on, to each of them.
-    for module in 1..=3 {
-        let stop = format!("> aa {module:02x} 17 09 ");
-        assert!(told.iter().any(|line| line.starts_with(&stop)), "{told:?}");
+    for name in ["INT", "TERM", "HUP"] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
+            .args(["jog", "+x", "60s"])
+            .stderr(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap())
+            .lines()
+            .map(Result::unwrap);
+        // The jog has begun: a trajectory to the end of the travel, 99 999 counts.
+        assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
+        signal(&child, name);
+        let told: Vec<String> = lines.collect();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{told:?}");
+        assert!(
+            told.iter()
+                .any(|line| line.contains("interrupted: all axes have been told to stop"))
+        );
+        // STOP_MOTOR, smoothly and with the amplifier on, to each of them.
+        for module in 1..=3 {
+            let stop = format!("> aa {module:02x} 17 09 ");
+            assert!(told.iter().any(|line| line.starts_with(&stop)), "{told:?}");
+        }
     }
 }
 

@@ -1,8 +1,10 @@
 //! The drill as a user drives it: `jog -m drill`, `emulate drill`.
 
+mod common;
 mod emulated;
 
 use assert_cmd::Command;
+use common::signal;
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -441,10 +443,7 @@ fn a_run_is_stopped() {
     };
     let file = program("stop.nc", THREE);
     let child = drilling(&file, &mut device);
-    let interrupted = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(interrupted.is_ok_and(|status| status.success()));
+    signal(&child, "INT");
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
@@ -486,10 +485,7 @@ fn a_tool_change_is_interrupted() {
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
     let asked = lines.next().unwrap().unwrap();
     assert!(asked.contains("type its diameter"), "{asked}");
-    let interrupted = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(interrupted.is_ok_and(|status| status.success()));
+    signal(&child, "TERM");
     // Its input stays open until it has ended.
     let input = child.stdin.take();
     let output = child.wait_with_output().unwrap();

@@ -3,7 +3,7 @@
 mod common;
 mod emulated;
 
-use common::husillo;
+use common::{husillo, signal};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -212,7 +212,7 @@ fn one_host_drives_both_machines_of_a_controller() {
         .stderr(contains("named twice"));
 }
 
-/// Ctrl-C stops what moves; pressed twice it is an emergency stop.
+/// Ctrl-C, a request to end and a closed terminal stop what moves; Ctrl-C twice is an emergency stop.
 #[cfg(unix)]
 #[test]
 fn an_interruption_stops_what_moves() {
@@ -224,9 +224,11 @@ fn an_interruption_stops_what_moves() {
         let (_, rest) = place.split_once(" y ").unwrap();
         rest.split(' ').next().unwrap().parse().unwrap()
     };
-    for (times, told) in [
-        (1, "stopped; it stands at x 0 y "),
-        (2, "stopped; emergency stop: stopped for good"),
+    for (times, name, told) in [
+        (1, "INT", "stopped; it stands at x 0 y "),
+        (1, "TERM", "stopped; it stands at x 0 y "),
+        (1, "HUP", "stopped; it stands at x 0 y "),
+        (2, "INT", "stopped; emergency stop: stopped for good"),
     ] {
         let before = y(&where_(&mut device));
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
@@ -243,10 +245,7 @@ fn an_interruption_stops_what_moves() {
             .code(2)
             .stderr(contains("another program has this port open"));
         for _ in 0..times {
-            let interrupted = std::process::Command::new("kill")
-                .args(["-INT", &child.id().to_string()])
-                .status();
-            assert!(interrupted.unwrap().success());
+            signal(&child, name);
             std::thread::sleep(std::time::Duration::from_millis(100));
         }
         let output = child.wait_with_output().unwrap();

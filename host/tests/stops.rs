@@ -2,6 +2,9 @@
 
 #![cfg(unix)]
 
+mod common;
+
+use common::signal;
 use husillo_transports::micromill::{Answer, Axis, Device, Order};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -130,13 +133,6 @@ fn obey(device: &mut Device<256>, seen: &mut Seen, order: Order) {
         Order::Faster | Order::Slower | Order::Renew => {}
         _ => device.answer(Answer::Done),
     }
-}
-
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill")
-        .args([&format!("-{name}"), &child.id().to_string()])
-        .status();
-    assert!(status.unwrap().success());
 }
 
 /// A program of one long way.

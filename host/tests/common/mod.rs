@@ -59,3 +59,13 @@ pub fn written(name: &str, text: &str) -> PathBuf {
     std::fs::write(&path, text).unwrap();
     path
 }
+
+/// Sends a signal to a program: `INT` as Ctrl-C does, `TERM` as a request to end, `HUP` as a terminal
+/// that is closed.
+#[cfg(unix)]
+pub fn signal(child: &std::process::Child, name: &str) {
+    let sent = std::process::Command::new("kill")
+        .args([&format!("-{name}"), &child.id().to_string()])
+        .status();
+    assert!(sent.is_ok_and(|status| status.success()), "{name}");
+}
