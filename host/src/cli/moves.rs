@@ -129,7 +129,7 @@ Figures (1 BLU = one motor step; JSON: a list with one object a method):
                   of one pass at most, two axes, by the method itself: what the borders of quadrants and the end
                   of the move need comes on top
   instructions    of one event, two axes, on Cortex-M0, Cortex-M4F and RISC-V under QEMU, from
-                  firmware/count/golden.txt; direct-search as the kernel for whole-step centres where they are
+                  firmware/proofs/counts/golden.txt; direct-search as the kernel for whole-step centres where they are
   points          decision matrix, 0 to 100: error, iterations and work are the best method's value by the
                   method's own, in per cent (work: Cortex-M4F instructions, or additions and tests where not all
                   methods have a count); evenness is 100 less the ripple over 32 events, slowest to fastest, with
