@@ -6,7 +6,7 @@ use std::{
 
 /// The build script of programs that need no other.
 pub fn main() {
-    let folder = ["memory", "../memory", "../../memory"]
+    let folder = ["memory", "../../memory", "../../../firmware/memory"]
         .into_iter()
         .map(Path::new)
         .find(|folder| folder.exists())

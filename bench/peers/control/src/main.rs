@@ -2,7 +2,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../proofs/counts/src/report.rs"]
+#[path = "../../../../firmware/proofs/counts/src/report.rs"]
 mod report;
 
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]

@@ -1,4 +1,4 @@
-//! Times every kernel of `firmware/peers`. CPU time of the thread, so that other programs count little; all kernels take turns, and the median is taken of
+//! Times every kernel of `bench/peers/control`. CPU time of the thread, so that other programs count little; all kernels take turns, and the median is taken of
 //! the ratios within a turn to the one of ours that does the same job.
 
 use cpu_time::ThreadTime;
