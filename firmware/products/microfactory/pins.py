@@ -1,9 +1,12 @@
 """The microfactory's pins: CLOCK and CW/CCW of four L297, their ENABLE and RESET."""
-import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../board"))
-import registers  # noqa: E402
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from husillo_firmware.emulated import Row
+from husillo_firmware.registers import Happened, Made, Switched
+from husillo_firmware.waiting import require
 
 MOTORS = ("dx", "dy", "dz", "dc")
 CLOCKS, ENABLE, NOT_RESET = 0xF, 0b01, 0b10
@@ -12,38 +15,44 @@ CLOCKS, ENABLE, NOT_RESET = 0xF, 0b01, 0b10
 class Pins:
     """Levels and outputs of one row of the host's after the other: directions stay."""
 
-    def __init__(self):
-        self.ways = 0
+    def __init__(self) -> None:
+        self.directions = 0
 
-    def __call__(self, row):
+    def __call__(self, row: Row) -> tuple[int, int]:
         clocks = 0
         for axis, motor in enumerate(MOTORS):
             if row[motor]:
                 clocks |= 1 << axis
-                self.ways = self.ways & ~(1 << axis) | (row[motor] > 0) << axis
-        return clocks | self.ways << 4, row["current"] * ENABLE | (not row["reset"]) * NOT_RESET
+                self.directions = self.directions & ~(1 << axis) | (row[motor] > 0) << axis
+        outputs = row["current"] * ENABLE | (not row["reset"]) * NOT_RESET
+        return clocks | self.directions << 4, outputs
 
 
-def events(happened):
+def events(happened: Iterable[Happened]) -> list[Made | Switched]:
     """What was waited for, and the current when it is switched.
 
-    CLOCK rises with a step and falls in an interrupt of its own. Between two events directions are as they will be.
+    CLOCK rises with a step and falls in an interrupt of its own. Between two events directions are
+    as they will be.
     """
-    found, before, outputs = [], None, 0
+    found: list[Made | Switched] = []
+    before: Made | None = None
+    outputs = 0
     for one in happened:
-        if isinstance(one, registers.Switched):
+        if isinstance(one, Switched):
             if (one.outputs ^ outputs) & ENABLE:
                 found.append(one)
             outputs = one.outputs
-        elif not isinstance(one, int):
+        elif isinstance(one, Made):
             if one.due is None:
-                assert not one.levels & CLOCKS, "a CLOCK rises unasked"
+                require(not one.levels & CLOCKS, "a CLOCK rises unasked")
             elif before and before.levels & CLOCKS:
-                assert not one.levels & CLOCKS and one.due != before.due, "a CLOCK is not high for its time"
-                assert one.levels >> 4 == before.levels >> 4, "a direction changes with the fall of CLOCK"
+                is_long = not one.levels & CLOCKS and one.due != before.due
+                require(is_long, "a CLOCK is not high for its time")
+                is_kept = one.levels >> 4 == before.levels >> 4
+                require(is_kept, "a direction changes with the fall of CLOCK")
             else:
-                is_ready = not before or not before.levels & CLOCKS and before.levels >> 4 == one.levels >> 4
-                assert is_ready, "a CLOCK has not fallen, or its direction comes with it"
+                is_ready = not before or before.levels >> 4 == one.levels >> 4
+                require(is_ready, "a direction comes with its CLOCK")
                 found.append(one)
             before = one
     return found

@@ -1,16 +1,34 @@
-"""What the microfactory tells of itself when it is asked."""
-import struct
+"""What the microfactory reports of itself when it is asked."""
 
-from pins import CLOCKS, MOTORS
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from husillo_firmware.emulated import Row
+from husillo_firmware.registers import Happened, Made
+
+from products.microfactory.pins import CLOCKS, MOTORS
 
 ASK = 0x35
+LENGTH = 21
 MOVING, HOMED = 1, 2
 LASH = (200, 0, 200, 0)
 # From home, 200 steps off the switches, to where axes and spindle stand at first.
 BEGIN = (220, 180, 700, 0)
 
 
-def places(rows):
+class Status(NamedTuple):
+    """A report: how many steps had been made, why, the flags, the positions."""
+
+    steps: int
+    report: int
+    flags: int
+    positions: tuple[int, ...]
+
+
+def positions(rows: Iterable[Row]) -> Iterator[tuple[int, ...]]:
     """Where loads and spindle are before the first step of the host's rows and after each."""
     ahead, loads = list(LASH), list(BEGIN)
     yield tuple(loads)
@@ -23,7 +41,7 @@ def places(rows):
             yield tuple(loads)
 
 
-def check(content):
+def check(content: bytes) -> int:
     """CRC-16 of X.25."""
     value = 0xFFFF
     for byte in content:
@@ -33,16 +51,17 @@ def check(content):
     return value ^ 0xFFFF
 
 
-def statuses(happened):
-    """What was told: how many steps had been made, report, flags, place."""
-    said, steps = [], 0
+def statuses(happened: Iterable[Happened]) -> Iterator[Status]:
+    """All that was reported."""
+    said: list[tuple[int, int]] = []
+    steps = 0
     for one in happened:
         if isinstance(one, int):
             said.append((one, steps))
-        else:
-            steps += bool(getattr(one, "levels", 0) & CLOCKS)
-    for index in range(len(said) - 20):
+        elif isinstance(one, Made):
+            steps += bool(one.levels & CLOCKS)
+    for index in range(len(said) - LENGTH + 1):
         byte, steps = said[index]
-        content = bytes(byte for byte, _ in said[index + 1:index + 21])
+        content = bytes(byte for byte, _ in said[index + 1 : index + LENGTH])
         if byte == ASK and check(content[:18]) == int.from_bytes(content[18:], "little"):
-            yield steps, content[0], content[1], struct.unpack("<4i", content[2:18])
+            yield Status(steps, content[0], content[1], struct.unpack("<4i", content[2:18]))

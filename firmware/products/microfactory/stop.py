@@ -1,72 +1,91 @@
-"""stop.py BOARD HUSILLO: while it homes, an emergency stop comes: what was made until then is as in the host's emulated machine, and nothing follows."""
-import os
-import subprocess
-import sys
+"""An emergency stop while it homes.
+
+What was made until then is as in the host's emulated machine, and nothing follows.
+"""
+
+from __future__ import annotations
+
 import tempfile
-import time
+from pathlib import Path
 
-import pins  # it knows where the others are
-import registers
-from bench import Bench
-from golden import Emulated, compare
-from status import ASK
+from husillo_firmware import host, registers
+from husillo_firmware.boards import Board
+from husillo_firmware.emulated import Emulated, compare
+from husillo_firmware.qemu import Firmware
+from husillo_firmware.registers import Happened, Switched
+from husillo_firmware.waiting import fail, require, until
 
-board, husillo = sys.argv[1:3]
+from products.microfactory import pins
+from products.microfactory.status import ASK, LENGTH
+
 HOME, EMERGENCY, REJECTED = b"H!?"
 # Steps that may have been decided on.
 AHEAD = 1
+# More steps than that are made before the stop is sent.
+BEGUN = 3
+# A computer that is busy may let it home to the end.
+TRIES = 5
+ANSWER_S = 60
 
 
-class Line(Bench):
+class Line(Firmware):
     """The microfactory in QEMU, and its answers."""
 
-    def ask(self, byte, length=1):
+    def ask(self, byte: int, length: int = 1) -> bytes:
+        """Sends a byte; what it says then."""
         self.line.sendall(bytes([byte]))
         said = b""
         while len(said) < length:
-            more = self.receive(10)
+            more = self.receive(ANSWER_S)
             if not more:
-                sys.exit(f"{board}: no answer to {byte:#x}")
+                fail(f"{self.board}: no answer to {byte:#x}")
             said += more
         return said
 
 
-def stopped(log):
-    """What has happened."""
-    with Line("microfactory", board, *registers.waits(board), "-D", log) as bench:
-        bench.connect()
-        bench.booted()
-        assert bench.ask(HOME) == bytes([HOME])
-        time.sleep(0.02)
-        assert bench.ask(EMERGENCY) == bytes([EMERGENCY])
-        report, flags = bench.ask(ASK, 21)[1:3]
+def stopped(board: Board, log: Path) -> list[Happened]:
+    """Homes the firmware and stops it: what has happened."""
+
+    def happened() -> list[Happened]:
+        return registers.read_file(board, log, with_outputs=True)
+
+    line = Line("microfactory", board, *registers.waits(board), "-D", str(log))
+    with line:
+        line.connect()
+        line.booted()
+        require(line.ask(HOME) == bytes([HOME]), f"{board}: it does not home")
+        until(lambda: len(pins.events(happened())) > BEGUN, ANSWER_S, f"{board}: no step")
+        require(line.ask(EMERGENCY) == bytes([EMERGENCY]), f"{board}: no emergency stop")
+        report, flags = line.ask(ASK, LENGTH)[1:3]
         if (report, flags) != (EMERGENCY, 0):
-            sys.exit(f"{board}: report {report:#x}, flags {flags} after an emergency stop")
-        if bench.ask(HOME) != bytes([REJECTED]):
-            sys.exit(f"{board}: it homes after an emergency stop")
-        time.sleep(0.1)
-    with open(log, errors="replace") as lines:
-        return registers.read(board, lines, with_outputs=True)
+            fail(f"{board}: report {report:#x}, flags {flags} after an emergency stop")
+        if line.ask(HOME) != bytes([REJECTED]):
+            fail(f"{board}: it homes after an emergency stop")
+        # The line takes as long for these bytes as the motors for several steps.
+        line.ask(ASK, LENGTH)
+        line.ask(ASK, LENGTH)
+    return happened()
 
 
-with tempfile.TemporaryDirectory() as folder:
-    with Emulated(husillo, "microfactory", folder, 200) as emulated:
-        subprocess.run([husillo, "jog", "-m", "microfactory", "--port", emulated.link, "home"], capture_output=True, check=True)
-    rows = emulated.rows()
-    # A computer that is busy may let it home to the end.
-    for _ in range(5):
-        happened = stopped(os.path.join(folder, "log"))
-        made = pins.events(happened)
-        if len(made) < len(rows):
-            break
-    else:
-        sys.exit(f"{board}: no emergency stop came while it homed")
-
-*made, end = made
-compare(board, made, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
-if not isinstance(end, registers.Switched) or end.outputs & pins.ENABLE:
-    sys.exit(f"{board}: there is current after an emergency stop")
-late = pins.events(happened[happened.index(EMERGENCY):])
-if len(late) > AHEAD + 1:
-    sys.exit(f"{board}: {len(late) - 1} steps after an emergency stop")
-print(board, "stops for good after", len(made), "of", len(rows))
+def check(board: Board) -> None:
+    """Stops it while it homes, and looks at its pins."""
+    with tempfile.TemporaryDirectory() as path:
+        folder = Path(path)
+        with Emulated("microfactory", folder, 200) as emulated:
+            host.says("jog", "-m", "microfactory", "--port", emulated.link, "home")
+        rows = emulated.rows()
+        for _ in range(TRIES):
+            happened = stopped(board, folder / "log")
+            made = pins.events(happened)
+            if len(made) < len(rows):
+                break
+        else:
+            fail(f"{board}: no emergency stop came while it homed")
+    *made, end = made
+    compare(board, made, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
+    if not isinstance(end, Switched) or end.outputs & pins.ENABLE:
+        fail(f"{board}: there is current after an emergency stop")
+    late = pins.events(happened[happened.index(EMERGENCY) :])
+    if len(late) > AHEAD + 1:
+        fail(f"{board}: {len(late) - 1} steps after an emergency stop")
+    print(f"{board}: stops for good after {len(made)} of {len(rows)} events")

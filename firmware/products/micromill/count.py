@@ -1,75 +1,86 @@
-"""count.py BOARD: prints how many instructions the firmware takes for what it does, counted in QEMU's log of every instruction."""
+"""How many instructions the firmware takes for what it does, counted in QEMU's log of every one."""
+
+from __future__ import annotations
+
 import os
-import sys
 import tempfile
-import time
+from collections.abc import Iterator
+from pathlib import Path
 
-from link import STEPS, Mill
-from bench import Elf, elf
-from log import Count
+from husillo_firmware.boards import Board
+from husillo_firmware.instructions import BEGIN, END, Count
+from husillo_firmware.waiting import fail, require
 
-board = sys.argv[1]
-program = Elf(elf("micromill", board))
+from products.micromill.link import ANSWER_S, READY, Mill
+
+START = b"G01X00005Y00005F0100;"
+# A name, a string before it, and the string whose events are counted.
+EVENTS = (
+    ("slope_event", None, b"G01X00150Y00080F0100;"),
+    ("slope_event_untold", b"R000;", b"G01X00295Y00155F0100;"),
+    # Forwards with both axes, as before: nothing is taken up.
+    ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
+    # 7 steps after 1457.
+    ("take_up_event_untold", None, b"G01X00444F0100;"),
+    # A circle of 3 mm, and four times lash.
+    ("circle_event_untold", None, b"G02X00444Y00305I00444J00705F0100;"),
+)
 
 
-def say(name, value):
-    print(board, "count", name, f"{value:.0f}")
+def count(board: Board) -> Iterator[tuple[str, int]]:
+    """Counts: names and instructions."""
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log"
+        for name, value in (*start(board, log), *strings(board, log)):
+            yield f"count {name}", round(value)
 
 
-with tempfile.TemporaryDirectory() as folder:
-    log = os.path.join(folder, "log")
-    flags = "log exec,nochain,int"
-
-    # From the reset to the first sleep, "ready" in the transmitter: what nothing else wakes.
-    with Mill(board, "-S", "-singlestep", "-D", log) as mill:
-        mill.monitor(flags)
+def start(board: Board, log: Path) -> Iterator[tuple[str, float]]:
+    """From the reset to the first sleep, "ready" in the transmitter: what nothing else wakes."""
+    with Mill(board, "-S", "-singlestep", "-D", str(log)) as mill:
+        mill.monitor(BEGIN)
         mill.monitor("c")
-        while not (said := mill.receive(1)):
-            pass
-        assert said == b"\x88", said
-        time.sleep(0.5)
-        mill.monitor("log none")
-        say("start", Count(board, program, log, to_sleep=True).foreground)
+        said = mill.receive(ANSWER_S)
+        require(said == READY, said)
+        mill.booted()
+        mill.monitor(END)
+        yield "start", Count(mill, log, to_sleep=True).foreground
     os.truncate(log, 0)
 
-    with Mill(board, "-singlestep", "-D", log) as mill:
-        def count(string):
-            mill.monitor(flags)
-            said = mill.ask(string)
-            time.sleep(0.2)
-            mill.monitor("log none")
-            counted = Count(board, program, log)
+
+def strings(board: Board, log: Path) -> Iterator[tuple[str, float]]:
+    """What strings take, and their events."""
+    with Mill(board, "-singlestep", "-D", str(log)) as mill:
+
+        def counted(string: bytes) -> Count:
+            mill.monitor(BEGIN)
+            mill.ask(string)
+            # What it does behind its answer belongs to the string.
+            mill.booted()
+            mill.monitor(END)
+            found = Count(mill, log)
             os.truncate(log, 0)
-            return counted, said
+            return found
 
         mill.home()
-        mill.ask(b"G01X00005Y00005F0100;")
-        string = b"G01X00005Y00005F0100;"
+        mill.ask(START)
         # How often it wakes in between depends on when the host sends: the least of some.
-        nowhere = min((count(string)[0] for _ in range(4)), key=lambda counted: counted.foreground)
-        say("byte_interrupt", max(nowhere.byte))
+        nowhere = min((counted(START) for _ in range(4)), key=lambda found: found.foreground)
+        yield "byte_interrupt", max(nowhere.byte)
         # Without a step: the bytes, the line read, checked and planned.
-        say("line", nowhere.foreground)
+        yield "line", nowhere.foreground
 
         held, worst = nowhere.held, 0
-        for name, before, string in (
-            ("slope_event", None, b"G01X00150Y00080F0100;"),
-            ("slope_event_untold", b"R000;", b"G01X00295Y00155F0100;"),
-            # Forwards with both axes, as before: nothing is taken up.
-            ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
-            # 7 steps after 1457.
-            ("take_up_event_untold", None, b"G01X00444F0100;"),
-            # A circle of 3 mm, and four times lash.
-            ("circle_event_untold", None, b"G02X00444Y00305I00444J00705F0100;"),
-        ):
+        for name, before, string in EVENTS:
             if before:
                 mill.ask(before)
-            counted, said = count(string)
-            events = len(counted.step)
-            assert events > 500, (string, said)
-            say(name, counted.foreground / events)
-            held, worst = max(held, counted.held), max(worst, max(counted.step))
+            found = counted(string)
+            events = len(found.step)
+            if events <= 500:
+                fail(f"{board}: {events} events of {string!r}")
+            yield name, found.foreground / events
+            held, worst = max(held, found.held), max(worst, *found.step)
             if name == "slope_event":
-                say("step_interrupt", sum(counted.step) / events)
-        say("step_interrupt_longest", worst)
-        say("held_longest", held)
+                yield "step_interrupt", sum(found.step) / events
+        yield "step_interrupt_longest", worst
+        yield "held_longest", held

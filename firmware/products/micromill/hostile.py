@@ -1,140 +1,183 @@
-"""hostile.py BOARD BYTES [SEED]: random bytes, over-long lines, strings cut short and resets against the firmware.
+"""Random bytes, over-long lines, strings cut short and resets against the firmware.
 
-It never hangs, the motors stay within the travel after homing and above the switches before it, and in the end a line is obeyed as ever.
+It never hangs, the motors stay within the travel after homing and above the switches before it, and
+in the end a line is obeyed as ever.
 """
+
+from __future__ import annotations
+
 import random
-import sys
 import time
 
-from link import DONE, NO_SWITCH, STEPS, STOPPED, TAKEN, Mill
+from husillo_firmware.boards import Board
+from husillo_firmware.waiting import fail
 
-board, wanted = sys.argv[1], int(sys.argv[2])
-seed = int(sys.argv[3]) if len(sys.argv) > 3 else 1
-random.seed(seed)
-READY = b"\x88"
+from products.micromill.link import (
+    DONE,
+    NO_SWITCH,
+    READY,
+    STEPS,
+    STOPPED,
+    TAKEN,
+    Mill,
+    add_steps,
+)
+
 LASH = (1457, 1271, 0)
 TRAVEL = (71_429, 50_000, None)
-# Without `H`, `B` and `R`: the limits of a machine that homes anew, has another lash or does not tell all steps would not be known here.
+FAR = 10**9
+# Without `H`, `B` and `R`: the limits of a machine that homes anew, has another lash or does not
+# report all steps would not be known here.
 BYTES = bytes(byte for byte in range(256) if byte not in b"HBR")
-STRINGS = [
-    b"JX-;", b"JX+;", b"&X-Y-;", b"&X+Y+Z-;", b"PX-9999;", b"PY+9999;", b"FY-390;", b"FX+390;", b"G00X10000Y07000;", b"G28X0Y0;", b"S1;", b"S0;",
-    b"G01X00100Y00050F99;", b"G02X00300Y00000I00150J00000F9999;", b"W;", b"V;", b"L0100;", b"L;", b"Q;", b"G54;", b"A;", b"G04P01;", b"M03S1000;", b"M30;",
-]
-
-
-def attack():
-    """Some bytes."""
-    kind = random.randrange(8)
-    if kind < 3:
-        return bytes(random.choices(BYTES, k=random.randrange(1, 64)))
-    if kind == 3:
-        # Over-long, with an end or without.
-        return bytes(random.choices(b"0123456789GXY.-", k=random.randrange(60, 400))) + random.choice((b"", b";"))
-    string = random.choice(STRINGS)
-    if kind == 4:
-        return string[:random.randrange(len(string))]
-    if kind == 5:
-        place = random.randrange(len(string))
-        return string[:place] + bytes([random.choice(BYTES)]) + string[place + 1:]
-    return string
+STRINGS = (
+    b"JX-; JX+; &X-Y-; &X+Y+Z-; PX-9999; PY+9999; FY-390; FX+390; G00X10000Y07000; G28X0Y0; S1; S0;"
+    b" G01X00100Y00050F99; G02X00300Y00000I00150J00000F9999; W; V; L0100; L; Q; G54; A; G04P01;"
+    b" M03S1000; M30;"
+).split()
+MOVES = (b"JX+;", b"&X+Y+;", b"FY+390;", b"JX-;", b"G28X0Y0;")
+LAST_STEPS = 71
 
 
 class Watch:
-    """Where the motors are, by the steps told."""
+    """Where the motors are, by the steps reported."""
 
-    def __init__(self):
-        self.steps = 0
+    def __init__(self, where: str) -> None:
+        self.where, self.steps = where, 0
         self.start(False)
 
-    def start(self, is_homed):
+    def start(self, is_homed: bool) -> None:
+        """Counts from here."""
         self.at, self.is_homed = [0, 0, 0], is_homed
 
-    def hear(self, said):
-        for byte in said:
-            if byte in STEPS:
-                self.steps += 1
-                axis = byte >> 1 & 3
-                self.at[axis] += 1 if byte & 1 else -1
-        for axis, (at, lash, travel) in enumerate(zip(self.at, LASH, TRAVEL)):
-            # A motor is behind its load by the lash at most. Before homing the switches close at -400.
-            low = (-lash if travel else -10**9) if self.is_homed else -401
-            high = travel if self.is_homed and travel else 10**9
+    def hear(self, said: bytes) -> None:
+        """Counts the steps, and looks where that is."""
+        self.steps += sum(byte in STEPS for byte in said)
+        add_steps(said, self.at)
+        for axis, (at, lash, travel) in enumerate(zip(self.at, LASH, TRAVEL, strict=True)):
+            # A motor is behind its load by the lash at most. Before homing the switches close at
+            # -400.
+            low, high = -401, FAR
+            if self.is_homed:
+                low, high = (-lash, travel) if travel else (-FAR, FAR)
             if not low <= at <= high:
-                sys.exit(f"{board}, seed {seed}: axis {axis} at motor step {at}, homed: {self.is_homed}")
+                fail(f"{self.where}: axis {axis} at motor step {at}, homed: {self.is_homed}")
 
 
-with Mill(board) as mill:
-    watch = Watch()
-    watch.hear(mill.receive(1))
+class Attack:
+    """Hostile bytes for a micro mill, the same ones for a seed."""
 
-    def calm():
+    def __init__(self, mill: Mill, seed: int) -> None:
+        self.mill, self.random = mill, random.Random(seed)
+        self.where = f"{mill.board}, seed {seed}"
+        self.watch = Watch(self.where)
+        self.resets = 0
+
+    def some(self) -> bytes:
+        """Some bytes."""
+        kind = self.random.randrange(8)
+        if kind < 3:
+            return bytes(self.random.choices(BYTES, k=self.random.randrange(1, 64)))
+        if kind == 3:
+            # Over-long, with an end or without.
+            line = bytes(self.random.choices(b"0123456789GXY.-", k=self.random.randrange(60, 400)))
+            return line + self.random.choice((b"", b";"))
+        string = self.random.choice(STRINGS)
+        if kind == 4:
+            return string[: self.random.randrange(len(string))]
+        if kind == 5:
+            place = self.random.randrange(len(string))
+            return string[:place] + bytes([self.random.choice(BYTES)]) + string[place + 1 :]
+        return string
+
+    def calm(self) -> None:
         """All stops, and the line is free of what was begun."""
         for _ in range(50):
-            mill.line.send(b"A;")
-            said = mill.receive(2)
+            self.mill.line.send(b"A;")
+            said = self.mill.receive(2)
             # A run that goes on because its `A` was lost is not waited for.
             for _ in range(200):
-                if not (more := mill.receive(0.1)):
+                if not (more := self.mill.receive(0.1)):
                     break
                 said += more
-            watch.hear(said)
+            self.watch.hear(said)
             # Bytes get lost where more come than there is room for, so it may be asked for again.
             if said:
-                answer = mill.ask(b"S0;")
-                watch.hear(answer)
+                answer = self.mill.ask(b"S0;")
+                self.watch.hear(answer)
                 if answer[-1] == TAKEN:
                     return
-        sys.exit(f"{board}, seed {seed}: no answer")
+        fail(f"{self.where}: no answer")
 
-    def home():
-        # On a busy host hostile bytes may still be on their way: they stop it.
+    def home(self) -> None:
+        """Homes it. On a busy host hostile bytes may still be on their way: they stop it."""
         for _ in range(9):
-            calm()
-            said = mill.ask(b"H;", (DONE, NO_SWITCH, STOPPED))
+            self.calm()
+            said = self.mill.ask(b"H;", (DONE, NO_SWITCH, STOPPED))
             if said[-1] == DONE:
-                watch.start(True)
+                self.watch.start(True)
                 return
-            watch.hear(said)
-        sys.exit(f"{board}, seed {seed}: homing ended with {said[-1]:#x}")
+            self.watch.hear(said)
+        fail(f"{self.where}: homing ended with {said[-1]:#x}")
 
-    sent = resets = 0
-    begin = time.time()
-    home()
-    while sent < wanted:
-        burst = b"".join(attack() for _ in range(random.randrange(1, 20)))
+    def send(self, burst: bytes) -> None:
+        """Sends bytes as fast as they are echoed, lost ones left out.
+
+        QEMU keeps what a UART has no room for, without end.
+        """
         for place in range(0, len(burst), 256):
-            part = burst[place:place + 256]
-            mill.line.send(part)
-            # As fast as it echoes them, lost ones left out: QEMU keeps what a UART has no room for, without end.
-            echoes, end = 0, time.time() + 1
-            while echoes < len(part) and time.time() < end and (said := mill.receive(0.02)):
-                watch.hear(said)
+            part = burst[place : place + 256]
+            self.mill.line.send(part)
+            echoes, end = 0, time.monotonic() + 1
+            while echoes < len(part) and time.monotonic() < end:
+                if not (said := self.mill.receive(0.02)):
+                    break
+                self.watch.hear(said)
                 echoes += sum(byte not in STEPS for byte in said)
-        sent += len(burst)
-        if random.randrange(4) == 0:
-            # Something moves for a while: in virtual time that is long, and all of its steps come.
-            mill.line.send(b"A;" + random.choice((b"JX+;", b"&X+Y+;", b"FY+390;", b"JX-;", b"G28X0Y0;")))
-            end = time.time() + 0.02
-            while time.time() < end:
-                watch.hear(mill.receive(0.002))
-            mill.line.send(b"A;")
-        if random.randrange(40) == 0:
-            # In the middle of whatever it is.
-            mill.monitor("system_reset")
-            resets += 1
-            said = b""
-            while READY not in said:
-                if not (more := mill.receive(10)):
-                    sys.exit(f"{board}, seed {seed}: not ready after a reset")
-                said += more
-            # Bytes that were on their way may move it already.
-            watch.start(False)
-            watch.hear(said.rpartition(READY)[2])
-            if random.randrange(2):
-                home()
-    home()
-    said = mill.ask(b"PX+0071;")
-    watch.hear(said)
-    if said[-1] != DONE or watch.at != [71, 0, 0]:
-        sys.exit(f"{board}, seed {seed}: the steps after it ended with {said[-1]:#x} at {watch.at}")
-print(f"{board}: {sent} hostile bytes, {watch.steps} steps, {resets} resets, {time.time() - begin:.0f} s")
+
+    def move(self) -> None:
+        """Something moves for a while: in virtual time that is long, and all of its steps come."""
+        self.mill.line.send(b"A;" + self.random.choice(MOVES))
+        end = time.monotonic() + 0.02
+        while time.monotonic() < end:
+            self.watch.hear(self.mill.receive(0.002))
+        self.mill.line.send(b"A;")
+
+    def reset(self) -> None:
+        """Resets it in the middle of whatever it is."""
+        self.mill.monitor("system_reset")
+        self.resets += 1
+        said = self.mill.hear(READY)
+        # Bytes that were on their way may move it already.
+        self.watch.start(False)
+        self.watch.hear(said.rpartition(READY)[2])
+        if self.random.randrange(2):
+            self.home()
+
+    def run(self, wanted: int) -> int:
+        """Sends at least so many hostile bytes: how many."""
+        self.watch.hear(self.mill.receive(1))
+        sent = 0
+        self.home()
+        while sent < wanted:
+            burst = b"".join(self.some() for _ in range(self.random.randrange(1, 20)))
+            self.send(burst)
+            sent += len(burst)
+            if self.random.randrange(4) == 0:
+                self.move()
+            if self.random.randrange(40) == 0:
+                self.reset()
+        self.home()
+        said = self.mill.ask(b"PX+%04d;" % LAST_STEPS)
+        self.watch.hear(said)
+        if said[-1] != DONE or self.watch.at != [LAST_STEPS, 0, 0]:
+            fail(f"{self.where}: the steps after it ended with {said[-1]:#x} at {self.watch.at}")
+        return sent
+
+
+def check(board: Board, wanted: int, seed: int = 1) -> None:
+    """Sends hostile bytes."""
+    with Mill(board) as mill:
+        attack, begin = Attack(mill, seed), time.monotonic()
+        sent = attack.run(wanted)
+    steps, seconds = attack.watch.steps, time.monotonic() - begin
+    print(f"{board}: {sent} hostile bytes, {steps} steps, {attack.resets} resets, {seconds:.0f} s")

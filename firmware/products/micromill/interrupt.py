@@ -1,60 +1,91 @@
-"""interrupt.py BOARD HUSILLO: a host that is asked to end while the firmware moves stops it first.
+"""A host that is asked to end while the firmware moves stops it first.
 
-Ctrl-C and a request to end, in a jog, in steps, and in a program, in the time of the clock on the wall:
-within MOST_STEPS the motors stand, and the host says so.
+Ctrl-C and a request to end, in a jog, in steps and in a program, in the time of the clock on the
+wall: soon the motors stand, and the host says so.
 """
+
+from __future__ import annotations
+
 import os
 import signal
 import subprocess
-import sys
 import tempfile
-import time
+from pathlib import Path
 
-os.environ["SLOW"] = "1"
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../board"))
-import registers  # noqa: E402
-from bench import Bench  # noqa: E402
+from husillo_firmware import host, registers
+from husillo_firmware.boards import Board
+from husillo_firmware.waiting import require, until
 
-board, husillo = sys.argv[1:3]
+from products.micromill.link import ANSWER_S, DONE, Mill
+
+# Five millimetres there and back at 10 mm/min: a minute.
+PROGRAM = "G21 G90\nG1 X5 F10\nG1 X0\nM30\n"
+# Steps that are made before the request.
+BEGUN = 50
 # Of 170 a second, from before the request to the last one, with what this computer needs to look.
-MOST_STEPS = 100
+MOST = 100
+END_S = 20
+# The host's exit status.
+INTERRUPTED = 130
+# Steps that the firmware is asked for when it stands.
+AFTER = 34
 
-with tempfile.TemporaryDirectory() as folder:
-    log, program = os.path.join(folder, "log"), os.path.join(folder, "long.nc")
-    with open(program, "w") as file:
-        file.write("G21 G90\nG1 X5 F10\nG1 X0\nM30\n")
-    with Bench("micromill", board, *registers.ARGUMENTS, "-D", log) as bench:
-        bench.booted()
 
-        def steps():
-            bench.monitor("info status")
-            with open(log, errors="replace") as file:
-                return sum(not isinstance(one, int) for one in registers.read(board, file))
+class Interrupted:
+    """A micro mill that a host moves until it is asked to end, and its log."""
 
-        most = 0
-        for words, request in (
+    def __init__(self, mill: Mill, log: Path) -> None:
+        self.mill, self.log, self.board = mill, log, mill.board
+
+    def steps(self) -> int:
+        """Steps since the log was emptied."""
+        # The monitor answers when all before it was written.
+        self.mill.monitor("info status")
+        return len(registers.made(registers.read_file(self.board, self.log)))
+
+    def interrupt(self, words: list[str | Path], request: signal.Signals) -> int:
+        """Starts a host, asks it to end: how many steps it made after that."""
+        os.truncate(self.log, 0)
+        place = f"{self.board}: {' '.join(map(str, words))}"
+        moves = host.command(*words, "-m", "micromill", "--port", self.mill.tcp)
+        with subprocess.Popen(
+            moves, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        ) as moving:
+            try:
+                until(lambda: self.steps() >= BEGUN, ANSWER_S, f"{place}: it does not move")
+                before = self.steps()
+                moving.send_signal(request)
+                said = moving.communicate(timeout=END_S)[1]
+            finally:
+                moving.kill()
+        after = self.steps()
+        require(moving.returncode == INTERRUPTED, f"{place}: status {moving.returncode}, {said}")
+        require("the controller has stopped" in said, f"{place}: {said}")
+        require(after - before <= MOST, f"{place}: {after - before} steps after the request")
+        # It makes these steps, and no others beside them.
+        self.mill.connect()
+        self.mill.ask(b"PX+%04d;" % AFTER, (DONE,))
+        self.mill.line.close()
+        require(self.steps() == after + AFTER, f"{place}: it goes on without a host; {said}")
+        return after - before
+
+
+def check(board: Board) -> None:
+    """Moves it in all ways, and ends the host."""
+    with tempfile.TemporaryDirectory() as path:
+        log, program = Path(path) / "log", Path(path) / "long.nc"
+        program.write_text(PROGRAM)
+        turns: list[tuple[list[str | Path], signal.Signals]] = [
             (["jog", "x+", "30s"], signal.SIGINT),
             (["jog", "x", "5000"], signal.SIGTERM),
             (["jog", "run", "z", "-250", "30s"], signal.SIGINT),
             (["send", program], signal.SIGTERM),
             (["send", program, "--stream"], signal.SIGINT),
-        ):
-            start = steps()
-            host = subprocess.Popen(
-                [husillo, *words, "-m", "micromill", "--port", f"tcp:127.0.0.1:{bench.port}"],
-                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-            for _ in range(100):
-                time.sleep(0.1)
-                if (before := steps()) >= start + 50:
-                    break
-            assert before >= start + 50, f"{board}: {words} does not move"
-            host.send_signal(request)
-            told = host.communicate(timeout=20)[1]
-            after = steps()
-            time.sleep(1)
-            assert steps() == after, f"{board}: {words}: it goes on without a host; {told}"
-            assert host.returncode == 130, (words, host.returncode, told)
-            assert "the controller has stopped" in told, (words, told)
-            most = max(most, after - before)
-            assert after - before <= MOST_STEPS, f"{board}: {words}: {after - before} steps after the request"
-print(f"{board}: a host that is asked to end stops within {most} steps")
+        ]
+        trace = (*registers.ARGUMENTS, "-D", str(log))
+        # The line is the host's.
+        with Mill(board, *trace, in_wall_time=True, is_connected=False) as mill:
+            mill.booted()
+            interrupted = Interrupted(mill, log)
+            most = max(interrupted.interrupt(words, request) for words, request in turns)
+    print(f"{board}: a host that is asked to end stops within {most} steps")

@@ -1,71 +1,119 @@
-"""jog.py BOARD HUSILLO: moves the firmware by hand with `husillo jog`, in the time of the clock on the wall.
+"""Moves the firmware by hand with `husillo jog`, in the time of the clock on the wall.
 
-Several axes step together, faster and slower when told, and as many steps as the host says; a host that is killed leaves a jog that ends by itself.
+Several axes step together, faster and slower when asked, and as many steps as the host says. A host
+that is killed leaves a jog that ends by itself.
 """
-import os
+
+from __future__ import annotations
+
 import re
 import subprocess
-import sys
 import tempfile
-import time
+from itertools import pairwise
+from pathlib import Path
 
-os.environ["SLOW"] = "1"
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../board"))
-import registers  # noqa: E402
-from bench import Bench  # noqa: E402
+from husillo_firmware import host, registers
+from husillo_firmware.boards import Board
+from husillo_firmware.registers import Happened, Made, clocks_per_us
+from husillo_firmware.waiting import require, until
 
-board, husillo = sys.argv[1:3]
-STOPPED = 0x8D
+from products.micromill.link import ANSWER_S, DONE, STOPPED, Mill
+
+ACTIONS = (
+    *("x+y-z+", "0.5s", "faster", "0.5s", "slower", "0.5s"),
+    *("run", "z", "-250", "0.5s", "x", "30"),
+)
 # At 170 steps a second, and at 180.
 WAITS_US = [5883, 5556, 5883]
+# At 250 steps a second, as asked for.
+RUN_US = 4000
+# Steps of the jog whose host is killed, before that; the whole jog would be 5100.
+BEGUN, MOST = 200, 2000
+# Half a second after the host's last word it ends, however long that takes here.
+END_S = 20
+AFTER = 34
 
-with tempfile.TemporaryDirectory() as folder:
-    log = os.path.join(folder, "log")
-    with Bench("micromill", board, *registers.ARGUMENTS, "-D", log) as bench:
-        bench.booted()
 
-        def jog(*actions):
-            return [husillo, "jog", "-m", "micromill", "--port", f"tcp:127.0.0.1:{bench.port}", *actions]
+class Jogged:
+    """A micro mill that is jogged, and its log."""
 
-        def happened():
-            bench.monitor("info status")
-            with open(log, errors="replace") as file:
-                return registers.read(board, file)
+    def __init__(self, mill: Mill, log: Path) -> None:
+        self.mill, self.log, self.board = mill, log, mill.board
 
-        told = subprocess.run(jog(*"x+y-z+ 0.5s faster 0.5s slower 0.5s run z -250 0.5s x 30".split()), capture_output=True, text=True, timeout=60)
-        if told.returncode:
-            sys.exit(told.stdout + told.stderr)
-        # The first was written when it was switched on, with none waited for.
-        steps = [step for step in happened() if not isinstance(step, int)][1:]
-        clocks_per_us = registers.BOARDS[board].CLOCKS_PER_US
-        waits = [round((after.due - before.due) % 2**32 / clocks_per_us) for before, after in zip(steps, steps[1:])]
-        counts = [int(count) for count in re.findall(r"s, (\d+) steps", told.stdout)]
-        jogged = counts[0] // 3
-        assert counts[0] % 3 == 0 and counts[2] == 30 and len(steps) == jogged + counts[1] + 30, (counts, len(steps))
+    def command(self, *actions: str) -> list[str]:
+        """How the host jogs."""
+        return ["jog", "-m", "micromill", "--port", self.mill.tcp, *actions]
+
+    def happened(self) -> list[Happened]:
+        """All until now."""
+        # The monitor answers when all before it was written.
+        self.mill.monitor("info status")
+        return registers.read_file(self.board, self.log)
+
+    def steps(self) -> list[Made]:
+        """All steps until now. The first one was written when it was switched on."""
+        return registers.made(self.happened())[1:]
+
+    def jog(self) -> int:
+        """Jogs, faster and slower, and compares: how many steps of three axes."""
+        said = host.says(*self.command(*ACTIONS))
+        steps = self.steps()
+        waits = [
+            round((after.due - before.due) % 2**32 / clocks_per_us(self.board))
+            for before, after in pairwise(steps)
+            if before.due is not None and after.due is not None
+        ]
+        counts = [int(count) for count in re.findall(r"s, (\d+) steps", said)]
+        jogged, run = counts[0] // 3, counts[1]
+        is_all = counts[0] % 3 == 0 and counts[2] == 30 and len(steps) == jogged + run + 30
+        require(is_all and len(waits) == len(steps) - 1, (counts, len(steps), len(waits)))
         # Each axis has another phase after every event.
-        for before, after in zip(steps[:jogged], steps[1:jogged]):
-            assert all((before.levels ^ after.levels) >> place & 3 for place in (0, 2, 4)), "an axis stood"
-        # Waits may be longer: the steps run dry where this computer is held up, on a busy one most of them.
-        right = [wait for wait in waits[:jogged - 1] if wait in WAITS_US]
-        paces = [wait for place, wait in enumerate(right) if not place or wait != right[place - 1]]
-        assert paces == WAITS_US and len(right) > 0.3 * jogged, waits[:jogged]
-        assert waits[jogged:jogged + counts[1] - 1].count(4000) > 0.3 * counts[1], waits[jogged:]
+        for before, after in pairwise(steps[:jogged]):
+            changed = before.levels ^ after.levels
+            require(all(changed >> place & 3 for place in (0, 2, 4)), "an axis stood")
+        # Waits may be longer: the steps run dry where this computer is held up, on a busy one most
+        # of them.
+        right = [wait for wait in waits[: jogged - 1] if wait in WAITS_US]
+        paces = [wait for n, wait in enumerate(right) if not n or wait != right[n - 1]]
+        require(paces == WAITS_US and len(right) > 0.3 * jogged, waits[:jogged])
+        of_run = waits[jogged : jogged + run - 1]
+        require(of_run.count(RUN_US) > 0.3 * run, of_run)
+        return counts[0]
 
-        # The host is gone without a word.
-        host = subprocess.Popen(jog("x+", "30s"), stdout=subprocess.DEVNULL)
-        time.sleep(1.5)
-        host.kill()
-        host.wait()
-        # Half a second after its last word, however long that takes here.
-        for _ in range(20):
-            time.sleep(0.5)
-            ended = happened()
-            if ended[-1] == STOPPED:
-                break
-        time.sleep(0.5)
-        again = happened()
-        assert len(again) == len(ended) and ended[-1] == STOPPED, f"{board}: it goes on without a host"
-        alone = sum(not isinstance(step, int) for step in ended) - 1 - len(steps)
-        # The whole jog would be 5100 steps.
-        assert 50 < alone < 2000, alone
-print(f"{board}: jogged {counts[0]} steps of three axes; without a host it stopped")
+    def kill(self) -> None:
+        """The host is gone without a word while it jogs."""
+        before = len(self.steps())
+        jogs = host.command(*self.command("x+", "30s"))
+        with subprocess.Popen(jogs, stdout=subprocess.DEVNULL) as jogging:
+            until(
+                lambda: len(self.steps()) > before + BEGUN,
+                ANSWER_S,
+                f"{self.board}: it does not jog",
+            )
+            jogging.kill()
+        until(
+            lambda: self.happened()[-1] == STOPPED,
+            END_S,
+            f"{self.board}: it does not stop without a host",
+        )
+        stopped = len(self.steps())
+        require(BEGUN < stopped - before < MOST, stopped - before)
+        # It makes these steps, and no others beside them.
+        self.mill.connect()
+        self.mill.ask(b"PX+%04d;" % AFTER, (DONE,))
+        after = len(self.steps())
+        require(after == stopped + AFTER, f"{self.board}: it goes on without a host")
+
+
+def check(board: Board) -> None:
+    """Jogs it, then kills the host."""
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log"
+        trace = (*registers.ARGUMENTS, "-D", str(log))
+        # The line is the host's.
+        with Mill(board, *trace, in_wall_time=True, is_connected=False) as mill:
+            mill.booted()
+            jogged = Jogged(mill, log)
+            steps = jogged.jog()
+            jogged.kill()
+    print(f"{board}: jogged {steps} steps of three axes; without a host it stopped")

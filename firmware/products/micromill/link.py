@@ -1,36 +1,64 @@
 """The micro mill's link, as far as checks need it: strings sent byte by byte, each waited for."""
-import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../board"))
-from bench import Bench  # noqa: E402
+from __future__ import annotations
 
+from collections.abc import Iterable
+
+from husillo_firmware.boards import Board
+from husillo_firmware.qemu import Firmware
+from husillo_firmware.waiting import fail
+
+READY = b"\x88"
 DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED = 0x8F, 0x8C, 0x8E, 0x8B, 0x89, 0x8D
+ANSWERS = (DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED)
 STEPS = range(0x80, 0x86)
+ECHO_S = 10
+# Where every instruction is logged it takes its time.
+ANSWER_S = 60
 
 
-class Mill(Bench):
+class Mill(Firmware):
     """A micro mill in QEMU, and what it says."""
 
-    def __init__(self, board, *arguments):
-        super().__init__("micromill", board, *arguments)
-        self.connect()
+    def __init__(
+        self,
+        board: Board,
+        *arguments: str,
+        in_wall_time: bool = False,
+        is_connected: bool = True,
+    ) -> None:
+        super().__init__("micromill", board, *arguments, in_wall_time=in_wall_time)
+        if is_connected:
+            self.connect()
 
-    def ask(self, string, answers=(DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED)):
+    def __enter__(self) -> Mill:
+        return self
+
+    def ask(self, string: bytes, answers: Iterable[int] = ANSWERS) -> bytes:
         """Sends a string and gives all that is said until there is one of the answers."""
         said = b""
         for byte in string:
             self.line.send(bytes([byte]))
-            said += self.receive(10)
+            said += self.receive(ECHO_S)
+        return said if any(byte in answers for byte in said) else self.hear(answers, said)
+
+    def hear(self, answers: Iterable[int], said: bytes = b"") -> bytes:
+        """All that is said until there is one of the answers."""
         while not any(byte in answers for byte in said):
-            # Where every instruction is logged it takes its time.
-            more = self.receive(60)
+            more = self.receive(ANSWER_S)
             if not more:
-                sys.exit(f"{string}: silent after {said[-20:]}")
+                fail(f"{self.board}: silent after {said[-20:]!r}")
             said += more
         return said
 
-    def home(self):
-        said = self.ask(b"H;", (DONE, NO_SWITCH))
-        if said[-1] != DONE:
-            sys.exit("homing found no switch")
+    def home(self) -> None:
+        """Homes it."""
+        if self.ask(b"H;", (DONE, NO_SWITCH))[-1] != DONE:
+            fail(f"{self.board}: homing found no switch")
+
+
+def add_steps(said: Iterable[int], to: list[int]) -> None:
+    """Adds the steps that are reported to those of each axis."""
+    for byte in said:
+        if byte in STEPS:
+            to[byte >> 1 & 3] += 1 if byte & 1 else -1

@@ -1,95 +1,115 @@
-"""stop.py BOARD: a byte that stops acts before the next step, even where the processor is so slow that the foreground is steps behind.
+"""A byte that stops acts before the next step, even where the foreground is steps behind.
 
-QEMU's log tells each access to a register: once the stopping byte was read the motors' pins may not change any more. Interrupts have one priority, so a step
-that was due in the same instant is made before that, or not at all. The steps that the link told are those of the pins. A step after the stop waits its time after
-the last one that was made, and no longer than that from now on.
+QEMU's log has each access to a register: once the stopping byte was read the motors' pins may not
+change any more. Interrupts have one priority, so a step that was due in the same instant is made
+before that, or not at all. The steps that the link reported are those of the pins. A step after the
+stop waits its time after the last one that was made, and no longer than that from now on.
 """
+
+from __future__ import annotations
+
 import math
 import os
-import sys
 import tempfile
-import time
+from pathlib import Path
 
-from link import STEPS, STOPPED, TAKEN, Mill
-import registers  # noqa: E402
+from husillo_firmware import registers
+from husillo_firmware.boards import Board
+from husillo_firmware.registers import Made, clocks_per_us
+from husillo_firmware.waiting import fail, require
 
-board = sys.argv[1]
-CLOCKS_PER_US = registers.BOARDS[board].CLOCKS_PER_US
-STOP = f"addr {registers.BOARDS[board].HEARD:#x} value 0x41 "
+from products.micromill.link import DONE, NO_SWITCH, STOPPED, TAKEN, Mill, add_steps
+
 # Of a counted step: those a second of the machine.
 WAIT_US = math.ceil(1e6 / 170)
+STEP = b"PX+0001;"
+# Clears what a stop has left of a string.
+CLEAR = b";"
+TURNS = 6
 
-with tempfile.TemporaryDirectory() as folder:
-    log = os.path.join(folder, "log")
-    # A million instructions a second, as slow as QEMU goes.
-    with Mill(board, *registers.ARGUMENTS, "-D", log, "-icount", "shift=10,sleep=off") as mill:
-        mill.booted()
-        told = [0, 0, 0]
 
-        def tally(said):
-            for byte in said:
-                if byte in STEPS:
-                    told[byte >> 1 & 3] += 1 if byte & 1 else -1
+class Stopped:
+    """A micro mill that is stopped again and again, and its log."""
 
-        def logged():
-            """What is in the log, which is empty then."""
-            # The monitor answers when all before it was written, and nothing is until it goes on.
-            mill.monitor("stop")
-            with open(log, errors="replace") as file:
-                text = file.read()
-            os.truncate(log, 0)
-            mill.monitor("cont")
-            return text
+    def __init__(self, mill: Mill, log: Path) -> None:
+        self.mill, self.log, self.board = mill, log, mill.board
+        self.steps = [0, 0, 0]
+        self.cycle: list[int] = []
 
-        def made(text):
-            """What was written to the pins."""
-            return [step for step in registers.read(board, text.splitlines()) if not isinstance(step, int)]
+    def ask(self, string: bytes, *answers: int) -> None:
+        """Sends a string and counts the steps that are reported."""
+        add_steps(self.mill.ask(string, answers) if answers else self.mill.ask(string), self.steps)
 
-        def phases(step):
-            """PH of X, Y and Z."""
-            return [step.levels >> place & 3 for place in (0, 2, 4)]
+    def logged(self) -> str:
+        """What is in the log, which is empty then."""
+        # The monitor answers when all before it was written, and nothing is until it goes on.
+        self.mill.monitor("stop")
+        text = self.log.read_text(errors="replace")
+        os.truncate(self.log, 0)
+        self.mill.monitor("cont")
+        return text
 
-        # The phases of a motor after 0 to 3 steps.
-        cycle = []
+    def made(self, text: str) -> list[Made]:
+        """What was written to the pins."""
+        return registers.made(registers.read(self.board, text.splitlines()))
+
+    def prepare(self) -> None:
+        """Homes it, and notes the phases of a motor after 0 to 3 steps."""
         for _ in range(4):
-            cycle.append(phases(made(logged())[-1])[0])
-            tally(mill.ask(b"PX+0001;"))
-        assert len(set(cycle)) == 4, cycle
-        tally(mill.ask(b"H;", (0x8F, 0x89)))
-        tally(mill.ask(b"G01X00005Y00005F0100;"))
-        tally(mill.ask(b"S1;"))
-        for turn in range(6):
-            lines = [b"G01X%05dY%05dF0100;" % (10 + 60 * turn + 3 * number, 10 + 40 * turn + 5 * number) for number in range(10)]
-            for line in lines:
-                tally(mill.ask(line, (TAKEN,)))
-            before = logged()
-            # The foreground has two lines to read before it comes to the stop: an arc that is none, and a feed. On the microbit that takes longer than two
-            # steps, so a hold that does nothing is seen there; the mps2-an386 has read them before, and on virt QEMU takes a byte too late.
-            mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
-            said = b""
-            while STOPPED not in said:
-                if not (more := mill.receive(10)):
-                    sys.exit(f"{board}: silent after a byte that stops")
-                said += more
-            time.sleep(0.2)
-            text = logged()
-            tally(said + mill.ask(b";"))
-            late = made(text[text.rindex(STOP):])
-            if late:
-                sys.exit(f"{board}: {len(late)} steps after the byte that stops")
-            last = made(before + text)[-1]
-            stand = phases(last)
-            if stand != [cycle[steps % 4] for steps in told]:
-                sys.exit(f"{board}: the motors stand at {stand} after {told} steps")
-            tally(mill.ask(b"PX+0001;"))
-            step, = made(logged())
-            since_us = (step.due - last.due) % 2**32 / CLOCKS_PER_US
-            if since_us < WAIT_US:
-                sys.exit(f"{board}: the step after a stop comes {since_us} us after the one before, not {WAIT_US}")
+            self.cycle.append(phases(self.made(self.logged())[-1])[0])
+            self.ask(STEP)
+        require(len(set(self.cycle)) == 4, self.cycle)
+        self.ask(b"H;", DONE, NO_SWITCH)
+        self.ask(b"G01X00005Y00005F0100;")
+        self.ask(b"S1;")
 
-    # By the clock on the wall, which does not jump to the end of a wait that was cut short.
-    os.truncate(log, 0)
-    with Mill(board, *registers.ARGUMENTS, "-D", log, "-icount", "shift=6,sleep=on") as mill:
+    def stop(self, turn: int) -> None:
+        """Stops it among ten lines, and looks at its pins."""
+        lines = [
+            b"G01X%05dY%05dF0100;" % (10 + 60 * turn + 3 * number, 10 + 40 * turn + 5 * number)
+            for number in range(10)
+        ]
+        for line in lines:
+            self.ask(line, TAKEN)
+        before = self.logged()
+        # The foreground has two lines to read before it comes to the stop: an arc that is none, and
+        # a feed. On the microbit that takes longer than two steps, so a hold that does nothing is
+        # seen there; the mps2-an386 has read them before, and on virt QEMU takes a byte too late.
+        self.mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
+        add_steps(self.mill.hear((STOPPED,)), self.steps)
+        # Its answer comes later than a step that was due would.
+        self.ask(CLEAR)
+        text = self.logged()
+        stop = f"addr {registers.heard_at(self.board):#x} value 0x41 "
+        if late := self.made(text[text.rindex(stop) :]):
+            fail(f"{self.board}: {len(late)} steps after the byte that stops")
+        last = self.made(before + text)[-1]
+        if phases(last) != [self.cycle[count % 4] for count in self.steps]:
+            fail(f"{self.board}: the motors stand at {phases(last)} after {self.steps} steps")
+        self.ask(STEP)
+        after = self.made(self.logged())
+        require(len(after) == 1, f"{self.board}: {len(after)} steps after a stop, not 1")
+        since_us = between_us(self.board, last.due, after[0].due)
+        if since_us < WAIT_US:
+            fail(f"{self.board}: {since_us} us from a stop to the next step, not {WAIT_US}")
+
+
+def phases(step: Made) -> list[int]:
+    """PH of X, Y and Z."""
+    return [step.levels >> place & 3 for place in (0, 2, 4)]
+
+
+def between_us(board: Board, begin: int | None, end: int | None) -> float:
+    """The time from one clock to the other."""
+    if begin is None or end is None:
+        fail(f"{board}: a step was not waited for")
+    return (end - begin) % 2**32 / clocks_per_us(board)
+
+
+def cut_short(board: Board, log: Path) -> None:
+    """A wait that is cut short: by the clock on the wall, which does not jump to its end."""
+    trace = (*registers.ARGUMENTS, "-D", str(log))
+    with Mill(board, *trace, in_wall_time=True) as mill:
         mill.booted()
         mill.home()
         mill.ask(b"G01X00005Y00005F0100;")
@@ -97,12 +117,27 @@ with tempfile.TemporaryDirectory() as folder:
         mill.ask(b"G04P10;", (TAKEN,))
         mill.ask(b"G01X00009Y00005F0100;", (TAKEN,))
         mill.ask(b"A", (STOPPED,))
-        mill.ask(b";")
-        mill.ask(b"PX+0001;")
+        mill.ask(CLEAR)
+        mill.ask(STEP)
         mill.monitor("stop")
-        with open(log, errors="replace") as file:
-            step = [step for step in registers.read(board, file) if not isinstance(step, int)][-1]
-        wait_us = (step.due - step.asked) % 2**32 / CLOCKS_PER_US
-        if not WAIT_US <= wait_us <= WAIT_US + 1:
-            sys.exit(f"{board}: the step after a wait that was cut short waits {wait_us} us, not {WAIT_US}")
-print(board, "stops before the next step")
+        step = registers.made(registers.read_file(board, log))[-1]
+    wait_us = between_us(board, step.asked, step.due)
+    if not WAIT_US <= wait_us <= WAIT_US + 1:
+        fail(f"{board}: {wait_us} us from a wait that was cut short to a step, not {WAIT_US}")
+
+
+def check(board: Board) -> None:
+    """Stops it again and again."""
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log"
+        # A million instructions a second, as slow as QEMU goes.
+        slowly = ("-D", str(log), "-icount", "shift=10,sleep=off")
+        with Mill(board, *registers.ARGUMENTS, *slowly) as mill:
+            mill.booted()
+            stopped = Stopped(mill, log)
+            stopped.prepare()
+            for turn in range(TURNS):
+                stopped.stop(turn)
+        os.truncate(log, 0)
+        cut_short(board, log)
+    print(f"{board}: stops before the next step")

@@ -1,42 +1,54 @@
-"""count.py BOARD HUSILLO: prints how many instructions a servo interrupt takes while the host has the motor go to and fro."""
+"""How many instructions a servo interrupt takes while the host has the motor go to and fro."""
+
+from __future__ import annotations
+
 import os
 import subprocess
-import sys
 import tempfile
-import time
+from collections.abc import Iterator
+from pathlib import Path
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../../board"))
-from bench import Bench, Elf, elf  # noqa: E402
-from log import Count  # noqa: E402
+from husillo_firmware import host
+from husillo_firmware.boards import Board
+from husillo_firmware.instructions import BEGIN, END, Count
+from husillo_firmware.qemu import ANSWER_S, Firmware
+from husillo_firmware.waiting import require, until
 
-board, husillo = sys.argv[1:3]
-program = Elf(elf("servo_module", board))
-GOALS = "goto 7000 goto -7000 goto 7000 goto -7000 goto 7000 goto -7000".split()
+GOALS = ("goto", "7000", "goto", "-7000") * 3
+# Parts of the way that are logged, each until the log is so long, and what lies between them.
+PARTS = 12
+LOG_BYTES = 16_000_000
+BETWEEN_S = 0.4
 
-with tempfile.TemporaryDirectory() as folder:
-    log = os.path.join(folder, "log")
-    with Bench("servo_module", board, "-singlestep", "-D", log) as bench:
-        time.sleep(2)
-        host = subprocess.Popen(
-            [husillo, "measure", "-m", "cmm", "--port", f"tcp:127.0.0.1:{bench.port}", *GOALS],
-            stdout=subprocess.DEVNULL)
-        # Some of the start-up, and of the ways. The last interrupt of a window may be cut off.
-        ticks = []
-        for _ in range(12):
-            bench.monitor("log exec,nochain,int")
-            time.sleep(0.2)
-            bench.monitor("log none")
-            count = Count(board, program, log)
-            os.truncate(log, 0)
-            ticks += count.step[:-1]
-            time.sleep(0.4)
-        host.kill()
-        host.wait()
-ticks.sort()
-assert len(ticks) > 500, len(ticks)
-for name, value in (
-    ("ticks", len(ticks)),
-    ("tick_median", ticks[len(ticks) // 2]),
-    ("tick_longest", ticks[-1]),
-):
-    print(board, "count", name, value)
+
+def ticks(board: Board) -> Iterator[tuple[str, int]]:
+    """Counts: how many interrupts were logged, their median and the longest."""
+    found: list[int] = []
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log"
+        with Firmware("servo_module", board, "-singlestep", "-D", str(log)) as firmware:
+            firmware.booted()
+            measures = host.command("measure", "-m", "cmm", "--port", firmware.tcp, *GOALS)
+            with subprocess.Popen(measures, stdout=subprocess.DEVNULL) as measuring:
+                for _ in range(PARTS):
+                    firmware.monitor(BEGIN)
+                    until(lambda: log.stat().st_size > LOG_BYTES, ANSWER_S, f"{board}: no log")
+                    firmware.monitor(END)
+                    # The last interrupt of a part may be cut off.
+                    found += Count(firmware, log).step[:-1]
+                    os.truncate(log, 0)
+                    runs_on(measuring)
+                measuring.kill()
+    found.sort()
+    require(len(found) > 500, f"{board}: {len(found)} interrupts")
+    yield "count ticks", len(found)
+    yield "count tick_median", found[len(found) // 2]
+    yield "count tick_longest", found[-1]
+
+
+def runs_on(process: subprocess.Popen[bytes]) -> None:
+    """Lets it go on until the next part, or until it ends."""
+    try:
+        process.wait(BETWEEN_S)
+    except subprocess.TimeoutExpired:
+        return

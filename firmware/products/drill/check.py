@@ -1,0 +1,70 @@
+"""Three holes drilled with two tools: every event as that of the host's emulated drill.
+
+From homing on, of each event the wait, the motors' phases and the spindle; as our own controller
+and, on one board, as the original one.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from husillo_firmware import host, product, registers
+from husillo_firmware.boards import ALL, MPS2, Board
+from husillo_firmware.build import FIRMWARE
+from husillo_firmware.emulated import Emulated, Row, compare, same
+from husillo_firmware.qemu import Firmware
+from husillo_firmware.registers import Made, Switched
+
+FILE = FIRMWARE / "products/drill/small.drl"
+SPEED = 1000
+
+
+def pins(row: Row) -> tuple[int, int]:
+    """Of each motor the first two wires, and the spindle."""
+    levels = (row[name] & 3 for name in ("lx", "ly", "lz"))
+    return sum(two << 2 * axis for axis, two in enumerate(levels)), row["spindle"]
+
+
+def drilled(port: str) -> int:
+    """Drills the board: how many holes."""
+    return int(host.send(FILE, "drill", port, "--yes", answer=r"(\d+) holes drilled")[-1])
+
+
+def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
+    """Drills with the firmware and with the emulated drill, and compares: the figures."""
+    options, features = (("--faithful",), "faithful") if is_faithful else ((), "")
+    with tempfile.TemporaryDirectory() as path:
+        folder = Path(path)
+        with Emulated("drill", folder, SPEED, *options) as emulated:
+            expected = drilled(str(emulated.link))
+        rows, log = emulated.rows(), folder / "log"
+        trace = (*registers.waits(board), "-D", str(log))
+        with Firmware("drill", board, *trace, features=features) as firmware:
+            firmware.booted()
+            count = drilled(firmware.tcp)
+            ram = firmware.ram()
+        happened = registers.read_file(board, log, with_outputs=True)
+    same(f"{board}: holes", count, expected)
+    # What was waited for; before that the motors are switched on.
+    events: list[Made | Switched] = [
+        one
+        for one in happened
+        if isinstance(one, Switched) or (isinstance(one, Made) and one.due is not None)
+    ]
+    same(f"{board}: rows of events", compare(board, events, rows, pins, 0), len(rows))
+    yield "holes", count
+    yield "steps", rows[-1]["event"]
+    yield from firmware.memory(ram).items()
+
+
+def main(arguments: list[str]) -> int:
+    """Checks it on all boards."""
+    options = product.parser("drill", __doc__).parse_args(arguments)
+    chosen = options.boards or ALL
+    figures = product.measure("drill", chosen, lambda board: drill(board, False))
+    if MPS2 in chosen:
+        of_original = dict(drill(MPS2, True))
+        print(MPS2, "as the original:", of_original["steps"], "steps")
+    return product.settle("drill", options, figures)

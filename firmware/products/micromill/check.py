@@ -1,0 +1,53 @@
+"""A program cut by the host: every step, wait, phase and byte as in the host's files.
+
+Then stops, jogs, hosts that are asked to end and hostile bytes, and the instructions of everything
+counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from husillo_firmware import boards, product
+from husillo_firmware.boards import Board
+from husillo_firmware.build import FIRMWARE
+
+from products.micromill import count, hostile, interrupt, jog, limits, program, stop
+
+PROGRAM = FIRMWARE / "products/micromill/program.nc"
+# Half a million steps.
+CIRCLES = FIRMWARE.parent / "examples/circles.nc"
+HOSTILE_BYTES = 5000
+
+
+def all_of(board: Board, hostile_bytes: int) -> Iterator[tuple[str, int]]:
+    """Checks it on a board: the figures."""
+    yield from program.cut(board, PROGRAM, is_traced=True)
+    stop.check(board)
+    jog.check(board)
+    interrupt.check(board)
+    hostile.check(board, hostile_bytes)
+    yield from count.count(board)
+
+
+def main(arguments: list[str]) -> int:
+    """Checks it on all boards."""
+    parser = product.parser("micromill", __doc__)
+    parser.add_argument(
+        "--circles", action="store_true", help="cut examples/circles.nc, and nothing else"
+    )
+    parser.add_argument(
+        "--hostile", type=int, default=HOSTILE_BYTES, metavar="BYTES", help="send so many"
+    )
+    options = parser.parse_args(arguments)
+    chosen = options.boards or boards.ALL
+    if options.circles:
+        product.measure(
+            "micromill", chosen, lambda board: program.cut(board, CIRCLES, is_traced=False)
+        )
+        return 0
+    figures = product.measure("micromill", chosen, lambda board: all_of(board, options.hostile))
+    exceeded = limits.exceeded(figures)
+    for one in exceeded:
+        print(one)
+    return 1 if exceeded else product.settle("micromill", options, figures)

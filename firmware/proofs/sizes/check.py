@@ -1,0 +1,99 @@
+"""Flash and stack of small programs, and flash and static RAM of each crate, on a Cortex-M0.
+
+Of the small programs the flash is what they take beyond an empty one, at `opt-level = "s"`. How
+deep their stack is, is seen under QEMU; how deep it can be at most is read from their code. Of each
+crate all public functions are linked together, as the panic probe names them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+from husillo_firmware import golden
+from husillo_firmware.boards import MICROBIT
+from husillo_firmware.build import FIRMWARE, cargo, target_folder
+from husillo_firmware.elf import Elf
+from husillo_firmware.golden import Lines
+from husillo_firmware.stack import Depths
+from husillo_firmware.waiting import fail
+
+SIZES = FIRMWARE / "proofs/sizes"
+# The crates, each of which is the name of a function of the panic probe.
+CRATES = (
+    *("gcode", "excellon", "interp", "planner", "stepper", "backlash", "encoder", "pid"),
+    *("probe", "transports", "store", "machine"),
+)
+# Functions whose stack is bounded, and patterns of their symbols.
+BOUNDS = (
+    ("Block::read", "5Block4take"),
+    ("Modal::apply", "Modal.*5apply17"),
+    ("Commands::next", "Commands.*Iterator.*4next"),
+)
+LEVEL = "s"
+
+
+def of_programs(features: str) -> Iterator[tuple[str, float]]:
+    """Flash, stack and bounds of the small programs with features of the parser."""
+    folder = target_folder() / f"size-{features}"
+    chosen = () if features == "basic" else ("--features", features)
+    cargo(
+        *("build", "-q", "--release", "--target", MICROBIT.target),
+        *("--target-dir", str(folder), *chosen),
+        folder=SIZES,
+        CARGO_PROFILE_RELEASE_OPT_LEVEL=LEVEL,
+    )
+    built = folder / MICROBIT.target / "release"
+    empty = Elf(built / "size-empty").flash()
+    for program in ("words", "commands"):
+        yield f"flash {program}", Elf(built / f"size-{program}").flash() - empty
+    for line in run(built / "stack").splitlines():
+        name, _, value = line.rpartition(" ")
+        yield name, float(value)
+    depths = Depths(built / "stack")
+    for name, pattern in BOUNDS:
+        yield f"bound {name}", depths.bound(pattern)
+
+
+def run(program: Path) -> str:
+    """Runs a program in QEMU: what it says."""
+    done = subprocess.run(["./qemu-run", program], cwd=FIRMWARE, stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        fail(f"{done.stdout}{program}: status {done.returncode}")
+    return done.stdout
+
+
+def of_crates() -> Iterator[tuple[str, float]]:
+    """Flash and static RAM of each crate."""
+    folder = target_folder() / "size-crates"
+    folder.mkdir(parents=True, exist_ok=True)
+    # A link that was made before is not made again.
+    (FIRMWARE / "proofs/panics/src/main.rs").touch()
+    cargo(
+        *("rustc", "-q", "--release", "-p", "panics", "--target", MICROBIT.target),
+        *("--target-dir", str(folder), "--", "-C", f"linker={SIZES / 'link-each'}"),
+        EACH=" ".join(CRATES),
+        EACH_FOLDER=str(folder),
+        CARGO_PROFILE_RELEASE_OPT_LEVEL=LEVEL,
+    )
+    for crate in CRATES:
+        elf = Elf(folder / crate)
+        yield f"crate flash {crate}", elf.flash()
+        yield f"crate static {crate}", elf.written()
+
+
+def main(arguments: list[str]) -> int:
+    """Prints the figures and compares them with the golden ones."""
+    parser = argparse.ArgumentParser(prog="firmware/check sizes", description=__doc__)
+    parser.add_argument("--write", action="store_true", help="renew golden.txt")
+    options = parser.parse_args(arguments)
+    figures = {
+        f"{features} {name}": value
+        for features in ("basic", "extended")
+        for name, value in of_programs(features)
+    }
+    figures |= dict(of_crates())
+    print(Lines.text(figures), end="")
+    return golden.settle(SIZES / "golden.txt", Lines, figures, options.write)

@@ -1,0 +1,47 @@
+"""The boards on which firmwares are checked, as QEMU has them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Of every board, in bytes.
+RAM = 16384
+
+
+@dataclass(frozen=True)
+class Board:
+    """A board that QEMU emulates."""
+
+    name: str
+    # The target of the compiler.
+    target: str
+    qemu: tuple[str, ...]
+    ram_start: int
+    # The compiler's optimization; a product may have another one.
+    level: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+MICROBIT = Board("microbit", "thumbv6m-none-eabi", ("qemu-system-arm",), 0x2000_0000, "z")
+MPS2 = Board("mps2-an386", "thumbv7em-none-eabihf", ("qemu-system-arm",), 0x2000_0000, "s")
+VIRT = Board(
+    "virt",
+    "riscv32imac-unknown-none-elf",
+    ("qemu-system-riscv32", "-bios", "none"),
+    0x8010_0000,
+    "s",
+)
+ALL = (MICROBIT, MPS2, VIRT)
+
+
+def named(name: str) -> Board:
+    """The board of that name.
+
+    Raises `ValueError`, as a type of `argparse` does.
+    """
+    for board in ALL:
+        if board.name == name:
+            return board
+    raise ValueError(f"no such board: {name}")

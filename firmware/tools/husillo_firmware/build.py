@@ -1,0 +1,53 @@
+"""Builds firmwares and the host's program with cargo."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+from husillo_firmware.boards import Board
+
+# The folder `firmware`.
+FIRMWARE = Path(__file__).resolve().parents[2]
+
+# Where there is flash the events go for speed.
+LEVELS = {("micromill", "mps2-an386"): "3"}
+# The micro mill's events are in the firmware's own crate, which instantiates what is generic.
+OWN = {("micromill", "microbit"): 'profile.release.package.micromill.opt-level="s"'}
+
+
+def target_folder(of: Path = FIRMWARE) -> Path:
+    """Where cargo puts what it builds of a workspace."""
+    return of / os.environ.get("CARGO_TARGET_DIR", "target")
+
+
+def cargo(*arguments: str, folder: Path = FIRMWARE, **environment: str) -> None:
+    """Runs cargo; its messages are seen, and the check ends where it fails."""
+    command = ["cargo", *arguments]
+    status = subprocess.run(command, cwd=folder, env={**os.environ, **environment}).returncode
+    if status:
+        raise SystemExit(f"{' '.join(command)}: status {status}")
+
+
+def elf(program: str, board: Board) -> Path:
+    """The path of a firmware."""
+    return target_folder() / board.target / "release" / program
+
+
+def firmware(program: str, board: Board, features: str = "") -> Path:
+    """Builds a firmware for a board."""
+    key = program, board.name
+    own = ["--config", OWN[key]] if key in OWN else []
+    cargo(
+        *("build", "-q", "--release", "-p", program, "--features", features),
+        *("--target", board.target, *own),
+        CARGO_PROFILE_RELEASE_OPT_LEVEL=LEVELS.get(key, board.level),
+    )
+    return elf(program, board)
+
+
+def compiler() -> str:
+    """The compiler's version: figures of another one are not compared."""
+    said = subprocess.run(["rustc", "-V"], cwd=FIRMWARE, capture_output=True, text=True, check=True)
+    return said.stdout.strip()

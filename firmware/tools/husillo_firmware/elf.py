@@ -1,0 +1,98 @@
+"""Programs of 32 bits, read from their headers: no tool for the target is needed."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+# Kinds of sections.
+PROGRAM, SYMBOLS, ZEROS = 1, 2, 8
+WRITTEN, LOADED = 1, 2
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section: `link` is the number of the one that has its names."""
+
+    name: str
+    kind: int
+    flags: int
+    address: int
+    offset: int
+    length: int
+    link: int
+
+    def has(self, address: int) -> bool:
+        """Whether the address is in it."""
+        return self.address <= address < self.address + self.length
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A symbol; `is_function` where it is one that the program defines."""
+
+    name: str
+    value: int
+    length: int
+    is_function: bool
+
+
+class Elf:
+    """Sections and symbols of a program."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.data = path.read_bytes()
+        (offset,) = struct.unpack_from("<I", self.data, 0x20)
+        size, count, names = struct.unpack_from("<HHH", self.data, 0x2E)
+        raw = [struct.unpack_from("<10I", self.data, offset + n * size) for n in range(count)]
+        self.sections = [Section(self.text(raw[names][4] + one[0]), *one[1:7]) for one in raw]
+        self.programs = [one for one in self.sections if one.kind == PROGRAM and one.flags & LOADED]
+
+    def text(self, place: int) -> str:
+        """The name at a place of the file."""
+        return self.data[place : self.data.index(b"\0", place)].decode()
+
+    def flash(self) -> int:
+        """Bytes that are loaded."""
+        return self.sum(lambda one: one.kind != ZEROS)
+
+    def written(self) -> int:
+        """Bytes of memory that can be written."""
+        return self.sum(lambda one: bool(one.flags & WRITTEN))
+
+    def sum(self, counts: Callable[[Section], bool]) -> int:
+        """Bytes of those sections of memory."""
+        return sum(one.length for one in self.sections if one.flags & LOADED and counts(one))
+
+    def static(self, start: int) -> int:
+        """Bytes from the start of RAM to the end of what is there from the start."""
+        names = (".data", ".bss", ".uninit")
+        return max(one.address + one.length for one in self.sections if one.name in names) - start
+
+    def halfword(self, address: int) -> int:
+        """Two bytes of code; 0 where there is none."""
+        return self.number(address, "<H")
+
+    def number(self, address: int, form: str) -> int:
+        """A number in the program, in a form of `struct`; 0 where there is none."""
+        for one in self.programs:
+            if one.has(address):
+                place = one.offset + address - one.address
+                return int(struct.unpack_from(form, self.data, place)[0])
+        return 0
+
+    def symbols(self) -> Iterator[Symbol]:
+        """All symbols."""
+        for section in self.sections:
+            if section.kind != SYMBOLS:
+                continue
+            names = self.sections[section.link].offset
+            for place in range(section.offset, section.offset + section.length, 16):
+                name, value, length, info, _, defined = struct.unpack_from(
+                    "<IIIBBH", self.data, place
+                )
+                is_function = info & 15 == 2 and defined != 0
+                yield Symbol(self.text(names + name), value, length, is_function)

@@ -1,0 +1,56 @@
+"""The host's program, as checks use it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+from husillo_firmware.build import FIRMWARE, cargo, target_folder
+from husillo_firmware.waiting import fail
+
+# Longer than anything takes that a check asks for.
+LONGEST_S = 600
+STEPS_AS_SIMULATED = r"Steps +(\d+), each as in the simulator"
+
+
+@cache
+def program() -> Path:
+    """Builds it: its path."""
+    root = FIRMWARE.parent
+    cargo("build", "-q", "-p", "husillo-host", folder=root)
+    return target_folder(root) / "debug/husillo"
+
+
+def command(*arguments: str | Path) -> list[str]:
+    """A command of it."""
+    return [str(program()), *map(str, arguments)]
+
+
+def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Runs it to its end."""
+    return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=LONGEST_S)
+
+
+def says(*arguments: str | Path) -> str:
+    """What it says on its standard output; the check ends where it fails."""
+    done = run(*arguments)
+    if done.returncode:
+        fail(f"husillo {' '.join(map(str, arguments))}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def send(
+    file: str | Path,
+    machine: str,
+    port: str,
+    *arguments: str,
+    answer: str = STEPS_AS_SIMULATED,
+) -> list[str]:
+    """Has it send a file: what its answer has in the group of a pattern, once or more."""
+    said = says("send", file, "-m", machine, "--port", port, *arguments)
+    found: list[str] = re.findall(answer, said)
+    if not found:
+        fail(said)
+    return found

@@ -1,0 +1,120 @@
+"""QEMU's log of every instruction (-singlestep, log exec,nochain,int), counted."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from husillo_firmware.qemu import Firmware
+
+# What QEMU's monitor is told to begin such a log, and to end it.
+BEGIN, END = "log exec,nochain,int", "log none"
+
+# A foreground that sleeps again after fewer instructions has only looked whether there is
+# something to do.
+IDLE = 32
+
+# The number of the timer's interrupt as the log has it; the UART's is the other one.
+TIMER = {"microbit": "24", "mps2-an386": "24", "virt": "7"}
+
+# Code that holds interrupts back (True) and lets them in (False): cpsid and cpsie; csrrci and
+# csrrsi of mstatus, bit 3.
+HOLDS = {0xB672: True, 0xB662: False}
+HOLDS_RISCV = {0x30047073: True, 0x30046073: False}
+
+
+class Count:
+    """What a log of a program on a board says; up to the first sleep or all of it."""
+
+    def __init__(self, firmware: Firmware, path: Path, to_sleep: bool = False) -> None:
+        self.firmware, self.program = firmware, firmware.elf
+        self.is_riscv = firmware.board.name == "virt"
+        self.foreground = 0
+        # Instructions of each interrupt of the timer, and of each other one.
+        self.step: list[int] = []
+        self.byte: list[int] = []
+        # The longest stretch in which no interrupt of the timer comes.
+        self.held = 0
+        # The interrupt that runs; `None` in the foreground.
+        self.inside: list[int] | None = None
+        self.stretch, self.is_held = 0, False
+        # Instructions of the foreground since it slept last.
+        self.awake = IDLE
+        # What is known of the instruction at an address: holds, returns, sleeps.
+        self.known: dict[int, tuple[bool | None, bool, bool]] = {}
+        with path.open(errors="replace") as lines:
+            for line in lines:
+                if self.sleeps_after(line) and to_sleep:
+                    break
+
+    def sleeps_after(self, line: str) -> bool:
+        """Counts a line: whether the foreground sleeps with it."""
+        if line.startswith("Trace"):
+            at = line.index("[")
+            return self.executed(int(line[at + 10 : at + 18], 16))
+        # It was not executed yet: it comes again.
+        if line.startswith(("Stopped", "cpu_io_recompile")):
+            if self.inside is None:
+                self.foreground -= 1
+            else:
+                self.inside[-1] -= 1
+            self.stretch -= 1
+        elif "taking pending" in line or "riscv_cpu_do_interrupt" in line:
+            number = re.search(r"exception (\d+)|cause:(\w+)", line)
+            assert number is not None, line
+            is_timer = (number[1] or str(int(number[2], 16))) == TIMER[self.firmware.board.name]
+            self.inside = self.step if is_timer else self.byte
+            self.inside.append(0)
+            self.stretch = 0
+        elif "successful exception return" in line:
+            self.leave()
+        return False
+
+    def executed(self, address: int) -> bool:
+        """Counts an instruction: whether the foreground sleeps with it."""
+        is_foreground = self.inside is None
+        if self.inside is None:
+            self.foreground += 1
+            self.awake += 1
+        else:
+            self.inside[-1] += 1
+        if address not in self.known:
+            sleeps = self.firmware.is_sleep(address)
+            self.known[address] = self.holds(address), self.is_return(address), sleeps
+        holds, returns, sleeps = self.known[address]
+        if self.inside is not self.step:
+            self.stretch += 1
+            if is_foreground and holds is not None:
+                if holds and not self.is_held:
+                    self.stretch = 1
+                elif not holds and self.is_held:
+                    self.held = max(self.held, self.stretch)
+                self.is_held = holds
+        if is_foreground and sleeps:
+            # Woken by an interrupt that it need not follow yet: it is idle.
+            if self.awake < IDLE:
+                self.foreground -= self.awake
+            self.awake = 0
+        if returns:
+            self.leave()
+        return is_foreground and sleeps
+
+    def leave(self) -> None:
+        """An interrupt has ended."""
+        if self.inside is self.byte:
+            self.held = max(self.held, self.stretch)
+        self.inside = None
+
+    def word(self, address: int) -> int:
+        """Four bytes of code."""
+        return self.program.halfword(address) | self.program.halfword(address + 2) << 16
+
+    def is_return(self, address: int) -> bool:
+        """mret: the ARM boards log it themselves."""
+        return self.is_riscv and self.word(address) == 0x3020_0073
+
+    def holds(self, address: int) -> bool | None:
+        """Whether interrupts are held back from there on, let in, or neither (`None`)."""
+        if self.is_riscv:
+            return HOLDS_RISCV.get(self.word(address) & ~0xF80)
+        return HOLDS.get(self.program.halfword(address))

@@ -1,0 +1,207 @@
+"""What a firmware does at the registers of its board, by QEMU's trace of every access to them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from husillo_firmware.boards import Board
+
+# To be given to QEMU, with `-D` and the file: enough for the pins, and for the times, too.
+PINS = ("-trace", "memory_region_ops_write")
+READS = ("-trace", "memory_region_ops_read")
+ARGUMENTS = (*PINS, *READS, "-d", "int")
+
+ACCESS = re.compile(r"memory_region_ops_(write|read) .* addr 0x([0-9a-f]+) value 0x([0-9a-f]+) ")
+
+
+class Registers:
+    """The registers of a board, and what is written to them."""
+
+    # Of the timer.
+    CLOCKS_PER_US: int
+    # The addresses of a byte sent, of a byte heard, and of the time.
+    SENT: int
+    HEARD: int
+    NOW: int
+
+    def now(self, value: int) -> int:
+        """The time, by what was read at `NOW`."""
+        return value
+
+    def write(self, address: int, value: int) -> tuple[str, int] | None:
+        """Whether the motors, the outputs or a wait was written there, and what."""
+        raise NotImplementedError
+
+
+class Microbit(Registers):
+    """TIMER0 in microseconds; OUTCLR, then OUTSET tell all pins of a kind."""
+
+    CLOCKS_PER_US = 1
+    SENT, HEARD = 0x4000_251C, 0x4000_2518
+    NOW = 0x4000_8544
+
+    def __init__(self) -> None:
+        self.low = 0
+
+    def write(self, address: int, value: int) -> tuple[str, int] | None:
+        if address == 0x4000_8540:
+            return "due", value
+        if address == 0x5000_050C:
+            self.low = value
+        if address == 0x5000_0508:
+            if self.low | value == 0xF << 20:
+                return "outputs", value >> 20
+            return "motors", value >> 1 & 0x3F | value >> 5 & 0xC0
+        return None
+
+
+class Mps2(Registers):
+    """TIMER1 counts down at 25 MHz; TIMER0 is given the time from what was read there last."""
+
+    CLOCKS_PER_US = 25
+    SENT = HEARD = 0x4000_4000
+    NOW = 0x4000_1004
+
+    def __init__(self) -> None:
+        self.at = 0
+
+    def now(self, value: int) -> int:
+        self.at = ~value & 0xFFFF_FFFF
+        return self.at
+
+    def write(self, address: int, value: int) -> tuple[str, int] | None:
+        if address == 0x4000_0004 and value not in (0, 0xFFFF_FFFF):
+            return "due", self.at + value
+        if address == 0x4001_07FC:
+            return "motors", value
+        if address == 0x4001_083C:
+            return "outputs", value >> 8
+        return None
+
+
+class Virt(Registers):
+    """mtime at 10 MHz, mtimecmp; the pins are those of the UART."""
+
+    CLOCKS_PER_US = 10
+    SENT = HEARD = 0x1000_0000
+    NOW = 0x0200_BFF8
+
+    def write(self, address: int, value: int) -> tuple[str, int] | None:
+        # 0 is what it is set to when it is switched on.
+        if address == 0x0200_4000 and value:
+            return "due", value
+        if address == 0x1000_0007:
+            return "motors", value
+        if address == 0x1000_0004:
+            return "outputs", value
+        return None
+
+
+BOARDS: dict[str, type[Registers]] = {"microbit": Microbit, "mps2-an386": Mps2, "virt": Virt}
+
+
+def clocks_per_us(board: Board) -> int:
+    """Of the board's timer."""
+    return BOARDS[board.name].CLOCKS_PER_US
+
+
+def heard_at(board: Board) -> int:
+    """The address at which a byte that has come is read."""
+    return BOARDS[board.name].HEARD
+
+
+def waits(board: Board) -> tuple[str, ...]:
+    """To be given to QEMU like those: enough for when pins are to be written.
+
+    What is written says it, but on `mps2-an386`.
+    """
+    return (*PINS, *READS) if board.name == "mps2-an386" else PINS
+
+
+@dataclass(eq=False)
+class Made:
+    """The motors' pins were written."""
+
+    levels: int
+    outputs: int
+    # When that was to be: clocks of the board, of 32 bits. `None`: nothing was waited for.
+    due: int | None
+    # The time that was read last before that wait began.
+    asked: int | None
+    # When it was read that it had been. `None`: that interrupt did not read it, or there is no
+    # telling (`virt`, where QEMU does not log its end).
+    at: int | None = None
+
+
+@dataclass(eq=False)
+class Switched:
+    """The other outputs have changed."""
+
+    outputs: int
+
+
+# A number is a byte that was sent.
+Happened = Made | Switched | int
+
+
+def made(happened: Iterable[Happened]) -> list[Made]:
+    """What was written to the motors' pins."""
+    return [one for one in happened if isinstance(one, Made)]
+
+
+def said(happened: Iterable[Happened]) -> bytes:
+    """The bytes that were sent."""
+    return bytes(one for one in happened if isinstance(one, int))
+
+
+def read_file(board: Board, path: Path, with_outputs: bool = False) -> list[Happened]:
+    """All that a log says until now: as `read`."""
+    with path.open(errors="replace") as lines:
+        return read(board, lines, with_outputs)
+
+
+def read(board: Board, lines: Iterable[str], with_outputs: bool = False) -> list[Happened]:
+    """All that was written to the motors' pins, and the bytes that were sent, in order.
+
+    Of the lines of a log. Where asked for, what has switched outputs, too.
+    """
+    registers = BOARDS[board.name]()
+    happened: list[Happened] = []
+    outputs = 0
+    now: int | None = None
+    due: int | None = None
+    asked: int | None = None
+    last: Made | None = None
+    for line in lines:
+        found = ACCESS.search(line)
+        if not found:
+            if "successful exception return" in line:
+                last = None
+            continue
+        address, value = int(found[2], 16), int(found[3], 16)
+        if found[1] == "read":
+            if address == registers.NOW:
+                now = registers.now(value)
+                if last:
+                    last.at, last = now, None
+            continue
+        if address == registers.SENT:
+            happened.append(value)
+        written = registers.write(address, value)
+        if not written:
+            continue
+        kind, value = written
+        if kind == "due":
+            due, asked = value & 0xFFFF_FFFF, now
+        elif kind == "outputs":
+            if with_outputs and value != outputs:
+                happened.append(Switched(value))
+            outputs = value
+        else:
+            one = Made(value, outputs, due, asked)
+            due, last = None, None if board.name == "virt" else one
+            happened.append(one)
+    return happened

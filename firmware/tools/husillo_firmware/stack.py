@@ -1,0 +1,132 @@
+"""How deep the stack of a program for a Cortex-M0 can be, read from its code.
+
+The bound of a function is the room that it and all that it calls can take at most: the registers
+and the room that each function pushes, added up along the deepest chain of calls. Every chain
+counts, whether any input takes it or not. A function that calls through a pointer, or itself, has
+no such bound: then the check fails.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from husillo_firmware.boards import MICROBIT
+from husillo_firmware.build import elf
+from husillo_firmware.elf import Elf
+from husillo_firmware.waiting import fail
+
+# What the chip pushes when an interrupt comes (8 words), and the two of the reset.
+FRAMES = 40
+
+
+@dataclass
+class Function:
+    """What a function takes of the stack itself, and where it goes."""
+
+    room: int = 0
+    calls: set[int] = field(default_factory=set)
+    jumps: set[int] = field(default_factory=set)
+    calls_a_pointer: bool = False
+
+
+class Depths:
+    """Bounds of the functions of a program."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.elf = path, Elf(path)
+        # Name and length of the function that begins at an address.
+        self.functions: dict[int, tuple[str, int]] = {}
+        # Where code begins (False) and where data does (True).
+        self.marks: dict[int, bool] = {}
+        for symbol in self.elf.symbols():
+            if symbol.is_function:
+                self.functions.setdefault(symbol.value & ~1, (symbol.name, symbol.length))
+            elif re.match(r"\$[td](\.|$)", symbol.name):
+                self.marks[symbol.value] = symbol.name[1] == "d"
+        # `None` while it is looked for.
+        self.depths: dict[int, int | None] = {}
+        sys.setrecursionlimit(10000)
+
+    def bound(self, pattern: str) -> int:
+        """The bound of the one function whose symbol has that pattern."""
+        found = [at for at, (name, _) in self.functions.items() if re.search(pattern, name)]
+        if len(found) != 1:
+            fail(f"{self.path}: {len(found)} functions are called {pattern}")
+        depth = self.depth(found[0])
+        assert depth is not None, "no function is looked for here"
+        return depth
+
+    def depth(self, begin: int) -> int | None:
+        """The bound of the function there; `None` where it is looked for already."""
+        if begin not in self.depths:
+            self.depths[begin] = None
+            function = self.scan(begin)
+            below = [self.depth(to) for to in function.calls]
+            instead = [self.depth(to) for to in function.jumps]
+            if function.calls_a_pointer or None in below + instead:
+                fail(f"{self.path}: no bound for {self.functions[begin][0]}")
+            deepest = max((depth for depth in below if depth is not None), default=0)
+            others = [depth for depth in instead if depth is not None]
+            self.depths[begin] = max(function.room + deepest, *others, 0)
+        return self.depths[begin]
+
+    def scan(self, begin: int) -> Function:
+        """Reads the code of a function."""
+        end = begin + self.functions[begin][1]
+        function, is_data = Function(), False
+        # What was loaded into a register.
+        loaded: dict[int, int] = {}
+        at = begin
+        while at < end:
+            is_data = self.marks.get(at, is_data)
+            code = 0 if is_data else self.elf.halfword(at)
+            if code & 0xFE00 == 0xB400:  # push
+                function.room += 4 * bin(code & 0x1FF).count("1")
+            elif code & 0xFF80 == 0xB080:  # sub sp, #n
+                function.room += 4 * (code & 0x7F)
+            elif code & 0xF800 == 0x4800:  # ldr r, [pc, #n]
+                place = (at + 4 & ~3) + 4 * (code & 0xFF)
+                loaded[code >> 8 & 7] = self.elf.number(place, "<i")
+            elif code & 0xFF87 == 0x4485:  # add sp, r
+                function.room -= min(loaded.get(code >> 3 & 15, 0), 0)
+            elif code & 0xFF80 == 0x4780 and code != 0x47F0:  # blx r
+                # Of a function called several times the address is loaded once.
+                to = loaded.get(code >> 3 & 15, 0) & ~1
+                if to in self.functions:
+                    function.calls.add(to)
+                else:
+                    function.calls_a_pointer = True
+            elif code & 0xF800 == 0xE000:  # b
+                function.jumps.add(at + 4 + 2 * ((code & 0x7FF) - (code << 1 & 0x800)))
+            elif code & 0xF800 >= 0xF000:
+                low = self.elf.halfword(at + 2)
+                if code & 0xF800 == 0xF000 and low & 0xD000 == 0xD000:  # bl
+                    to = at + 4 + branch(code, low)
+                    # Within a function it is a jump too far for the short one.
+                    if not begin < to < end:
+                        function.calls.add(to)
+                at += 2
+            at += 2
+        function.jumps = {to for to in function.jumps if to in self.functions and to != begin}
+        return function
+
+
+def branch(high: int, low: int) -> int:
+    """How far a `bl` of two halfwords goes."""
+    sign = high >> 10 & 1
+    first, second = 1 - (low >> 13 & 1 ^ sign), 1 - (low >> 11 & 1 ^ sign)
+    bits = first << 23 | second << 22 | (high & 0x3FF) << 12 | (low & 0x7FF) << 1
+    return bits - (sign << 24)
+
+
+def worst(firmware: str) -> int:
+    """How deep the stack of a firmware can be, whatever comes in.
+
+    That is `main`, and on top of it an interrupt with the frame that the chip pushes.
+    """
+    depths = Depths(elf(firmware, MICROBIT))
+    interrupts = ("on_timer_interrupt", "on_uart_interrupt")
+    return depths.bound("cortex_m_rt_main") + max(map(depths.bound, interrupts)) + FRAMES

@@ -1,0 +1,62 @@
+"""Waits for a thing itself, and never for ever."""
+
+from __future__ import annotations
+
+import os
+import select
+import subprocess
+import time
+from collections.abc import Callable
+from typing import IO, NoReturn
+
+# Between two looks at what is waited for.
+LOOK_S = 0.01
+
+
+def fail(what: str) -> NoReturn:
+    """Ends the check: it has failed."""
+    raise SystemExit(what)
+
+
+def require(is_true: bool, what: object) -> None:
+    """Ends the check where something is not as it has to be."""
+    if not is_true:
+        fail(str(what))
+
+
+def until(is_so: Callable[[], bool], seconds: float, what: str) -> None:
+    """Waits until it is so; fails with what is missing when it is not within that time."""
+    end = time.monotonic() + seconds
+    while not is_so():
+        if time.monotonic() > end:
+            fail(f"{what} within {seconds} s")
+        time.sleep(LOOK_S)
+
+
+class Lines:
+    """The lines that a process says."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self.process = process
+        self.pipe = pipe_of(process.stdout)
+        self.begun = b""
+
+    def next(self, seconds: float) -> str:
+        """The next line, without its end; fails when none comes within that time."""
+        end = time.monotonic() + seconds
+        while b"\n" not in self.begun:
+            left = end - time.monotonic()
+            if left < 0 or not select.select([self.pipe], [], [], left)[0]:
+                fail(f"{self.process.args!r} says nothing within {seconds} s")
+            more = os.read(self.pipe.fileno(), 65536)
+            if not more:
+                fail(f"{self.process.args!r} has ended")
+            self.begun += more
+        line, _, self.begun = self.begun.partition(b"\n")
+        return line.decode(errors="replace").strip()
+
+
+def pipe_of(pipe: IO[bytes] | None) -> IO[bytes]:
+    """A pipe that was asked for."""
+    assert pipe is not None, "the process was started with a pipe"
+    return pipe
