@@ -1,6 +1,6 @@
 //! Other crates' controllers and decoders beside ours: the same input, the same flags, every result looked at.
 //!
-//! The same kernels run on simulated microcontrollers (`table`) and on the host (`bench/peers/loops`), which also tests here that all of them do the same job.
+//! The same kernels run on simulated microcontrollers (`firmware/check counts --peers`) and on the host (`bench/peers/loops`), which also tests here that all of them do the same job.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Counts other crates' kernels beside ours. Run by `table`.
+//! Counts other crates' kernels beside ours. Run by `firmware/check counts --peers`.
 #![no_std]
 #![no_main]
 
