@@ -93,20 +93,18 @@ fn main() -> ! {
             is_idle = event == CellEvent::Idle;
             if let Some(wait_us) = wait_us {
                 let ways = WAYS.with(|ways| *ways);
-                STEPS.push(Step {
+                let rise = Step {
                     wait_us: wait_us.saturating_sub(used_us),
                     levels: ways | clocks,
                     delta: (),
+                };
+                let fall = (clocks != 0).then_some(Step {
+                    wait_us: PULSE_US,
+                    levels: ways,
+                    delta: (),
                 });
-                used_us = 0;
-                if clocks != 0 {
-                    STEPS.push(Step {
-                        wait_us: PULSE_US,
-                        levels: ways,
-                        delta: (),
-                    });
-                    used_us = PULSE_US;
-                }
+                push(rise, fall);
+                used_us = if fall.is_some() { PULSE_US } else { 0 };
             }
         }
         unsent = unsent.or_else(|| link.transmit());
@@ -120,6 +118,18 @@ fn main() -> ! {
             board::sleep(|section| STEPS.within(section, |steps| steps.is_empty()) == are_made);
         }
     }
+}
+
+/// Queues both at once: CLOCK may rise at once, and a byte that comes does not make it fall later.
+fn push(rise: Step<()>, fall: Option<Step<()>>) {
+    board::uninterrupted(|section| {
+        STEPS.within(section, |steps| {
+            steps.push(rise, section);
+            if let Some(fall) = fall {
+                steps.push(fall, section);
+            }
+        });
+    });
 }
 
 /// CLOCKs of a step; its CW/CCW are written now, long before, and after the pulse of the last one.
