@@ -40,7 +40,7 @@ def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
         with Emulated("drill", folder, SPEED, *options) as emulated:
             expected = drilled(str(emulated.link))
         rows, log = emulated.rows(), folder / "log"
-        trace = (*registers.waits(board), "-D", str(log))
+        trace = (*registers.ACCESSES, "-D", str(log))
         with Firmware("drill", board, *trace, features=features) as firmware:
             firmware.booted()
             count = drilled(firmware.tcp)

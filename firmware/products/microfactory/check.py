@@ -31,13 +31,13 @@ def cut(board: Board) -> Iterator[tuple[str, int]]:
         with Emulated("microfactory", folder, SPEED) as emulated:
             host.send(FIGURE, "microfactory", str(emulated.link), answer="done")
         rows, log = emulated.rows(), folder / "log"
-        trace = (*registers.waits(board), "-D", str(log))
+        trace = (*registers.ACCESSES, "-D", str(log))
         with Firmware("microfactory", board, *trace) as firmware:
             firmware.booted()
             host.send(FIGURE, "microfactory", firmware.tcp, answer="done")
             ram = firmware.ram()
         happened = registers.read_file(board, log, with_outputs=True)
-    events = pins.events(happened)
+    events = pins.events(board, happened)
     made = compare(board, events, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
     same(f"{board}: rows of events", made, len(rows))
     positions = list(status.positions(rows))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from husillo_firmware.boards import Board
 from husillo_firmware.emulated import Row
-from husillo_firmware.registers import Happened, Made, Switched
+from husillo_firmware.registers import Happened, Made, Switched, clocks_per_us
 from husillo_firmware.waiting import require
 
 MOTORS = ("dx", "dy", "dz", "dc")
 CLOCKS, ENABLE, NOT_RESET = 0xF, 0b01, 0b10
+# CLOCK is high so long.
+PULSE_US = 10
 
 
 class Pins:
@@ -28,15 +31,16 @@ class Pins:
         return clocks | self.directions << 4, outputs
 
 
-def events(happened: Iterable[Happened]) -> list[Made | Switched]:
+def events(board: Board, happened: Iterable[Happened]) -> list[Made | Switched]:
     """What was waited for, and the current when it is switched.
 
-    CLOCK rises with a step and falls in an interrupt of its own. Between two events directions are
-    as they will be.
+    CLOCK rises with a step and falls in an interrupt of its own. Where that one comes late, what
+    follows does so, too: that time is taken off. Between two events directions are as they will be.
     """
     found: list[Made | Switched] = []
     before: Made | None = None
-    outputs = 0
+    outputs = late = 0
+    pulse = PULSE_US * clocks_per_us(board)
     for one in happened:
         if isinstance(one, Switched):
             if (one.outputs ^ outputs) & ENABLE:
@@ -45,14 +49,16 @@ def events(happened: Iterable[Happened]) -> list[Made | Switched]:
         elif isinstance(one, Made):
             if one.due is None:
                 require(not one.levels & CLOCKS, "a CLOCK rises unasked")
-            elif before and before.levels & CLOCKS:
-                is_long = not one.levels & CLOCKS and one.due != before.due
-                require(is_long, "a CLOCK is not high for its time")
+            elif before and before.levels & CLOCKS and before.due is not None:
+                longer = (one.due - before.due) % 2**32 - pulse
+                is_long = longer == 0 or (longer > 0 and one.is_late(board))
+                require(is_long and not one.levels & CLOCKS, "a CLOCK is not high for its time")
+                late += longer
                 is_kept = one.levels >> 4 == before.levels >> 4
                 require(is_kept, "a direction changes with the fall of CLOCK")
             else:
                 is_ready = not before or before.levels >> 4 == one.levels >> 4
                 require(is_ready, "a direction comes with its CLOCK")
-                found.append(one)
+                found.append(one.earlier(late))
             before = one
     return found

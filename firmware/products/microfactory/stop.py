@@ -49,12 +49,12 @@ def stopped(board: Board, log: Path) -> list[Happened]:
     def happened() -> list[Happened]:
         return registers.read_file(board, log, with_outputs=True)
 
-    line = Line("microfactory", board, *registers.waits(board), "-D", str(log))
+    line = Line("microfactory", board, *registers.ACCESSES, "-D", str(log))
     with line:
         line.connect()
         line.booted()
         require(line.ask(HOME) == bytes([HOME]), f"{board}: it does not home")
-        until(lambda: len(pins.events(happened())) > BEGUN, ANSWER_S, f"{board}: no step")
+        until(lambda: len(pins.events(board, happened())) > BEGUN, ANSWER_S, f"{board}: no step")
         require(line.ask(EMERGENCY) == bytes([EMERGENCY]), f"{board}: no emergency stop")
         report, flags = line.ask(ASK, LENGTH)[1:3]
         if (report, flags) != (EMERGENCY, 0):
@@ -76,7 +76,7 @@ def check(board: Board) -> None:
         rows = emulated.rows()
         for _ in range(TRIES):
             happened = stopped(board, folder / "log")
-            made = pins.events(happened)
+            made = pins.events(board, happened)
             if len(made) < len(rows):
                 break
         else:
@@ -85,7 +85,7 @@ def check(board: Board) -> None:
     compare(board, made, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
     if not isinstance(end, Switched) or end.outputs & pins.ENABLE:
         fail(f"{board}: there is current after an emergency stop")
-    late = pins.events(happened[happened.index(EMERGENCY) :])
+    late = pins.events(board, happened[happened.index(EMERGENCY) :])
     if len(late) > AHEAD + 1:
         fail(f"{board}: {len(late) - 1} steps after an emergency stop")
     print(f"{board}: stops for good after {len(made)} of {len(rows)} events")

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from husillo_firmware.boards import Board
 
-# To be given to QEMU, with `-D` and the file: enough for the pins, and for the times, too.
-PINS = ("-trace", "memory_region_ops_write")
-READS = ("-trace", "memory_region_ops_read")
-ARGUMENTS = (*PINS, *READS, "-d", "int")
+# To be given to QEMU, with `-D` and the file: enough for the pins and their waits, and for when
+# they were written, too.
+ACCESSES = ("-trace", "memory_region_ops_write", "-trace", "memory_region_ops_read")
+ARGUMENTS = (*ACCESSES, "-d", "int")
+
+# A wait whose end has passed when it begins ends so soon after that: the microbit's timer has to
+# see its end coming, if need be at the second try.
+AT_ONCE_US = 4
 
 ACCESS = re.compile(r"memory_region_ops_(write|read) .* addr 0x([0-9a-f]+) value 0x([0-9a-f]+) ")
 
@@ -113,14 +117,6 @@ def heard_at(board: Board) -> int:
     return BOARDS[board.name].HEARD
 
 
-def waits(board: Board) -> tuple[str, ...]:
-    """To be given to QEMU like those: enough for when pins are to be written.
-
-    What is written says it, but on `mps2-an386`.
-    """
-    return (*PINS, *READS) if board.name == "mps2-an386" else PINS
-
-
 @dataclass(eq=False)
 class Made:
     """The motors' pins were written."""
@@ -134,6 +130,18 @@ class Made:
     # When it was read that it had been. `None`: that interrupt did not read it, or there is no
     # telling (`virt`, where QEMU does not log its end).
     at: int | None = None
+
+    def is_late(self, board: Board) -> bool:
+        """Whether its time had passed when its wait began: then it is made at once."""
+        if self.due is None or self.asked is None:
+            return False
+        since = (self.due - self.asked) % 2**32
+        return since <= AT_ONCE_US * clocks_per_us(board)
+
+    def earlier(self, clocks: int) -> Made:
+        """The same, asked for and due so much earlier."""
+        due, asked = (None if at is None else at - clocks for at in (self.due, self.asked))
+        return replace(self, due=due, asked=asked)
 
 
 @dataclass(eq=False)
