@@ -13,6 +13,8 @@
 mod link;
 mod switches;
 
+use core::iter;
+
 use board::{CriticalSection, Shared, Step, Steps};
 use husillo_machine::{CELL_MOTORS, CellEvent, CellReport};
 use link::Link;
@@ -124,9 +126,8 @@ fn main() -> ! {
 fn push(rise: Step<()>, fall: Option<Step<()>>) {
     board::uninterrupted(|section| {
         STEPS.within(section, |steps| {
-            steps.push(rise, section);
-            if let Some(fall) = fall {
-                steps.push(fall, section);
+            for step in iter::once(rise).chain(fall) {
+                steps.push(step, section);
             }
         });
     });
