@@ -38,6 +38,7 @@ mod lash;
 mod compensator;
 mod lash_map;
 mod mapped;
+mod play;
 mod uniform;
 
 mod calibration;
@@ -50,6 +51,7 @@ pub use error_table::{ErrorTable, Knot, TableError};
 pub use lash::{Flank, Lash};
 pub use lash_map::{LashMap, MapError};
 pub use mapped::MappedBacklash;
+pub use play::Play;
 pub use squareness::Squareness;
 pub use uniform::Backlash;
 

@@ -2,7 +2,7 @@
 //! same. Each takes any bytes and panics when an invariant of its crate does not hold.
 
 mod backlash;
-mod byte_commands;
+mod microfactory;
 mod bytes;
 mod closed_loop;
 mod contour;
@@ -24,7 +24,7 @@ mod servo;
 mod stepper;
 
 pub use backlash::backlash;
-pub use byte_commands::byte_commands;
+pub use microfactory::microfactory;
 pub use closed_loop::closed_loop;
 pub use contour::contour;
 pub use drill::drill;
@@ -66,7 +66,7 @@ pub const TARGETS: [(&str, Target); 20] = [
     ("servo", servo),
     ("closed_loop", closed_loop),
     ("drill", drill),
-    ("byte_commands", byte_commands),
+    ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),
 ];

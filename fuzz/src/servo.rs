@@ -1,6 +1,7 @@
 //! Any commands, bytes and faults at a servo module with a motor behind it.
 
-use husillo_machine::{ServoInputs, ServoModule};
+use husillo_controllers::ServoModule;
+use husillo_machine::ServoInputs;
 use husillo_transports::nmc::{
     Baud, Command, Gains, Group, Homing, Items, Mode, Order, Reset, Stop, StopWay, Trajectory,
 };

@@ -25,12 +25,12 @@ use crate::machine_file::{LoadError, MachineFile};
 use crate::order::Metric;
 use crate::output::Outputs;
 use crate::program::Start;
-use crate::setup::Mill;
+use crate::setup::Micromill;
 use crate::source::Source;
 use crate::zero::{self, Zero};
 use crate::{
-    cell, commands, compare_page, compare_text, console, drill, grid, input, interpolate, machines,
-    mill, setup, steps, tune,
+    commands, compare_page, compare_text, console, drill, grid, input, interpolate, machines,
+    microfactory, micromill, setup, steps, tune,
 };
 use husillo_machine::Config;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
@@ -107,19 +107,19 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-fn jog(args: &cell::Jog) -> Result<u8, Failure> {
+fn jog(args: &microfactory::Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         "micromill" => {
-            let is_well = mill::jog(args, out)?;
+            let is_well = micromill::jog(args, out)?;
             return Ok(if is_well { OK } else { milling::failed() });
         }
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!("{machine} cannot be jogged: there are microfactory, drill and micromill, and files with [bytes]")
             })?;
-            cell::jog(args, &settings, out)?
+            microfactory::jog(args, &settings, out)?
         }
     };
     Ok(if is_well { OK } else { ERRORS })
@@ -127,7 +127,7 @@ fn jog(args: &cell::Jog) -> Result<u8, Failure> {
 
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
-        let text = cell::list(&args.file, &settings)?;
+        let text = microfactory::list(&args.file, &settings)?;
         write(args.output.as_deref().unwrap_or("-"), text.as_bytes())?;
         return Ok(OK);
     }
@@ -141,7 +141,7 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
 fn send(args: &Send) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
-        let is_well = cell::send(args, &settings, &mut console::stdout())?;
+        let is_well = microfactory::send(args, &settings, &mut console::stdout())?;
         return Ok(if is_well { OK } else { ERRORS });
     }
     let (file, _) = args.alone()?;
@@ -153,8 +153,8 @@ fn send(args: &Send) -> Result<u8, Failure> {
 }
 
 /// The settings of the microfactory that a file is for; `None` where it is for another machine. A list of moves is for no other.
-fn figures(target: &Target, file: &str) -> Result<Option<cell::Settings>, Failure> {
-    let is_list = cell::is_list(file);
+fn figures(target: &Target, file: &str) -> Result<Option<microfactory::Settings>, Failure> {
+    let is_list = microfactory::is_list(file);
     let machine = target.machine.as_deref();
     let machine = machine.or(is_list.then_some("microfactory"));
     match machine.map_or(Ok(None), microfactory)? {
@@ -168,12 +168,12 @@ fn only_microfactory(file: &str) -> Failure {
 }
 
 /// The settings of a microfactory; `None` where a machine is another one.
-fn microfactory(machine: &str) -> Result<Option<cell::Settings>, Failure> {
+fn microfactory(machine: &str) -> Result<Option<microfactory::Settings>, Failure> {
     let says_so = || input::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
     if machine != "microfactory" && !says_so() {
         return Ok(None);
     }
-    Ok(cell::Settings::of(&load(machine)?))
+    Ok(microfactory::Settings::of(&load(machine)?))
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
@@ -197,8 +197,8 @@ fn tune_servo(args: &Tune) -> Result<u8, Failure> {
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
     #[cfg(unix)]
     if let Some(settings) = microfactory(&args.machine)? {
-        args.expect_cell()?;
-        cell::emulate(args, &settings, made(args)?, &mut console::stdout())?;
+        args.expect_microfactory()?;
+        microfactory::emulate(args, &settings, made(args)?, &mut console::stdout())?;
         return Ok(OK);
     }
     #[cfg(unix)]
@@ -366,9 +366,9 @@ impl Job {
         let machine = load(name)?;
         let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
         let config = setup::config(&machine, dialect)?;
-        let input = match cell::Settings::of(&machine) {
-            Some(settings) => cell::program(file, &settings)?,
-            None if cell::is_list(file) => return Err(only_microfactory(file)),
+        let input = match microfactory::Settings::of(&machine) {
+            Some(settings) => microfactory::program(file, &settings)?,
+            None if microfactory::is_list(file) => return Err(only_microfactory(file)),
             None => None,
         };
         Ok(Self {
@@ -461,7 +461,7 @@ impl Job {
         Ok(facts)
     }
 
-    fn new_machine(&self, compensation: bool) -> Result<Mill, Failure> {
+    fn new_machine(&self, compensation: bool) -> Result<Micromill, Failure> {
         let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
         machine.set_compensation(compensation);
         if self.is_placed {

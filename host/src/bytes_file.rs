@@ -1,7 +1,7 @@
 //! The bytes of a link of byte commands in a machine file.
 
 use crate::table::Table;
-use husillo_transports::byte_commands::ByteTable;
+use husillo_transports::microfactory::ByteTable;
 
 /// Reads `[bytes]`: a character each, two a motor; what is not there is as in the table of our own.
 pub fn read(table: &mut Table<'_, '_>) -> ByteTable {

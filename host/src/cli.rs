@@ -131,7 +131,7 @@ pub enum Command {
         husillo jog home x 400 figure\n  \
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
         husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
-    Jog(crate::cell::Jog),
+    Jog(crate::microfactory::Jog),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \

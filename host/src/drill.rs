@@ -27,7 +27,7 @@ pub use page::{Board, html as page};
 pub use part::{Part, lean, millimetres};
 pub use program::{Translation, text as program_text};
 
-use crate::cell::Jog;
+use crate::microfactory::Jog;
 use crate::wire::{Wire, stop_flag};
 use action::{Action, Hand};
 use client::{Client, Trouble};

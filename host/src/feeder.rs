@@ -1,7 +1,7 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
 use crate::blocks;
-use crate::setup::{ClosedMill, Mill};
+use crate::setup::{ClosedMicromill, Micromill};
 use crate::source::Source;
 use crate::turning::Turning;
 use husillo_machine::{Event, Followed, Pause, Refused};
@@ -15,15 +15,15 @@ use std::ops::ControlFlow;
 /// Reading or writing fails, or the machine refuses a line: a check before makes sure that it does not.
 pub fn feed(
     source: &mut Source,
-    machine: &mut Mill,
-    mut each: impl FnMut(&Mill, &Event<3>) -> io::Result<()>,
+    machine: &mut Micromill,
+    mut each: impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Mill, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Micromill, event: &Event<3>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -68,16 +68,16 @@ pub fn feed(
 /// Those of [`feed`].
 pub fn feed_followed(
     source: &mut Source,
-    machine: &mut ClosedMill,
+    machine: &mut ClosedMicromill,
     mut counts: [i64; 3],
-    mut each: impl FnMut(&ClosedMill, &Followed<3>) -> io::Result<[i64; 3]>,
+    mut each: impl FnMut(&ClosedMicromill, &Followed<3>) -> io::Result<[i64; 3]>,
 ) -> io::Result<()> {
     let config = machine.machine().config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut pull = |machine: &mut ClosedMill| -> io::Result<Pulled> {
+    let mut pull = |machine: &mut ClosedMicromill| -> io::Result<Pulled> {
         let Some(mut entry) = machine.next_event(&counts) else {
             return Ok(match machine.is_stopped() {
                 true => Pulled::End,
@@ -138,8 +138,8 @@ enum Pulled {
 
 #[inline]
 fn pull(
-    machine: &mut Mill,
-    each: &mut impl FnMut(&Mill, &Event<3>) -> io::Result<()>,
+    machine: &mut Micromill,
+    each: &mut impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     // By reference: moving the event would read whole what was just written in parts, and wait for it.
     let Some(ref event) = machine.next_event() else {

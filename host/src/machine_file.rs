@@ -9,7 +9,7 @@ use crate::quantity::{self, Fraction, Quantity};
 use crate::table::{Table, document};
 use husillo_gcode::Dialect;
 use husillo_stepper::PulseNanoseconds;
-use husillo_transports::byte_commands::ByteTable;
+use husillo_transports::microfactory::ByteTable;
 use std::ops::Range;
 
 /// Name, path and text of the machines that need no file.

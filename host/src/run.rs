@@ -5,7 +5,7 @@ use crate::drawing::{Class, Drawing, Point};
 use crate::encoder_file::Push;
 use crate::machine_file::MachineFile;
 use crate::report::{Ideal, Motor};
-use crate::setup::{self, ClosedMill, Mill};
+use crate::setup::{self, ClosedMicromill, Micromill};
 use crate::speed::{Circle, Move, Speed, Stop};
 use crate::symmetry::Symmetry;
 use husillo_gcode::{Command, Direction, Feed, Nm, SpindleDirection};
@@ -190,7 +190,11 @@ impl<'a> Run<'a> {
     /// # Errors
     ///
     /// The trace cannot be written.
-    pub fn followed(&mut self, machine: &ClosedMill, entry: &Followed<3>) -> io::Result<[i64; 3]> {
+    pub fn followed(
+        &mut self,
+        machine: &ClosedMicromill,
+        entry: &Followed<3>,
+    ) -> io::Result<[i64; 3]> {
         let letter = |axis: usize| char::from(self.machine.axes[axis].letter);
         let after = format!("after {} step events", self.events);
         match *entry {
@@ -286,7 +290,7 @@ impl<'a> Run<'a> {
     ///
     /// The trace cannot be written.
     #[inline]
-    pub fn event(&mut self, machine: &Mill, event: &Event<3>) -> io::Result<()> {
+    pub fn event(&mut self, machine: &Micromill, event: &Event<3>) -> io::Result<()> {
         match event {
             Event::Step(step) => self.step(machine, step),
             Event::Dwell { wait_ticks } => {
@@ -312,7 +316,7 @@ impl<'a> Run<'a> {
     }
 
     #[inline]
-    fn step(&mut self, machine: &Mill, step: &StepEvent<3>) -> io::Result<()> {
+    fn step(&mut self, machine: &Micromill, step: &StepEvent<3>) -> io::Result<()> {
         self.apply(step);
         let tool = self.tool;
         for ((low, high), tool) in self.low.iter_mut().zip(&mut self.high).zip(tool) {
@@ -382,7 +386,7 @@ impl<'a> Run<'a> {
 
     /// Another move begins, or take-up does, or it ends.
     #[cold]
-    fn turn_to(&mut self, machine: &Mill, origin: Origin, at: [f64; 3]) {
+    fn turn_to(&mut self, machine: &Micromill, origin: Origin, at: [f64; 3]) {
         let executing = machine.executing().copied();
         if executing != self.segment {
             self.segment = executing;
@@ -410,7 +414,7 @@ impl<'a> Run<'a> {
         self.origin = origin;
     }
 
-    fn begin(&mut self, machine: &Mill, segment: &Segment<3>) {
+    fn begin(&mut self, machine: &Micromill, segment: &Segment<3>) {
         let Some(path) = Path::programmed(segment.from, &segment.command, self.half_step_nm) else {
             return;
         };

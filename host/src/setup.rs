@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// The lash of an axis here: one value is a map with one place.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
 /// A machine with such screws.
-pub type Mill = Machine<3, Path<3>, Screw>;
+pub type Micromill = Machine<3, Path<3>, Screw>;
 /// One with encoders, too.
-pub type ClosedMill = ClosedLoop<3, Path<3>, Screw>;
+pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw>;
 
 /// What the controller takes up: the file's maps, and one value where it has none.
 ///
@@ -68,8 +68,8 @@ fn flat(steps: u32) -> Map {
 }
 
 /// A machine that takes these up.
-pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Mill {
-    Mill::with_lash(
+pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Micromill {
+    Micromill::with_lash(
         config,
         maps.map(|map| MappedBacklash::new(map, Flank::Positive)),
     )

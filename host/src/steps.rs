@@ -1,7 +1,7 @@
 //! `husillo steps`: the step events as CSV.
 
 use crate::feeder;
-use crate::setup::Mill;
+use crate::setup::Micromill;
 use crate::source::Source;
 use husillo_machine::{Event, Motors};
 use husillo_stepper::{Drive, Levels};
@@ -17,7 +17,7 @@ use std::io::{self, Write};
 /// Reading or writing fails.
 pub fn write(
     source: &mut Source,
-    machine: &mut Mill,
+    machine: &mut Micromill,
     mut motors: Option<Motors<3, Drive>>,
     out: &mut impl Write,
 ) -> io::Result<u64> {

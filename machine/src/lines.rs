@@ -20,16 +20,14 @@ mod machine;
 mod closed_loop;
 mod step_encoder;
 
-mod mill;
-
 #[cfg(feature = "nb")]
 mod poll;
 
 pub use axis::{Axis, AxisRamp, Config};
 pub use closed_loop::{ClosedLoop, Followed};
 pub use event::{Event, FollowEvent, Output, Pause};
+pub use guard::StepGuard;
 pub use machine::{Machine, Origin};
-pub use mill::{Mill, MillConfig, MillEvent, MillInputs, MillStep};
 pub use refused::{Means, MoveError, Refused};
 pub use segment::{Segment, extent};
 pub use step_encoder::{AxisEncoder, OnLoss};

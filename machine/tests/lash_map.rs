@@ -9,7 +9,7 @@ use husillo_machine::{AxisRamp, Config, Event, Machine, Origin};
 use proptest::prelude::*;
 
 type Map = LashMap<Vec<i32>, Vec<u32>>;
-type Mill = Machine<3, Path<3>, MappedBacklash<Vec<i32>, Vec<u32>>, 8>;
+type Micromill = Machine<3, Path<3>, MappedBacklash<Vec<i32>, Vec<u32>>, 8>;
 
 /// Nuts on screws whose play is the map's at the place where the load is.
 struct Screws {
@@ -51,11 +51,11 @@ fn map() -> impl Strategy<Value = Map> {
         })
 }
 
-fn mill(config: Config<3>, maps: &[Map; 3]) -> Mill {
+fn mill(config: Config<3>, maps: &[Map; 3]) -> Micromill {
     let lash = maps
         .clone()
         .map(|map| MappedBacklash::new(map, Flank::Positive));
-    Mill::with_lash(config, lash)
+    Micromill::with_lash(config, lash)
 }
 
 /// Lines and arcs within some hundred steps of 140 nm.
@@ -95,7 +95,7 @@ impl Watch {
         }
     }
 
-    fn event(&mut self, machine: &Mill, event: &Event<3>, least_ticks: u64) {
+    fn event(&mut self, machine: &Micromill, event: &Event<3>, least_ticks: u64) {
         let Event::Step(step) = event else { return };
         self.ticks += u64::from(step.wait_ticks);
         let load = machine.position_steps();
@@ -117,7 +117,7 @@ impl Watch {
         self.load = load;
     }
 
-    fn drain(&mut self, machine: &mut Mill, most: usize, least_ticks: u64) {
+    fn drain(&mut self, machine: &mut Micromill, most: usize, least_ticks: u64) {
         for _ in 0..most {
             let Some(event) = machine.next_event() else {
                 return;

@@ -13,7 +13,7 @@ const TIMER_HZ: u32 = 1_000_000;
 /// Steps of a micrometre; 100 mm/s^2, up to 50 mm/s.
 const ACCELERATION: f64 = 100_000.0;
 
-type Mill = Machine<3, Path<3>, Backlash, 64>;
+type Micromill = Machine<3, Path<3>, Backlash, 64>;
 
 fn axis(lash_steps: u32) -> Axis {
     Axis {
@@ -52,7 +52,7 @@ struct Trace {
 }
 
 impl Trace {
-    fn event(&mut self, machine: &Mill, event: &Event<3>) {
+    fn event(&mut self, machine: &Micromill, event: &Event<3>) {
         match event {
             Event::Step(step) => {
                 self.ticks += u64::from(step.wait_ticks);
@@ -119,7 +119,11 @@ impl Trace {
 }
 
 /// Feeds the lines as far ahead as there is room and pulls everything; `each` may act on the machine before each event.
-fn run(machine: &mut Mill, lines: &[String], mut each: impl FnMut(&mut Mill, usize)) -> Trace {
+fn run(
+    machine: &mut Micromill,
+    lines: &[String],
+    mut each: impl FnMut(&mut Micromill, usize),
+) -> Trace {
     let mut trace = Trace::default();
     let mut lines = lines.iter();
     let mut next = lines.next();
@@ -148,7 +152,7 @@ fn lines(text: &str) -> Vec<String> {
 
 #[test]
 fn a_move_takes_the_time_of_its_ramps() {
-    let mut machine = Mill::new(config([0; 3]));
+    let mut machine = Micromill::new(config([0; 3]));
     let trace = run(&mut machine, &lines("G1 X20 F1200"), |_, _| {});
     // 20 mm at 20 mm/s with 100 mm/s^2: 1 s and 0.2 s for the ramps.
     assert!((trace.seconds() - 1.2).abs() < 2e-3, "{}", trace.seconds());
@@ -166,7 +170,7 @@ fn short_segments_run_without_a_stop() {
         let (y, x) = angle.sin_cos();
         text += &format!("G1 X{:.4} Y{:.4}\n", 10.0 * (x - 1.0), 10.0 * y);
     }
-    let mut machine = Mill::new(config([0; 3]));
+    let mut machine = Micromill::new(config([0; 3]));
     let trace = run(&mut machine, &lines(&text), |_, _| {});
     assert_eq!(machine.position_steps(), [0; 3]);
     // 64 segments of 20 um are 1.28 mm: enough to stop from 16 mm/s.
@@ -184,7 +188,7 @@ fn short_segments_run_without_a_stop() {
 fn corners_are_stops_slower_or_faster_by_mode() {
     let square = "G1 X5 F1200\nG1 Y5\nG1 X0\nG1 Y0\n";
     let time = |mode: &str| {
-        let mut machine = Mill::new(config([0; 3]));
+        let mut machine = Micromill::new(config([0; 3]));
         run(
             &mut machine,
             &lines(&format!("{mode}\n{square}")),
@@ -202,7 +206,7 @@ fn corners_are_stops_slower_or_faster_by_mode() {
     );
     // A straight line in pieces is no corner in any but the strictest mode.
     let pieces = "G1 X5 F1200\nG1 X10\nG1 X20\n";
-    let mut machine = Mill::new(config([0; 3]));
+    let mut machine = Micromill::new(config([0; 3]));
     let trace = run(&mut machine, &lines(&format!("G61\n{pieces}")), |_, _| {});
     assert!((trace.seconds() - 1.2).abs() < 2e-3);
 }
@@ -213,7 +217,7 @@ fn a_corner_jumps_by_no_more_than_it_may() {
     for axis in &mut config.axes {
         axis.ramp.as_mut().unwrap().junction_hz = Some(2000);
     }
-    let mut machine = Mill::new(config);
+    let mut machine = Micromill::new(config);
     let program =
         "G1 X5 F1200\nG1 Y5\nG1 X0 Y2\nG2 X0 Y-2 I0 J-2\nG1 X3\nG3 X3 Y2 I0 J2 Z1\nG1 Y5 Z0";
     let trace = run(&mut machine, &lines(program), |_, _| {});
@@ -222,7 +226,7 @@ fn a_corner_jumps_by_no_more_than_it_may() {
 
 #[test]
 fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
-    let mut machine = Mill::new(config(LASH_STEPS));
+    let mut machine = Micromill::new(config(LASH_STEPS));
     // The last arc turns Y round at its first step, at a corner that would be passed.
     let program = "G64 P0.2\nG1 X5 Y2 F1200\nG3 X5 Y2 I-3 J0 P2\nG2 X6 Y3 I1 J0\nG1 X9 Y3.5\nG2 X9 Y2.5 I-0.5 J-0.5\nG1 X0 Y0";
     let mut screw = Screw::new();
@@ -266,15 +270,15 @@ fn moves_to_the_same_place_do_not_undo_stops() {
         "G1 X5 F1200\nG93 G1 X5 F600\nG94 G1 X10 F1200",
         "G1 X5 F1200\nG2 I0.0001\nG1 Y5",
     ] {
-        let mut machine = Mill::new(config([0; 3]));
+        let mut machine = Micromill::new(config([0; 3]));
         run(&mut machine, &lines(program), |_, _| {}).check_acceleration(0.0);
     }
     // Straight on they do not matter.
     let program = lines("G61\nG1 X10 F1200\nG1 X10\nG1 X20");
-    let trace = run(&mut Mill::new(config([0; 3])), &program, |_, _| {});
+    let trace = run(&mut Micromill::new(config([0; 3])), &program, |_, _| {});
     assert!((trace.seconds() - 1.2).abs() < 2e-3);
     // From rest again.
-    let mut machine = Mill::new(config([0; 3]));
+    let mut machine = Micromill::new(config([0; 3]));
     run(&mut machine, &lines("G1 X10 F1200"), |_, _| {});
     let trace = run(&mut machine, &lines("G1 X10\nG1 X20"), |_, _| {});
     assert!((trace.seconds() - 0.7).abs() < 2e-3);
@@ -283,7 +287,7 @@ fn moves_to_the_same_place_do_not_undo_stops() {
 #[test]
 fn feeds_beyond_the_planner_s_fastest_are_as_fast_as_the_axes() {
     for program in ["G1 X20 F999999", "G93 G1 X20 F60000"] {
-        let mut machine = Mill::new(config([0; 3]));
+        let mut machine = Micromill::new(config([0; 3]));
         let trace = run(&mut machine, &lines(program), |_, _| {});
         // Up to 44.7 mm/s and down again.
         let seconds = 2.0 * (20.0 / 100.0_f64).sqrt();
@@ -297,7 +301,7 @@ fn feeds_beyond_the_planner_s_fastest_are_as_fast_as_the_axes() {
 
 #[test]
 fn a_hold_lets_a_take_up_slow_down() {
-    let mut machine = Mill::new(config([2000, 0, 0]));
+    let mut machine = Micromill::new(config([2000, 0, 0]));
     machine.line(b"G0 X-0.1").unwrap();
     let mut waits = Vec::new();
     while let Some(event) = machine.next_event() {
@@ -318,7 +322,7 @@ fn a_hold_lets_a_take_up_slow_down() {
 fn an_axis_without_a_junction_rate_does_not_jump() {
     let mut config = config([0; 3]);
     config.axes[0].ramp.as_mut().unwrap().junction_hz = Some(5000);
-    let mut machine = Mill::new(config);
+    let mut machine = Micromill::new(config);
     run(&mut machine, &lines("G1 Y5 F1200\nG1 Y0\nG1 X5"), |_, _| {}).check_acceleration(0.0);
 }
 
@@ -326,7 +330,7 @@ fn an_axis_without_a_junction_rate_does_not_jump() {
 fn an_arc_starts_as_slowly_as_its_slower_axis() {
     let mut config = config([0; 3]);
     config.axes[0].ramp = None;
-    let mut machine = Mill::new(config);
+    let mut machine = Micromill::new(config);
     run(&mut machine, &lines("G2 X5 Y5 I5 J0 F1200"), |_, _| {}).check_acceleration(0.0);
 }
 
@@ -362,7 +366,7 @@ fn a_take_up_is_as_smooth_as_its_axis() {
     let intervals = |jerk_hz_per_s2| {
         let mut config = config([2000, 0, 0]);
         config.axes[0].ramp.as_mut().unwrap().jerk_hz_per_s2 = jerk_hz_per_s2;
-        let mut machine = Mill::new(config);
+        let mut machine = Micromill::new(config);
         machine.line(b"G0 X-0.1").unwrap();
         let mut intervals = Vec::new();
         while let Some(Event::Step(step)) = machine.next_event() {
@@ -387,7 +391,7 @@ fn a_jerk_that_the_timer_is_too_slow_for_leaves_the_ramp() {
         config.axes[0].max_rate_hz = 6000;
         let ramp = config.axes[0].ramp.as_mut().unwrap();
         (ramp.acceleration_hz_per_s, ramp.jerk_hz_per_s2) = (20_000, jerk_hz_per_s2);
-        let mut machine = Mill::new(config);
+        let mut machine = Micromill::new(config);
         machine.line(b"G0 X-0.1").unwrap();
         machine.next_event()
     };
@@ -396,7 +400,7 @@ fn a_jerk_that_the_timer_is_too_slow_for_leaves_the_ramp() {
 
 #[test]
 fn rapids_and_outputs_stop() {
-    let mut machine = Mill::new(config([0; 3]));
+    let mut machine = Micromill::new(config([0; 3]));
     let trace = run(
         &mut machine,
         &lines("G0 X5\nM3 S100\nG0 X10\nG4 P0.1\nG1 X15 F600"),
@@ -409,7 +413,7 @@ fn rapids_and_outputs_stop() {
 #[test]
 fn an_override_changes_the_time_of_feeds_alone() {
     let time = |percent: u8| {
-        let mut machine = Mill::new(config([0; 3]));
+        let mut machine = Micromill::new(config([0; 3]));
         machine.set_feed_override(percent);
         let feed = run(&mut machine, &lines("G1 X20 F600"), |_, _| {}).seconds();
         let rapid = run(&mut machine, &lines("G0 X0"), |_, _| {}).seconds();
@@ -442,8 +446,8 @@ proptest! {
     fn holds_lose_no_step(holds in prop::collection::vec(0_usize..9000, 1..4), has_lash: bool) {
         let lash = if has_lash { [20, 30, 0] } else { [0; 3] };
         let program = lines("G64 P0.02 F900\nG1 X3\nG1 X4 Y0.3\nG3 X4 Y4.3 I0 J2\nG1 X2 Y1 Z1\nG0 X0 Y0\nG1 Z0");
-        let without = run(&mut Mill::new(config(lash)), &program, |_, _| {});
-        let mut machine = Mill::new(config(lash));
+        let without = run(&mut Micromill::new(config(lash)), &program, |_, _| {});
+        let mut machine = Micromill::new(config(lash));
         let with = run(&mut machine, &program, |machine, number| {
             if holds.contains(&number) {
                 machine.hold();

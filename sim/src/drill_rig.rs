@@ -1,6 +1,7 @@
 //! The circuit-board drill's mechanics: three unipolar motors, switches of X and Y, two sensors of Z, a board under the drill.
 
-use husillo_machine::{DrillEvent, DrillInputs, StepEvent};
+use husillo_controllers::{DrillEvent, DrillInputs};
+use husillo_machine::StepEvent;
 use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
 
 use crate::{AxisModel, Rig};

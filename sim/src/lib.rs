@@ -31,11 +31,11 @@
 #![deny(missing_docs)]
 
 mod axis;
-mod cell_rig;
 mod dc_motor;
 mod drill_rig;
 mod lash_field;
 mod loss;
+mod microfactory_rig;
 mod model;
 mod place;
 mod rig;
@@ -46,11 +46,11 @@ mod winding;
 mod wire;
 mod work_piece;
 
-pub use cell_rig::CellRig;
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use drill_rig::{DrillRig, DrilledHole};
 pub use lash_field::LashField;
 pub use loss::{Cause, Loss};
+pub use microfactory_rig::MicrofactoryRig;
 pub use model::AxisModel;
 pub use place::Place;
 pub use rig::Rig;

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use husillo_machine::{ServoAxis, ServoInputs, ServoModule};
+use husillo_controllers::ServoModule;
+use husillo_machine::{ServoAxis, ServoInputs};
 use husillo_transports::nmc::{Baud, Frame, Receiver, Verdict, unseen_pairs_in_halves};
 
 use crate::{DcMotor, DcMotorModel, Noise, Wire};

@@ -3,7 +3,7 @@
 mod drilling;
 
 use drilling::{BOARD, Bench, events, quick, records};
-use husillo_machine::{DrillConfig, DrillFault, DrillReport};
+use husillo_controllers::{DrillConfig, DrillFault, DrillReport};
 use husillo_sim::DrilledHole;
 use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
 

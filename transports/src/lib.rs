@@ -3,7 +3,7 @@
 //! ```text
 //!  nmc    Command ──► Frame ──► bytes        host: Startup ──► Step ──► Host ──► bytes out, Outcome
 //!         bytes ──► Receiver ──► Command     module: bytes ──► Module ──► Order, then Readings ──► bytes out
-//!  byte_commands   byte ──► ByteCommand      by mode, with a table of bytes
+//!  microfactory   byte ──► Order      by mode, with a table of bytes
 //!  drill  Step ──► Host ──► one byte, its echo     Device: byte ──► echo, Order ──► the machine
 //!  micromill  Order ──► string; ──► Host ──► bytes, echoes     Device: byte ──► echo, Order ──► the machine ──► steps told, Done
 //!  link   payloads ──► Frame, numbered and checked ──► bytes     Master, Station, Peer: sent again until they arrive
@@ -31,9 +31,9 @@
 #![deny(missing_docs)]
 
 mod buffer;
-pub mod byte_commands;
 pub mod drill;
 pub mod link;
+pub mod microfactory;
 pub mod micromill;
 pub mod nmc;
 pub mod rs485;

@@ -5,7 +5,7 @@ use crate::cli::{Compile, Send, Target};
 use crate::cmm::Port;
 use crate::cmm::interrupt::INTERRUPTED;
 use crate::diagnostics::Format;
-use crate::mill::{self, Sending, Translated};
+use crate::micromill::{self, Sending, Translated};
 use crate::source::Source;
 use crate::wire::{stop_flag, stops_asked, typed_line};
 use crate::{console, feeder, program, setup};
@@ -26,7 +26,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
-    let text = mill::text(&made.lines);
+    let text = micromill::text(&made.lines);
     let path = args.output.as_deref().unwrap_or("-");
     write(path, text.as_bytes())?;
     if path != "-" {
@@ -45,7 +45,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         let message = "the micro mill needs a --port; without one `husillo run` simulates it";
         return Err(Failure::Usage(message.into()));
     }
-    let baud = args.baud.unwrap_or(mill::BAUD);
+    let baud = args.baud.unwrap_or(micromill::BAUD);
     let stop = stop_flag()?;
     let port =
         Port::open_at(port, baud).map_err(|error| Failure::Usage(format!("{port}: {error}")))?;
@@ -63,14 +63,14 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         }
     };
     let operator = |tool| args.yes || asks(tool);
-    let sent = match mill::send(port, &sending, &made.lines, stop, progress, operator) {
+    let sent = match micromill::send(port, &sending, &made.lines, stop, progress, operator) {
         Ok(sent) => sent,
         Err(message) => {
             let _ = writeln!(io::stderr(), "{}: {message}", job.name());
             return Ok(failed());
         }
     };
-    let expected = steps(&job, mill::text(&made.lines))?;
+    let expected = steps(&job, micromill::text(&made.lines))?;
     let mut out = console::stdout();
     writeln!(out, "Lines      {} made", sent.lines)?;
     let told = sent.steps.len() as u64 * u64::from(args.every.max(1));
@@ -122,7 +122,7 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
             Ok(())
         },
     )?;
-    let made = mill::translate(commands, &job.config);
+    let made = micromill::translate(commands, &job.config);
     for (line, note) in &made.notes {
         eprintln!("{}:{line}: {note}", job.name());
     }

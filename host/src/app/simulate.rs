@@ -11,7 +11,7 @@ use crate::mirror;
 use crate::output::Outputs;
 use crate::report::{self, AxisRow, Report, length};
 use crate::run::Run;
-use crate::setup::{self, ClosedMill};
+use crate::setup::{self, ClosedMicromill};
 use crate::symmetry::{Difference, Symmetry};
 use husillo_gcode::Dialect;
 use husillo_machine::OnLoss;
@@ -150,7 +150,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
-        let mut closed = ClosedMill::new(machine, encoders);
+        let mut closed = ClosedMicromill::new(machine, encoders);
         let counts = run.counts();
         feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
             tick();

@@ -121,7 +121,7 @@ impl Emulate {
     ///
     /// The option.
     pub fn expect_drill(&self) -> Result<(), String> {
-        self.of_cell()?;
+        self.of_microfactory()?;
         self.of_chain()
     }
 
@@ -130,7 +130,7 @@ impl Emulate {
     /// # Errors
     ///
     /// The option.
-    pub fn expect_cell(&self) -> Result<(), String> {
+    pub fn expect_microfactory(&self) -> Result<(), String> {
         self.of_chain()
     }
 
@@ -140,13 +140,13 @@ impl Emulate {
     ///
     /// The option.
     pub fn expect_chain(&self) -> Result<(), String> {
-        self.of_cell()?;
+        self.of_microfactory()?;
         self.not_given("--faithful", self.faithful)?;
         self.not_given("--baud", self.baud.is_some())?;
         self.not_given("--steps", self.steps.is_some())
     }
 
-    fn of_cell(&self) -> Result<(), String> {
+    fn of_microfactory(&self) -> Result<(), String> {
         self.not_given("--figure", self.figure.is_some())?;
         self.not_given("--machines", self.machines > 1)
     }

@@ -3,7 +3,7 @@
 use super::client::{Client, Trouble};
 use super::device::STROKE_STEPS;
 use crate::output::Outputs;
-use husillo_machine::DrillConfig;
+use husillo_controllers::DrillConfig;
 use husillo_transports::drill::{Failure, Record, Step, record_bytes};
 use std::fmt;
 use std::time::Duration;

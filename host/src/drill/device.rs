@@ -3,7 +3,7 @@
 use crate::emulation::Emulation;
 use crate::line::Line;
 use crate::step_rows::StepRows;
-use husillo_machine::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
+use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_sim::{DrillRig, DrilledHole};
 use husillo_transports::drill::MEMORY_BYTES;
 

@@ -2,7 +2,7 @@
 
 use super::device::STROKE_STEPS;
 use super::part::{Part, Stop};
-use husillo_machine::DrillConfig;
+use husillo_controllers::DrillConfig;
 
 /// Seconds of a move or a drilling, and the rest behind it.
 const SETTLE_S: f64 =

@@ -2,7 +2,7 @@
 
 use super::Map;
 use crate::machine_file::MachineFile;
-use crate::setup::{self, Mill};
+use crate::setup::{self, Micromill};
 use husillo_gcode::Dialect;
 use husillo_machine::{Event, Motors, Origin};
 use husillo_sim::Rig;
@@ -21,7 +21,7 @@ pub struct Moment {
 
 /// A homed machine on screws with the play of the file's `[simulated_lash]`.
 pub struct Bench {
-    machine: Mill,
+    machine: Micromill,
     motors: Motors<3, Drive>,
     rig: Rig<3>,
     nm_per_step: [f64; 3],

@@ -2,7 +2,8 @@
 
 use super::rig::{Rig, Sample, profile};
 use crate::cmm::trouble::Trouble;
-use husillo_machine::{ServoAxis, ServoInputs, ServoStop, servo_law};
+use husillo_controllers::servo_law;
+use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
 use husillo_pid::Drive;
 use husillo_planner::ServoMotion;
 use husillo_sim::{DcMotor, DcMotorModel, FULL_CURRENT_A, SERVO_PERIOD_S};

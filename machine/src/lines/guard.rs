@@ -1,7 +1,9 @@
 //! No axis steps sooner after its last step than its highest rate allows, however short a move is.
 
+use husillo_interp::Moves;
+
 use crate::lines::tempo::Tempo;
-use crate::{Axis, Config};
+use crate::{Axis, Config, Segment};
 
 /// So many steps of each axis are watched in a move. In a longer one the time of the whole move
 /// keeps them apart: its ends lie between steps, so it has less than one step too many.
@@ -17,7 +19,7 @@ const WATCHED_STEPS: u8 = 64;
 /// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may wait too, for
 /// an interval at most.
 #[derive(Clone, Debug)]
-pub(crate) struct Guard<const N: usize> {
+pub struct StepGuard<const N: usize> {
     now: u32,
     /// Tick of the last step of each axis.
     last: [u32; N],
@@ -29,10 +31,10 @@ pub(crate) struct Guard<const N: usize> {
     left: [u8; N],
 }
 
-impl<const N: usize> Guard<N> {
+impl<const N: usize> StepGuard<N> {
     /// As if every axis had just made a step.
-    pub(crate) const fn new() -> Self {
-        Guard {
+    pub const fn new() -> Self {
+        StepGuard {
             now: 0,
             last: [0; N],
             late: 0,
@@ -42,11 +44,26 @@ impl<const N: usize> Guard<N> {
     }
 
     /// The path stands: it makes up for no delay from before.
-    pub(crate) const fn rest(&mut self) {
+    pub const fn rest(&mut self) {
         self.late = 0;
     }
 
-    /// A move at constant speed begins: the ticks that it takes.
+    /// A move at constant speed begins, with the path that is laid for it: the ticks that it takes,
+    /// those of its feed on its programmed length.
+    ///
+    /// `segment` has passed [`Config::check`](crate::Config::check).
+    pub fn begin<P: Moves<N>>(
+        &mut self,
+        config: &Config<N>,
+        segment: &Segment<N>,
+        path: &P,
+    ) -> u64 {
+        let ticks = self.ticks(&config.tempo(segment, path), 100, path.remaining());
+        self.watch(path.radius().is_some(), path.remaining());
+        ticks
+    }
+
+    /// The ticks of a move of so many steps, less what it makes up for.
     pub(crate) fn ticks(&mut self, tempo: &Tempo, percent: u8, events: u32) -> u64 {
         let programmed = tempo.ticks(percent);
         if events >= u32::from(WATCHED_STEPS) {
@@ -59,7 +76,7 @@ impl<const N: usize> Guard<N> {
     }
 
     /// A move of so many steps begins: its first ones are watched.
-    pub(crate) const fn begin(&mut self, is_round: bool, events: u32) {
+    pub(crate) const fn watch(&mut self, is_round: bool, events: u32) {
         // Two steps at 45 degrees of a circle may be nearer.
         let is_long = is_round && events >= 2 * WATCHED_STEPS as u32;
         self.watched = u8::MAX;
@@ -102,15 +119,15 @@ impl<const N: usize> Guard<N> {
     /// What steps earlier in a move is farther from the next one than any axis' shortest interval,
     /// where all axes have the same rate.
     #[inline]
-    pub(crate) const fn follows(&self, axes: u8, remaining: u32) -> bool {
+    pub const fn follows(&self, axes: u8, remaining: u32) -> bool {
         remaining < WATCHED_STEPS as u32 || self.watches(axes)
     }
 
-    /// A step of the path that [`follows`](Guard::follows): when it comes, instead of after `wait`
+    /// A step of the path that [`follows`](StepGuard::follows): when it comes, instead of after `wait`
     /// ticks.
     #[cold]
     #[inline(never)]
-    pub(crate) fn step(&mut self, config: &Config<N>, mut wait: u32, axes: u8) -> u32 {
+    pub fn step(&mut self, config: &Config<N>, mut wait: u32, axes: u8) -> u32 {
         if self.watches(axes) {
             wait = self.wait(config, wait, axes);
         }
@@ -120,7 +137,7 @@ impl<const N: usize> Guard<N> {
 
     /// A step of the path that need not be known of.
     #[inline]
-    pub(crate) const fn pass(&mut self, wait: u32) {
+    pub const fn pass(&mut self, wait: u32) {
         self.now = self.now.wrapping_add(wait);
     }
 
@@ -139,7 +156,7 @@ impl<const N: usize> Guard<N> {
 
     /// These axes step beside the path, of a take-up or by the spindle, whose time is not known.
     #[inline(never)]
-    pub(crate) fn stepped_aside(&mut self, wait: u32, axes: u8) {
+    pub fn stepped_aside(&mut self, wait: u32, axes: u8) {
         self.stepped(wait, axes);
         self.watched |= axes;
     }

@@ -6,7 +6,6 @@ use husillo_planner::{Direction, LookAhead, Stretch};
 
 use crate::lines::duration::mul_div;
 use crate::lines::limits::Limits;
-use crate::lines::segment::lattice;
 use crate::lines::tangent::tangents;
 use crate::lines::tempo::Tempo;
 use crate::{Config, Segment};
@@ -133,7 +132,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             command,
         };
         // `Config::check` has made sure that every position has its step.
-        let end = lattice(&config.axes, &to).unwrap_or(self.lattice);
+        let end = config.nearest_steps(&to).unwrap_or(self.lattice);
         let path: P = config.path(&segment, self.lattice, end);
         let mut tempo = config.tempo(&segment, &path);
         if self.has_ramps() {

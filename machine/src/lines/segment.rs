@@ -4,7 +4,7 @@ use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
 
 use crate::lines::arc::in_plane;
-use crate::{Axis, Config, Means, MoveError};
+use crate::{Config, Means, MoveError};
 
 /// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
 const MAX_EVENTS: u64 = 1 << 31;
@@ -16,26 +16,6 @@ pub struct Segment<const N: usize> {
     pub from: [Nm; N],
     /// What it is.
     pub command: Command<N>,
-}
-
-/// Nearest steps of a position.
-///
-/// # Errors
-/// The first axis that would be beyond 2^31 steps.
-#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-pub(crate) fn lattice<const N: usize>(
-    axes: &[Axis; N],
-    at: &[Nm; N],
-) -> Result<[i32; N], MoveError> {
-    let mut steps = [0; N];
-    // Not `enumerate`: its count could overflow for all the compiler knows.
-    for (number, ((axis, at), step)) in (0..N).zip(axes.iter().zip(at).zip(&mut steps)) {
-        *step = axis
-            .scale
-            .nearest(at.0)
-            .ok_or(MoveError::Reach { axis: number })?;
-    }
-    Ok(steps)
 }
 
 /// What a command needs that no machine here has.
@@ -97,6 +77,24 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
 }
 
 impl<const N: usize> Config<N> {
+    /// The steps nearest to a position of the machine frame.
+    ///
+    /// # Errors
+    /// [`MoveError::Reach`]: the first axis that would be beyond 2^31 steps.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    pub fn nearest_steps(&self, at: &[Nm; N]) -> Result<[i32; N], MoveError> {
+        let mut steps = [0; N];
+        // Not `enumerate`: its count could overflow for all the compiler knows.
+        let axes = self.axes.iter().zip(at).zip(&mut steps);
+        for (number, ((axis, at), step)) in (0..N).zip(axes) {
+            *step = axis
+                .scale
+                .nearest(at.0)
+                .ok_or(MoveError::Reach { axis: number })?;
+        }
+        Ok(steps)
+    }
+
     /// Everything that can be wrong with a command on this machine.
     ///
     /// # Errors
@@ -110,7 +108,7 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// [`MoveError::ArcTooLarge`] for an arc that does not fit, too.
     #[inline]
-    pub(crate) fn check_arcs(
+    pub fn check_arcs(
         &self,
         from: &[Nm; N],
         command: &Command<N>,
@@ -142,7 +140,7 @@ impl<const N: usize> Config<N> {
                     }
                     _ => {}
                 }
-                let [start, end] = [lattice(&self.axes, from)?, lattice(&self.axes, &arc.to)?];
+                let [start, end] = [self.nearest_steps(from)?, self.nearest_steps(&arc.to)?];
                 // A turn has less than 6 (r + 4) events, a helix as many more as its longest axis has steps.
                 let events = match self.grid_arc(from, arc, start, end)? {
                     Some(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
@@ -164,9 +162,10 @@ impl<const N: usize> Config<N> {
     /// The most steps of one axis.
     fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
         let mut longest = 0;
-        let ends = lattice(&self.axes, from)?
+        let ends = self
+            .nearest_steps(from)?
             .into_iter()
-            .zip(lattice(&self.axes, to)?);
+            .zip(self.nearest_steps(to)?);
         for (axis, (start, end)) in (0..N).zip(ends) {
             let steps = end.checked_sub(start).ok_or(MoveError::Reach { axis })?;
             longest = u64::from(steps.unsigned_abs()).max(longest);
@@ -175,7 +174,7 @@ impl<const N: usize> Config<N> {
     }
 
     fn check_point(&self, to: &[Nm; N]) -> Result<(), MoveError> {
-        lattice(&self.axes, to)?;
+        self.nearest_steps(to)?;
         to.iter()
             .enumerate()
             .try_for_each(|(number, at)| self.check_travel(number, *at))
@@ -239,12 +238,7 @@ impl<const N: usize> Config<N> {
     /// The path of a move that has passed [`Config::check`].
     ///
     /// `start` is where the axes stand, `end` where they shall stand; the path begins at `from` exactly.
-    pub(crate) fn path<P: Moves<N>>(
-        &self,
-        segment: &Segment<N>,
-        start: [i32; N],
-        end: [i32; N],
-    ) -> P {
+    pub fn path<P: Moves<N>>(&self, segment: &Segment<N>, start: [i32; N], end: [i32; N]) -> P {
         let mut delta = [0; N];
         for ((delta, start), end) in delta.iter_mut().zip(start).zip(end) {
             *delta = end.wrapping_sub(start);

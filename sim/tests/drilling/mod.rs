@@ -1,6 +1,6 @@
 //! A host, a line with faults, the drill's controller and its mechanics, in virtual time.
 
-use husillo_machine::{Drill, DrillConfig, DrillEvent, DrillReport};
+use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillReport};
 use husillo_sim::DrillRig;
 use husillo_transports::drill::{Host, Outcome, Progress, Refused, Rules, Step, Timing};
 

@@ -13,7 +13,8 @@
 mod switches;
 
 use board::{CriticalSection, Shared, Step, Steps};
-use husillo_machine::{Drill, DrillConfig, DrillEvent, Idle, Motors};
+use husillo_controllers::{Drill, DrillConfig, DrillEvent};
+use husillo_machine::{Idle, Motors};
 use husillo_stepper::{Driver, Levels, Mode, Sequencer};
 use husillo_transports::drill::MEMORY_BYTES;
 use switches::Switches;

@@ -1,6 +1,6 @@
 //! What the drill sees: home switches of X and Y, the sensors of Z.
 
-use husillo_machine::DrillInputs;
+use husillo_controllers::DrillInputs;
 
 /// Inputs of the board from bit 0: X, Y, up, down. A simulated machine's follow from where it is.
 pub struct Switches {

@@ -1,22 +1,23 @@
 //! The cell behind its link, and a figure that comes in.
 
 use heapless::{Vec, spsc::Queue};
-use husillo_machine::{Cell, CellConfig};
-use husillo_transports::byte_commands::{ByteCommand, ByteCommands, ByteTable, REJECTED};
+use husillo_controllers::MicrofactoryConfig;
+use husillo_controllers::Microfactory;
+use husillo_transports::microfactory::{ByteTable, Device, Order, REJECTED};
 
 /// Moves of a figure that there is room for.
 const ROOM: usize = 500;
 type Figure = Vec<[i16; 2], ROOM, u16>;
 
 /// As the simulated one of `husillo` is: a jog ends half a second after it was said last.
-const CONFIG: CellConfig = CellConfig {
+const CONFIG: MicrofactoryConfig = MicrofactoryConfig {
     dead_man_ticks: Some(500_000),
-    ..CellConfig::ORIGINAL
+    ..MicrofactoryConfig::ORIGINAL
 };
 
 /// The link's end of the controller.
 pub struct Link {
-    bytes: ByteCommands,
+    bytes: Device,
     /// The controller.
     pub cell: Cell<Figure>,
     loading: Figure,
@@ -28,7 +29,7 @@ impl Link {
     /// Without a figure.
     pub fn new() -> Self {
         Link {
-            bytes: ByteCommands::new(ByteTable::DEFAULT)
+            bytes: Device::new(ByteTable::DEFAULT)
                 .acknowledging()
                 .storing(ROOM as u16),
             cell: Cell::new(CONFIG, Vec::new()),
@@ -49,18 +50,18 @@ impl Link {
         }
         // Nothing moves while a figure comes in, so the cell takes it; the link counts its moves.
         match received.command {
-            Some(ByteCommand::Ask) => {
+            Some(Order::Ask) => {
                 let status = self.cell.status();
                 self.answer(&status.bytes());
             }
-            Some(ByteCommand::Clear) => {
+            Some(Order::Clear) => {
                 self.loading.clear();
                 self.cell.set_figure(Vec::new()).ok();
             }
-            Some(ByteCommand::Line(way)) => {
+            Some(Order::Line(way)) => {
                 self.loading.push(way).ok();
             }
-            Some(ByteCommand::Keep) => {
+            Some(Order::Keep) => {
                 self.cell
                     .set_figure(core::mem::take(&mut self.loading))
                     .ok();

@@ -1,7 +1,7 @@
 //! The microfactory's firmware: commands come in by the UART, steps go out by a timer's interrupt, one at a time with the switches as they are.
 //!
 //! ```text
-//! UART interrupt ──bytes──► foreground: Cell ──one event──► step interrupt ──► CLOCK, CW/CCW of four L297
+//! UART interrupt ──bytes──► foreground: Microfactory ──one event──► step interrupt ──► CLOCK, CW/CCW of four L297
 //!                               ▲  ▲                              │
 //!                  switches ────┘  └──────────── it was made ─────┘
 //! ```
@@ -16,7 +16,7 @@ mod switches;
 use core::iter;
 
 use board::{CriticalSection, Shared, Step, Steps};
-use husillo_machine::{CELL_MOTORS, CellEvent, CellReport};
+use husillo_controllers::{MICROFACTORY_MOTORS, MicrofactoryEvent, MicrofactoryReport};
 use link::Link;
 use switches::Switches;
 
@@ -63,18 +63,18 @@ fn main() -> ! {
             outputs |= NOT_RESET;
             let event = link.cell.next_event(&switches.inputs());
             let (wait_us, clocks) = match event {
-                CellEvent::Step(step) => {
+                MicrofactoryEvent::Step(step) => {
                     switches.moved(&step.delta);
                     (Some(step.wait_ticks), clocks(&step.delta))
                 }
                 // Another task follows at once: its waits go on from where this one's ended.
-                CellEvent::Dwell { wait_ticks: 0 } => (None, 0),
-                CellEvent::Dwell { wait_ticks } => (Some(wait_ticks), 0),
-                CellEvent::Reset { ticks } => {
+                MicrofactoryEvent::Dwell { wait_ticks: 0 } => (None, 0),
+                MicrofactoryEvent::Dwell { wait_ticks } => (Some(wait_ticks), 0),
+                MicrofactoryEvent::Reset { ticks } => {
                     outputs &= !NOT_RESET;
                     (Some(ticks), 0)
                 }
-                CellEvent::Enable(on) => {
+                MicrofactoryEvent::Enable(on) => {
                     outputs = if on {
                         outputs | ENABLE
                     } else {
@@ -83,16 +83,16 @@ fn main() -> ! {
                     // It needs its time: what follows waits from now on.
                     (on.then_some(0), 0)
                 }
-                CellEvent::Report(report) => {
-                    if matches!(report, CellReport::Switch { .. }) {
+                MicrofactoryEvent::Report(report) => {
+                    if matches!(report, MicrofactoryReport::Switch { .. }) {
                         link.leave_mode();
                     }
                     (None, 0)
                 }
-                CellEvent::Idle => (None, 0),
+                MicrofactoryEvent::Idle => (None, 0),
             };
             board::switch(outputs);
-            is_idle = event == CellEvent::Idle;
+            is_idle = event == MicrofactoryEvent::Idle;
             if let Some(wait_us) = wait_us {
                 let ways = WAYS.with(|ways| *ways);
                 let rise = Step {
@@ -134,7 +134,7 @@ fn push(rise: Step<()>, fall: Option<Step<()>>) {
 }
 
 /// CLOCKs of a step; its CW/CCW are written now, long before, and after the pulse of the last one.
-fn clocks(delta: &[i8; CELL_MOTORS]) -> u8 {
+fn clocks(delta: &[i8; MICROFACTORY_MOTORS]) -> u8 {
     let clocks = delta
         .iter()
         .rev()

@@ -1,6 +1,6 @@
 //! What the microfactory sees: home switches of X, Y and Z, the tool at the work piece.
 
-use husillo_machine::{CELL_MOTORS, CellInputs};
+use husillo_controllers::{MICROFACTORY_MOTORS, MicrofactoryInputs};
 
 /// Inputs of the board from bit 0: X, Y, Z, contact. A simulated machine's follow from where its loads are.
 pub struct Switches {
@@ -19,7 +19,7 @@ impl Switches {
     }
 
     /// A simulated machine moves; its spindle closes no switch.
-    pub fn moved(&mut self, delta: &[i8; CELL_MOTORS]) {
+    pub fn moved(&mut self, delta: &[i8; MICROFACTORY_MOTORS]) {
         let axes = self.ahead.iter_mut().zip(&mut self.loads);
         for ((ahead, load), (delta, lash)) in axes.zip(delta.iter().zip(LASH)) {
             let motor = ahead.wrapping_add((*delta).into());
@@ -29,17 +29,17 @@ impl Switches {
     }
 
     /// The switches.
-    pub fn inputs(&self) -> CellInputs {
+    pub fn inputs(&self) -> MicrofactoryInputs {
         let [x, y, z] = self.loads;
         let simulated = [x <= -420, y <= -380, z <= -900, y >= 1200];
         let bits = simulated.iter().rev();
         let bits = board::inputs(bits.fold(0, |bits, is_closed| bits << 1 | u8::from(*is_closed)));
-        CellInputs {
+        MicrofactoryInputs {
             home: [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0],
             contact: bits & 8 != 0,
         }
     }
 }
 
-/// As `CellConfig::ORIGINAL` has it.
+/// As `MicrofactoryConfig::ORIGINAL` has it.
 const LASH: [i32; 3] = [200, 0, 200];

@@ -1,7 +1,7 @@
 //! The micro mill's firmware: strings come in by the UART, step events go out by a timer's interrupt.
 //!
 //! ```text
-//! UART interrupt ──bytes──► foreground: Mill ──events──► queue ──► step interrupt ──► pins
+//! UART interrupt ──bytes──► foreground: Micromill ──events──► queue ──► step interrupt ──► pins
 //!                               ◄──────────── how many were made ────────┘
 //! ```
 //!
@@ -12,18 +12,20 @@
 mod motors;
 
 use board::{CriticalSection, Shared, Step, Steps};
+use husillo_controllers::{
+    Micromill, MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep, MicromillStops,
+};
 use husillo_gcode::SpindleDirection;
-use husillo_machine::{Mill, MillConfig, MillEvent, MillInputs, MillStep, MillStops};
 use husillo_stepper::{Driver, Mode, Sequencer};
 use motors::Motors;
 
 /// The machine: another one is another constant.
-static CONFIG: MillConfig = MillConfig::MICROMILL;
+static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 
 /// Events that may wait for their time.
 const AHEAD: usize = 16;
 
-type Micromill = Mill<'static, 16, AHEAD, 80>;
+type Micromill = Micromill<'static, 16, AHEAD, 80>;
 
 /// What is made before the foreground follows, where it need not tell of them at once.
 const TOGETHER: u8 = AHEAD as u8 / 2;
@@ -35,12 +37,12 @@ type Masks = [u8; 2];
 struct Interrupts {
     steps: Steps<Masks, AHEAD>,
     /// Bytes that stop what moves.
-    stops: MillStops,
+    stops: MicromillStops,
 }
 
 static INTERRUPTS: Shared<Interrupts> = Shared::new(Interrupts {
     steps: Steps::new([0; 2]),
-    stops: MillStops::Nothing,
+    stops: MicromillStops::Nothing,
 });
 
 /// The wait of a step is over.
@@ -71,7 +73,7 @@ fn main() -> ! {
     };
     let mut motors = Motors::new(motor);
     board::write(motors.step([0; 2]));
-    let mut mill = Mill::new(&CONFIG);
+    let mut mill = Micromill::new(&CONFIG);
     run(&mut mill, &mut motors)
 }
 
@@ -97,14 +99,14 @@ fn run(mill: &mut Micromill, motors: &mut Motors) -> ! {
             });
         });
         send(mill, &mut unsent);
-        let inputs = MillInputs { home: home(mill) };
+        let inputs = MicromillInputs { home: home(mill) };
         while let Some(event) = mill.next_event(&inputs) {
             match event {
-                MillEvent::Step(step) => push(&step, motors),
+                MicromillEvent::Step(step) => push(&step, motors),
                 // Its speed is set by hand.
-                MillEvent::Spindle { direction, .. } => board::switch(spindle(direction)),
+                MicromillEvent::Spindle { direction, .. } => board::switch(spindle(direction)),
                 // The operator changes it: the host asks for it and waits.
-                MillEvent::Tool { .. } => {}
+                MicromillEvent::Tool { .. } => {}
             }
         }
         // Behind the events: a line that ends without one is told too before it sleeps.
@@ -162,8 +164,8 @@ fn spindle(direction: SpindleDirection) -> u8 {
     }
 }
 
-/// Queues a step: `Mill` gives no more than the queue holds.
-fn push(step: &MillStep, motors: &mut Motors) {
+/// Queues a step: `Micromill` gives no more than the queue holds.
+fn push(step: &MicromillStep, motors: &mut Motors) {
     let step = Step {
         wait_us: step.wait_ticks,
         delta: [step.axes, step.negative],

@@ -1,7 +1,8 @@
 //! The module and what is at its pins, or simulated.
 
+use husillo_controllers::ServoModule;
 use husillo_encoder::Extended;
-use husillo_machine::{ServoInputs, ServoModule};
+use husillo_machine::ServoInputs;
 
 use crate::plant::Plant;
 

@@ -3,21 +3,24 @@
 use core::hint::black_box;
 
 use husillo_backlash::Backlash;
+use husillo_controllers::{
+    Drill as AnyDrill, Microfactory as AnyMicrofactory, MicrofactoryPair as AnyMicrofactoryPair,
+    Micromill as AnyMicromill, MicromillStep, ServoModule, servo_law,
+};
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, Cell as AnyCell, CellPair as AnyCellPair, ClosedLoop as AnyClosedLoop, Config,
-    Drill as AnyDrill, Machine as AnyMachine, Means, Mill as AnyMill, MillStep, Motors,
-    ServoAxis as AnyServoAxis, ServoModule, extent, servo_law,
+    Axis, ClosedLoop as AnyClosedLoop, Config, Machine as AnyMachine, Means, Motors,
+    ServoAxis as AnyServoAxis, extent,
 };
 use husillo_stepper::{Drive, Levels};
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
-type Cell = AnyCell<&'static [[i16; 2]]>;
-type CellPair = AnyCellPair<&'static [[i16; 2]]>;
+type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
+type MicrofactoryPair = AnyMicrofactoryPair<&'static [[i16; 2]]>;
 type Drill = AnyDrill<64>;
-type Mill = AnyMill<'static>;
+type Micromill = AnyMicromill<'static>;
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "machine")]
@@ -57,36 +60,36 @@ pub fn keep() {
         ClosedLoop::is_stopped as *const (),
         ClosedLoop::is_correcting as *const (),
         ClosedLoop::next_event as *const (),
-        Cell::new as *const (),
-        Cell::command as *const (),
-        Cell::reset as *const (),
-        Cell::is_moving as *const (),
-        Cell::is_homed as *const (),
-        Cell::position_steps as *const (),
-        Cell::status as *const (),
-        Cell::figure as *const (),
-        Cell::set_figure as *const (),
-        Cell::next_event as *const (),
-        CellPair::new as *const (),
-        CellPair::command as *const (),
-        CellPair::next_event as *const (),
-        CellPair::is_moving as *const (),
-        CellPair::reset as *const (),
-        CellPair::cell as *const (),
-        CellPair::cell_mut as *const (),
-        Mill::halted as *const (),
-        Mill::homed as *const (),
-        Mill::is_homed as *const (),
-        Mill::is_moving as *const (),
-        Mill::made as *const (),
-        Mill::new as *const (),
-        Mill::next_event as *const (),
-        Mill::position_steps as *const (),
-        Mill::receive as *const (),
-        Mill::stops as *const (),
-        Mill::will_tell as *const (),
-        MillStep::deltas as *const (),
-        Mill::transmit as *const (),
+        Microfactory::new as *const (),
+        Microfactory::command as *const (),
+        Microfactory::reset as *const (),
+        Microfactory::is_moving as *const (),
+        Microfactory::is_homed as *const (),
+        Microfactory::position_steps as *const (),
+        Microfactory::status as *const (),
+        Microfactory::figure as *const (),
+        Microfactory::set_figure as *const (),
+        Microfactory::next_event as *const (),
+        MicrofactoryPair::new as *const (),
+        MicrofactoryPair::command as *const (),
+        MicrofactoryPair::next_event as *const (),
+        MicrofactoryPair::is_moving as *const (),
+        MicrofactoryPair::reset as *const (),
+        MicrofactoryPair::cell as *const (),
+        MicrofactoryPair::machine_mut as *const (),
+        Micromill::halted as *const (),
+        Micromill::homed as *const (),
+        Micromill::is_homed as *const (),
+        Micromill::is_moving as *const (),
+        Micromill::made as *const (),
+        Micromill::new as *const (),
+        Micromill::next_event as *const (),
+        Micromill::position_steps as *const (),
+        Micromill::receive as *const (),
+        Micromill::stops as *const (),
+        Micromill::will_tell as *const (),
+        MicromillStep::deltas as *const (),
+        Micromill::transmit as *const (),
         Drill::new as *const (),
         Drill::reset as *const (),
         Drill::push as *const (),

@@ -6,8 +6,8 @@ use core::hint::black_box;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial;
-use husillo_transports::byte_commands::{
-    self, ByteCommand, ByteCommands, ByteTable, Report, figure_check, move_bytes,
+use husillo_transports::microfactory::{
+    self, ByteTable, Device, Order, Report, figure_check, move_bytes,
 };
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Homing, Host, Items, Module, Outcome, PathPoints, Polling,
@@ -28,20 +28,20 @@ pub fn keep() {
         Baud::characters_us as *const (),
         Baud::divisor as *const (),
         Baud::from_divisor as *const (),
-        ByteCommand::is_a_motion as *const (),
-        ByteCommands::acknowledging as *const (),
-        ByteCommands::leave_mode as *const (),
-        ByteCommands::machine as *const (),
-        ByteCommands::new as *const (),
-        ByteCommands::of_two_machines as *const (),
-        ByteCommands::receive as *const (),
-        ByteCommands::reset as *const (),
-        ByteCommands::storing as *const (),
+        Order::is_a_motion as *const (),
+        Device::acknowledging as *const (),
+        Device::leave_mode as *const (),
+        Device::machine as *const (),
+        Device::new as *const (),
+        Device::of_two_machines as *const (),
+        Device::receive as *const (),
+        Device::reset as *const (),
+        Device::storing as *const (),
         ByteTable::is_unambiguous as *const (),
         Report::byte as *const (),
         Report::of as *const (),
-        byte_commands::Status::bytes as *const (),
-        byte_commands::Status::of as *const (),
+        microfactory::Status::bytes as *const (),
+        microfactory::Status::of as *const (),
         figure_check as *const (),
         move_bytes as *const (),
         Command::decode as *const (),

@@ -3,11 +3,11 @@
 use core::hint::black_box;
 
 use husillo_backlash::Backlash;
+use husillo_controllers::ServoModule;
 use husillo_gcode::{Block, Dialect, Modal};
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, Scale, ServoInputs,
-    ServoModule,
 };
 use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopWay, Trajectory};
 

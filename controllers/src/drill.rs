@@ -1,0 +1,485 @@
+//! The circuit-board drill: point to point, one axis at a time, a program of records.
+
+mod config;
+mod event;
+mod task;
+
+pub use config::DrillConfig;
+pub use event::{DrillEvent, DrillFault, DrillInputs, DrillReport};
+
+use husillo_transports::drill::{Axis, Device, Order};
+
+use husillo_machine::StepEvent;
+use task::{Next, Task};
+
+/// Index of Z among the motors.
+const Z: usize = 2;
+
+/// The circuit-board drill's controller: bytes in, events and bytes out. `N` is its memory in bytes, 8192 in the original.
+///
+/// | when | call |
+/// | --- | --- |
+/// | a byte arrives | [`push`](Drill::push) |
+/// | the last event is carried out | [`next_event`](Drill::next_event), with the switches as they are |
+/// | the transmitter is free | [`transmit`](Drill::transmit) |
+/// | the button R is pressed, or power comes back | [`reset`](Drill::reset) |
+///
+/// After a reset it homes Z, Y and X and says `B`. Places are steps from home; X moves, then Y, then Z drills from the upper sensor to the
+/// lower one and back. A switch that does not come on the longest way, comes too early, or is open at zero is a [`DrillFault`]: the
+/// spindle stops, the link says `!` where it has extras and is silent then, and nothing moves until a reset.
+///
+/// Cost: an event takes some comparisons; a record of the program two copies of bytes more. Its size is `N` + 0.1 kB.
+///
+/// ```
+/// use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillInputs};
+///
+/// let mut drill = Drill::<64>::new(DrillConfig::FIXED);
+/// let (mut z, mut said) = (5, None);
+/// // Z is five steps below its sensor; X and Y go off their switches and back.
+/// let (mut x, mut y) = (0, 0);
+/// while said.is_none() {
+///     let inputs = DrillInputs { home: [x <= 0, y <= 0], is_up: z <= 0, is_down: false };
+///     if let DrillEvent::Step(step) = drill.next_event(&inputs) {
+///         let [dx, dy, dz] = step.delta.map(i32::from);
+///         (x, y, z) = (x + dx, y + dy, z + dz);
+///     }
+///     said = drill.transmit();
+/// }
+/// assert_eq!((said, drill.is_homed()), (Some(b'B'), true));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Drill<const N: usize> {
+    config: DrillConfig,
+    link: Device<N>,
+    task: Task,
+    place: [u16; 2],
+    /// Steps from the switches to zero: 0 but after `c` off home.
+    zero: [u16; 2],
+    is_homed: bool,
+    /// Switches of X and Y that were open when they were looked at last.
+    were_open: [bool; 2],
+    /// The spindle, as it is and as it should be.
+    spindle: [bool; 2],
+    report: Option<DrillReport>,
+}
+
+impl<const N: usize> Drill<N> {
+    /// After power came on.
+    pub const fn new(config: DrillConfig) -> Self {
+        Self {
+            link: Device::new(config.rules),
+            config,
+            task: Task::Idle,
+            place: [0; 2],
+            zero: [0; 2],
+            is_homed: false,
+            were_open: [false; 2],
+            // Whatever it was, it is switched off first.
+            spindle: [true, false],
+            report: None,
+        }
+    }
+
+    /// The button R, which is the emergency stop as well: the step under way is the last one, the program is gone, the spindle stops, and
+    /// it homes anew.
+    pub fn reset(&mut self) {
+        self.link = Device::new(self.config.rules);
+        self.task = Task::Idle;
+        self.is_homed = false;
+        self.spindle = [true, false];
+        self.report = None;
+    }
+
+    /// Takes a byte of the line.
+    pub fn push(&mut self, byte: u8) {
+        self.link.push(byte);
+    }
+
+    /// The next byte for the line.
+    pub fn transmit(&mut self) -> Option<u8> {
+        self.link.transmit()
+    }
+
+    /// The bytes of the program in the memory.
+    pub fn stored(&self) -> &[u8] {
+        self.link.stored()
+    }
+
+    /// Steps of X and Y from zero.
+    pub const fn position_steps(&self) -> [u16; 2] {
+        self.place
+    }
+
+    /// Whether positions count from the home switches.
+    pub const fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
+    /// Whether it does something, or stands for a fault.
+    pub fn is_working(&self) -> bool {
+        self.task != Task::Idle || self.link.is_working()
+    }
+
+    /// Whether the spindle turns.
+    pub const fn spindle_turns(&self) -> bool {
+        let [is_on, _] = self.spindle;
+        is_on
+    }
+
+    /// What happens next, with the switches as they are now.
+    pub fn next_event(&mut self, inputs: &DrillInputs) -> DrillEvent {
+        if let Some(report) = self.report.take() {
+            return DrillEvent::Report(report);
+        }
+        let [is_on, should_be_on] = self.spindle;
+        if is_on != should_be_on {
+            self.spindle = [should_be_on; 2];
+            return DrillEvent::Spindle(should_be_on);
+        }
+        if self.task == Task::Idle {
+            match self.link.take() {
+                Some(order) => self.begin(order),
+                None => return DrillEvent::Idle,
+            }
+        }
+        match self.go_on(inputs) {
+            Some(event) => event,
+            // The task has changed: at the next call there is something, or a report.
+            None => match self.report.take() {
+                Some(report) => DrillEvent::Report(report),
+                None => DrillEvent::Dwell { wait_ticks: 0 },
+            },
+        }
+    }
+
+    fn begin(&mut self, order: Order) {
+        self.task = match order {
+            Order::Home => {
+                self.is_homed = false;
+                self.raise(Next::Home)
+            }
+            Order::Zero => {
+                for (zero, place) in self.zero.iter_mut().zip(self.place) {
+                    *zero = zero.saturating_add(place);
+                }
+                self.place = [0; 2];
+                Task::Settle
+            }
+            Order::Move(Axis::Z, _) => Task::Settle, // there is none
+            Order::Move(axis, to) => self.record(number(axis), to),
+            Order::Drill(0) => Task::Down {
+                left: self.config.stroke_steps,
+                is_whole: true,
+            },
+            Order::Drill(depth) => Task::Down {
+                left: depth,
+                is_whole: false,
+            },
+            Order::Jog(Axis::Z, steps) => Task::JogZ { left: steps },
+            Order::Jog(axis, steps) => self.jog(number(axis), steps),
+            Order::Teach => {
+                self.link.teach(self.place);
+                self.report = Some(DrillReport::Taught { at: self.place });
+                Task::Settle
+            }
+            Order::Spindle(on) => {
+                let [is_on, _] = self.spindle;
+                self.spindle = [is_on, on];
+                Task::Settle
+            }
+        };
+    }
+
+    fn raise(&self, next: Next) -> Task {
+        Task::Up {
+            left: self.config.stroke_steps,
+            next,
+        }
+    }
+
+    /// A move of the program.
+    fn record(&mut self, axis: u8, to: u16) -> Task {
+        if to > self.last_step(axis) {
+            return self.fault(DrillFault::OffTable { axis });
+        }
+        if self.config.raises_first {
+            self.raise(Next::Go { axis, to })
+        } else {
+            Task::Go { axis, to }
+        }
+    }
+
+    /// The last step of the table, from zero.
+    fn last_step(&self, axis: u8) -> u16 {
+        let index = usize::from(axis);
+        match (self.config.travel_steps.get(index), self.zero.get(index)) {
+            (Some(&u16::MAX), _) | (None, _) => u16::MAX,
+            (Some(last), zero) => last.saturating_sub(zero.copied().unwrap_or_default()),
+        }
+    }
+
+    /// A move by hand ends at zero and at the end of the table, and says so.
+    fn jog(&mut self, axis: u8, steps: i16) -> Task {
+        let from = self.place.get(usize::from(axis));
+        let from = from.copied().unwrap_or_default();
+        // Not homed it may stand beyond the table's end: never backwards then.
+        let last = self.last_step(axis).max(from);
+        let to = from.saturating_add_signed(steps).min(last);
+        if i32::from(to) != i32::from(from).wrapping_add(i32::from(steps)) {
+            self.link.cut_short();
+        }
+        Task::Go { axis, to }
+    }
+
+    /// A step of the task; `None` where it ends or changes.
+    fn go_on(&mut self, inputs: &DrillInputs) -> Option<DrillEvent> {
+        match self.task {
+            Task::Idle => None,
+            Task::Fault => Some(DrillEvent::Idle),
+            Task::Settle => {
+                self.task = Task::Idle;
+                self.link.done();
+                Some(DrillEvent::Dwell {
+                    wait_ticks: self.config.settle_ticks,
+                })
+            }
+            Task::Leave { axis, left } => self.leave(axis, left, inputs),
+            Task::Search { axis, left } => self.search(axis, left, inputs),
+            Task::Go { axis, to } => self.walk(axis, to, inputs),
+            Task::Beyond { axis, gone } => self.look_beyond(axis, gone, inputs),
+            Task::Return { axis, left } => {
+                let Some(left) = left.checked_sub(1) else {
+                    self.task = Task::Settle;
+                    return None;
+                };
+                self.task = Task::Return { axis, left };
+                self.step(usize::from(axis), 1)
+            }
+            Task::Down { left, is_whole } => self.lower(left, is_whole, inputs),
+            Task::Up { left, next } => self.lift(left, next, inputs),
+            Task::JogZ { left } => self.jog_z(left, inputs),
+        }
+    }
+
+    /// Off a switch that was closed when homing began.
+    fn leave(&mut self, axis: u8, left: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        let Some(left) = left.checked_sub(1) else {
+            self.task = if is_home(inputs, axis) {
+                self.fault(DrillFault::StillClosed { axis })
+            } else {
+                Task::Search {
+                    axis,
+                    left: self.config.search_steps,
+                }
+            };
+            return None;
+        };
+        self.task = Task::Leave { axis, left };
+        self.step(usize::from(axis), 1)
+    }
+
+    fn search(&mut self, axis: u8, left: u32, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if is_home(inputs, axis) {
+            let index = usize::from(axis);
+            if let (Some(place), Some(zero)) = (self.place.get_mut(index), self.zero.get_mut(index))
+            {
+                (*place, *zero) = (0, 0);
+            }
+            if let Some(was_open) = self.were_open.get_mut(index) {
+                *was_open = false;
+            }
+            if axis > 0 {
+                self.begin_search(0, inputs);
+            } else {
+                self.is_homed = true;
+                self.report = Some(DrillReport::Homed);
+                self.task = Task::Settle;
+            }
+            return None;
+        }
+        let Some(left) = left.checked_sub(1) else {
+            self.task = self.fault(DrillFault::NoSwitch { axis });
+            return None;
+        };
+        self.task = Task::Search { axis, left };
+        self.step(usize::from(axis), -1)
+    }
+
+    fn begin_search(&mut self, axis: u8, inputs: &DrillInputs) {
+        self.task = if is_home(inputs, axis) {
+            Task::Leave {
+                axis,
+                left: self.config.back_off_steps,
+            }
+        } else {
+            Task::Search {
+                axis,
+                left: self.config.search_steps,
+            }
+        };
+    }
+
+    fn walk(&mut self, axis: u8, to: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        let index = usize::from(axis);
+        let zero = self.zero.get(index).copied()?;
+        let place = self.place.get_mut(index)?;
+        let at = *place;
+        let play = self.config.switch_play_steps.filter(|_| self.is_homed);
+        let was_open = self.were_open.get_mut(index)?;
+        let is_closed = is_home(inputs, axis);
+        let has_closed = core::mem::replace(was_open, !is_closed) && is_closed;
+        // Where a switch closes is sure; where it opens again on the way off it is not.
+        let is_lost = play.is_some_and(|play| {
+            let limit = if has_closed {
+                play
+            } else {
+                self.config.back_off_steps.max(play)
+            };
+            is_closed && at.saturating_add(zero) > limit
+        });
+        if is_lost {
+            self.task = self.fault(DrillFault::LostSteps { axis });
+            return None;
+        }
+        if at == to {
+            let is_at_switch = to == 0 && zero == 0 && play.is_some();
+            self.task = if is_at_switch && !is_closed {
+                Task::Beyond { axis, gone: 0 }
+            } else {
+                Task::Settle
+            };
+            return None;
+        }
+        let is_forward = at < to;
+        *place = if is_forward {
+            at.wrapping_add(1)
+        } else {
+            at.wrapping_sub(1)
+        };
+        self.step(index, if is_forward { 1 } else { -1 })
+    }
+
+    /// A switch that closes a little later than ever is a switch; one that is farther away says that steps were lost. The place stays zero.
+    fn look_beyond(&mut self, axis: u8, gone: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if is_home(inputs, axis) {
+            self.task = Task::Return { axis, left: gone };
+            return None;
+        }
+        if gone >= self.config.switch_play_steps.unwrap_or_default() {
+            self.task = self.fault(DrillFault::LostSteps { axis });
+            return None;
+        }
+        self.task = Task::Beyond {
+            axis,
+            gone: gone.wrapping_add(1), // below the play
+        };
+        self.step(usize::from(axis), -1)
+    }
+
+    /// Down to the depth or the lower sensor, whichever comes first.
+    fn lower(&mut self, left: u16, is_whole: bool, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if self.switch_by_hole(true) {
+            return None;
+        }
+        let is_deep = left == 0 && !is_whole;
+        if inputs.is_down || is_deep {
+            self.task = self.raise(Next::Drilled);
+            return None;
+        }
+        let Some(left) = left.checked_sub(1) else {
+            self.task = self.fault(DrillFault::NotDown);
+            return None;
+        };
+        self.task = Task::Down { left, is_whole };
+        self.step(Z, 1)
+    }
+
+    fn lift(&mut self, left: u16, next: Next, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if next == Next::Home && self.switch_by_hole(false) {
+            return None;
+        }
+        if inputs.is_up {
+            match next {
+                Next::Home => self.begin_search(1, inputs),
+                Next::Go { axis, to } => self.task = Task::Go { axis, to },
+                Next::Drilled => {
+                    self.switch_by_hole(false);
+                    self.report = Some(DrillReport::Drilled { at: self.place });
+                    self.task = Task::Settle;
+                }
+            }
+            return None;
+        }
+        let Some(left) = left.checked_sub(1) else {
+            self.task = self.fault(DrillFault::NotUp);
+            return None;
+        };
+        self.task = Task::Up { left, next };
+        self.step(Z, -1)
+    }
+
+    /// Switches the spindle where that is the controller's task: `true` where the next event is
+    /// that.
+    fn switch_by_hole(&mut self, on: bool) -> bool {
+        let [is_on, _] = self.spindle;
+        let is_due = self.config.spindle_by_hole && is_on != on;
+        if is_due {
+            self.spindle = [is_on, on];
+        }
+        is_due
+    }
+
+    /// By hand, between the sensors.
+    fn jog_z(&mut self, left: i16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        let is_at_end = match left.signum() {
+            1 => inputs.is_down,
+            -1 => inputs.is_up,
+            _ => true,
+        };
+        if is_at_end {
+            if left != 0 {
+                self.link.cut_short();
+            }
+            self.task = Task::Settle;
+            return None;
+        }
+        // Towards zero: no overflow.
+        let direction = left.signum();
+        self.task = Task::JogZ {
+            left: left.wrapping_sub(direction),
+        };
+        self.step(Z, if direction > 0 { 1 } else { -1 })
+    }
+
+    fn step(&self, axis: usize, direction: i8) -> Option<DrillEvent> {
+        let mut delta = [0; 3];
+        *delta.get_mut(axis)? = direction;
+        Some(DrillEvent::Step(StepEvent {
+            wait_ticks: self.config.interval(axis),
+            delta,
+        }))
+    }
+
+    fn fault(&mut self, fault: DrillFault) -> Task {
+        self.report = Some(DrillReport::Fault(fault));
+        let [is_on, _] = self.spindle;
+        self.spindle = [is_on, false];
+        // Where the axes are is not known for sure.
+        self.is_homed = false;
+        self.link.fail();
+        Task::Fault
+    }
+}
+
+const fn number(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+/// Whether the home switch of X or Y is closed.
+fn is_home(inputs: &DrillInputs, axis: u8) -> bool {
+    inputs.home.get(usize::from(axis)) == Some(&true)
+}

@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+mod drill;
+mod microfactory;
+mod micromill;
+mod servo_module;
+
+pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
+pub use husillo_transports::microfactory::Report as MicrofactoryReport;
+pub use husillo_transports::micromill::Stops as MicromillStops;
+pub use microfactory::{
+    MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
+    MicrofactoryPair, PAIR,
+};
+pub use micromill::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep};
+pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};

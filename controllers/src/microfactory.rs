@@ -1,0 +1,601 @@
+//! The desktop microfactory: three linear axes and a stepping spindle, one task at a time.
+
+mod config;
+mod event;
+mod figure;
+mod pair;
+pub(crate) mod task;
+
+pub use config::MicrofactoryConfig;
+pub use event::{MicrofactoryEvent, MicrofactoryInputs};
+pub use pair::{MicrofactoryPair, PAIR};
+
+use husillo_transports::microfactory::{Order, Report, Status};
+
+use figure::FigureMove;
+use husillo_backlash::Play;
+use husillo_machine::StepEvent;
+use task::{Task, Way};
+
+/// X, Y, Z and the spindle.
+pub const MICROFACTORY_MOTORS: usize = 4;
+/// Index of the spindle among the motors.
+const SPINDLE: usize = 3;
+
+/// Where the motors' current is.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Power {
+    Off,
+    /// On; RESET is due.
+    Reset,
+    /// On; the delay is due.
+    Settle,
+    On,
+}
+
+/// A microfactory's controller: commands in, events out.
+///
+/// A task - homing, a jog, counted steps, a figure - begins when nothing else is under way. Positions are load steps from the
+/// place after homing; where an axis turns round, its lash is taken up first, and those steps count nowhere. `F` is where the
+/// figure is kept: moves in X and Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
+///
+/// **Homing** leads to the same place from anywhere, on whichever flank of its lash an axis stands: a switch that is closed at the start is
+/// left first, then searched. Until all of it has gone well the machine is not homed.
+///
+/// **Switches.** An axis whose home switch closes in a jog, in counted steps or in a figure stops, is reported, and goes
+/// back off it; the task ends. Away from a switch that is closed already it may go. An emergency stop acts on the next event, in every task, and stays until [`Microfactory::reset`].
+///
+/// Cost: an event takes some comparisons and two additions; a move of a figure a square root and a 64-bit division.
+///
+/// ```
+/// use husillo_controllers::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
+/// use husillo_transports::microfactory::Order;
+///
+/// let mut machine = Microfactory::new(MicrofactoryConfig::ORIGINAL, [[100, 50]]);
+/// machine.command(Order::Steps { motor: 1, forward: true, count: 3 });
+/// let mut steps = 0;
+/// loop {
+///     match machine.next_event(&MicrofactoryInputs::default()) {
+///         MicrofactoryEvent::Step(step) => steps += i32::from(step.delta[1]),
+///         MicrofactoryEvent::Idle => break,
+///         _ => {}
+///     }
+/// }
+/// assert_eq!(steps, 3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Microfactory<F> {
+    config: MicrofactoryConfig,
+    figure: F,
+    task: Task,
+    /// The move of the figure under way.
+    line: Option<FigureMove>,
+    power: Power,
+    plays: [Play; 3],
+    spindle: i32,
+    /// Ticks since the last event of an axis that the spindle's steps have used up already.
+    used_ticks: u32,
+    /// Ticks until the next step of a spindle that turns along.
+    spindle_ticks: u32,
+    /// The next step of the task, waiting for its time.
+    due: Option<Due>,
+    is_homed: bool,
+    /// RESET was pulsed since power came on: the phases are known.
+    was_reset: bool,
+    report: Option<Report>,
+    /// How the last task ended, or what happened in this one.
+    last: Option<Report>,
+    /// Switches that were closed at the last step, and those that have closed since.
+    were_closed: [bool; 3],
+    close: [bool; 3],
+}
+
+/// A step that has been decided.
+#[derive(Copy, Clone, Debug)]
+struct Due {
+    wait_ticks: u32,
+    delta: [i8; MICROFACTORY_MOTORS],
+}
+
+impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
+    /// At rest, motors off, not homed.
+    pub const fn new(config: MicrofactoryConfig, figure: F) -> Self {
+        let [x, y, z] = config.lash_steps;
+        Self {
+            config,
+            figure,
+            task: Task::Idle,
+            line: None,
+            power: Power::Off,
+            plays: [Play::new(x), Play::new(y), Play::new(z)],
+            spindle: 0,
+            used_ticks: 0,
+            spindle_ticks: 0,
+            due: None,
+            is_homed: false,
+            was_reset: false,
+            report: None,
+            last: None,
+            were_closed: [true; 3],
+            close: [false; 3],
+        }
+    }
+
+    /// A command from the link. Says whether it is carried out: a task is begun only while none is under way, except that the
+    /// jog under way may be said again, which keeps it alive where there is a dead-man's time. What concerns the stored figure
+    /// ([`Order::Clear`] and the like) is the owner's, for [`Microfactory::set_figure`].
+    pub fn command(&mut self, command: Order) -> bool {
+        if self.task == Task::Emergency {
+            return false;
+        }
+        match command {
+            Order::Emergency => {
+                self.task = Task::Emergency;
+                self.due = None;
+                // The axes were stopped in full flight: where they are is not known for sure.
+                self.is_homed = false;
+                self.tell(Report::Emergency);
+                return true;
+            }
+            Order::Stop => {
+                // The step decided on is not made.
+                self.due = None;
+                match self.task {
+                    Task::Idle => {}
+                    // When asked, it was a switch that ended the task.
+                    Task::BackOff { homes: false, .. } => self.report = Some(Report::Stopped),
+                    _ => self.tell(Report::Stopped),
+                }
+                self.task = Task::Idle;
+                return true;
+            }
+            _ => {}
+        }
+        let Some(task) = Task::of(command, &self.config) else {
+            return false;
+        };
+        let is_said_again = match (self.task, task) {
+            (Task::Jog { way, .. }, Task::Jog { way: again, .. }) => way == again,
+            _ => false,
+        };
+        if is_said_again {
+            self.task = task;
+            return true;
+        }
+        if self.task != Task::Idle {
+            return false;
+        }
+        if command == Order::Figure && self.figure.as_ref().is_empty() {
+            self.tell(Report::NoFigure);
+            return false;
+        }
+        if command == Order::Home {
+            // Until all of it has gone well.
+            self.is_homed = false;
+        }
+        self.task = task;
+        self.last = None;
+        // A switch that is closed already does not close.
+        self.were_closed = [true; 3];
+        true
+    }
+
+    /// What a panel's reset or power up does: out of an emergency stop, not homed, motors off.
+    pub fn reset(&mut self) {
+        self.task = Task::Idle;
+        self.power = Power::Off;
+        self.due = None;
+        self.is_homed = false;
+        self.was_reset = false;
+        self.report = None;
+        self.last = None;
+    }
+
+    /// Whether a task is under way.
+    pub fn is_moving(&self) -> bool {
+        !matches!(self.task, Task::Idle | Task::Emergency)
+    }
+
+    /// Whether positions count from the home switches.
+    pub const fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
+    /// Load steps of X, Y and Z, and steps of the spindle.
+    pub fn position_steps(&self) -> [i32; MICROFACTORY_MOTORS] {
+        let [x, y, z] = self.plays.map(|play| play.load());
+        [x, y, z, self.spindle]
+    }
+
+    /// How the last task ended and where the axes are: the answer to [`Order::Ask`].
+    pub fn status(&self) -> Status {
+        Status {
+            report: self.last,
+            is_moving: self.is_moving(),
+            is_homed: self.is_homed,
+            position_steps: self.position_steps(),
+        }
+    }
+
+    /// The figure, to be read or edited while none is cut.
+    pub const fn figure(&self) -> &F {
+        &self.figure
+    }
+
+    /// Another figure; refused, and given back, while one is cut.
+    ///
+    /// # Errors
+    ///
+    /// The figure that was not taken.
+    pub fn set_figure(&mut self, figure: F) -> Result<(), F> {
+        if matches!(self.task, Task::Figure { .. } | Task::Approach { .. }) {
+            return Err(figure);
+        }
+        self.figure = figure;
+        Ok(())
+    }
+
+    /// What happens next, with the switches as they are now.
+    pub fn next_event(&mut self, inputs: &MicrofactoryInputs) -> MicrofactoryEvent {
+        if let Some(report) = self.report.take() {
+            return MicrofactoryEvent::Report(report);
+        }
+        if !self.is_moving() {
+            if self.power == Power::Off {
+                return MicrofactoryEvent::Idle;
+            }
+            self.power = Power::Off;
+            return MicrofactoryEvent::Enable(false);
+        }
+        if let Some(event) = self.wake() {
+            return event;
+        }
+        if self.due.is_none() {
+            self.due = self.decide(inputs);
+        }
+        match self.due {
+            Some(due) => MicrofactoryEvent::Step(self.merged(due)),
+            // The task has ended, or changed, with a report.
+            None => match self.report.take() {
+                Some(report) => MicrofactoryEvent::Report(report),
+                None => MicrofactoryEvent::Dwell { wait_ticks: 0 },
+            },
+        }
+    }
+
+    /// Current, RESET and the delay after them, before a task's first step.
+    fn wake(&mut self) -> Option<MicrofactoryEvent> {
+        let (next, event) = match self.power {
+            Power::On => return None,
+            Power::Off => {
+                // After power came on the phases are anywhere, so RESET loses nothing.
+                let resets = self.config.resets_before_moves || !self.was_reset;
+                let next = if resets { Power::Reset } else { Power::Settle };
+                (next, MicrofactoryEvent::Enable(true))
+            }
+            Power::Reset => {
+                self.was_reset = true;
+                let ticks = self.config.reset_ticks;
+                (Power::Settle, MicrofactoryEvent::Reset { ticks })
+            }
+            Power::Settle => (
+                Power::On,
+                MicrofactoryEvent::Dwell {
+                    wait_ticks: self.config.settle_ticks,
+                },
+            ),
+        };
+        self.power = next;
+        self.used_ticks = 0;
+        self.spindle_ticks = self.config.spindle_interval();
+        Some(event)
+    }
+
+    /// Something to tell now, and when asked.
+    fn tell(&mut self, report: Report) {
+        self.report = Some(report);
+        self.last = Some(report);
+    }
+
+    /// The next step of the task; `None` where the task ends or changes.
+    fn decide(&mut self, inputs: &MicrofactoryInputs) -> Option<Due> {
+        for ((close, was), is) in (self.close.iter_mut().zip(self.were_closed)).zip(inputs.home) {
+            *close = is && !was;
+        }
+        self.were_closed = inputs.home;
+        match self.task {
+            Task::Idle | Task::Emergency => None,
+            Task::Jog { way, left_ticks } => {
+                let interval = self.config.interval(way.motor);
+                let left_ticks = match left_ticks {
+                    Some(left) if left < interval => {
+                        return self.end(Report::DeadMan);
+                    }
+                    left => left.map(|left| left.wrapping_sub(interval)),
+                };
+                self.task = Task::Jog { way, left_ticks };
+                self.one_way(way, inputs).map(|(due, _)| due)
+            }
+            Task::Steps { way, left } => {
+                if left == 0 {
+                    return self.end(Report::Done);
+                }
+                let (due, counts) = self.one_way(way, inputs)?;
+                let left = left.wrapping_sub(u8::from(counts));
+                self.task = Task::Steps { way, left };
+                Some(due)
+            }
+            Task::Look { axis } => {
+                self.begin_search(axis, inputs);
+                None
+            }
+            Task::Leave { axis, left } => self.leave(axis, left, inputs),
+            Task::Home { axis, left } => self.search(axis, left, inputs),
+            Task::BackOff { axis, left, homes } => self.back_off(axis, left, homes, inputs),
+            Task::Approach { left } => {
+                if inputs.contact {
+                    self.begin_move(0);
+                    self.tell(Report::Contact);
+                    return None;
+                }
+                if left == 0 {
+                    return self.end(Report::NoContact);
+                }
+                let way = Way {
+                    motor: 1,
+                    forward: true,
+                };
+                let (due, counts) = self.one_way(way, inputs)?;
+                self.task = Task::Approach {
+                    left: left.wrapping_sub(u32::from(counts)),
+                };
+                Some(due)
+            }
+            Task::Figure { index } => self.cut(index, inputs),
+        }
+    }
+
+    /// Ends the task.
+    fn end(&mut self, report: Report) -> Option<Due> {
+        self.task = Task::Idle;
+        self.tell(report);
+        None
+    }
+
+    /// A step of one motor, and whether it moves the load; at a home switch the task turns into going back off it.
+    fn one_way(&mut self, way: Way, inputs: &MicrofactoryInputs) -> Option<(Due, bool)> {
+        let direction: i8 = if way.forward { 1 } else { -1 };
+        if self.stops_at(way, inputs) {
+            return None;
+        }
+        let mut delta = [0; MICROFACTORY_MOTORS];
+        if let Some(place) = delta.get_mut(usize::from(way.motor)) {
+            *place = direction;
+        }
+        let play = self.plays.get(usize::from(way.motor));
+        let counts = !play.is_some_and(|play| play.owes(way.forward));
+        let due = Due {
+            wait_ticks: self.config.interval(way.motor),
+            delta,
+        };
+        Some((due, counts))
+    }
+
+    /// Whether the switch of an axis is closed that moves towards it, or has closed on any way of a task; then it goes back.
+    fn stops_at(&mut self, way: Way, inputs: &MicrofactoryInputs) -> bool {
+        let axis = way.motor;
+        // Going off a switch, its contact may bounce.
+        let has_closed = self.close.get(usize::from(axis)) == Some(&true)
+            && !matches!(self.task, Task::BackOff { .. } | Task::Leave { .. });
+        let stops = has_closed || (!way.forward && inputs.is_home(axis));
+        if stops {
+            if !self.is_homed {
+                // Which flank is engaged is not known: the way back off is the longer one.
+                self.engage_negative(axis);
+            }
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+                homes: false,
+            };
+            self.tell(Report::Switch { axis });
+        }
+        stops
+    }
+
+    /// The load lies on the negative flank: it was the motor's last way that moved it.
+    fn engage_negative(&mut self, axis: u8) {
+        if let Some(play) = self.plays.get_mut(usize::from(axis)) {
+            play.set_behind();
+        }
+    }
+
+    /// Homing: off a switch that is closed already, or at once towards it.
+    fn begin_search(&mut self, axis: u8, inputs: &MicrofactoryInputs) {
+        let lash = self.config.lash_steps.get(usize::from(axis));
+        self.task = if inputs.is_home(axis) {
+            Task::Leave {
+                axis,
+                // At least by the back-off, on whichever flank it begins: two u16.
+                left: u32::from(lash.copied().unwrap_or_default())
+                    .wrapping_add(u32::from(self.config.back_off_steps)),
+            }
+        } else {
+            Task::Home {
+                axis,
+                left: self.config.search_steps,
+            }
+        };
+    }
+
+    /// Homing: off a switch that was closed at the start, so that it closes at the same place as ever.
+    fn leave(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
+        let Some(left) = left.checked_sub(1) else {
+            if inputs.is_home(axis) {
+                return self.end(Report::StillClosed { axis });
+            }
+            self.begin_search(axis, inputs);
+            return None;
+        };
+        self.task = Task::Leave { axis, left };
+        let way = Way {
+            motor: axis,
+            forward: true,
+        };
+        self.one_way(way, inputs).map(|(due, _)| due)
+    }
+
+    /// Homing: towards the switch.
+    fn search(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
+        if inputs.is_home(axis) {
+            // It was open before, so this way has moved the load, whatever was known of its flank.
+            self.engage_negative(axis);
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+                homes: true,
+            };
+            return None;
+        }
+        if left == 0 {
+            return self.end(Report::NoSwitch { axis });
+        }
+        self.task = Task::Home {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        let way = Way {
+            motor: axis,
+            forward: false,
+        };
+        self.one_way(way, inputs).map(|(due, _)| due)
+    }
+
+    /// Back off a switch: in homing the next axis follows.
+    fn back_off(
+        &mut self,
+        axis: u8,
+        left: u16,
+        homes: bool,
+        inputs: &MicrofactoryInputs,
+    ) -> Option<Due> {
+        if left > 0 {
+            let way = Way {
+                motor: axis,
+                forward: true,
+            };
+            let (due, counts) = self.one_way(way, inputs)?;
+            self.task = Task::BackOff {
+                axis,
+                left: left.wrapping_sub(u16::from(counts)),
+                homes,
+            };
+            return Some(due);
+        }
+        if inputs.is_home(axis) {
+            return self.end(Report::StillClosed { axis });
+        }
+        if !homes {
+            // When asked, it was a switch that ended the task.
+            self.task = Task::Idle;
+            self.report = Some(Report::Done);
+            return None;
+        }
+        if let Some(play) = self.plays.get_mut(usize::from(axis)) {
+            play.set_zero();
+        }
+        if axis < 2 {
+            self.task = Task::Look {
+                axis: axis.wrapping_add(1),
+            };
+            return None;
+        }
+        self.is_homed = true;
+        self.end(Report::Homed)
+    }
+
+    /// A step of the figure.
+    fn cut(&mut self, index: usize, inputs: &MicrofactoryInputs) -> Option<Due> {
+        let Some(([x, z], wait_ticks)) = self.line.as_ref().and_then(FigureMove::peek) else {
+            // Below the length of a slice, so the sum does not wrap.
+            let next = index.wrapping_add(1);
+            if next >= self.figure.as_ref().len() {
+                return self.end(Report::Done);
+            }
+            self.begin_move(next);
+            return None;
+        };
+        for (motor, direction) in [(0, x), (2, z)] {
+            let way = Way {
+                motor,
+                forward: direction > 0,
+            };
+            if direction != 0 && self.stops_at(way, inputs) {
+                return None;
+            }
+        }
+        // Both axes take up what they owe before the tool goes on.
+        let [play_x, _, play_z] = &self.plays;
+        let [owes_x, owes_z] = [x != 0 && play_x.owes(x > 0), z != 0 && play_z.owes(z > 0)];
+        let (x, z, wait_ticks) = if owes_x || owes_z {
+            let only = |owes, direction| if owes { direction } else { 0 };
+            (only(owes_x, x), only(owes_z, z), self.config.interval(0))
+        } else {
+            if let Some(line) = &mut self.line {
+                line.advance();
+            }
+            (x, z, wait_ticks)
+        };
+        Some(Due {
+            wait_ticks,
+            delta: [x, 0, z, 0],
+        })
+    }
+
+    fn begin_move(&mut self, index: usize) {
+        let figure = self.figure.as_ref();
+        let way = figure.get(index).copied().unwrap_or_default();
+        self.line = Some(FigureMove::new(way, &self.config));
+        self.task = Task::Figure { index };
+    }
+
+    /// A step of the task, or one of the spindle that comes before it.
+    fn merged(&mut self, due: Due) -> StepEvent<MICROFACTORY_MOTORS> {
+        let left = due.wait_ticks.saturating_sub(self.used_ticks);
+        let turns_along = self.config.spindle_turns_in_figures
+            && matches!(self.task, Task::Figure { .. } | Task::Approach { .. });
+        if turns_along && self.spindle_ticks <= left {
+            let wait_ticks = self.spindle_ticks;
+            // Not above `left`, so the sum is not above the wait of the step.
+            self.used_ticks = self.used_ticks.wrapping_add(wait_ticks);
+            self.spindle_ticks = self.config.spindle_interval();
+            return self.made(wait_ticks, [0, 0, 0, 1]);
+        }
+        // Above `left` where it turns along; otherwise it begins anew.
+        self.spindle_ticks = if turns_along {
+            self.spindle_ticks.wrapping_sub(left)
+        } else {
+            self.config.spindle_interval()
+        };
+        self.used_ticks = 0;
+        self.due = None;
+        self.made(left, due.delta)
+    }
+
+    /// A step that is made now: the positions follow.
+    fn made(
+        &mut self,
+        wait_ticks: u32,
+        delta: [i8; MICROFACTORY_MOTORS],
+    ) -> StepEvent<MICROFACTORY_MOTORS> {
+        for (play, direction) in self.plays.iter_mut().zip(delta) {
+            if direction != 0 {
+                play.step(direction > 0);
+            }
+        }
+        let [.., turn] = delta;
+        // Of 2^32 steps, at 64 a second, none in two years.
+        self.spindle = self.spindle.wrapping_add(i32::from(turn));
+        StepEvent { wait_ticks, delta }
+    }
+}

@@ -1,0 +1,64 @@
+//! What a machine is made of.
+
+/// Rates, lash and times of a [`Microfactory`](crate::Microfactory).
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct MicrofactoryConfig {
+    /// Ticks a second of the timer that counts the waits; at least one a step.
+    pub timer_hz: u32,
+    /// Steps a second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse
+    /// of CLOCK.
+    pub axis_rate_hz: u16,
+    /// Steps a second of the spindle; above 0.
+    pub spindle_rate_hz: u16,
+    /// Lash of X, Y and Z in steps.
+    pub lash_steps: [u16; 3],
+    /// How far back off a home switch, in load steps.
+    pub back_off_steps: u16,
+    /// The longest way to a home switch, in motor steps.
+    pub search_steps: u32,
+    /// The longest way in Y until the tool touches the work piece, in load steps.
+    pub approach_steps: u32,
+    /// Ticks after which a jog ends unless it is said again; `None`: it goes on until it is stopped.
+    pub dead_man_ticks: Option<u32>,
+    /// Ticks of RESET low; the L297 wants 1 us.
+    pub reset_ticks: u32,
+    /// Ticks from RESET, or from the current, to the first step.
+    pub settle_ticks: u32,
+    /// RESET before every move, as the original did: a rotor that stood in another state than 1 jumps by up to two full steps.
+    /// Otherwise only before the first move after power came on, when the phases are anywhere.
+    pub resets_before_moves: bool,
+    /// The spindle turns while a figure is approached and cut.
+    pub spindle_turns_in_figures: bool,
+}
+
+impl MicrofactoryConfig {
+    /// The original's rates, lash and back-off on a timer of 1 MHz; ways of search and approach and the settling of 10 ms are ours,
+    /// as nobody stated them.
+    pub const ORIGINAL: MicrofactoryConfig = MicrofactoryConfig {
+        timer_hz: 1_000_000,
+        axis_rate_hz: 400,
+        spindle_rate_hz: 256,
+        lash_steps: [200, 0, 200],
+        back_off_steps: 200,
+        search_steps: 20_000,
+        approach_steps: 5_000,
+        dead_man_ticks: None,
+        reset_ticks: 1_000,
+        settle_ticks: 10_000,
+        resets_before_moves: false,
+        spindle_turns_in_figures: true,
+    };
+
+    /// Ticks between two steps of a motor.
+    pub(super) fn interval(&self, motor: u8) -> u32 {
+        let rate = match usize::from(motor) {
+            super::SPINDLE => self.spindle_rate_hz,
+            _ => self.axis_rate_hz,
+        };
+        self.timer_hz / u32::from(rate.max(1))
+    }
+
+    pub(super) fn spindle_interval(&self) -> u32 {
+        self.timer_hz / u32::from(self.spindle_rate_hz.max(1))
+    }
+}

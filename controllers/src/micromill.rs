@@ -1,0 +1,413 @@
+//! The micro mill: its strings in, its steps out.
+
+mod config;
+mod course;
+mod entry;
+mod event;
+mod lines;
+mod moves;
+mod orders;
+mod path;
+mod ring;
+mod task;
+mod ways;
+
+pub use config::MicromillConfig;
+pub use event::{MicromillEvent, MicromillInputs, MicromillStep};
+
+use husillo_planner::Timer;
+use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
+
+use course::Course;
+use entry::{Entry, Place};
+use husillo_backlash::Play;
+use husillo_machine::{MAX_WAIT_TICKS, StepGuard};
+use path::Flat;
+use ring::Ring;
+use task::Task;
+use ways::Ways;
+
+/// An event that was given and is not made yet.
+#[derive(Copy, Clone, Debug)]
+struct Given {
+    ways: Ways,
+    /// The axes whose load it moves.
+    loads: u8,
+    /// Lines that are done with it.
+    ends: u8,
+}
+
+/// The micro mill's controller: bytes of its link in, events for its motors out, in bounded memory.
+///
+/// | when | call |
+/// | --- | --- |
+/// | a byte arrives | [`receive`](Micromill::receive); where it says so: stop the motors, tell what was made, then [`halted`](Micromill::halted) |
+/// | there is room for events | [`next_event`](Micromill::next_event) |
+/// | events were made | [`made`](Micromill::made) |
+/// | the transmitter is free | [`transmit`](Micromill::transmit) |
+///
+/// `QUEUE` lines wait for the one that is executed, `AHEAD` events may be given before they are made, `OUT` bytes wait for the transmitter: when
+/// they are too many, the steps wait. `QUEUE` and `AHEAD` are powers of two. A step is told when it was made, and a stop drops what was not.
+///
+/// Steps are those of [`Machine`](husillo_machine::Machine) for the same program. Homing, jogs and counted steps are decided one at a time, with the switches
+/// as they are then. Before homing the flanks are not known: lines that move are refused, lash is not taken up, and a jog ends at a switch;
+/// after it jogs end where the travel does.
+///
+/// ```
+/// use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
+///
+/// let mut mill: Micromill = Micromill::new(&MicromillConfig::MICROMILL);
+/// for byte in *b"PY+0003;" {
+///     assert!(!mill.receive(byte));
+/// }
+/// let mut steps = 0;
+/// while let Some(MicromillEvent::Step(step)) = mill.next_event(&MicromillInputs::default()) {
+///     steps += step.deltas()[1];
+///     mill.made(1);
+/// }
+/// assert_eq!(steps, 3);
+/// let said: Vec<u8> = std::iter::from_fn(|| mill.transmit()).collect();
+/// assert_eq!(said, b"\x88PY+0003;\x83\x83\x83\x8f"); // ready, echo, three steps, done
+/// ```
+#[derive(Clone, Debug)]
+pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: usize = 64> {
+    config: &'a MicromillConfig,
+    link: Device<OUT>,
+    queue: Ring<Entry, QUEUE>,
+    /// The line that filled the queue has not been confirmed.
+    owes_taken: bool,
+    /// Where the last line taken ends, and where the next one to be executed begins.
+    programmed: Place,
+    at: Place,
+    zero: Place,
+    task: Task,
+    /// The move under way, and what goes with it.
+    path: Option<Flat>,
+    course: Course,
+    guard: StepGuard<3>,
+    /// Ticks of moves too short for a step: they belong to the next one.
+    carried_ticks: u64,
+    /// Motors and loads after the events given.
+    plays: [Play; 3],
+    lash: [u16; 3],
+    ahead: Ring<Given, AHEAD>,
+    /// Lines that end with an event given.
+    ends_ahead: u16,
+    /// How long a jog lasts without being renewed.
+    lease_ticks: Option<u32>,
+    is_homed: bool,
+}
+
+/// What comes of looking for the next event.
+enum Next {
+    Give(MicromillEvent),
+    /// Something has changed: look again.
+    Again,
+    /// Not now.
+    Wait,
+}
+
+impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
+    Micromill<'a, QUEUE, AHEAD, OUT>
+{
+    /// After a reset: at rest, not homed.
+    pub fn new(config: &'a MicromillConfig) -> Self {
+        const { assert!(OUT >= 3 * AHEAD + 32, "room to tell the steps given") };
+        Micromill {
+            config,
+            link: Device::new(),
+            queue: Ring::new(Entry::NOTHING),
+            owes_taken: false,
+            programmed: [0; 3],
+            at: [0; 3],
+            zero: [0; 3],
+            task: Task::Idle,
+            path: None,
+            course: Course::new(Timer::new(0, 1, 1), Ways::NONE),
+            guard: StepGuard::new(),
+            carried_ticks: 0,
+            plays: [Play::new(0); 3],
+            lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
+            ahead: Ring::new(Given {
+                ways: Ways::NONE,
+                loads: 0,
+                ends: 0,
+            }),
+            ends_ahead: 0,
+            lease_ticks: None,
+            is_homed: false,
+        }
+    }
+
+    /// A controller that has been homed: it stands at machine zero, every axis engaged on its positive flank. For tests and simulations.
+    pub fn homed(config: &'a MicromillConfig) -> Self {
+        let mut mill = Micromill::new(config);
+        for (play, lash) in mill.plays.iter_mut().zip(mill.lash) {
+            *play = Play::new(lash);
+        }
+        mill.is_homed = true;
+        mill
+    }
+
+    /// Takes a byte of the line. `true`: stop the motors before the next event, say which events were [`made`](Micromill::made), drop the others,
+    /// and call [`halted`](Micromill::halted).
+    pub fn receive(&mut self, byte: u8) -> bool {
+        match self.link.push(byte) {
+            None => {}
+            Some(Order::Stop) => return true,
+            Some(order) => self.obey(order),
+        }
+        self.tell_motion();
+        false
+    }
+
+    /// Which bytes stop what moves now. Where the foreground may be late, the interrupt that hears one of them holds the events back at once;
+    /// when it is taken, [`receive`](Micromill::receive) says that it stops, or they go on.
+    pub const fn stops(&self) -> Stops {
+        self.link.stops()
+    }
+
+    /// The motors have stopped: what was queued is dropped, and the events that were not made have not been.
+    pub fn halted(&mut self) {
+        let answer = if self.is_moving() {
+            Answer::Stopped
+        } else {
+            Answer::Taken
+        };
+        while let Some(given) = self.ahead.pop_last() {
+            undo(&mut self.plays, &given);
+        }
+        self.drop_all();
+        self.stand();
+        self.link.answer(answer);
+        self.tell_motion();
+    }
+
+    /// So many of the events given, the oldest ones, have been made.
+    #[inline]
+    pub fn made(&mut self, events: usize) {
+        if !self.will_tell() && events < self.ahead.len() {
+            return self.ahead.drop_first(events);
+        }
+        self.tell(events);
+    }
+
+    /// What there is to say of events that were made.
+    #[inline(never)]
+    fn tell(&mut self, events: usize) {
+        for _ in 0..events {
+            let Some(given) = self.ahead.pop() else {
+                return;
+            };
+            for axis in Axis::ALL {
+                let bit = Ways::one(axis, true).axes;
+                if given.ways.axes & bit != 0 {
+                    self.link.step(axis, given.ways.negative & bit == 0);
+                }
+            }
+            for _ in 0..given.ends {
+                self.link.answer(Answer::Done);
+            }
+            self.ends_ahead = self.ends_ahead.wrapping_sub(given.ends.into()); // they were counted
+        }
+        if self.ahead.is_empty() {
+            self.tell_motion();
+        }
+    }
+
+    /// Whether something is told when events that were given have been made, steps or that a line is done: then [`made`](Micromill::made) should be said of each at
+    /// once. Otherwise the foreground may wait until some have been made: saying so of several costs as much as of one.
+    pub const fn will_tell(&self) -> bool {
+        self.link.tells_steps() || self.ends_ahead > 0
+    }
+
+    /// The next byte for the line.
+    pub fn transmit(&mut self) -> Option<u8> {
+        self.link.transmit()
+    }
+
+    /// What happens next, with the switches as they are now. `None`: nothing now; ask again when a byte has come, an event was made or a byte sent.
+    #[inline]
+    pub fn next_event(&mut self, inputs: &MicromillInputs) -> Option<MicromillEvent> {
+        while !self.ahead.is_full() && self.has_room() {
+            if let Some(step) = self.step_of_path(inputs) {
+                return Some(MicromillEvent::Step(step));
+            }
+            match self.look(inputs) {
+                Next::Give(event) => return Some(event),
+                Next::Again => {}
+                Next::Wait => {
+                    self.tell_motion();
+                    return None;
+                }
+            }
+        }
+        self.end_walked();
+        None
+    }
+
+    /// Whether all that the events given and the next one may tell, three steps each, has room.
+    #[inline]
+    fn has_room(&self) -> bool {
+        let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
+        // In an empty queue all of them have.
+        self.link.is_silent() || self.link.has_room(to_tell)
+    }
+
+    /// Whether anything is under way or queued.
+    pub fn is_moving(&self) -> bool {
+        self.task != Task::Idle || !self.ahead.is_empty() || !self.queue.is_empty()
+    }
+
+    /// Whether positions count from the home switches.
+    pub const fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
+    /// Load steps from machine zero after the events that were made; from where it was switched on before homing.
+    pub fn position_steps(&self) -> [i32; 3] {
+        let mut plays = self.plays;
+        for given in self.ahead.iter() {
+            undo(&mut plays, &given);
+        }
+        plays.map(|play| play.load())
+    }
+
+    fn tell_motion(&mut self) {
+        let is_jog = matches!(self.task, Task::Jog { .. });
+        self.link.set_motion(self.is_moving(), is_jog);
+    }
+
+    /// The place of the loads, as steps have it.
+    fn stand(&mut self) {
+        let axes = self.config.machine.axes.iter().zip(&self.plays);
+        for (at, (axis, play)) in self.at.iter_mut().zip(axes) {
+            let Ok(place) = i32::try_from(axis.scale.position(play.load())) else {
+                // Farther than any axis goes: home again.
+                self.is_homed = false;
+                continue;
+            };
+            *at = place;
+        }
+        self.programmed = self.at;
+    }
+
+    fn drop_all(&mut self) {
+        self.queue.clear();
+        self.ahead.clear();
+        self.ends_ahead = 0;
+        self.owes_taken = false;
+        self.task = Task::Idle;
+        self.path = None;
+        self.carried_ticks = 0;
+        self.guard.rest();
+    }
+
+    /// What comes next where it is no step of a path that nothing stands before.
+    #[inline(never)]
+    fn look(&mut self, inputs: &MicromillInputs) -> Next {
+        if self.path.is_some() {
+            return self.precede(inputs);
+        }
+        if self.task == Task::Idle {
+            return self.begin();
+        }
+        if let Task::Dwell { left_ticks } = self.task {
+            let wait_ticks = left_ticks.min(MAX_WAIT_TICKS.into()) as u32;
+            if wait_ticks == 0 {
+                self.task = Task::Idle;
+                self.end_line();
+                return Next::Again;
+            }
+            self.task = Task::Dwell {
+                left_ticks: left_ticks.wrapping_sub(wait_ticks.into()),
+            };
+            return self.give(wait_ticks, Ways::NONE);
+        }
+        // With the switches as they are after the last step.
+        if !self.ahead.is_empty() {
+            return Next::Wait;
+        }
+        self.manual(inputs)
+    }
+
+    /// Ends everything where it is; what was given is still made.
+    fn cut(&mut self) {
+        self.queue.clear();
+        self.owes_taken = false;
+        self.task = Task::Idle;
+        self.path = None;
+        self.carried_ticks = 0;
+        self.guard.rest();
+        self.stand();
+        self.link.answer(Answer::Stopped);
+    }
+
+    fn give(&mut self, wait_ticks: u32, ways: Ways) -> Next {
+        let (mut loads, mut bit) = (0, 1_u8);
+        for play in &mut self.plays {
+            if ways.axes & bit != 0 && play.step(ways.negative & bit == 0) {
+                loads |= bit;
+            }
+            bit = bit.wrapping_shl(1);
+        }
+        self.guard.stepped_aside(wait_ticks, ways.axes);
+        Next::Give(MicromillEvent::Step(self.say(wait_ticks, ways, loads)))
+    }
+
+    #[inline]
+    fn say(&mut self, wait_ticks: u32, ways: Ways, loads: u8) -> MicromillStep {
+        self.ahead.push(Given {
+            ways,
+            loads,
+            ends: 0,
+        });
+        MicromillStep {
+            wait_ticks,
+            axes: ways.axes,
+            negative: ways.negative,
+        }
+    }
+
+    /// The line is done when all that was given has been made.
+    fn end_line(&mut self) {
+        match self.ahead.last_mut() {
+            // `QUEUE` lines at most end with one event.
+            Some(given) => {
+                if let Some(ends) = given.ends.checked_add(1) {
+                    given.ends = ends;
+                    self.ends_ahead = self.ends_ahead.wrapping_add(1); // 255 AHEAD at most
+                }
+            }
+            None => self.link.answer(Answer::Done),
+        }
+    }
+}
+
+/// The first axis that goes a way which it takes up lash for, and how many steps of that it owes.
+fn first_owed(plays: &[Play; 3], ways: Ways) -> Option<(Ways, u16)> {
+    let mut bit = 1_u8;
+    for play in plays {
+        let negative = ways.negative & bit;
+        if ways.axes & bit != 0 && play.owes(negative == 0) {
+            let way = Ways {
+                axes: bit,
+                negative,
+            };
+            return Some((way, play.owed(negative == 0)));
+        }
+        bit = bit.wrapping_shl(1);
+    }
+    None
+}
+
+/// As if an event, the last one of those given, had not been.
+fn undo(plays: &mut [Play; 3], given: &Given) {
+    let mut bit = 1_u8;
+    for play in plays {
+        if given.ways.axes & bit != 0 {
+            play.undo(given.ways.negative & bit == 0, given.loads & bit != 0);
+        }
+        bit = bit.wrapping_shl(1);
+    }
+}

@@ -1,0 +1,117 @@
+//! The move under way: its steps, and what comes before them.
+
+use husillo_interp::Interpolator;
+use husillo_planner::Timer;
+
+use super::{
+    Micromill, MicromillInputs, MicromillStep, Next, course::TakeUp, first_owed, path::Flat,
+    task::Task, ways::Ways,
+};
+use husillo_machine::MAX_WAIT_TICKS;
+
+impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
+    /// The next step of the move under way, or of the take-up before it, unless something else comes first: then that step is kept, and
+    /// [`look`](Micromill::look) decides.
+    #[inline]
+    pub(super) fn step_of_path(&mut self, inputs: &MicromillInputs) -> Option<MicromillStep> {
+        let course = &mut self.course;
+        let next = match &mut self.path {
+            Some(Flat::Arc(arc)) if course.next.is_none() => arc.next().map(|step| {
+                let ways = Ways::from(step);
+                course.turns(ways);
+                (ways, course.timer.wait(step.sweep), arc.remaining())
+            }),
+            Some(Flat::Line(line)) if course.next.is_none() => line
+                .next()
+                .map(|step| (Ways::from(step), course.timer.wait_one(), line.remaining())),
+            Some(_) => {
+                if let Some((way, wait_ticks)) = course.take_up() {
+                    if let Some(play) = self.plays.get_mut(way.number()) {
+                        play.take_up(way.negative == 0);
+                    }
+                    self.guard.stepped_aside(wait_ticks, way.axes);
+                    return Some(self.say(wait_ticks, way, 0));
+                }
+                course.next.take().map(|(ways, wait)| (ways, wait, 0))
+            }
+            None => return None,
+        };
+        let Some((ways, wait, remaining)) = next else {
+            self.end_path();
+            return None;
+        };
+        if course.may_owe || wait > u64::from(MAX_WAIT_TICKS) || ways.negative & inputs.home != 0 {
+            course.next = Some((ways, wait));
+            return None;
+        }
+        // It owes nothing: it moves loads.
+        let (axes, negative) = (i32::from(ways.axes), i32::from(ways.negative));
+        let [x, y, z] = &mut self.plays;
+        x.carry((axes & 1).wrapping_sub((negative & 1) << 1));
+        y.carry((axes >> 1 & 1).wrapping_sub(negative & 2));
+        if axes & 4 != 0 {
+            z.carry((axes >> 2).wrapping_sub(negative >> 1 & 2));
+        }
+        let mut wait = wait as u32;
+        if self.guard.follows(ways.axes, remaining) {
+            wait = self.guard.step(&self.config.machine, wait, ways.axes);
+        } else {
+            self.guard.pass(wait);
+        }
+        Some(self.say(wait, ways, ways.axes))
+    }
+
+    /// What comes before a step of the path: a take-up, or a part of its wait; or it does not come.
+    pub(super) fn precede(&mut self, inputs: &MicromillInputs) -> Next {
+        let course = &mut self.course;
+        let Some((ways, mut wait)) = course.next.take() else {
+            return Next::Again;
+        };
+        if course.may_owe {
+            // At the first step of a move, too.
+            wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
+            // A straight move takes up all its axes before it begins, an arc each where it turns round.
+            let owed = first_owed(&self.plays, course.heading);
+            if let Some((way, left)) = owed.or_else(|| first_owed(&self.plays, ways)) {
+                let config = &self.config.machine;
+                let hz = config
+                    .axes
+                    .get(way.number())
+                    .map_or(1, |axis| axis.max_rate_hz);
+                let pace = Timer::new(config.timer_hz.into(), hz.max(1).into(), 1);
+                course.next = Some((ways, wait));
+                course.owed = Some(TakeUp { way, left, pace });
+                return Next::Again;
+            }
+            course.is_even();
+        }
+        if wait > u64::from(MAX_WAIT_TICKS) {
+            course.next = Some((ways, wait.wrapping_sub(MAX_WAIT_TICKS.into())));
+            return self.give(MAX_WAIT_TICKS, Ways::NONE);
+        }
+        if ways.negative & inputs.home != 0 {
+            // Within the travel no switch closes: steps were lost.
+            self.is_homed = false;
+            self.cut();
+            return Next::Wait;
+        }
+        course.next = Some((ways, wait));
+        Next::Again
+    }
+
+    /// Ends the move whose last step was given: it is done when that is made.
+    #[inline]
+    pub(super) fn end_walked(&mut self) {
+        let is_walked = self.path.as_ref().is_some_and(|path| path.remaining() == 0);
+        if is_walked && self.course.next.is_none() {
+            self.end_path();
+        }
+    }
+
+    #[inline(never)]
+    fn end_path(&mut self) {
+        self.path = None;
+        self.task = Task::Idle;
+        self.end_line();
+    }
+}

@@ -1,0 +1,173 @@
+//! What strings ask for: a line is refused or queued, a mode begins.
+
+use husillo_transports::micromill::{Answer, Axis, Line, Order};
+
+use super::{
+    Micromill,
+    entry::{Entry, nm},
+    path::Flat,
+    task::Task,
+    ways::Ways,
+};
+
+impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
+    fn answer(&mut self, is_obeyed: bool, answer: Answer) {
+        self.link
+            .answer(if is_obeyed { answer } else { Answer::Refused });
+    }
+
+    pub(super) fn obey(&mut self, order: Order) {
+        let is_free = !self.is_moving();
+        match order {
+            Order::Line(line) => self.take(line),
+            Order::Faster => self.change_jog(1),
+            Order::Slower => self.change_jog(-1),
+            Order::Renew => {
+                if let Task::Jog { left_ticks, .. } = &mut self.task {
+                    *left_ticks = self.lease_ticks;
+                }
+            }
+            // 9999 ms of a timer of 4 GHz saturate: below its 2^32 ticks all the same.
+            Order::Lease(ms) => {
+                let ticks = (self.config.machine.timer_hz / 1000).saturating_mul(ms.into());
+                self.lease_ticks = (ms != 0).then_some(ticks);
+                self.link.answer(Answer::Taken);
+            }
+            _ if !is_free => self.link.answer(Answer::Refused),
+            Order::Jog(ways) => {
+                self.task = Task::Jog {
+                    ways: Ways::of(ways),
+                    hz: self.config.jog_hz,
+                    left_ticks: self.lease_ticks,
+                };
+            }
+            Order::Run(axis, hz) => {
+                let is_right = hz.unsigned_abs() <= self.config.top_hz;
+                if is_right {
+                    self.task = Task::Run {
+                        ways: Ways::one(axis, hz > 0),
+                        hz: hz.unsigned_abs(),
+                    };
+                } else {
+                    self.link.answer(Answer::Refused);
+                }
+            }
+            Order::Steps(axis, steps) => {
+                if self.reaches(axis, steps) {
+                    self.task = Task::Steps {
+                        ways: Ways::one(axis, steps > 0),
+                        left: steps.unsigned_abs(),
+                    };
+                } else {
+                    self.link.answer(Answer::Refused);
+                }
+            }
+            Order::Backlash(axis, um) => self.set_lash(axis, um),
+            Order::Home => {
+                self.is_homed = false;
+                for play in &mut self.plays {
+                    play.set_lash(0);
+                }
+                self.task = Task::Leave {
+                    axis: Axis::Z,
+                    left: self.config.search_steps,
+                };
+            }
+            Order::Zero => {
+                if self.is_homed {
+                    self.zero = self.programmed;
+                }
+                self.answer(self.is_homed, Answer::Done);
+            }
+            Order::Stop | Order::Stream(_) | Order::Every(_) => {}
+        }
+    }
+
+    /// A line: refused, or in the queue.
+    fn take(&mut self, line: Line) {
+        let is_streaming = self.link.is_streaming();
+        let is_free = if is_streaming {
+            !self.owes_taken && !self.task.is_manual()
+        } else {
+            !self.is_moving()
+        };
+        let entry = if is_free { self.check(line) } else { None };
+        let Some(entry) = entry else {
+            return self.link.answer(Answer::Refused);
+        };
+        self.programmed = entry.to;
+        if line == Line::Zero {
+            self.zero = self.programmed;
+        }
+        self.queue.push(entry);
+        if is_streaming {
+            if self.queue.is_full() {
+                self.owes_taken = true;
+            } else {
+                self.link.answer(Answer::Taken);
+            }
+        }
+    }
+
+    /// The line, if it can be made.
+    #[inline(never)]
+    fn check(&self, line: Line) -> Option<Entry> {
+        let entry = Entry::new(line, self.programmed, self.zero)?;
+        let needs_home = entry.moves() || line == Line::Zero;
+        if needs_home && !self.is_homed {
+            return None;
+        }
+        if entry.moves() {
+            let command = entry.command(self.programmed)?;
+            let from = nm(self.programmed);
+            let machine = &self.config.machine;
+            machine.check_arcs(&from, &command, Flat::fits).ok()?;
+        }
+        Some(entry)
+    }
+
+    fn change_jog(&mut self, way: i16) {
+        if let Task::Jog { hz, .. } = &mut self.task {
+            let change = self.config.jog_change_hz;
+            let top = self.config.top_hz.max(1);
+            *hz = if way > 0 {
+                hz.saturating_add(change).min(top)
+            } else {
+                hz.saturating_sub(change).max(change.max(1)).min(top)
+            };
+        }
+    }
+
+    fn set_lash(&mut self, axis: Axis, um: u16) {
+        let axes = Axis::ALL.into_iter().zip(&self.config.machine.axes);
+        let axes = axes.zip(self.lash.iter_mut().zip(&mut self.plays));
+        for ((other, config), (lash, play)) in axes {
+            if other == axis {
+                let way = i64::from(um).wrapping_mul(1000);
+                let steps = config.scale.nearest(way).unwrap_or(0);
+                *lash = steps.clamp(0, u16::MAX.into()) as u16;
+                if self.is_homed {
+                    play.set_lash(*lash);
+                }
+            }
+        }
+        self.link.answer(Answer::Done);
+    }
+
+    /// Whether an axis may go so many steps further.
+    fn reaches(&self, axis: Axis, steps: i16) -> bool {
+        let axes = Axis::ALL.into_iter().zip(&self.config.machine.axes);
+        axes.zip(&self.plays).all(|((other, config), play)| {
+            let travel = if self.is_homed { config.travel } else { None };
+            match travel {
+                Some([low, high]) if other == axis => {
+                    let to = config
+                        .scale
+                        .position(play.load().saturating_add(steps.into()));
+                    (low.0..=high.0).contains(&to)
+                }
+                _ => true,
+            }
+        })
+    }
+}

@@ -1,0 +1,214 @@
+//! What is under way: a line, or one of the modes that decide step by step.
+
+use husillo_transports::micromill::{Answer, Axis};
+
+use super::{Micromill, MicromillInputs, Next, first_owed, ways::Ways};
+
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    Idle,
+    /// A move of a line.
+    Line,
+    Dwell {
+        left_ticks: u64,
+    },
+    Jog {
+        ways: Ways,
+        hz: u16,
+        /// Until it ends, unless it is renewed.
+        left_ticks: Option<u32>,
+    },
+    Run {
+        ways: Ways,
+        hz: u16,
+    },
+    /// Load steps left.
+    Steps {
+        ways: Ways,
+        left: u16,
+    },
+    /// Homing: off the switch, if it begins there, since going towards it is what tells the flank.
+    Leave {
+        axis: Axis,
+        left: u32,
+    },
+    /// Homing: towards the switch.
+    Search {
+        axis: Axis,
+        left: u32,
+    },
+    /// Homing: load steps off it.
+    BackOff {
+        axis: Axis,
+        left: u16,
+    },
+}
+
+impl Task {
+    /// Whether it is none of a program.
+    pub(super) const fn is_manual(&self) -> bool {
+        !matches!(self, Task::Idle | Task::Line | Task::Dwell { .. })
+    }
+}
+
+impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
+    /// The next step of homing, a jog, a run or counted steps. Nothing is on its way.
+    pub(super) fn manual(&mut self, inputs: &MicromillInputs) -> Next {
+        match self.task {
+            Task::Idle | Task::Line | Task::Dwell { .. } => Next::Wait,
+            Task::Leave { axis, left } => self.leave(axis, left, inputs),
+            Task::Search { axis, left } => self.search(axis, left, inputs),
+            Task::BackOff { axis, left } => self.back_off(axis, left, inputs),
+            Task::Jog { ways, hz, .. } | Task::Run { ways, hz } => {
+                let wait_ticks = self.interval(hz);
+                if let Task::Jog {
+                    left_ticks: Some(left),
+                    ..
+                } = &mut self.task
+                {
+                    match left.checked_sub(wait_ticks) {
+                        Some(rest) => *left = rest,
+                        None => return self.end(Answer::Stopped),
+                    }
+                }
+                if self.is_at_end(ways, inputs) {
+                    return self.end(Answer::Stopped);
+                }
+                let (delta, _) = self.owed_or(ways);
+                self.give(wait_ticks, delta)
+            }
+            Task::Steps { left: 0, .. } => self.end(Answer::Done),
+            Task::Steps { ways, left } => {
+                if self.is_at_end(ways, inputs) {
+                    return self.end(Answer::Stopped);
+                }
+                let (delta, moves) = self.owed_or(ways);
+                self.task = Task::Steps {
+                    ways,
+                    left: left.wrapping_sub(moves.into()), // it is not 0
+                };
+                self.give(self.interval(self.config.jog_hz), delta)
+            }
+        }
+    }
+
+    fn leave(&mut self, axis: Axis, left: u32, inputs: &MicromillInputs) -> Next {
+        if !is_closed(axis, inputs) {
+            self.task = Task::Search {
+                axis,
+                left: self.config.search_steps,
+            };
+            return Next::Again;
+        }
+        if left == 0 {
+            return self.end(Answer::NoSwitch);
+        }
+        self.task = Task::Leave {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        self.give(self.interval(self.config.jog_hz), Ways::one(axis, true))
+    }
+
+    fn search(&mut self, axis: Axis, left: u32, inputs: &MicromillInputs) -> Next {
+        if is_closed(axis, inputs) {
+            // Moving towards the switch has engaged the negative flank.
+            let axes = Axis::ALL
+                .into_iter()
+                .zip(self.plays.iter_mut().zip(self.lash));
+            for (other, (play, lash)) in axes {
+                if other == axis {
+                    play.set_lash(lash);
+                    play.set_behind();
+                }
+            }
+            self.task = Task::BackOff {
+                axis,
+                left: self.config.back_off_steps,
+            };
+            return Next::Again;
+        }
+        if left == 0 {
+            return self.end(Answer::NoSwitch);
+        }
+        self.task = Task::Search {
+            axis,
+            left: left.wrapping_sub(1),
+        };
+        self.give(self.interval(self.config.jog_hz), Ways::one(axis, false))
+    }
+
+    fn back_off(&mut self, axis: Axis, left: u16, inputs: &MicromillInputs) -> Next {
+        if left > 0 {
+            let (delta, moves) = self.owed_or(Ways::one(axis, true));
+            self.task = Task::BackOff {
+                axis,
+                left: left.wrapping_sub(moves.into()),
+            };
+            return self.give(self.interval(self.config.jog_hz), delta);
+        }
+        if is_closed(axis, inputs) {
+            return self.end(Answer::NoSwitch);
+        }
+        for (other, play) in Axis::ALL.into_iter().zip(&mut self.plays) {
+            if other == axis {
+                play.set_zero();
+            }
+        }
+        let next = match axis {
+            Axis::Z => Axis::X,
+            Axis::X => Axis::Y,
+            Axis::Y => {
+                self.is_homed = true;
+                return self.end(Answer::Done);
+            }
+        };
+        self.task = Task::Leave {
+            axis: next,
+            left: self.config.search_steps,
+        };
+        Next::Again
+    }
+
+    /// The take-up of the first axis that owes some, or the step, and whether it is that.
+    fn owed_or(&self, ways: Ways) -> (Ways, bool) {
+        match first_owed(&self.plays, ways) {
+            Some((owed, _)) => (owed, false),
+            None => (ways, true),
+        }
+    }
+
+    /// Whether an axis has come to the end of its way: the travel's where it is known, or the switch.
+    fn is_at_end(&self, ways: Ways, inputs: &MicromillInputs) -> bool {
+        if ways.negative & inputs.home != 0 {
+            return true;
+        }
+        let axes = self.config.machine.axes.iter().zip(&self.plays);
+        let mut axes = axes.zip(ways.deltas());
+        axes.any(|((axis, play), way)| match axis.travel {
+            Some([low, high]) if self.is_homed && way != 0 && !play.owes(way > 0) => {
+                let to = play.load().saturating_add(way.into());
+                let to = axis.scale.position(to);
+                to < low.0 || to > high.0
+            }
+            _ => false,
+        })
+    }
+
+    /// Ends what decides step by step.
+    fn end(&mut self, answer: Answer) -> Next {
+        self.task = Task::Idle;
+        self.stand();
+        self.link.answer(answer);
+        Next::Again
+    }
+
+    /// Ticks between steps, up: never faster than asked for.
+    fn interval(&self, hz: u16) -> u32 {
+        self.config.machine.timer_hz.div_ceil(u32::from(hz).max(1))
+    }
+}
+
+fn is_closed(axis: Axis, inputs: &MicromillInputs) -> bool {
+    Ways::one(axis, true).axes & inputs.home != 0
+}

@@ -1,0 +1,266 @@
+//! A servo module: the network's module and the axis behind it, as one thing with bytes on one side and a motor on the other.
+
+use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
+use husillo_planner::ServoMotion;
+use husillo_transports::nmc::{
+    Auxiliary, Baud, Command, Gains, Homing, Mode, Module, Order, Readings, Reset, Status, Stop,
+    StopWay, Trajectory, reported_velocity,
+};
+
+use husillo_machine::{ServoAxis, ServoEvents, ServoInputs, ServoStop};
+
+/// What a period of a module gives.
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+pub struct ServoModuleOutput {
+    /// The drive of the motor.
+    pub drive: Drive,
+    /// Level of the amplifier's enable output.
+    pub amplifier: bool,
+    /// The line goes on at this rate.
+    pub baud: Option<Baud>,
+}
+
+/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins: bytes of the line and readings in,
+/// bytes and the drive of a motor out.
+///
+/// ```text
+/// command line ──► receive ┐                      ┌──► transmit ──► status line
+///                          ├──► tick, each 0.512 ms
+/// encoder, limits ─────────┘                      └──► drive, amplifier
+/// ```
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct ServoModule {
+    link: Module,
+    axis: ServoAxis,
+    /// The values a Load Trajectory leaves out are those of the one before.
+    goal: i32,
+    velocity: u32,
+    acceleration: u32,
+    duty: u8,
+    amplifier: bool,
+}
+
+impl ServoModule {
+    /// After power-up. `version` is 4 for the original's chip.
+    pub fn new(version: u8) -> Self {
+        Self {
+            link: Module::new(version),
+            axis: ServoAxis::new(servo_law(&Gains::default(), version)),
+            goal: 0,
+            velocity: 0,
+            acceleration: 0,
+            duty: 0,
+            amplifier: false,
+        }
+    }
+
+    /// The module's end of the network: for ADDR_IN, received bytes and the reply.
+    pub fn link(&mut self) -> &mut Module {
+        &mut self.link
+    }
+
+    /// The axis, to look at.
+    pub const fn axis(&self) -> &ServoAxis {
+        &self.axis
+    }
+
+    /// A servo period: what was received is done, the axis moves on, the reply is made.
+    pub fn tick(&mut self, inputs: &ServoInputs) -> ServoModuleOutput {
+        let drive = self.axis.tick(inputs);
+        let baud = match self.link.take() {
+            Some(Order::Servo(command)) => {
+                self.execute(command);
+                None
+            }
+            Some(Order::Baud(baud)) => Some(baud),
+            Some(Order::Reset(_)) => {
+                // The network's part has reset itself.
+                let link = self.link;
+                *self = Self {
+                    link,
+                    ..Self::new(link.version())
+                };
+                Some(Baud::default())
+            }
+            None => None,
+        };
+        if self.link.owes_reply() {
+            let (status, readings) = (self.status(), self.readings());
+            self.link.reply(status, &readings);
+        }
+        ServoModuleOutput {
+            drive: if self.amplifier {
+                drive
+            } else {
+                Drive::default()
+            },
+            amplifier: self.amplifier,
+            baud,
+        }
+    }
+
+    fn execute(&mut self, command: Command) {
+        match command {
+            Command::ResetPosition(reset) => {
+                let position = match reset {
+                    Reset::Zero => 0,
+                    // Modulo 2^32.
+                    Reset::Home => self.axis.position().wrapping_sub(self.axis.home()),
+                    Reset::To(position) => position,
+                };
+                // During a move to a goal it does nothing.
+                self.axis.set_position(position);
+            }
+            Command::LoadTrajectory(trajectory) => self.load(&trajectory),
+            Command::StartMotion => self.start(),
+            Command::SetGain(gains) => self.axis.set_law(servo_law(&gains, self.link.version())),
+            Command::StopMotor(stop) => self.stop(stop),
+            Command::SetHoming(homing) => self.search(homing),
+            Command::ClearBits => self.axis.clear(),
+            Command::SaveHome => self.axis.save_home(),
+            // Pins that are the owner's and a path mode (see the README); the others are the link's own.
+            _ => {}
+        }
+    }
+
+    fn load(&mut self, trajectory: &Trajectory) {
+        let relative = trajectory.is_relative() && self.link.version() >= 10;
+        if let Some(position) = trajectory.position {
+            self.goal = if relative {
+                // Modulo 2^32.
+                self.goal.wrapping_add(position)
+            } else {
+                position
+            };
+        }
+        self.velocity = trajectory.velocity.unwrap_or(self.velocity);
+        self.acceleration = trajectory.acceleration.unwrap_or(self.acceleration);
+        self.duty = trajectory.pwm.unwrap_or(self.duty);
+        let (velocity, acceleration) = (self.velocity, self.acceleration);
+        self.axis.load(match trajectory.mode {
+            Mode::Trapezoid => ServoMotion::Trapezoid {
+                goal: self.goal,
+                velocity,
+                acceleration,
+            },
+            Mode::Velocity => ServoMotion::Velocity {
+                velocity,
+                acceleration,
+                reverse: trajectory.reverse,
+            },
+            Mode::Pwm => ServoMotion::Pwm {
+                duty: self.duty,
+                reverse: trajectory.reverse,
+            },
+        });
+        if trajectory.start_now {
+            self.start();
+        }
+    }
+
+    /// Version 4 begins a trapezoid from standstill only: one that comes while the axis is commanded to move waits in the buffer for
+    /// the next start.
+    fn start(&mut self) {
+        let waits = self.link.version() < 5
+            && self.axis.is_moving()
+            && matches!(self.axis.loaded(), Some(ServoMotion::Trapezoid { .. }));
+        if !waits {
+            self.axis.start();
+        }
+    }
+
+    fn stop(&mut self, stop: Stop) {
+        self.amplifier = stop.amplifier;
+        match stop.way {
+            Some(StopWay::Off) => self.axis.stop(ServoStop::Off),
+            Some(StopWay::Abrupt) => self.axis.stop(ServoStop::Abrupt),
+            Some(StopWay::Smooth) => self.axis.stop(ServoStop::Smooth),
+            Some(StopWay::Here(position)) => self.axis.stop(ServoStop::At(position)),
+            None => {}
+        }
+    }
+
+    fn search(&mut self, homing: Homing) {
+        let has = |bit: Homing| homing.0 & bit.0 != 0;
+        let stop = if has(Homing::MOTOR_OFF) {
+            Some(ServoStop::Off)
+        } else if has(Homing::ABRUPT) {
+            Some(ServoStop::Abrupt)
+        } else if has(Homing::SMOOTH) {
+            Some(ServoStop::Smooth)
+        } else {
+            None
+        };
+        let events = ServoEvents {
+            limit_1: has(Homing::LIMIT_1),
+            limit_2: has(Homing::LIMIT_2),
+            index: has(Homing::INDEX),
+            position_error: has(Homing::POSITION_ERROR),
+            over_current: has(Homing::OVERCURRENT),
+        };
+        self.axis.search(events, stop);
+    }
+
+    fn status(&self) -> Status {
+        let status = self.axis.status();
+        let inputs = self.axis.inputs();
+        Status(bits(&[
+            (Status::MOVE_DONE.0, status.is_done),
+            (Status::OVERCURRENT.0, status.over_current),
+            (Status::POWER_ON.0, status.has_power),
+            (Status::POSITION_ERROR.0, status.position_error),
+            (Status::LIMIT_1.0, inputs.limit_1),
+            (Status::LIMIT_2.0, inputs.limit_2),
+            (Status::HOME_IN_PROGRESS.0, status.is_searching),
+        ]))
+    }
+
+    fn readings(&self) -> Readings {
+        let status = self.axis.status();
+        let inputs = self.axis.inputs();
+        Readings {
+            position: self.axis.position(),
+            current: inputs.current,
+            // Whole counts: as 16.16, modulo 2^32.
+            velocity: reported_velocity(self.axis.velocity() << 16),
+            auxiliary: Auxiliary(bits(&[
+                (Auxiliary::INDEX.0, inputs.index),
+                (Auxiliary::POSITION_WRAP.0, status.wrapped),
+                (Auxiliary::SERVO_ON.0, status.is_on),
+                (Auxiliary::ACCELERATION_DONE.0, status.is_acceleration_done),
+                (Auxiliary::SLEW_DONE.0, status.is_slew_done),
+            ])),
+            home: self.axis.home(),
+            position_error: self.axis.error_counts(),
+            ..Readings::default()
+        }
+    }
+}
+
+/// The bits that are set.
+fn bits(of: &[(u8, bool)]) -> u8 {
+    of.iter()
+        .filter(|(_, is_set)| *is_set)
+        .fold(0, |all, (bit, _)| all | bit)
+}
+
+/// The servo law of a module of this version with these gains: the divisor of version 10 and later makes only the derivative slower.
+pub fn servo_law(gains: &Gains, version: u8) -> ServoLaw {
+    let gains = ServoGains {
+        proportional: gains.proportional,
+        derivative: gains.derivative,
+        integral: gains.integral,
+        integral_limit: gains.integration_limit,
+        output_limit: gains.output_limit,
+        current_limit: gains.current_limit,
+        error_limit: gains.error_limit,
+        rate_divisor: gains.rate_divisor,
+        dead_band: gains.dead_band,
+    };
+    let rate = if version >= 10 {
+        RateRule::Derivative
+    } else {
+        RateRule::Loop
+    };
+    ServoLaw::new(&gains, rate, TotalLimit::BeforeScaling)
+}

@@ -1,0 +1,597 @@
+//! The micro mill's controller: its modes, and a program's steps against those of the machine.
+
+use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
+use husillo_gcode::SpindleDirection;
+use husillo_machine::{Event, Machine, Output};
+use proptest::prelude::*;
+
+const CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
+
+/// A controller, its switches and its motors: what was made, with times.
+struct Bench {
+    mill: Micromill<'static>,
+    /// Motor steps.
+    motors: [i32; 3],
+    /// Load steps, as the screws have them; and where the motors are ahead of them.
+    loads: [i32; 3],
+    ahead: [i32; 3],
+    /// Where the switches close, load steps.
+    switches: [i32; 3],
+    now_ticks: u64,
+    steps: Vec<(u64, [i8; 3])>,
+    spindle: Vec<(SpindleDirection, u16)>,
+    /// Answers, steps and echoes left out.
+    answers: Vec<u8>,
+    told: [i32; 3],
+}
+
+static STATIC: MicromillConfig = CONFIG;
+
+impl Bench {
+    fn new(mill: Micromill<'static>) -> Self {
+        Bench {
+            mill,
+            motors: [0; 3],
+            loads: [0; 3],
+            ahead: [0; 3],
+            switches: [i32::MIN; 3],
+            now_ticks: 0,
+            steps: Vec::new(),
+            spindle: Vec::new(),
+            answers: Vec::new(),
+            told: [0; 3],
+        }
+    }
+
+    fn homed() -> Self {
+        let mut bench = Bench::new(Micromill::homed(&STATIC));
+        bench.ahead = [1457, 1271, 0];
+        bench
+    }
+
+    fn lash(axis: usize) -> i32 {
+        [1457, 1271, 0][axis]
+    }
+
+    fn hear(&mut self) {
+        while let Some(byte) = self.mill.transmit() {
+            match byte {
+                0x80..=0x85 => {
+                    self.told[usize::from(byte & 6) / 2] += i32::from(byte & 1) * 2 - 1;
+                }
+                0x86.. => self.answers.push(byte),
+                _ => {}
+            }
+        }
+    }
+
+    fn say(&mut self, string: &str) {
+        for byte in string.bytes() {
+            if self.mill.receive(byte) {
+                self.mill.halted();
+            }
+            self.hear();
+        }
+    }
+
+    /// One event, if there is one; it is made at once.
+    fn go(&mut self) -> bool {
+        let inputs = MicromillInputs {
+            home: (0..3).fold(0, |home, axis| {
+                home | u8::from(self.loads[axis] <= self.switches[axis]) << axis
+            }),
+        };
+        let Some(event) = self.mill.next_event(&inputs) else {
+            self.hear();
+            return false;
+        };
+        match event {
+            MicromillEvent::Step(step) => {
+                self.now_ticks += u64::from(step.wait_ticks);
+                for (axis, delta) in step.deltas().into_iter().enumerate() {
+                    let delta = i32::from(delta);
+                    self.motors[axis] += delta;
+                    let ahead = self.ahead[axis] + delta;
+                    if (0..=Self::lash(axis)).contains(&ahead) {
+                        self.ahead[axis] = ahead;
+                    } else {
+                        self.loads[axis] += delta;
+                    }
+                }
+                if step.axes != 0 {
+                    self.steps.push((self.now_ticks, step.deltas()));
+                }
+                self.mill.made(1);
+            }
+            MicromillEvent::Spindle { direction, rpm } => self.spindle.push((direction, rpm)),
+            MicromillEvent::Tool { .. } => {}
+        }
+        self.hear();
+        true
+    }
+
+    fn run(&mut self) {
+        while self.go() {}
+    }
+
+    /// Says a string and does all of it; the answers since.
+    fn does(&mut self, string: &str) -> Vec<u8> {
+        self.answers.clear();
+        self.say(string);
+        self.run();
+        std::mem::take(&mut self.answers)
+    }
+}
+
+#[test]
+fn homes_z_then_x_then_y_and_backs_off() {
+    let mut bench = Bench::new(Micromill::new(&STATIC));
+    bench.switches = [-300, -200, -100];
+    assert_eq!(bench.does("G00X00001;"), [0x88, 0x8b], "not homed");
+    assert_eq!(bench.does("H;"), [0x8f]);
+    // Each switch is 400 steps below the loads now, and every positive flank is engaged.
+    assert_eq!(bench.loads, [100, 200, 300]);
+    assert_eq!(bench.ahead, [1457, 1271, 0]);
+    assert_eq!(bench.told, bench.motors, "every step is told");
+    let axes: Vec<usize> = bench
+        .steps
+        .iter()
+        .map(|(_, delta)| delta.iter().position(|way| *way != 0).unwrap())
+        .collect();
+    let mut order = axes.clone();
+    order.dedup();
+    assert_eq!(order, [2, 0, 1]);
+    assert_eq!(bench.mill.position_steps(), [0; 3]);
+    assert!(bench.mill.is_homed());
+    assert_eq!(bench.does("G00X00001;"), [0x8f]);
+    // Again, from elsewhere, to the same place.
+    assert_eq!(bench.does("G00X01000Y01000;"), [0x8f]);
+    assert_eq!(bench.does("H;"), [0x8f]);
+    assert_eq!(bench.loads, [100, 200, 300]);
+}
+
+#[test]
+fn a_missing_switch_ends_homing() {
+    let mut bench = Bench::new(Micromill::new(&STATIC));
+    assert_eq!(bench.does("H;"), [0x88, 0x89]);
+    assert_eq!(bench.motors, [0, 0, -80_000]);
+    assert!(!bench.mill.is_homed());
+}
+
+#[test]
+fn jogs_until_a_byte_and_remembers_where() {
+    let mut bench = Bench::homed();
+    bench.say("&X+Y+;");
+    for _ in 0..100 {
+        assert!(bench.go());
+    }
+    assert_eq!(bench.loads, [100, 100, 0]);
+    assert_eq!(bench.steps[9], (10 * 5883, [1, 1, 0]));
+    assert_eq!(bench.does("?"), [0x8d]);
+    assert_eq!(bench.mill.position_steps(), [100, 100, 0]);
+    assert_eq!(bench.does(";"), [0x8e]);
+    // Back: each lash first, alone.
+    bench.say("&X-Y-;");
+    for _ in 0..1457 + 1271 + 100 {
+        assert!(bench.go());
+    }
+    assert_eq!(bench.loads, [0; 3]);
+    // The travel ends here.
+    bench.run();
+    assert_eq!(bench.loads, [0; 3]);
+    assert_eq!(bench.answers, [0x8d]);
+    assert_eq!(bench.does("A;"), [0x8c]);
+}
+
+#[test]
+fn a_jog_is_faster_slower_and_mortal() {
+    let mut bench = Bench::homed();
+    assert_eq!(bench.does("L0500;"), [0x88, 0x8c]);
+    bench.say("JX+;");
+    bench.run();
+    // 84 steps of 5883 us are within half a second, 85 are not.
+    assert_eq!(
+        (bench.loads[0], bench.answers.as_slice()),
+        (84, &[0x8d_u8][..])
+    );
+    bench.answers.clear();
+    bench.say("JX+;");
+    for _ in 0..200 {
+        assert!(bench.go());
+        bench.say("L;");
+    }
+    let interval = |bench: &mut Bench| {
+        let before = bench.now_ticks;
+        assert!(bench.go());
+        bench.say("L;");
+        bench.now_ticks - before
+    };
+    bench.say("W;W;");
+    assert_eq!(interval(&mut bench), 1_000_000_u64.div_ceil(190));
+    bench.say("V;V;V;");
+    assert_eq!(interval(&mut bench), 1_000_000_u64.div_ceil(160));
+    (0..100).for_each(|_| bench.say("W;"));
+    assert_eq!(interval(&mut bench), 1_000_000_u64.div_ceil(390));
+    (0..100).for_each(|_| bench.say("V;"));
+    assert_eq!(interval(&mut bench), 100_000);
+    assert_eq!(bench.does("A;"), [0x8d, 0x8c]);
+}
+
+#[test]
+fn counted_steps_frequency_and_backlash() {
+    let mut bench = Bench::homed();
+    assert_eq!(bench.does("PX+1000;"), [0x88, 0x8f]);
+    assert_eq!((bench.loads, bench.motors), ([1000, 0, 0], [1000, 0, 0]));
+    assert_eq!(bench.does("PX-0010;"), [0x8f]);
+    assert_eq!((bench.loads[0], bench.motors[0]), (990, 990 - 1457));
+    assert_eq!(bench.does("PX-0991;"), [0x8b], "beyond the travel");
+    assert_eq!(bench.does("PY+0000;"), [0x8f]);
+    assert_eq!(
+        bench.does("FX+391;"),
+        [0x8b],
+        "faster than the motor follows"
+    );
+    bench.say("FX-390;");
+    let before = bench.now_ticks;
+    assert!(bench.go());
+    assert_eq!(bench.now_ticks - before, 1_000_000_u64.div_ceil(390));
+    assert_eq!(bench.does("A;"), [0x8d, 0x8c]);
+    // Less lash is taken up than there is: 20 um are 143 steps.
+    assert_eq!(bench.does("BX020;"), [0x8f]);
+    let motor = bench.motors[0];
+    assert_eq!(bench.does("PX+0001;"), [0x8f]);
+    assert_eq!(bench.motors[0], motor + 143 + 1);
+}
+
+/// What is wrong, beyond the travel or no arc changes nothing.
+#[test]
+fn refused_strings_change_nothing() {
+    let mut bench = Bench::homed();
+    bench.does("G00X01000Y01000;");
+    let before = bench.motors;
+    for (string, answer) in [
+        ("G00X11000;", 0x8b),
+        ("G01Y-00001F08;", 0x8b),
+        ("G02X02000Y02000I05000J01000F08;", 0x8b),
+        ("G02X01000Y01000I00000J00000F08;", 0x8b),
+        ("G01X02000F00;", 0x8e),
+        ("G99;", 0x8e),
+        ("PX-9999;", 0x8b),
+    ] {
+        assert_eq!(bench.does(string), [answer], "{string}");
+        assert_eq!(bench.motors, before, "{string}");
+    }
+    assert_eq!(bench.does("G00X01000Y01000;"), [0x8f]);
+    assert_eq!(bench.motors, before, "it stands where it stood");
+}
+
+#[test]
+fn outputs_come_between_the_moves() {
+    let mut bench = Bench::homed();
+    for string in [
+        "M03S800;",
+        "G01X00100F10;",
+        "M04S0900;",
+        "M05;",
+        "M06T02;",
+        "G04P02;",
+        "M30;",
+    ] {
+        assert_eq!(bench.does(string).last(), Some(&0x8f), "{string}");
+    }
+    use SpindleDirection::{Clockwise, CounterClockwise, Off};
+    assert_eq!(
+        bench.spindle,
+        [
+            (Clockwise, 800),
+            (CounterClockwise, 900),
+            (Off, 0),
+            (Off, 0)
+        ]
+    );
+    assert_eq!(bench.now_ticks, 60_000_000 / 10 + 2_000_000);
+}
+
+/// Lines are taken ahead, sixteen wait; the stop drops what was not made and the place is right.
+#[test]
+fn streams_and_stops() {
+    let mut bench = Bench::homed();
+    assert_eq!(bench.does("S1;"), [0x88, 0x8c]);
+    for number in 0..17 {
+        bench.say(&format!("G01X{:05}F14;", (number + 1) * 10));
+        // The first one is executed at once, so that sixteen fill the queue.
+        if number == 0 {
+            assert!(bench.go());
+        }
+    }
+    assert_eq!(
+        bench.answers, [0x8c; 16],
+        "the last one waits for its place"
+    );
+    bench.say("G90;");
+    assert_eq!(bench.answers.pop(), Some(0x8b), "it was not asked for");
+    bench.answers.clear();
+    for _ in 0..100 {
+        assert!(bench.go());
+    }
+    // 10 um are 71 steps: one line is made, and there is room for the last one.
+    assert_eq!(bench.answers, [0x8f, 0x8c]);
+    // Events that were given and not made are not: three of them.
+    let made = bench.loads;
+    for _ in 0..3 {
+        assert!(bench.mill.next_event(&MicromillInputs::default()).is_some());
+    }
+    assert_eq!(bench.does("G01X0A"), [0x8d]);
+    assert_eq!(bench.does(";"), [0x8c]);
+    assert_eq!(bench.mill.position_steps(), made);
+    assert_eq!(bench.does("G00X00000;"), [0x8c, 0x8f]);
+    assert_eq!(bench.loads, [0; 3]);
+    assert_eq!(bench.told, bench.motors);
+}
+
+#[test]
+fn any_byte_stops_a_line_within_a_take_up() {
+    let mut bench = Bench::homed();
+    bench.does("G00X01000;");
+    bench.say("G00X00000;");
+    for _ in 0..700 {
+        assert!(bench.go());
+    }
+    assert_eq!(bench.does("x;"), [0x8d, 0x8e]);
+    let load = bench.loads[0];
+    assert_eq!(bench.does("PX+0001;"), [0x8f]);
+    assert_eq!(bench.loads[0], load + 1, "what was taken up is given back");
+    assert_eq!(bench.does("G00X00000;"), [0x8f]);
+    assert_eq!(bench.loads, [0; 3]);
+}
+
+/// The machine's steps for the same strings: each with its time.
+struct Peer(Machine<3>, u64, Vec<(u64, [i8; 3])>);
+
+impl Peer {
+    fn does(&mut self, string: &str) -> bool {
+        if self
+            .0
+            .line(string.trim_end_matches(';').as_bytes())
+            .is_err()
+        {
+            return false;
+        }
+        while let Some(event) = self.0.next_event() {
+            match event {
+                Event::Step(step) => {
+                    self.1 += u64::from(step.wait_ticks);
+                    self.2.push((self.1, step.delta));
+                }
+                Event::Dwell { wait_ticks } => self.1 += u64::from(wait_ticks),
+                Event::Output(Output::Spindle { .. }) => {}
+                _ => {}
+            }
+        }
+        true
+    }
+}
+
+/// A number as a word has it.
+fn word(letter: char, at: i32) -> String {
+    let sign = if at < 0 { "-" } else { "" };
+    let at = at.abs();
+    format!("{letter}{sign}{:05}.{:02}", at / 100, at % 100)
+}
+
+fn any_line() -> impl Strategy<Value = Vec<String>> {
+    // Mostly within the table of 10 x 7 mm, in units of 10 nm; sometimes moves of a few steps.
+    let at = || prop_oneof![0..=650_000_i32, 0..=100, -50_000..=1_100_000];
+    prop_oneof![
+        (at(), at()).prop_map(|(x, y)| vec![format!("G00{}{};", word('X', x), word('Y', y))]),
+        (at(), 1..=99_u8).prop_map(|(x, feed)| vec![format!("G01{}F{feed:02};", word('X', x))]),
+        (at(), at(), 1..=14_u8).prop_map(|(x, y, feed)| vec![format!(
+            "G01{}{}F{feed:02};",
+            word('X', x),
+            word('Y', y)
+        )]),
+        (at(), 5..=14_u8)
+            .prop_map(|(z, feed)| vec![format!("G01{}F{feed:02};", word('Z', z / 100))]),
+        // Half a turn, a whole one, and any other from a place that is known.
+        (
+            100_000..400_000_i32,
+            100_000..400_000_i32,
+            -20_000..20_000_i32,
+            -20_000..20_000_i32,
+            any::<bool>(),
+            0..4_u8
+        )
+            .prop_map(|(x, y, i, j, clockwise, kind)| {
+                let code = if clockwise { "G02" } else { "G03" };
+                let (end_x, end_y) = match kind {
+                    0 => (x, y),
+                    1 => (x + 2 * i, y + 2 * j),
+                    2 => (x + i + j, y + j - i),
+                    _ => (x + i, y),
+                };
+                let arc = format!(
+                    "{code}{}{}{}{}F10;",
+                    word('X', end_x),
+                    word('Y', end_y),
+                    word('I', x + i),
+                    word('J', y + j)
+                );
+                vec![format!("G00{}{};", word('X', x), word('Y', y)), arc]
+            }),
+        prop::sample::select(vec![
+            "G54;", "G90;", "G04P01;", "G28X0Y0;", "G28Z0;", "M03S100;", "M05;", "M30;"
+        ])
+        .prop_map(|line| vec![line.to_owned()]),
+    ]
+}
+
+/// The time of a move too short for a step goes to the next step, over a line that does nothing.
+#[test]
+fn time_is_carried_over_lines_that_do_nothing() {
+    let mut bench = Bench::homed();
+    let mut peer = Peer(Machine::new(CONFIG.machine), 0, Vec::new());
+    for line in [
+        "G00X00000.21Y00000.00;",
+        "G01Z00000.01F05;",
+        "G90;",
+        "G01X00000.00Y00000.00F01;",
+    ] {
+        bench.does(line);
+        assert!(peer.does(line), "{line}");
+    }
+    assert_eq!(bench.steps, peer.2);
+}
+
+/// A line is done when its last step is made, also where that took the last place, and nothing stops it any more.
+#[test]
+fn a_line_ends_with_its_last_step() {
+    let mut fills = 0;
+    for to in 1..40 {
+        let mut mill: Micromill = Micromill::homed(&STATIC);
+        for byte in format!("G01X{to:05}F0100;").bytes() {
+            assert!(!mill.receive(byte));
+        }
+        let mut said = Vec::new();
+        while mill.is_moving() {
+            let given = std::iter::from_fn(|| mill.next_event(&MicromillInputs::default())).count();
+            assert_ne!(given, 0, "{to}: all was made, and it is not done");
+            mill.made(given);
+            said.extend(std::iter::from_fn(|| mill.transmit()));
+            fills += usize::from(given == 8 && !mill.is_moving());
+        }
+        assert_eq!(said.last(), Some(&0x8f));
+        assert!(!mill.receive(b'A'));
+    }
+    assert_ne!(fills, 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Any program: each string is refused by both or by none, and all steps have the machine's directions and times.
+    #[test]
+    fn steps_are_those_of_the_machine(lines in prop::collection::vec(any_line(), 1..6)) {
+        let mut bench = Bench::homed();
+        let mut peer = Peer(Machine::new(CONFIG.machine), 0, Vec::new());
+        bench.hear();
+        for line in lines.into_iter().flatten() {
+            let answers = bench.does(&line);
+            let taken = answers.last() == Some(&0x8f);
+            prop_assert!(taken || answers.last() == Some(&0x8b), "{}: {:?}", line, answers);
+            prop_assert_eq!(peer.does(&line), taken, "{}", line);
+            // Both dwell for moves too short for a step in the end, the machine at once.
+            prop_assert_eq!(bench.steps.len(), peer.2.len());
+            let differs = bench.steps.iter().zip(&peer.2).find(|(ours, theirs)| ours != theirs);
+            prop_assert_eq!(differs, None, "{}", line);
+        }
+        prop_assert_eq!(bench.loads, peer.0.position_steps());
+    }
+
+    /// Any bytes: the loads stay within their travel, and homing finds the same zero afterwards.
+    #[test]
+    fn hostile_bytes_stay_within_the_travel(strings in prop::collection::vec(prop_oneof![
+        prop::collection::vec(any::<u8>(), 0..12),
+        prop::sample::select(vec![&b"JX-;"[..], b"&X-Y-;", b"JX+;", b"PX-9999;", b"PY+9999;", b"FY-390;", b"G00X10000Y07000;", b"G28X0Y0;", b"H;", b"S1;", b"G01X00100F99;", b"W;", b"A;"])
+            .prop_map(|string| string.to_vec()),
+    ], 1..20), events in 0..3000_usize) {
+        let mut bench = Bench::homed();
+        bench.switches = [-400, -400, -400];
+        for string in strings {
+            for byte in string {
+                let stops = bench.mill.stops();
+                if bench.mill.receive(byte) {
+                    prop_assert!(stops.takes(byte) || b"WVL;".contains(&byte), "{:?} {}", stops, byte);
+                    bench.mill.halted();
+                }
+                bench.hear();
+            }
+            for _ in 0..events {
+                if !bench.go() {
+                    break;
+                }
+                let least = if bench.mill.is_homed() { 0 } else { -401 };
+                prop_assert!(bench.loads[0] >= least && bench.loads[1] >= least);
+                prop_assert!(bench.loads[0] <= 71_429 && bench.loads[1] <= 50_000, "{:?}", bench.loads);
+            }
+        }
+        bench.say("A;A;");
+        bench.run();
+        bench.answers.clear();
+        let answers = bench.does("H;");
+        prop_assert_eq!(answers.last(), Some(&0x8f));
+        prop_assert_eq!(bench.loads, [0; 3]);
+        prop_assert_eq!(bench.told, bench.motors);
+    }
+
+    /// Eight events wait when a byte that stops comes. The interrupt that hears it holds them back, the foreground is late: none is made any more,
+    /// and where the loads are is what the mill says.
+    #[test]
+    fn a_stop_acts_before_the_next_event(is_streaming in any::<bool>(), made in 1..560_usize, late in 0..4_usize) {
+        let mut bench = Bench::homed();
+        if is_streaming {
+            bench.does("S1;");
+        }
+        bench.say("G01X00080Y00050F14;");
+        let inputs = MicromillInputs::default();
+        let mut waiting = std::collections::VecDeque::new();
+        let (mut motors, mut is_held) = ([0; 3], false);
+        for count in 0..made + late {
+            while let Some(MicromillEvent::Step(step)) = bench.mill.next_event(&inputs) {
+                waiting.push_back(step.deltas());
+            }
+            prop_assert_eq!(waiting.len(), 8, "the line has 571 events");
+            is_held |= count >= made && bench.mill.stops().takes(b'A');
+            if !is_held {
+                let delta = waiting.pop_front().unwrap_or_default();
+                motors = std::array::from_fn(|axis| motors[axis] + i32::from(delta[axis]));
+                bench.mill.made(1);
+            }
+            bench.hear();
+        }
+        let before = motors;
+        prop_assert!(bench.mill.receive(b'A'));
+        bench.mill.halted();
+        bench.hear();
+        prop_assert_eq!(bench.told, before);
+        prop_assert_eq!(bench.mill.position_steps(), motors, "no lash was taken up");
+        prop_assert!(bench.mill.next_event(&inputs).is_none());
+        prop_assert_eq!(bench.answers.last(), Some(&0x8d));
+    }
+
+    /// Events followed together say what they say one by one, whatever steps are told, and leave the same place when the rest of them is stopped.
+    #[test]
+    fn events_are_followed_together(every in prop::sample::select(vec!["R000;", "R001;", "R003;"]), together in 2..9_usize, made in 0..2600_usize) {
+        let [one_by_one, several] = [1, together].map(|together| {
+            let mut mill: Micromill = Micromill::homed(&STATIC);
+            let mut said = Vec::new();
+            // Forwards, and backwards with take-ups.
+            for string in ["S1;", every, "G01X00080Y00050F14;", "G01X00020F14;"] {
+                for byte in string.bytes() {
+                    assert!(!mill.receive(byte));
+                    said.extend(std::iter::from_fn(|| mill.transmit()));
+                }
+            }
+            let (mut waiting, mut left) = (0, made);
+            loop {
+                while let Some(MicromillEvent::Step(_)) = mill.next_event(&MicromillInputs::default()) {
+                    waiting += 1;
+                }
+                let now = waiting.min(left).min(together);
+                if now == 0 {
+                    break;
+                }
+                mill.made(now);
+                (waiting, left) = (waiting - now, left - now);
+                said.extend(std::iter::from_fn(|| mill.transmit()));
+            }
+            // Where all is done nothing stops.
+            if mill.receive(b'A') {
+                mill.halted();
+            }
+            said.extend(std::iter::from_fn(|| mill.transmit()));
+            // A place in the queue is confirmed earlier where more events are given.
+            (said.into_iter().filter(|byte| *byte != 0x8c).collect::<Vec<_>>(), mill.position_steps())
+        });
+        prop_assert_eq!(one_by_one, several);
+    }
+}

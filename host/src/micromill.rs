@@ -1,0 +1,86 @@
+//! The micro mill: programs as its strings, and a controller on a port.
+//!
+//! ```text
+//! program ─► commands ─► translate ─► lines ─┬─► file.mm
+//!                                            └─► sender ─► port ─► controller
+//!                        the machine's steps ◄─ compared ─┘ steps told
+//!
+//! actions ─► hand ─► port ─► controller
+//! ```
+
+mod action;
+mod hand;
+mod sender;
+mod session;
+mod translate;
+
+pub use sender::{Sending, send};
+pub use translate::{Translated, translate};
+
+use crate::cmm::Port;
+use crate::microfactory::Jog;
+use crate::wire::stop_flag;
+use action::Action;
+use hand::Hand;
+use husillo_transports::micromill::{Line, Order};
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::time::Instant;
+
+/// The original's link, bits a second.
+pub const BAUD: u32 = 9600;
+
+/// The lines as a file has them: one string a line.
+pub fn text(lines: &[(usize, Line)]) -> String {
+    let mut out = String::new();
+    for (_, line) in lines {
+        let text = Order::Line(*line).text();
+        // Strings of the link are plain letters and digits; a string takes all that is written.
+        let _ = writeln!(out, "{}", String::from_utf8_lossy(text.bytes()));
+    }
+    out
+}
+
+/// `husillo jog`: whether all went well.
+///
+/// # Errors
+///
+/// A sentence about what cannot be asked for, before anything moves.
+pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
+    let actions = Action::parse(&args.actions)?;
+    let [name] = &args.port[..] else {
+        return Err("a mill is driven alone: one --port".into());
+    };
+    if name == "sim" {
+        return Err("the micro mill needs a --port; without one `husillo run` simulates it".into());
+    }
+    if args.figure.is_some() || args.without_answers {
+        return Err("--figure and --without-answers are for the microfactory".into());
+    }
+    let baud = args.baud.unwrap_or(BAUD);
+    let stop = stop_flag()?;
+    let port = Port::open_at(name, baud).map_err(|error| format!("{name}: {error}"))?;
+    let mut hand = match Hand::new(port, baud, stop) {
+        Ok(hand) => hand,
+        Err(sentence) => {
+            // A terminal that has gone away does not matter.
+            let _ = writeln!(io::stderr(), "error: {name}: {sentence}");
+            return Ok(false);
+        }
+    };
+    for action in &actions {
+        let start = Instant::now();
+        match hand.carry_out(action) {
+            Ok(how) => {
+                let seconds = start.elapsed().as_secs_f64();
+                // A reader that has gone away does not stop a machine.
+                let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
+            }
+            Err(sentence) => {
+                let _ = writeln!(io::stderr(), "error: {name}: {action}: {sentence}");
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}

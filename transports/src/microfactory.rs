@@ -1,0 +1,499 @@
+//! One byte a command: the link of the desktop microfactory.
+//!
+//! ```text
+//! table      which byte is which command
+//! figure     moves on the line, and their check
+//! status     what a device tells when it is asked
+//! ```
+//!
+//! The original (9600 baud, no echo, no reply) states its modes but no byte values; the values here are ours and may be changed in the
+//! [`ByteTable`]. A count may be any byte from 1 to 255, letters among them, so what a byte means depends on the mode.
+//!
+//! Its figure was built in. Ours may take others ([`Device::storing`]): `<`, then `3` and four bytes a move, then `6` with their number and a check.
+//! Only when that is right there is a figure again, so a damaged one is never cut. A controller of two machines ([`Device::of_two_machines`])
+//! obeys `o` and `t`: what follows is for machine one, or two. Five bytes [`ByteTable::stop`] bring the link out of
+//! any half command, as four at most of them are its data.
+
+mod figure;
+mod status;
+mod table;
+
+pub use figure::{figure_check, move_bytes};
+pub use status::{Report, STATUS_BYTES, Status};
+pub use table::{ByteTable, MOTORS};
+
+use figure::{checked, move_of};
+
+/// What the bytes ask for.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Order {
+    /// Home X, Y and Z.
+    Home,
+    /// Turn a motor until [`Order::Stop`]; said again while it turns, it is still wanted.
+    Jog {
+        /// 0 to 2 for X, Y, Z; 3 for the spindle.
+        motor: u8,
+        /// Forward, or clockwise.
+        forward: bool,
+    },
+    /// Turn a motor by so many steps.
+    Steps {
+        /// 0 to 3.
+        motor: u8,
+        /// Forward, or clockwise.
+        forward: bool,
+        /// 1 to 255.
+        count: u8,
+    },
+    /// Cut the stored figure.
+    Figure,
+    /// Stop what moves.
+    Stop,
+    /// Stop at once, and nothing more until a reset.
+    Emergency,
+    /// Another figure begins: the stored one is no more, and until [`Order::Keep`] there is none.
+    Clear,
+    /// A move of it: steps of X and Z.
+    Line([i16; 2]),
+    /// The moves since [`Order::Clear`] are the figure; their number and check are right.
+    Keep,
+    /// Tell: the bytes of a [`Status`] follow the answer.
+    Ask,
+}
+
+impl Order {
+    /// Whether it begins or ends a motion: what the machine's controller takes or refuses. The others concern the stored figure, or ask.
+    pub const fn is_a_motion(self) -> bool {
+        !matches!(self, Self::Clear | Self::Line(_) | Self::Keep | Self::Ask)
+    }
+}
+
+/// Where the reading of bytes stands.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Mode {
+    /// No mode was chosen, or home or figure, which need no more bytes.
+    None,
+    /// The motor told last, and whether forward.
+    Manual(Option<(u8, bool)>),
+    Steps,
+    /// The next byte is a count, whatever it is.
+    Count(u8, bool),
+    Ready {
+        motor: u8,
+        forward: bool,
+        count: u8,
+    },
+    Emergency,
+    /// Four bytes follow, whatever they are: of a move, or of the end of a figure.
+    Data {
+        is_end: bool,
+        bytes: [u8; 4],
+        count: u8,
+    },
+}
+
+/// What to do after a byte.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Received {
+    /// The command that is complete now.
+    pub command: Option<Order>,
+    /// The byte to send back: none without acknowledgement.
+    pub reply: Option<u8>,
+}
+
+/// The device's side: bytes in, commands out.
+///
+/// A mode is left only while nothing moves. With acknowledgement, which the original has not, every byte taken is sent back and every
+/// other one answered by `?`.
+///
+/// ```
+/// use husillo_transports::microfactory::{Order, Device, ByteTable};
+///
+/// let mut link = Device::new(ByteTable::DEFAULT);
+/// let commands: Vec<Order> = b"NxHE" // steps, X backward, 72 of them, run
+///     .iter()
+///     .filter_map(|byte| link.receive(*byte, false).command)
+///     .collect();
+/// assert_eq!(commands, [Order::Steps { motor: 0, forward: false, count: 72 }]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Device {
+    table: ByteTable,
+    mode: Mode,
+    acknowledges: bool,
+    /// Moves that there is room for.
+    room: u16,
+    /// Whether there are two machines, and for which one commands are.
+    is_pair: bool,
+    machine: u8,
+    loading: Option<Loading>,
+}
+
+/// A figure that is coming in.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+struct Loading {
+    moves: u16,
+    check: u16,
+}
+
+/// Answer to a byte that is not taken.
+pub const REJECTED: u8 = b'?';
+
+impl Device {
+    /// No mode chosen, no acknowledgement.
+    pub const fn new(table: ByteTable) -> Self {
+        Self {
+            table,
+            mode: Mode::None,
+            acknowledges: false,
+            room: 0,
+            is_pair: false,
+            machine: 0,
+            loading: None,
+        }
+    }
+
+    /// The same with acknowledgement.
+    pub const fn acknowledging(mut self) -> Self {
+        self.acknowledges = true;
+        self
+    }
+
+    /// The same with room for figures of so many moves.
+    pub const fn storing(mut self, moves: u16) -> Self {
+        self.room = moves;
+        self
+    }
+
+    /// The same of a controller of two machines: commands are for the first one until a byte of [`ByteTable::machines`] chooses.
+    pub const fn of_two_machines(mut self) -> Self {
+        self.is_pair = true;
+        self
+    }
+
+    /// The machine that commands are for, 0 or 1; what [`receive`](Self::receive) is told of motion is of that one. An emergency stop is for
+    /// both.
+    pub const fn machine(&self) -> u8 {
+        self.machine
+    }
+
+    /// The state after power up or reset: the only way out of an emergency stop.
+    pub const fn reset(&mut self) {
+        self.mode = Mode::None;
+        self.loading = None;
+        self.machine = 0;
+    }
+
+    /// A home switch has ended what moved: a mode has to be chosen anew, so that a host that has not seen it does not send the axis there again.
+    pub const fn leave_mode(&mut self) {
+        if let Mode::Manual(_) | Mode::Steps | Mode::Count(..) | Mode::Ready { .. } = self.mode {
+            self.mode = Mode::None;
+        }
+    }
+
+    /// A byte from the line; `is_moving`: a motor turns.
+    ///
+    /// While one does, [`Order::Stop`], [`Order::Emergency`] and the same jog again are taken and nothing else.
+    pub fn receive(&mut self, byte: u8, is_moving: bool) -> Received {
+        let taken = self.take(byte, is_moving);
+        let answer = if taken.is_some() { byte } else { REJECTED };
+        Received {
+            command: taken.flatten(),
+            reply: self.acknowledges.then_some(answer),
+        }
+    }
+
+    /// `None`: not taken; `Some(None)`: taken, but there is more to come.
+    fn take(&mut self, byte: u8, is_moving: bool) -> Option<Option<Order>> {
+        if let Mode::Count(motor, forward) = self.mode {
+            // Nothing moves while a count is expected: the motor was chosen standing.
+            if byte == 0 {
+                self.mode = Mode::Steps;
+                return None;
+            }
+            self.mode = Mode::Ready {
+                motor,
+                forward,
+                count: byte,
+            };
+            return Some(None);
+        }
+        if let Mode::Data {
+            is_end,
+            bytes,
+            count,
+        } = self.mode
+        {
+            return self.data(is_end, bytes, count, byte);
+        }
+        let table = self.table;
+        // Without answers nothing could be told.
+        if byte == table.ask && self.acknowledges {
+            return Some(Some(Order::Ask));
+        }
+        if self.is_pair && table.machines.contains(&byte) {
+            let [_, second] = table.machines;
+            self.machine = u8::from(byte == second);
+            // The mode, and a figure that was coming in, were the other one's. An emergency stop is of both.
+            if self.mode != Mode::Emergency {
+                self.mode = Mode::None;
+            }
+            self.loading = None;
+            return Some(None);
+        }
+        if self.mode == Mode::Emergency {
+            return None;
+        }
+        if byte == table.emergency {
+            self.mode = Mode::Emergency;
+            return Some(Some(Order::Emergency));
+        }
+        if byte == table.stop {
+            return Some(Some(Order::Stop));
+        }
+        let motor = table.motor(byte);
+        if let (Mode::Manual(last), Some((motor, forward))) = (self.mode, motor) {
+            if is_moving && last != Some((motor, forward)) {
+                return None;
+            }
+            self.mode = Mode::Manual(Some((motor, forward)));
+            return Some(Some(Order::Jog { motor, forward }));
+        }
+        if is_moving {
+            return None;
+        }
+        let is_steps = matches!(self.mode, Mode::Steps | Mode::Ready { .. });
+        match (self.mode, motor) {
+            (_, Some((motor, forward))) if is_steps => {
+                self.mode = Mode::Count(motor, forward);
+                Some(None)
+            }
+            (
+                Mode::Ready {
+                    motor,
+                    forward,
+                    count,
+                },
+                None,
+            ) if byte == table.run => Some(Some(Order::Steps {
+                motor,
+                forward,
+                count,
+            })),
+            _ => self.choose(byte),
+        }
+    }
+
+    /// A byte of a move, or of the end of a figure.
+    fn data(
+        &mut self,
+        is_end: bool,
+        mut bytes: [u8; 4],
+        count: u8,
+        byte: u8,
+    ) -> Option<Option<Order>> {
+        if let Some(place) = bytes.get_mut(usize::from(count)) {
+            *place = byte;
+        }
+        if count < 3 {
+            self.mode = Mode::Data {
+                is_end,
+                bytes,
+                // At most 3.
+                count: count.wrapping_add(1),
+            };
+            return Some(None);
+        }
+        self.mode = Mode::None;
+        let loading = self.loading?;
+        if is_end {
+            self.loading = None;
+            let [moves0, moves1, check0, check1] = bytes;
+            let is_right = loading.moves == u16::from_le_bytes([moves0, moves1])
+                && loading.check == u16::from_le_bytes([check0, check1]);
+            return is_right.then_some(Some(Order::Keep));
+        }
+        self.loading = Some(Loading {
+            // There was room for one more.
+            moves: loading.moves.wrapping_add(1),
+            check: checked(loading.check, &bytes),
+        });
+        Some(Some(Order::Line(move_of(bytes))))
+    }
+
+    /// A byte that chooses a mode.
+    fn choose(&mut self, byte: u8) -> Option<Option<Order>> {
+        let data = |is_end| Mode::Data {
+            is_end,
+            bytes: [0; 4],
+            count: 0,
+        };
+        let has_room = self
+            .loading
+            .is_some_and(|loading| loading.moves < self.room);
+        let (mode, command) = match byte {
+            _ if byte == self.table.clear && self.room > 0 => {
+                self.loading = Some(Loading { moves: 0, check: 0 });
+                (Mode::None, Some(Order::Clear))
+            }
+            _ if byte == self.table.line && has_room => (data(false), None),
+            _ if byte == self.table.keep && self.loading.is_some() => (data(true), None),
+            _ if byte == self.table.home => (Mode::None, Some(Order::Home)),
+            _ if byte == self.table.figure => (Mode::None, Some(Order::Figure)),
+            _ if byte == self.table.manual => (Mode::Manual(None), None),
+            _ if byte == self.table.steps => (Mode::Steps, None),
+            _ => return None,
+        };
+        self.mode = mode;
+        Some(command)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn commands(link: &mut Device, bytes: &[u8]) -> [Option<Order>; 8] {
+        let mut found = [None; 8];
+        let complete = bytes
+            .iter()
+            .filter_map(|byte| link.receive(*byte, false).command);
+        for (place, command) in found.iter_mut().zip(complete) {
+            *place = Some(command);
+        }
+        found
+    }
+
+    #[test]
+    fn a_count_may_be_any_letter() {
+        for count in 1..=255_u8 {
+            let mut link = Device::new(ByteTable::DEFAULT);
+            let [found, rest @ ..] = commands(&mut link, &[b'N', b'C', count, b'E']);
+            let expected = Order::Steps {
+                motor: 3,
+                forward: true,
+                count,
+            };
+            assert_eq!((found, rest), (Some(expected), [None; 7]));
+        }
+    }
+
+    #[test]
+    fn a_count_of_nothing_is_none() {
+        let mut link = Device::new(ByteTable::DEFAULT).acknowledging();
+        let replies =
+            [b'N', b'X', 0, b'E', b'X', 7, b'E', b'E'].map(|byte| link.receive(byte, false).reply);
+        let expected = [b'N', b'X', b'?', b'?', b'X', 7, b'E', b'E'];
+        assert_eq!(replies, expected.map(Some));
+    }
+
+    #[test]
+    fn a_mode_is_left_only_standing() {
+        let mut link = Device::new(ByteTable::DEFAULT).acknowledging();
+        link.receive(b'J', false);
+        for byte in *b"HJNGE" {
+            let received = link.receive(byte, true);
+            assert_eq!((received.command, received.reply), (None, Some(REJECTED)));
+        }
+        assert_eq!(link.receive(b'A', true).command, Some(Order::Stop));
+        assert_eq!(link.receive(b'H', false).command, Some(Order::Home));
+        // Homing is no mode in which motors have letters.
+        assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
+    }
+
+    #[test]
+    fn only_the_jog_under_way_is_said_again() {
+        let mut link = Device::new(ByteTable::DEFAULT);
+        link.receive(b'J', false);
+        let forward = Some(Order::Jog {
+            motor: 1,
+            forward: true,
+        });
+        assert_eq!(link.receive(b'Y', false).command, forward);
+        assert_eq!(link.receive(b'y', true).command, None);
+        assert_eq!(link.receive(b'Y', true).command, forward);
+    }
+
+    #[test]
+    fn behind_a_switch_a_mode_is_chosen_anew() {
+        let mut link = Device::new(ByteTable::DEFAULT).acknowledging();
+        for (mode, letter) in [(b"J", b'x'), (b"N", b'x')] {
+            link.receive(mode[0], false);
+            assert_eq!(link.receive(letter, false).reply, Some(letter));
+            link.leave_mode();
+            assert_eq!(link.receive(letter, false).reply, Some(REJECTED));
+            link.receive(mode[0], false);
+            assert_eq!(link.receive(letter, false).reply, Some(letter));
+            link.leave_mode();
+        }
+        link.receive(b'!', false);
+        link.leave_mode();
+        assert_eq!(link.receive(b'H', false).reply, Some(REJECTED));
+    }
+
+    #[test]
+    fn a_byte_chooses_between_two_machines() {
+        let mut one = Device::new(ByteTable::DEFAULT).acknowledging();
+        assert_eq!(one.receive(b't', false).reply, Some(REJECTED));
+        let mut link = Device::new(ByteTable::DEFAULT)
+            .acknowledging()
+            .of_two_machines();
+        link.receive(b'J', false);
+        assert_eq!(link.receive(b'X', false).reply, Some(b'X'));
+        // While that one moves, too; the mode was its own.
+        assert_eq!(link.receive(b't', true).reply, Some(b't'));
+        assert_eq!(link.machine(), 1);
+        assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
+        // As a count it is one.
+        for byte in *b"NYo" {
+            assert_eq!(link.receive(byte, false).reply, Some(byte));
+        }
+        let expected = Order::Steps {
+            motor: 1,
+            forward: true,
+            count: b'o',
+        };
+        assert_eq!(link.receive(b'E', false).command, Some(expected));
+        assert_eq!(link.machine(), 1);
+        // An emergency stop is for both.
+        link.receive(b'!', true);
+        assert_eq!(link.receive(b'o', false).reply, Some(b'o'));
+        assert_eq!(link.receive(b'H', false).reply, Some(REJECTED));
+        link.receive(b't', false);
+        link.reset();
+        assert_eq!(link.machine(), 0);
+    }
+
+    #[test]
+    fn an_emergency_stays() {
+        let mut link = Device::new(ByteTable::DEFAULT);
+        assert_eq!(link.receive(b'!', true).command, Some(Order::Emergency));
+        assert_eq!(commands(&mut link, b"AHJXNX\x05EG"), [None; 8]);
+        link.reset();
+        assert_eq!(link.receive(b'H', false).command, Some(Order::Home));
+    }
+
+    #[test]
+    fn it_is_asked_at_any_time_where_it_answers() {
+        let mut link = Device::new(ByteTable::DEFAULT);
+        assert_eq!(link.receive(b'5', true).command, None);
+        let mut link = link.acknowledging();
+        link.receive(b'!', true);
+        assert_eq!(link.receive(b'5', true).command, Some(Order::Ask));
+        assert_eq!(link.receive(b'H', false).command, None);
+    }
+
+    #[test]
+    fn a_table_has_every_byte_once() {
+        assert!(ByteTable::DEFAULT.is_unambiguous());
+        for (stop, is_right) in [(b'S', true), (b'H', false), (b'?', false), (b'c', false)] {
+            let table = ByteTable {
+                stop,
+                ..ByteTable::DEFAULT
+            };
+            assert_eq!(table.is_unambiguous(), is_right, "{stop}");
+        }
+    }
+}
