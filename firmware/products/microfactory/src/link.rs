@@ -1,8 +1,8 @@
 //! The cell behind its link, and a figure that comes in.
 
 use heapless::{Vec, spsc::Queue};
-use husillo_controllers::MicrofactoryConfig;
 use husillo_controllers::Microfactory;
+use husillo_controllers::MicrofactoryConfig;
 use husillo_transports::microfactory::{ByteTable, Device, Order, REJECTED};
 
 /// Moves of a figure that there is room for.
