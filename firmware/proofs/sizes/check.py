@@ -24,7 +24,7 @@ SIZES = FIRMWARE / "proofs/sizes"
 # The crates, each of which is the name of a function of the panic probe.
 CRATES = (
     *("gcode", "excellon", "interp", "planner", "stepper", "backlash", "encoder", "pid"),
-    *("probe", "transports", "store", "machine"),
+    *("probe", "transports", "store", "machine", "controllers"),
 )
 # Functions whose stack is bounded, and patterns of their symbols.
 BOUNDS = (

@@ -108,11 +108,11 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// [`MoveError::ArcTooLarge`] for an arc that does not fit, too.
     #[inline]
-    pub fn check_arcs(
+    pub fn check_arcs<F: Fn(&ArcMove) -> bool>(
         &self,
         from: &[Nm; N],
         command: &Command<N>,
-        fits: impl Fn(&ArcMove) -> bool,
+        fits: F,
     ) -> Result<(), MoveError> {
         if let Some(means) = missing(command, self.spindle_counts.is_some()) {
             return Err(MoveError::Unsupported(means));

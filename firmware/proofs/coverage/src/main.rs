@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, process};
 
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
     "gcode",
     "excellon",
     "interp",
@@ -21,6 +21,7 @@ const CRATES: [&str; 12] = [
     "transports",
     "store",
     "machine",
+    "controllers",
 ];
 
 /// Traits whose implementations need not be in the probe: derived, or made of calls of functions that are, or text output.

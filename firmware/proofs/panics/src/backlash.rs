@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use husillo_backlash::{
     Backlash, Calibration, Compensator, ErrorTable, Flank, Knot, Lash, LashMap, MapError,
-    MappedBacklash as AnyMapped, Squareness, TableError,
+    MappedBacklash as AnyMapped, Play, Squareness, TableError,
 };
 
 type MappedBacklash = AnyMapped<&'static [i32], &'static [u32]>;
@@ -29,6 +29,17 @@ pub fn keep() {
         LashMap::<&[i32], &[u32]>::entries as *const (),
         LashMap::<&[i32], &[u32]>::is_free as *const (),
         <MapError as core::fmt::Display>::fmt as *const (),
+        Play::new as *const (),
+        Play::owed as *const (),
+        Play::owes as *const (),
+        Play::step as *const (),
+        Play::set_behind as *const (),
+        Play::set_zero as *const (),
+        Play::load as *const (),
+        Play::carry as *const (),
+        Play::take_up as *const (),
+        Play::undo as *const (),
+        Play::set_lash as *const (),
         MappedBacklash::new as *const (),
         MappedBacklash::load_position as *const (),
         MappedBacklash::flank as *const (),

@@ -3,24 +3,16 @@
 use core::hint::black_box;
 
 use husillo_backlash::Backlash;
-use husillo_controllers::{
-    Drill as AnyDrill, Microfactory as AnyMicrofactory, MicrofactoryPair as AnyMicrofactoryPair,
-    Micromill as AnyMicromill, MicromillStep, ServoModule, servo_law,
-};
-use husillo_interp::Path;
+use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
     Axis, ClosedLoop as AnyClosedLoop, Config, Machine as AnyMachine, Means, Motors,
-    ServoAxis as AnyServoAxis, extent,
+    ServoAxis as AnyServoAxis, StepGuard, extent,
 };
 use husillo_stepper::{Drive, Levels};
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
-type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
-type MicrofactoryPair = AnyMicrofactoryPair<&'static [[i16; 2]]>;
-type Drill = AnyDrill<64>;
-type Micromill = AnyMicromill<'static>;
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "machine")]
@@ -29,6 +21,16 @@ pub fn keep() {
         Axis::max_feed_nm_per_min as *const (),
         Config::<3>::check as *const (),
         Config::<3>::check_travel as *const (),
+        Config::<3>::check_arcs::<fn(&ArcMove) -> bool> as *const (),
+        Config::<3>::nearest_steps as *const (),
+        Config::<3>::path::<Path<3>> as *const (),
+        StepGuard::<3>::new as *const (),
+        StepGuard::<3>::rest as *const (),
+        StepGuard::<3>::begin::<Path<3>> as *const (),
+        StepGuard::<3>::follows as *const (),
+        StepGuard::<3>::step as *const (),
+        StepGuard::<3>::pass as *const (),
+        StepGuard::<3>::stepped_aside as *const (),
         extent::<3> as *const (),
         Means::name as *const (),
         Machine::new as *const (),
@@ -60,46 +62,6 @@ pub fn keep() {
         ClosedLoop::is_stopped as *const (),
         ClosedLoop::is_correcting as *const (),
         ClosedLoop::next_event as *const (),
-        Microfactory::new as *const (),
-        Microfactory::command as *const (),
-        Microfactory::reset as *const (),
-        Microfactory::is_moving as *const (),
-        Microfactory::is_homed as *const (),
-        Microfactory::position_steps as *const (),
-        Microfactory::status as *const (),
-        Microfactory::figure as *const (),
-        Microfactory::set_figure as *const (),
-        Microfactory::next_event as *const (),
-        MicrofactoryPair::new as *const (),
-        MicrofactoryPair::command as *const (),
-        MicrofactoryPair::next_event as *const (),
-        MicrofactoryPair::is_moving as *const (),
-        MicrofactoryPair::reset as *const (),
-        MicrofactoryPair::cell as *const (),
-        MicrofactoryPair::machine_mut as *const (),
-        Micromill::halted as *const (),
-        Micromill::homed as *const (),
-        Micromill::is_homed as *const (),
-        Micromill::is_moving as *const (),
-        Micromill::made as *const (),
-        Micromill::new as *const (),
-        Micromill::next_event as *const (),
-        Micromill::position_steps as *const (),
-        Micromill::receive as *const (),
-        Micromill::stops as *const (),
-        Micromill::will_tell as *const (),
-        MicromillStep::deltas as *const (),
-        Micromill::transmit as *const (),
-        Drill::new as *const (),
-        Drill::reset as *const (),
-        Drill::push as *const (),
-        Drill::transmit as *const (),
-        Drill::stored as *const (),
-        Drill::position_steps as *const (),
-        Drill::is_homed as *const (),
-        Drill::is_working as *const (),
-        Drill::spindle_turns as *const (),
-        Drill::next_event as *const (),
         ServoAxis::new as *const (),
         ServoAxis::set_law as *const (),
         ServoAxis::set_position as *const (),
@@ -120,11 +82,6 @@ pub fn keep() {
         ServoAxis::home as *const (),
         ServoAxis::inputs as *const (),
         ServoAxis::status as *const (),
-        servo_law as *const (),
-        ServoModule::new as *const (),
-        ServoModule::link as *const (),
-        ServoModule::axis as *const (),
-        ServoModule::tick as *const (),
         Motors::<3, Drive>::new as *const (),
         Motors::<3, Drive>::step::<fn(u32, &[Levels; 3])> as *const (),
         Motors::<3, Drive>::rest::<fn(u32, &[Levels; 3])> as *const (),

@@ -1,4 +1,4 @@
-//! The proof that no public function of the leaves and of `machine` can panic: it links only when there is no panic left.
+//! The proof that no public function of the leaves, of `machine` and of `controllers` can panic: it links only when there is no panic left.
 //!
 //! Each module lists the functions of one crate and takes their addresses, so that each is compiled for any argument and any
 //! state. A path to a panic keeps the panic handler, and the handler calls a symbol that nobody defines.
@@ -7,6 +7,7 @@
 #![no_main]
 
 mod backlash;
+mod controllers;
 mod encoder;
 mod excellon;
 mod gcode;
@@ -34,6 +35,7 @@ extern "C" fn _start() -> ! {
     transports::keep();
     store::keep();
     machine::keep();
+    controllers::keep();
     loop {
         core::hint::spin_loop();
     }

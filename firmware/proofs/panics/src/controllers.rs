@@ -1,0 +1,65 @@
+//! The public functions of `husillo-controllers`.
+
+use core::hint::black_box;
+
+use husillo_controllers::{
+    Drill as AnyDrill, Microfactory as AnyMicrofactory, MicrofactoryPair as AnyMicrofactoryPair,
+    Micromill as AnyMicromill, MicromillStep, ServoModule, servo_law,
+};
+
+type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
+type MicrofactoryPair = AnyMicrofactoryPair<&'static [[i16; 2]]>;
+type Drill = AnyDrill<64>;
+type Micromill = AnyMicromill<'static>;
+
+/// Keeps every function in the program.
+#[unsafe(export_name = "controllers")]
+pub fn keep() {
+    black_box([
+        Microfactory::new as *const (),
+        Microfactory::command as *const (),
+        Microfactory::reset as *const (),
+        Microfactory::is_moving as *const (),
+        Microfactory::is_homed as *const (),
+        Microfactory::position_steps as *const (),
+        Microfactory::status as *const (),
+        Microfactory::figure as *const (),
+        Microfactory::set_figure as *const (),
+        Microfactory::next_event as *const (),
+        MicrofactoryPair::new as *const (),
+        MicrofactoryPair::command as *const (),
+        MicrofactoryPair::next_event as *const (),
+        MicrofactoryPair::is_moving as *const (),
+        MicrofactoryPair::reset as *const (),
+        MicrofactoryPair::machine as *const (),
+        MicrofactoryPair::machine_mut as *const (),
+        Micromill::halted as *const (),
+        Micromill::homed as *const (),
+        Micromill::is_homed as *const (),
+        Micromill::is_moving as *const (),
+        Micromill::made as *const (),
+        Micromill::new as *const (),
+        Micromill::next_event as *const (),
+        Micromill::position_steps as *const (),
+        Micromill::receive as *const (),
+        Micromill::stops as *const (),
+        Micromill::will_tell as *const (),
+        MicromillStep::deltas as *const (),
+        Micromill::transmit as *const (),
+        Drill::new as *const (),
+        Drill::reset as *const (),
+        Drill::push as *const (),
+        Drill::transmit as *const (),
+        Drill::stored as *const (),
+        Drill::position_steps as *const (),
+        Drill::is_homed as *const (),
+        Drill::is_working as *const (),
+        Drill::spindle_turns as *const (),
+        Drill::next_event as *const (),
+        servo_law as *const (),
+        ServoModule::new as *const (),
+        ServoModule::link as *const (),
+        ServoModule::axis as *const (),
+        ServoModule::tick as *const (),
+    ]);
+}
