@@ -101,21 +101,21 @@ impl Grid {
             points,
         };
         let cells = grid.columns * grid.rows;
-        let microfactory_of: Vec<usize> = grid
+        let cell_of: Vec<usize> = grid
             .points
             .iter()
             .map(|&point| grid.cell(grid.column_row(point)))
             .collect();
         let mut begins = vec![0; cells + 1];
-        for &cell in &microfactory_of {
+        for &cell in &cell_of {
             begins[cell + 1] += 1;
         }
         for cell in 0..cells {
             begins[cell + 1] += begins[cell];
         }
         let mut next = begins.clone();
-        let mut order = vec![0; microfactory_of.len()];
-        for (point, &cell) in microfactory_of.iter().enumerate() {
+        let mut order = vec![0; cell_of.len()];
+        for (point, &cell) in cell_of.iter().enumerate() {
             order[next[cell]] = point;
             next[cell] += 1;
         }

@@ -1,4 +1,4 @@
-//! The cell behind its link, and a figure that comes in.
+//! The microfactory behind its link, and a figure that comes in.
 
 use heapless::{Vec, spsc::Queue};
 use husillo_controllers::Microfactory;
@@ -19,7 +19,7 @@ const CONFIG: MicrofactoryConfig = MicrofactoryConfig {
 pub struct Link {
     bytes: Device,
     /// The controller.
-    pub cell: Cell<Figure>,
+    pub machine: Microfactory<Figure>,
     loading: Figure,
     /// Answers; a status is the longest.
     out: Queue<u8, 64>,
@@ -32,7 +32,7 @@ impl Link {
             bytes: Device::new(ByteTable::DEFAULT)
                 .acknowledging()
                 .storing(ROOM as u16),
-            cell: Cell::new(CONFIG, Vec::new()),
+            machine: Microfactory::new(CONFIG, Vec::new()),
             loading: Vec::new(),
             out: Queue::new(),
         }
@@ -40,29 +40,29 @@ impl Link {
 
     /// Takes a byte of the line.
     pub fn receive(&mut self, byte: u8) {
-        let received = self.bytes.receive(byte, self.cell.is_moving());
+        let received = self.bytes.receive(byte, self.machine.is_moving());
         let is_taken = match received.command {
-            Some(command) if command.is_a_motion() => self.cell.command(command),
+            Some(command) if command.is_a_motion() => self.machine.command(command),
             _ => true,
         };
         if let Some(reply) = received.reply {
             self.answer(&[if is_taken { reply } else { REJECTED }]);
         }
-        // Nothing moves while a figure comes in, so the cell takes it; the link counts its moves.
+        // Nothing moves while a figure comes in, so the machine takes it; the link counts its moves.
         match received.command {
             Some(Order::Ask) => {
-                let status = self.cell.status();
+                let status = self.machine.status();
                 self.answer(&status.bytes());
             }
             Some(Order::Clear) => {
                 self.loading.clear();
-                self.cell.set_figure(Vec::new()).ok();
+                self.machine.set_figure(Vec::new()).ok();
             }
             Some(Order::Line(way)) => {
                 self.loading.push(way).ok();
             }
             Some(Order::Keep) => {
-                self.cell
+                self.machine
                     .set_figure(core::mem::take(&mut self.loading))
                     .ok();
             }

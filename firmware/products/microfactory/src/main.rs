@@ -61,7 +61,7 @@ fn main() -> ! {
         let are_made = STEPS.are_made();
         if are_made {
             outputs |= NOT_RESET;
-            let event = link.cell.next_event(&switches.inputs());
+            let event = link.machine.next_event(&switches.inputs());
             let (wait_us, clocks) = match event {
                 MicrofactoryEvent::Step(step) => {
                     switches.moved(&step.delta);

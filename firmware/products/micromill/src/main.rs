@@ -13,7 +13,7 @@ mod motors;
 
 use board::{CriticalSection, Shared, Step, Steps};
 use husillo_controllers::{
-    Micromill, MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep, MicromillStops,
+    MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep, MicromillStops,
 };
 use husillo_gcode::SpindleDirection;
 use husillo_stepper::{Driver, Mode, Sequencer};
@@ -25,7 +25,7 @@ static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 /// Events that may wait for their time.
 const AHEAD: usize = 16;
 
-type Micromill = Micromill<'static, 16, AHEAD, 80>;
+type Micromill = husillo_controllers::Micromill<'static, 16, AHEAD, 80>;
 
 /// What is made before the foreground follows, where it need not tell of them at once.
 const TOGETHER: u8 = AHEAD as u8 / 2;
