@@ -31,6 +31,12 @@ pub struct StepGuard<const N: usize> {
     left: [u8; N],
 }
 
+impl<const N: usize> Default for StepGuard<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const N: usize> StepGuard<N> {
     /// As if every axis had just made a step.
     pub const fn new() -> Self {
