@@ -5,33 +5,43 @@ mod milling;
 mod rewrite;
 mod simulate;
 
-use crate::calibrate::{Calibrate, What};
-use crate::check::{self, Facts};
+use crate::calibrating::{Calibrate, What};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate, Holes,
     Interpolate, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
     Target, Tune,
 };
-use crate::cmm::{self, Stopped};
-use crate::compare::{self, Bench};
+use crate::console;
 use crate::console::shown;
-use crate::decision::Weights;
 use crate::diagnostics::{Findings, Format};
-use crate::drill_code::Work;
-use crate::drill_file::{Compiler, Refusal};
+use crate::drill;
 use crate::holes;
+use crate::holes::drill_code::Work;
+use crate::holes::drill_file::{Compiler, Refusal};
+use crate::holes::visiting_order::Metric;
+use crate::input;
 use crate::lash;
-use crate::machine_file::{LoadError, MachineFile};
-use crate::order::Metric;
+use crate::machines::listing;
+use crate::machines::machine_file::{LoadError, MachineFile};
+use crate::measuring::{self, Stopped};
+use crate::methods::compare::{self, Bench};
+use crate::methods::compare_page;
+use crate::methods::compare_text;
+use crate::methods::decision::Weights;
+use crate::methods::grid_moves;
+use crate::methods::interpolate;
+use crate::microfactory;
+use crate::micromill;
 use crate::output::Outputs;
-use crate::program::Start;
-use crate::setup::Micromill;
-use crate::source::Source;
-use crate::zero::{self, Zero};
-use crate::{
-    commands, compare_page, compare_text, console, drill, grid, input, interpolate, machines,
-    microfactory, micromill, setup, steps, tune,
-};
+use crate::programs::check::{self, Facts};
+use crate::programs::commands;
+use crate::programs::program::Start;
+use crate::programs::setup;
+use crate::programs::setup::Micromill;
+use crate::programs::source::Source;
+use crate::programs::steps;
+use crate::programs::zero::{self, Zero};
+use crate::tuning;
 use husillo_machine::Config;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
 
@@ -92,9 +102,9 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
 
 fn show_machines(args: &Machines) -> Result<u8, Failure> {
     let text = match &args.action {
-        None => machines::list()?,
+        None => listing::list()?,
         Some(MachinesAction::Show { machine, format }) => {
-            let shown = machines::show(&load(machine)?);
+            let shown = listing::show(&load(machine)?);
             match format {
                 Output::Text => shown.text(),
                 Output::Json => {
@@ -178,7 +188,7 @@ fn microfactory(machine: &str) -> Result<Option<microfactory::Settings>, Failure
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
     let mut table = Vec::new();
-    let result = cmm::measure(args, &mut console::stdout(), &mut table);
+    let result = measuring::measure(args, &mut console::stdout(), &mut table);
     if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
         write(path, &table)?;
     }
@@ -187,7 +197,7 @@ fn measure(args: &Measure) -> Result<u8, Failure> {
 
 fn tune_servo(args: &Tune) -> Result<u8, Failure> {
     let mut page = String::new();
-    let result = tune::tune(args, &mut console::stdout(), &mut page);
+    let result = tuning::tune(args, &mut console::stdout(), &mut page);
     if let Some(path) = args.output.as_ref().filter(|_| !page.is_empty()) {
         write(path, page.as_bytes())?;
     }
@@ -208,7 +218,7 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
         return Ok(OK);
     }
     args.expect_chain()?;
-    ended(cmm::emulate(args, &mut console::stdout()))
+    ended(measuring::emulate(args, &mut console::stdout()))
 }
 
 /// The file for what an emulated machine makes.
@@ -232,8 +242,8 @@ fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
             Ok(outputs.finish()?)
         }
         What::Circles(args) => Ok(lash::print_circles(args, &load(&args.machine)?, out)?),
-        What::Axis(args) => cmm::calibrate_axis(args, out),
-        What::Squareness(args) => cmm::calibrate_squareness(args, out),
+        What::Axis(args) => measuring::calibrate_axis(args, out),
+        What::Squareness(args) => measuring::calibrate_squareness(args, out),
     })
 }
 
@@ -318,15 +328,17 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
 fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
     let mut findings = to_stderr(Format::Text);
     let mut source = job.open()?;
-    crate::program::walk(
+    crate::programs::program::walk(
         &mut source,
         job.name(),
         job.start,
         &mut findings,
         |_, command, from, _| {
             let made = match command {
-                husillo_gcode::Command::Linear { to, .. } => grid::line(&job.config, from, *to),
-                husillo_gcode::Command::Arc { arc, .. } => grid::arc(&job.config, from, arc),
+                husillo_gcode::Command::Linear { to, .. } => {
+                    grid_moves::line(&job.config, from, *to)
+                }
+                husillo_gcode::Command::Arc { arc, .. } => grid_moves::arc(&job.config, from, arc),
                 _ => Ok(None),
             };
             match made {

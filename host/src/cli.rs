@@ -5,7 +5,7 @@ mod moves;
 mod servo;
 
 use crate::diagnostics::Format;
-use crate::zero::Zero;
+use crate::programs::zero::Zero;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
     Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
@@ -168,7 +168,7 @@ pub enum Command {
     #[command(after_help = TUNE_HELP)]
     Tune(Tune),
     /// Find the errors of a machine from measurements, as lines for its file
-    Calibrate(crate::calibrate::Calibrate),
+    Calibrate(crate::calibrating::Calibrate),
 }
 
 /// Which machine and which language.
@@ -218,7 +218,7 @@ pub struct Run {
     pub symmetry: Option<f64>,
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
-    pub lose: Vec<crate::encoder_file::Push>,
+    pub lose: Vec<crate::machines::encoder_file::Push>,
 }
 
 /// In which order closed contours are cut.

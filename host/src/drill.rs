@@ -27,8 +27,8 @@ pub use page::{Board, html as page};
 pub use part::{Part, lean, millimetres};
 pub use program::{Translation, text as program_text};
 
+use crate::link::wire::{Wire, stop_flag};
 use crate::microfactory::Jog;
-use crate::wire::{Wire, stop_flag};
 use action::{Action, Hand};
 use client::{Client, Trouble};
 use device::Device;
@@ -186,7 +186,7 @@ pub fn emulate(
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
 ) -> Result<(), String> {
-    use crate::terminal::{self, Pace, Terminal};
+    use crate::emulate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
 

@@ -1,13 +1,19 @@
 //! Drill files: read, checked, listed.
 
+pub mod drill_code;
+pub mod drill_file;
+pub mod placement;
+pub mod step_and_repeat;
+pub mod visiting_order;
+
 use crate::cli::{self, Layout};
 use crate::diagnostics::{Finding, Findings, Place, Severity};
-use crate::machine_file::{MachineFile, Travel};
-use crate::order::{self, Metric};
-use crate::panel::{Panel, Refused};
-use crate::placement::{Fit, Placement};
-use crate::quantity::{self, Quantity};
-use crate::source::BYTE_ORDER_MARK;
+use crate::holes::placement::{Fit, Placement};
+use crate::holes::step_and_repeat::{Panel, Refused};
+use crate::holes::visiting_order::Metric;
+use crate::machines::machine_file::{MachineFile, Travel};
+use crate::machines::quantity::{self, Quantity};
+use crate::programs::source::BYTE_ORDER_MARK;
 use husillo_excellon::{
     Digits, Doubt, Error, ErrorKind, Feature, Hole, Inference, Overrides, Path, Profile, Reader,
     Reason, Settings, Slot, Tool, Units, Warning, WarningKind, Zeros, lines,
@@ -405,7 +411,7 @@ impl Board {
                 .copied()
                 .collect();
             let points: Vec<_> = of_tool.iter().map(|hole| hole.at_nm).collect();
-            let path = order::shortest(&points, at, metric);
+            let path = visiting_order::shortest(&points, at, metric);
             if metric == Metric::Straight {
                 at = path.last().map_or(at, |&last| points[last]);
             } // The drill goes home for another tool.
@@ -427,7 +433,7 @@ impl Board {
 
     /// The way from the origin over all holes in their order, in nm.
     pub fn travel_nm(&self, metric: Metric) -> f64 {
-        order::travel(self.holes.iter().map(|hole| hole.at_nm), [0; 2], metric)
+        visiting_order::travel(self.holes.iter().map(|hole| hole.at_nm), [0; 2], metric)
     }
 
     /// Least and greatest coordinates of the middles of holes and the ends of slots.

@@ -1,82 +1,41 @@
 //! The program `husillo`: check, simulate and draw G-code programs.
 //!
-//! ```text
-//! file ─► source ─► program ─► check ─► diagnostics        (errors: nothing moves)
-//!            │         └─────► commands
-//!            ├─► format
-//!            └─► feeder ─► steps
-//!                   └────► run ─► deviation, drawing, speed ─► report, chart
-//! one move, or grid ─► compare ─► method, curve, measure, decision ─► compare_text, compare_page
-//! a measuring machine ─► cmm, tune
-//! ```
+//! | folder | what is in it |
+//! | --- | --- |
+//! | `cli`, `app` | the options, and the command that each starts |
+//! | `programs` | G-code: read, checked, explained, written back, run |
+//! | `methods` | interpolation methods, compared on the bare grid |
+//! | `holes` | drill files: read, placed, sorted, written back |
+//! | `machines` | machine files, and what follows from them |
+//! | `measuring`, `calibrating`, `lash`, `tuning` | the measuring machine, its errors, its servo axes |
+//! | `micromill`, `drill`, `microfactory` | the clients of these machines |
+//! | `link` | what carries bytes to a controller |
+//! | `emulate` | simulated controllers behind a port |
+//! | `page` | what the reports are made of |
 #![forbid(unsafe_code)]
 
 #[macro_use]
 mod console;
 
 mod app;
-mod blocks;
-mod bytes_file;
-mod calibrate;
-mod chart;
-mod check;
+mod calibrating;
 mod cli;
-mod cmm;
-mod commands;
-mod compare;
-mod compare_page;
-mod compare_picture;
-mod compare_text;
-mod curve;
-mod decision;
-mod deviation;
 mod diagnostics;
-mod drawing;
 mod drill;
-mod drill_code;
-mod drill_file;
-mod emulation;
-mod encoder_file;
-mod explain;
-mod explain_flow;
-mod feeder;
-mod format;
-mod grid;
+mod emulate;
 mod holes;
 mod input;
-mod interpolate;
 mod lash;
-mod line;
-mod machine_file;
+mod link;
 mod machines;
-mod measure;
-mod method;
+mod measuring;
+mod methods;
 mod microfactory;
 mod micromill;
-mod mirror;
-mod order;
 mod output;
-mod panel;
-mod placement;
-mod power;
-mod program;
-mod quantity;
-mod report;
-mod run;
-mod setup;
-mod source;
-mod speed;
-mod step_rows;
-mod steps;
-mod symmetry;
-mod table;
-#[cfg(unix)]
-mod terminal;
-mod tune;
-mod turning;
-mod turns;
-mod wire;
-mod zero;
+mod page;
+mod programs;
+mod tuning;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -45,7 +45,7 @@ pub use contact::Contact;
 pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Results};
-use crate::machine_file::LoadError;
+use crate::machines::machine_file::LoadError;
 use action::Action;
 use calibrated::Calibrated;
 use file::{CmmFile, Stylus};
@@ -365,7 +365,7 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    use crate::terminal::{self, Pace, Terminal};
+    use crate::emulate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
 

@@ -20,7 +20,7 @@ pub use args::Jog;
 pub use figure::{is_list, program};
 pub use settings::Settings;
 
-use crate::wire::Wire;
+use crate::link::wire::Wire;
 use action::Action;
 use client::Client;
 use crew::Worker;
@@ -148,7 +148,7 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
         baud: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: args.figure.as_deref(),
-        stop: crate::wire::stop_flag()?,
+        stop: crate::link::wire::stop_flag()?,
     };
     let shares = crew::work(links.crew(&args.port, shares)?, out)?;
     if shares.len() > 1 {
@@ -195,7 +195,7 @@ pub fn send(
         baud: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: None,
-        stop: crate::wire::stop_flag()?,
+        stop: crate::link::wire::stop_flag()?,
     };
     let shares = crew::work(links.crew(ports, shares)?, out)?;
     crew::report(&shares, out).map_err(|error| error.to_string())?;
@@ -230,7 +230,7 @@ pub fn emulate(
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
 ) -> Result<(), String> {
-    use crate::terminal::{self, Pace, Terminal};
+    use crate::emulate::terminal::{self, Pace, Terminal};
     use std::path::Path;
     use std::time::Duration;
 

@@ -17,9 +17,9 @@ mod translate;
 pub use sender::{Sending, send};
 pub use translate::{Translated, translate};
 
-use crate::cmm::Port;
+use crate::link::wire::stop_flag;
+use crate::measuring::Port;
 use crate::microfactory::Jog;
-use crate::wire::stop_flag;
 use action::Action;
 use hand::Hand;
 use husillo_transports::micromill::{Line, Order};

@@ -36,6 +36,11 @@ fn links_keep_the_rate_of_their_wire() {
     let microfactory = Emulated::new("microfactory", "microfactory-baud", &[]).unwrap();
     takes_its_time(&microfactory, b'A', 9600);
     drop(microfactory);
-    let quicker = Emulated::new("microfactory", "microfactory-baud-fast", &["--baud", "19200"]).unwrap();
+    let quicker = Emulated::new(
+        "microfactory",
+        "microfactory-baud-fast",
+        &["--baud", "19200"],
+    )
+    .unwrap();
     takes_its_time(&quicker, b'A', 19_200);
 }

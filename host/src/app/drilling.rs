@@ -5,12 +5,12 @@ use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
 use crate::diagnostics::Format;
 use crate::drill::{self, Board, Part, Translation};
-use crate::drill_file::{Compiler, Refusal};
 use crate::holes;
-use crate::order::Metric;
+use crate::holes::drill_file::{Compiler, Refusal};
+use crate::holes::visiting_order::Metric;
 use crate::output::Outputs;
-use crate::setup;
-use crate::source::Source;
+use crate::programs::setup;
+use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::io::{BufWriter, Write};
@@ -115,12 +115,12 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
             Ok(None)
         }
     };
-    let parts = |tools: Vec<crate::drill_file::ToolRecords>| -> Vec<Part> {
+    let parts = |tools: Vec<crate::holes::drill_file::ToolRecords>| -> Vec<Part> {
         let to_depth = |record: Record| match record {
             Record::Drill(_) => Record::Drill(depth),
             other => other,
         };
-        let part = |tool: crate::drill_file::ToolRecords| {
+        let part = |tool: crate::holes::drill_file::ToolRecords| {
             let records: Vec<_> = tool.records.into_iter().map(to_depth).collect();
             Part {
                 tool: tool.tool.number.into(),

@@ -2,13 +2,16 @@
 
 use super::{ERRORS, Failure, Job, OK, to_stderr, verdict, write};
 use crate::cli::{Compile, Send, Target};
-use crate::cmm::Port;
-use crate::cmm::interrupt::INTERRUPTED;
+use crate::console;
 use crate::diagnostics::Format;
+use crate::link::wire::{stop_flag, stops_asked, typed_line};
+use crate::measuring::Port;
+use crate::measuring::interrupt::INTERRUPTED;
 use crate::micromill::{self, Sending, Translated};
-use crate::source::Source;
-use crate::wire::{stop_flag, stops_asked, typed_line};
-use crate::{console, feeder, program, setup};
+use crate::programs::feeder;
+use crate::programs::program;
+use crate::programs::setup;
+use crate::programs::source::Source;
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use std::io::{self, Write};

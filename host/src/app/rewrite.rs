@@ -2,9 +2,12 @@
 
 use super::{ERRORS, Failure, OK, displayed, to_stderr, verdict};
 use crate::cli::FormatArgs;
+use crate::console;
 use crate::diagnostics::Format;
 use crate::output::Outputs;
-use crate::{console, format, setup, source};
+use crate::programs::format;
+use crate::programs::setup;
+use crate::programs::source;
 use std::io::{self, Write};
 
 pub(super) fn format_files(args: &FormatArgs) -> Result<u8, Failure> {

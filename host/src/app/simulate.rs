@@ -1,18 +1,18 @@
 //! `run`: a program checked, simulated, summed up and drawn.
 
 use super::{ERRORS, Failure, Job, OK, to_stderr, verdict};
-use crate::check::{Facts, duration};
 use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::console;
 use crate::diagnostics::{Findings, Format};
-use crate::feeder;
-use crate::machine_file::Travel;
-use crate::mirror;
+use crate::machines::machine_file::Travel;
 use crate::output::Outputs;
-use crate::report::{self, AxisRow, Report, length};
-use crate::run::Run;
-use crate::setup::{self, ClosedMicromill};
-use crate::symmetry::{Difference, Symmetry};
+use crate::page::report::{self, AxisRow, Report, length};
+use crate::programs::check::{Facts, duration};
+use crate::programs::feeder;
+use crate::programs::mirror;
+use crate::programs::run::Run;
+use crate::programs::setup::{self, ClosedMicromill};
+use crate::programs::symmetry::{Difference, Symmetry};
 use husillo_gcode::Dialect;
 use husillo_machine::OnLoss;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -454,7 +454,7 @@ fn make_report(
         figures,
         axes,
         phases: run.motors(),
-        drawing: std::mem::replace(&mut run.drawing, crate::drawing::Drawing::new()),
+        drawing: std::mem::replace(&mut run.drawing, crate::page::drawing::Drawing::new()),
         ideal: std::mem::take(&mut run.ideal),
         ideal_is_whole: run.ideal_is_whole,
         area,

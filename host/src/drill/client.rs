@@ -1,7 +1,7 @@
 //! The host's side of the drill's link: one step after another, on a wire.
 
 use super::device::Device;
-use crate::wire::Wire;
+use crate::link::wire::Wire;
 use husillo_transports::drill::{
     COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
 };

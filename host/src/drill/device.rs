@@ -1,8 +1,8 @@
 //! A simulated drill behind its link: bytes, controller, motors, switches, a board.
 
-use crate::emulation::Emulation;
-use crate::line::Line;
-use crate::step_rows::StepRows;
+use crate::emulate::emulation::Emulation;
+use crate::emulate::step_rows::StepRows;
+use crate::link::serial_line::Line;
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_sim::{DrillRig, DrilledHole};
 use husillo_transports::drill::MEMORY_BYTES;

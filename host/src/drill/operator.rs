@@ -1,7 +1,7 @@
 //! The operator before a terminal.
 
 use super::sender::{Operator, left};
-use crate::wire::typed_line;
+use crate::link::wire::typed_line;
 use husillo_gcode::Nm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;

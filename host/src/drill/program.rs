@@ -3,8 +3,8 @@
 use super::device::STROKE_STEPS;
 use super::part::{Part, millimetres};
 use crate::diagnostics::{Finding, Findings};
-use crate::program;
-use crate::source::Source;
+use crate::programs::program;
+use crate::programs::source::Source;
 use husillo_gcode::{Command, Dialect, Nm};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;

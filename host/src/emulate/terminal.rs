@@ -1,7 +1,7 @@
 //! `husillo emulate`: a simulated device behind a pseudo-terminal, in real time.
 
-use crate::cmm::read_port;
-use crate::emulation::Emulation;
+use crate::emulate::emulation::Emulation;
+use crate::measuring::read_port;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ impl Terminal {
         pace: &Pace,
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        let panel = crate::wire::typed_lines();
+        let panel = crate::link::wire::typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
         let mut is_plugged = true;
         let is_over = || {

@@ -2,7 +2,7 @@
 
 use crate::cli::{Layout, SlotHandling};
 use crate::diagnostics::{Finding, Severity};
-use crate::drill_code::overlapping;
+use crate::holes::drill_code::overlapping;
 use crate::holes::{Board, count};
 use husillo_excellon::{Hole, Path, Tool};
 use husillo_gcode::Nm;

@@ -1,8 +1,8 @@
 //! A machine and the simulated screws behind it, block by block.
 
 use super::Map;
-use crate::machine_file::MachineFile;
-use crate::setup::{self, Micromill};
+use crate::machines::machine_file::MachineFile;
+use crate::programs::setup::{self, Micromill};
 use husillo_gcode::Dialect;
 use husillo_machine::{Event, Motors, Origin};
 use husillo_sim::Rig;

@@ -4,10 +4,10 @@ use super::grid::{self, Reading};
 use super::page::{self, Field, Panel};
 use super::survey::{CELLS, Leftover, survey};
 use super::{Bench, Map, PlaceTable, two_lines};
-use crate::calibrate::BacklashArgs;
-use crate::machine_file::{MachineFile, Travel};
-use crate::quantity::{self, Quantity};
-use crate::setup;
+use crate::calibrating::BacklashArgs;
+use crate::machines::machine_file::{MachineFile, Travel};
+use crate::machines::quantity::{self, Quantity};
+use crate::programs::setup;
 use std::io::Write;
 
 /// What a calibration makes besides what it prints.

@@ -1,9 +1,9 @@
 //! `husillo calibrate circles`: what is left at the ends of circles, beside what was measured on the original.
 
 use super::bench::Bench;
-use crate::calibrate::CirclesArgs;
-use crate::machine_file::{MachineFile, Travel};
-use crate::setup;
+use crate::calibrating::CirclesArgs;
+use crate::machines::machine_file::{MachineFile, Travel};
+use crate::programs::setup;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::io::Write;
 

@@ -1,7 +1,7 @@
 //! `[lash]` and `[simulated_lash]` of machine files.
 
-use crate::quantity::Fraction;
-use crate::table::Table;
+use crate::machines::quantity::Fraction;
+use crate::machines::table::Table;
 use husillo_backlash::{LashMap, MapError};
 use husillo_sim::LashField;
 use std::f64::consts::TAU;
@@ -251,7 +251,7 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
 
 #[cfg(test)]
 mod tests {
-    use crate::machine_file::MachineFile;
+    use crate::machines::machine_file::MachineFile;
 
     const MICROMILL: &str = include_str!("../../../machines/micromill.toml");
 

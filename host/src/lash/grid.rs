@@ -1,8 +1,8 @@
 //! From readings of the two-line test to a table by place.
 
 use super::PlaceTable;
-use crate::calibrate::columns::{Columns, Row};
-use crate::quantity::{self, Quantity};
+use crate::calibrating::columns::{Columns, Row};
+use crate::machines::quantity::{self, Quantity};
 
 /// What the reading of a mark may be off, um: so far below zero is no lash at all.
 const NOISE_UM: f64 = 10.0;

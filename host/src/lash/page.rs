@@ -1,6 +1,6 @@
 //! The report of `husillo calibrate backlash`: one value an axis and the map, side by side.
 
-use crate::report::{STYLE, escape};
+use crate::page::report::{STYLE, escape};
 use std::fmt::Write;
 
 /// What is left, by cell.

@@ -2,7 +2,7 @@
 
 use super::Map;
 use super::bench::Bench;
-use crate::machine_file::MachineFile;
+use crate::machines::machine_file::MachineFile;
 use husillo_machine::Origin;
 
 /// Cells of the work area along X and Y; lines are through their middles.

@@ -1,7 +1,7 @@
 //! Where the bytes of a client go: a simulated device, a serial device, a socket.
 
-use crate::cmm::Port;
-use crate::emulation::Emulation;
+use crate::emulate::emulation::Emulation;
+use crate::measuring::Port;
 use std::collections::VecDeque;
 use std::io::{self, BufRead};
 use std::sync::atomic::AtomicBool;
@@ -139,7 +139,7 @@ impl<E: Emulation> Wire<E> {
 /// The system does not hand it over.
 pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
     #[cfg(unix)]
-    return crate::terminal::stop_flag();
+    return crate::emulate::terminal::stop_flag();
     #[cfg(not(unix))]
     Ok(Arc::new(AtomicBool::new(false)))
 }
@@ -147,7 +147,7 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
 /// How often Ctrl-C was pressed.
 pub fn stops_asked() -> u32 {
     #[cfg(unix)]
-    return crate::terminal::stops_asked();
+    return crate::emulate::terminal::stops_asked();
     #[cfg(not(unix))]
     0
 }

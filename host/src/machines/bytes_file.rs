@@ -1,6 +1,6 @@
 //! The bytes of a link of byte commands in a machine file.
 
-use crate::table::Table;
+use crate::machines::table::Table;
 use husillo_transports::microfactory::ByteTable;
 
 /// Reads `[bytes]`: a character each, two a motor; what is not there is as in the table of our own.

@@ -1,7 +1,7 @@
 //! `[axis.x.encoder]` of a machine file, and losses to try it with.
 
-use crate::quantity::{Fraction, Quantity};
-use crate::table::Table;
+use crate::machines::quantity::{Fraction, Quantity};
+use crate::machines::table::Table;
 use husillo_machine::{AxisEncoder, OnLoss};
 use std::str::FromStr;
 

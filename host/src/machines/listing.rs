@@ -1,8 +1,8 @@
 //! `husillo machines`: what is known of the machines.
 
 use crate::lash::Map;
-use crate::machine_file::{AxisFile, MachineFile, Travel};
-use crate::power::Power;
+use crate::machines::machine_file::{AxisFile, MachineFile, Travel};
+use crate::machines::power::Power;
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,12 +1,12 @@
 //! Machine files: TOML to a checked description, with every mistake at its place.
 
-use crate::bytes_file;
 use crate::diagnostics::{Finding, Place};
-use crate::encoder_file::EncoderFile;
 use crate::lash::LashFile;
-use crate::power::Power;
-use crate::quantity::{self, Fraction, Quantity};
-use crate::table::{Table, document};
+use crate::machines::bytes_file;
+use crate::machines::encoder_file::EncoderFile;
+use crate::machines::power::Power;
+use crate::machines::quantity::{self, Fraction, Quantity};
+use crate::machines::table::{Table, document};
 use husillo_gcode::Dialect;
 use husillo_stepper::PulseNanoseconds;
 use husillo_transports::microfactory::ByteTable;
@@ -17,32 +17,32 @@ const BUILT_IN: [(&str, &str, &str); 6] = [
     (
         "micromill",
         "machines/micromill.toml",
-        include_str!("../../machines/micromill.toml"),
+        include_str!("../../../machines/micromill.toml"),
     ),
     (
         "free",
         "machines/free.toml",
-        include_str!("../../machines/free.toml"),
+        include_str!("../../../machines/free.toml"),
     ),
     (
         "router",
         "machines/router.toml",
-        include_str!("../../machines/router.toml"),
+        include_str!("../../../machines/router.toml"),
     ),
     (
         "lathe",
         "machines/lathe.toml",
-        include_str!("../../machines/lathe.toml"),
+        include_str!("../../../machines/lathe.toml"),
     ),
     (
         "drill",
         "machines/drill.toml",
-        include_str!("../../machines/drill.toml"),
+        include_str!("../../../machines/drill.toml"),
     ),
     (
         "microfactory",
         "machines/microfactory.toml",
-        include_str!("../../machines/microfactory.toml"),
+        include_str!("../../../machines/microfactory.toml"),
     ),
 ];
 
@@ -736,7 +736,7 @@ mod tests {
 
     #[test]
     fn pulses_bound_the_rate_of_a_step_and_direction_driver() {
-        let text = include_str!("../../machines/router.toml");
+        let text = include_str!("../../../machines/router.toml");
         let findings = |text: &str| match MachineFile::parse("router.toml", text) {
             Ok(_) => Vec::new(),
             Err(findings) => findings

@@ -1,6 +1,6 @@
 //! The power stage of a motor as a machine file describes it: winding, chopper, rotor and load.
 
-use crate::table::Table;
+use crate::machines::table::Table;
 use husillo_sim::{Chopper, Rotor, Winding};
 
 /// Peak of the PBL3717A at full current: 0.083 of the reference voltage over the sense resistor (data sheet: 420 mV at 5 V).

@@ -3,7 +3,7 @@
 use super::direction::Towards;
 use super::reference::{Body, ReferenceBody};
 use super::scale::Scale;
-use crate::quantity::{self, Quantity};
+use crate::machines::quantity::{self, Quantity};
 
 /// One action. Axes are 0 for X to 2 for Z, lengths amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,7 +211,7 @@ fn towards(action: &str, word: Option<&str>, axis: usize) -> Result<Towards, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::Fraction;
+    use crate::machines::quantity::Fraction;
 
     #[test]
     fn words_of_one_and_of_several_axes() {

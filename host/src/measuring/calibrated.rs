@@ -288,9 +288,9 @@ impl Calibrated<Head> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::{AxisArgs, SquarenessArgs};
-    use crate::cmm::file::CmmFile;
-    use crate::cmm::{calibrate_axis, calibrate_squareness};
+    use crate::calibrating::{AxisArgs, SquarenessArgs};
+    use crate::measuring::file::CmmFile;
+    use crate::measuring::{calibrate_axis, calibrate_squareness};
     use std::fmt::Write;
 
     const CMM3: &str = include_str!("../../../machines/cmm3.toml");

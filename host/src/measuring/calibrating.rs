@@ -5,8 +5,8 @@ use super::axis_fit::{AxisFit, Reading};
 use super::calibration_file::{axis_lines, squareness_lines};
 use super::file::CmmFile;
 use super::square_fit::{Ends, SquareFit};
-use crate::calibrate::columns::{Columns, Row};
-use crate::calibrate::{AxisArgs, SquarenessArgs};
+use crate::calibrating::columns::{Columns, Row};
+use crate::calibrating::{AxisArgs, SquarenessArgs};
 use husillo_backlash::Flank;
 use std::io::Write;
 

@@ -1,8 +1,8 @@
 //! `[axis.x.calibration]` and `[squareness]` of a machine file: read, and written for it.
 
 use super::scale::Scale;
-use crate::quantity::{self, Quantity};
-use crate::table::Table;
+use crate::machines::quantity::{self, Quantity};
+use crate::machines::table::Table;
 use husillo_backlash::{Calibration, ErrorTable, Knot, Squareness};
 use std::fmt::Write;
 

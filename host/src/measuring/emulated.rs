@@ -2,7 +2,7 @@
 
 use super::contact::Contact;
 use super::piece::Mounted;
-use crate::emulation::Emulation;
+use crate::emulate::emulation::Emulation;
 use husillo_sim::{DcMotor, DcMotorModel, Noise, ServoChain, Surroundings};
 
 /// A servo period in ns.

@@ -3,9 +3,9 @@
 use super::calibration_file::{self, Errors};
 use super::scale::Scale;
 use crate::diagnostics::Finding;
-use crate::machine_file::{LoadError, read_text};
-use crate::quantity::{self, Quantity};
-use crate::table::{Table, document};
+use crate::machines::machine_file::{LoadError, read_text};
+use crate::machines::quantity::{self, Quantity};
+use crate::machines::table::{Table, document};
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 use toml::de::DeValue;

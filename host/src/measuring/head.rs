@@ -445,8 +445,8 @@ impl Prober for Head {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cmm::emulated::Emulated;
-    use crate::cmm::port::Port;
+    use crate::measuring::emulated::Emulated;
+    use crate::measuring::port::Port;
     use husillo_probe::Failure;
 
     const MM: i64 = 1_000_000;

@@ -173,7 +173,7 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cmm::emulated::Emulated;
+    use crate::measuring::emulated::Emulated;
     use husillo_transports::nmc::Group;
 
     /// As any program may leave them: other addresses, another group.

@@ -2,9 +2,9 @@
 
 use super::piece::Piece;
 use crate::diagnostics::Finding;
-use crate::machine_file::LoadError;
-use crate::quantity::{self, Quantity};
-use crate::table::{Table, document};
+use crate::machines::machine_file::LoadError;
+use crate::machines::quantity::{self, Quantity};
+use crate::machines::table::{Table, document};
 use husillo_sim::{Bore, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 
 const LENGTH: &str = "a length as in \"8 mm\" or \"2 um\"";

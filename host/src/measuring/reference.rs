@@ -231,12 +231,12 @@ fn plus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cmm::emulated::Emulated;
-    use crate::cmm::file::CmmFile;
-    use crate::cmm::head::Head;
-    use crate::cmm::line::Line;
-    use crate::cmm::piece::{Mounted, Piece};
-    use crate::cmm::port::Port;
+    use crate::measuring::emulated::Emulated;
+    use crate::measuring::file::CmmFile;
+    use crate::measuring::head::Head;
+    use crate::measuring::line::Line;
+    use crate::measuring::piece::{Mounted, Piece};
+    use crate::measuring::port::Port;
     use husillo_probe::{Repeatability, Sphere};
     use husillo_sim::{Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 

@@ -1,11 +1,11 @@
 //! `husillo compare`: all methods on one move, or on every feed move of a program.
 
 use crate::cli::{Compare, Turning};
-use crate::curve::Curve;
-use crate::decision::{self, Points, Weights};
-use crate::interpolate::{integers, pair, scaled};
-use crate::measure::{Speed, Tally};
-use crate::method::{self, AXES, Method, Shape};
+use crate::methods::curve::Curve;
+use crate::methods::decision::{self, Points, Weights};
+use crate::methods::interpolate::{integers, pair, scaled};
+use crate::methods::method::{self, AXES, Method, Shape};
+use crate::methods::trial::{Speed, Tally};
 use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 

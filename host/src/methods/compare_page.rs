@@ -1,11 +1,11 @@
 //! The page of `husillo compare`: tables, the matrix with weights to change, the picture.
 
-use crate::compare::{Comparison, Row};
-use crate::compare_picture;
-use crate::compare_text::instructions;
-use crate::decision::{CRITERIA, ORIGINAL};
-use crate::measure::{Speed, WINDOWS};
-use crate::report::{STYLE, escape};
+use crate::methods::compare::{Comparison, Row};
+use crate::methods::compare_picture;
+use crate::methods::compare_text::instructions;
+use crate::methods::decision::{CRITERIA, ORIGINAL};
+use crate::methods::trial::{Speed, WINDOWS};
+use crate::page::report::{STYLE, escape};
 use std::fmt::Write;
 
 /// Colours tell the families apart, width and dashes the printed ones from the others.

@@ -1,9 +1,9 @@
 //! The methods drawn over the exact curve of one move: the whole of it, and where they differ.
 
-use crate::compare::{Move, Row};
-use crate::curve::Curve;
-use crate::measure::{start, stepped};
-use crate::method::{self, Shape};
+use crate::methods::compare::{Move, Row};
+use crate::methods::curve::Curve;
+use crate::methods::method::{self, Shape};
+use crate::methods::trial::{start, stepped};
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::fmt::Write;
 

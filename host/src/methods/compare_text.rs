@@ -1,8 +1,8 @@
 //! The tables of `husillo compare` for people.
 
-use crate::compare::{Comparison, Row};
-use crate::decision::{CRITERIA, ORIGINAL};
-use crate::measure::Speed;
+use crate::methods::compare::{Comparison, Row};
+use crate::methods::decision::{CRITERIA, ORIGINAL};
+use crate::methods::trial::Speed;
 use std::io::{self, Write};
 
 /// Prints everything.
@@ -87,7 +87,7 @@ fn speeds(
         "\n{title}: speed by programmed feed, ripple in % over windows of events"
     )?;
     write!(out, "{:<22} {:>6}", "", "mean")?;
-    for events in crate::measure::WINDOWS {
+    for events in crate::methods::trial::WINDOWS {
         write!(out, " {events:>13}")?;
     }
     writeln!(out)?;

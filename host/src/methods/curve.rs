@@ -1,6 +1,6 @@
 //! The exact curve of one move on the grid: distance from it, progress along it. Everything in BLU.
 
-use crate::method::AXES;
+use crate::methods::method::AXES;
 use husillo_interp::{ArcMove, Direction};
 use std::f64::consts::TAU;
 

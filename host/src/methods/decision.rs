@@ -1,6 +1,6 @@
 //! The decision matrix: methods against weighted criteria.
 
-use crate::compare::Row;
+use crate::methods::compare::Row;
 use serde::Serialize;
 
 /// Names of the criteria, in the order of the weights.

@@ -1,8 +1,8 @@
 //! `husillo interpolate`: one move on the bare integer grid, with its error.
 
 use crate::cli::{ArcShape, LineShape, Output, Turning};
-use crate::curve::Curve;
-use crate::method::{self, AXES, Shape};
+use crate::methods::curve::Curve;
+use crate::methods::method::{self, AXES, Shape};
 use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 use std::io::{self, Write};

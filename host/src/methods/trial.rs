@@ -1,7 +1,7 @@
 //! One method measured on one move or on many: iterations, error, speed and its ripple.
 
-use crate::curve::Curve;
-use crate::method::{AXES, Method, Shape};
+use crate::methods::curve::Curve;
+use crate::methods::method::{AXES, Method, Shape};
 use serde::Serialize;
 
 /// Events of the windows the ripple is taken over.
@@ -224,7 +224,7 @@ pub fn stepped(at: &[f64; AXES], delta: &[i8; AXES]) -> [f64; AXES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::{ARCS, by_name};
+    use crate::methods::method::{ARCS, by_name};
     use husillo_interp::{ArcMove, Direction, Rim};
 
     fn circle(name: &str, radius: i32) -> Tally {

@@ -2,7 +2,7 @@
 
 use super::action::Action;
 use super::device::{self, Device};
-use crate::wire::Wire;
+use crate::link::wire::Wire;
 use husillo_transports::microfactory::{
     ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
 };
@@ -175,10 +175,10 @@ impl Client {
             return false;
         }
         let end = std::time::Instant::now() + Duration::from_secs(1);
-        while crate::wire::stops_asked() < 2 && std::time::Instant::now() < end {
+        while crate::link::wire::stops_asked() < 2 && std::time::Instant::now() < end {
             std::thread::sleep(Duration::from_millis(10));
         }
-        crate::wire::stops_asked() >= 2
+        crate::link::wire::stops_asked() >= 2
     }
 
     fn done(&mut self, action: &Action) -> Result<String, String> {

@@ -1,9 +1,9 @@
 //! A simulated microfactory behind its link: bytes, controller, chips, motors, switches.
 
 use super::settings::Settings;
-use crate::emulation::Emulation;
-use crate::line::Line;
-use crate::step_rows::StepRows;
+use crate::emulate::emulation::Emulation;
+use crate::emulate::step_rows::StepRows;
+use crate::link::serial_line::Line;
 use husillo_controllers::{
     MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs, MicrofactoryPair, MicrofactoryReport,
 };

@@ -2,8 +2,8 @@
 
 use super::settings::Settings;
 use crate::diagnostics::{Findings, Format};
-use crate::program;
-use crate::source::Source;
+use crate::programs::program;
+use crate::programs::source::Source;
 use husillo_gcode::{Command, Dialect, Nm};
 
 /// A figure with the name of its file.
@@ -171,7 +171,7 @@ fn straight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine_file::MachineFile;
+    use crate::machines::machine_file::MachineFile;
 
     fn settings() -> Settings {
         Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap()

@@ -1,6 +1,6 @@
 //! What a machine file says of a microfactory.
 
-use crate::machine_file::MachineFile;
+use crate::machines::machine_file::MachineFile;
 use husillo_controllers::MicrofactoryConfig;
 use husillo_gcode::Nm;
 use husillo_transports::microfactory::ByteTable;

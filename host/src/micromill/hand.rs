@@ -2,7 +2,7 @@
 
 use super::action::{Action, Leg, Pace};
 use super::session::{Session, why};
-use crate::cmm::Port;
+use crate::measuring::Port;
 use husillo_transports::micromill::{Axis, Order, Outcome};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -1,7 +1,7 @@
 //! Lines to a controller, and the steps that it tells.
 
 use super::session::Session;
-use crate::cmm::Port;
+use crate::measuring::Port;
 use husillo_transports::micromill::{Line, Order};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -1,7 +1,7 @@
 //! A controller on a port: orders, one after the other, and what it tells meanwhile.
 
-use crate::cmm::Port;
-use crate::wire::stops_asked;
+use crate::link::wire::stops_asked;
+use crate::measuring::Port;
 use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The picture of path speed and acceleration over time.
 
-use crate::check::duration;
-use crate::speed::{Band, Column, Speed, WINDOW_EVENTS};
+use crate::programs::check::duration;
+use crate::programs::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use std::fmt::Write;
 
 /// Where time begins in the picture.
@@ -348,7 +348,7 @@ pub fn figure(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::speed::{Move, Stop};
+    use crate::programs::speed::{Move, Stop};
 
     #[test]
     fn a_picture_with_a_stop() {

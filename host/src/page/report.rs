@@ -1,8 +1,8 @@
 //! The report: one HTML file with everything inside, no script, no network.
 
-use crate::chart;
-use crate::drawing::{Class, Drawing, Point};
-use crate::speed::Speed;
+use crate::page::chart;
+use crate::page::drawing::{Class, Drawing, Point};
+use crate::programs::speed::Speed;
 use std::fmt::Write;
 
 /// Everything a report shows.

@@ -1,6 +1,6 @@
 //! The blocks of a program in the order of execution.
 
-use crate::source::Source;
+use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};

@@ -1,13 +1,13 @@
 //! `husillo check`: everything that can be said about a program before anything moves.
 
 use crate::diagnostics::{Finding, Findings, Place, Severity};
-use crate::explain::At;
-use crate::machine_file::{MachineFile, Travel};
-use crate::program::{self, Meaning, Start};
-use crate::report::length;
-use crate::setup;
-use crate::source::Source;
-use crate::turns::Turns;
+use crate::machines::machine_file::{MachineFile, Travel};
+use crate::page::report::length;
+use crate::programs::explain::At;
+use crate::programs::program::{self, Meaning, Start};
+use crate::programs::reversals::Turns;
+use crate::programs::setup;
+use crate::programs::source::Source;
 use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
 use std::io::{self, Write};
@@ -23,7 +23,7 @@ pub struct Facts {
     pub events: f64,
     /// How often every axis turns round, the first motion counted where it is backwards.
     pub reversals: [u64; 3],
-    /// The first move that leaves the travel of an axis: for [`crate::zero::tell_beyond`].
+    /// The first move that leaves the travel of an axis: for [`crate::programs::zero::tell_beyond`].
     pub beyond: Option<(Place, MoveError)>,
 }
 
@@ -376,7 +376,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    crate::deviation::Path::programmed(
+    crate::programs::deviation::Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

@@ -1,9 +1,9 @@
 //! `husillo commands`: the commands a program means, one a line.
 
-use crate::deviation::Path;
 use crate::diagnostics::Findings;
-use crate::program::{self, Start};
-use crate::source::Source;
+use crate::programs::deviation::Path;
+use crate::programs::program::{self, Start};
+use crate::programs::source::Source;
 use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
 use std::io::{self, Write};
 

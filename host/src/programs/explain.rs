@@ -1,7 +1,7 @@
 //! What the errors of a block look like to a person: labels, notes, help.
 
 use crate::diagnostics::{Finding, Place};
-use crate::explain_flow;
+use crate::programs::explain_flow;
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, words};
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! Lines of a checked program into the machine, its events out to whoever wants them.
 
-use crate::blocks;
-use crate::setup::{ClosedMicromill, Micromill};
-use crate::source::Source;
-use crate::turning::Turning;
+use crate::programs::blocks;
+use crate::programs::setup::{ClosedMicromill, Micromill};
+use crate::programs::source::Source;
+use crate::programs::spindle_time::Turning;
 use husillo_machine::{Event, Followed, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;

@@ -1,9 +1,9 @@
 //! `husillo format`: a program written back in one form, a line at a time.
 
-use crate::blocks;
 use crate::diagnostics::{Finding, Findings};
-use crate::explain::{self, At};
-use crate::source::{BYTE_ORDER_MARK, LONGEST_LINE, read_line};
+use crate::programs::blocks;
+use crate::programs::explain::{self, At};
+use crate::programs::source::{BYTE_ORDER_MARK, LONGEST_LINE, read_line};
 use husillo_gcode::{Dialect, Error, Receiver, formatted};
 use std::io::{self, BufRead, Write};
 

@@ -5,8 +5,8 @@
 //! shows on both alike.
 
 use crate::diagnostics::{Findings, Format};
-use crate::program::walk;
-use crate::source::Source;
+use crate::programs::program::walk;
+use crate::programs::source::Source;
 use husillo_gcode::{
     Arc, Command, Dialect, Direction, Feed, Nm, PathMode, Plane, SpindleDirection,
 };

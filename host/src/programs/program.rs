@@ -1,9 +1,9 @@
 //! A program file walked block by block, with what every block means.
 
-use crate::blocks::{self, Given};
 use crate::diagnostics::{Finding, Findings};
-use crate::explain::{self, At};
-use crate::source::{LONGEST_LINE, Source};
+use crate::programs::blocks::{self, Given};
+use crate::programs::explain::{self, At};
+use crate::programs::source::{LONGEST_LINE, Source};
 use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm};
 use std::collections::VecDeque;
 use std::io::{self, Write};

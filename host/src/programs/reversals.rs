@@ -145,7 +145,7 @@ impl Turns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setup;
+    use crate::programs::setup;
     use husillo_backlash::LashMap;
     use husillo_gcode::Plane;
 

@@ -1,13 +1,13 @@
 //! `husillo run`: events through the motors into the simulated machine, and what it does with them.
 
-use crate::deviation::{Deviation, Path};
-use crate::drawing::{Class, Drawing, Point};
-use crate::encoder_file::Push;
-use crate::machine_file::MachineFile;
-use crate::report::{Ideal, Motor};
-use crate::setup::{self, ClosedMicromill, Micromill};
-use crate::speed::{Circle, Move, Speed, Stop};
-use crate::symmetry::Symmetry;
+use crate::machines::encoder_file::Push;
+use crate::machines::machine_file::MachineFile;
+use crate::page::drawing::{Class, Drawing, Point};
+use crate::page::report::{Ideal, Motor};
+use crate::programs::deviation::{Deviation, Path};
+use crate::programs::setup::{self, ClosedMicromill, Micromill};
+use crate::programs::speed::{Circle, Move, Speed, Stop};
+use crate::programs::symmetry::Symmetry;
 use husillo_gcode::{Command, Direction, Feed, Nm, SpindleDirection};
 use husillo_machine::{Event, Followed, Motors, Origin, Output, Segment, StepEvent};
 use husillo_sim::Rig;
@@ -420,7 +420,7 @@ impl<'a> Run<'a> {
         };
         self.path = path;
         self.speed.turn(self.pace(segment));
-        let to = crate::program::target(&segment.command).unwrap_or(segment.from);
+        let to = crate::programs::program::target(&segment.command).unwrap_or(segment.from);
         for (axis, target) in self.target.iter_mut().enumerate() {
             *target = machine.config().axes[axis]
                 .scale

@@ -1,7 +1,7 @@
 //! A machine file as the parts the crates are made of: limits, motors, the simulated machine.
 
 use crate::lash::Map;
-use crate::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
+use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
@@ -119,7 +119,7 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; 3] {
 /// A step that is no ratio of 32-bit numbers.
 pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String> {
     let [x, y, z] = &file.axes;
-    let axis = |axis: &crate::machine_file::AxisFile| {
+    let axis = |axis: &crate::machines::machine_file::AxisFile| {
         let scale = u32::try_from(axis.step.num)
             .ok()
             .zip(u32::try_from(axis.step.den).ok())

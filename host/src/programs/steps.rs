@@ -1,8 +1,8 @@
 //! `husillo steps`: the step events as CSV.
 
-use crate::feeder;
-use crate::setup::Micromill;
-use crate::source::Source;
+use crate::programs::feeder;
+use crate::programs::setup::Micromill;
+use crate::programs::source::Source;
 use husillo_machine::{Event, Motors};
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};

@@ -1,11 +1,11 @@
 //! Where on the machine a program lies: `--zero`.
 
 use crate::diagnostics::{Finding, Findings, Place};
-use crate::explain::At;
-use crate::machine_file::MachineFile;
-use crate::program::{self, Start};
-use crate::quantity::{self, Quantity};
-use crate::source::Source;
+use crate::machines::machine_file::MachineFile;
+use crate::machines::quantity::{self, Quantity};
+use crate::programs::explain::At;
+use crate::programs::program::{self, Start};
+use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{Config, MoveError, extent};
 use std::io::{self, Write};

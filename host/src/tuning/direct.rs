@@ -1,7 +1,7 @@
 //! The simulated axis itself, seen in every servo period: what no link can.
 
 use super::rig::{Rig, Sample, profile};
-use crate::cmm::trouble::Trouble;
+use crate::measuring::trouble::Trouble;
 use husillo_controllers::servo_law;
 use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
 use husillo_pid::Drive;

@@ -7,7 +7,7 @@ use super::relay::{RelaySettings, relay};
 use super::stand::Stand;
 use super::stepwise::stepwise;
 use super::ultimate::ultimate;
-use crate::cmm::file::CmmFile;
+use crate::measuring::file::CmmFile;
 use fixed::types::{I16F16, I32F0};
 use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_pid::{Conditional, Integration, Limits, Pid, State};

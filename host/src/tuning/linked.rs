@@ -1,9 +1,9 @@
 //! An axis behind a line of modules, real or simulated.
 
 use super::rig::{Rig, Sample, profile};
-use crate::cmm::file::{AxisFile, CmmFile};
-use crate::cmm::line::Line;
-use crate::cmm::trouble::Trouble;
+use crate::measuring::file::{AxisFile, CmmFile};
+use crate::measuring::line::Line;
+use crate::measuring::trouble::Trouble;
 use husillo_transports::nmc::{
     CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
 };
@@ -147,8 +147,8 @@ impl Rig for Linked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cmm::Port;
-    use crate::cmm::emulated::Emulated;
+    use crate::measuring::Port;
+    use crate::measuring::emulated::Emulated;
 
     /// A host that says nothing more after a drive: the axis goes to the end that was named, and stays.
     #[test]

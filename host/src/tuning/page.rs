@@ -2,8 +2,8 @@
 
 use super::outcome::Outcome;
 use super::stand::Trace;
-use crate::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
-use crate::report::{STYLE, escape};
+use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
+use crate::page::report::{STYLE, escape};
 use std::fmt::Write;
 
 /// Longest stretch that is drawn, s: what comes later looks the same.

@@ -1,8 +1,8 @@
 //! The axis on the test stand: everything that is watched while an experiment goes on.
 
 use super::rig::{Rig, Sample};
-use crate::cmm::file::AxisFile;
-use crate::cmm::trouble::Trouble;
+use crate::measuring::file::AxisFile;
+use crate::measuring::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 
 /// A stretch of an experiment, to be drawn.

@@ -237,8 +237,9 @@ mod tests {
         let cap = hemisphere(9);
         assert_eq!((cap[0], cap[8][2]), (UP, 0.0));
         assert!(
-            cap.iter()
-                .all(|spoke| (crate::cmm::routine::frame::length(*spoke) - 1.0).abs() < 1e-12)
+            cap.iter().all(
+                |spoke| (crate::measuring::routine::frame::length(*spoke) - 1.0).abs() < 1e-12
+            )
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Why a statement of a routine has no result.
 
-use crate::cmm::trouble::Trouble;
+use crate::measuring::trouble::Trouble;
 use husillo_probe::FitError;
 use std::fmt;
 

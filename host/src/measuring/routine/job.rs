@@ -7,9 +7,9 @@ use super::site::Site;
 use super::statement::Statement;
 use super::{listing, page, program, record};
 use crate::cli::{Measure, Results};
-use crate::cmm::file::{CmmFile, Stylus};
-use crate::cmm::prober::Prober;
 use crate::diagnostics::{Finding, Format, Place};
+use crate::measuring::file::{CmmFile, Stylus};
+use crate::measuring::prober::Prober;
 use crate::output::Outputs;
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 

@@ -2,7 +2,7 @@
 
 use super::dimension::{Dimension, Verdict, decimal, number, signed};
 use super::feature::Feature;
-use crate::report::length;
+use crate::page::report::length;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

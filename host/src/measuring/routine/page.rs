@@ -5,7 +5,7 @@ use super::feature::Feature;
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
 use super::site::Site;
-use crate::report::{STYLE, escape, length};
+use crate::page::report::{STYLE, escape, length};
 use std::fmt::Write;
 
 /// Green, red, and what only this page draws.

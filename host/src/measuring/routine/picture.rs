@@ -2,7 +2,7 @@
 
 use super::feature::{Feature, Mark, Shape};
 use super::frame::{self, Frame, Vector, floats, minus, plus, scaled};
-use crate::report::{Frame as View, escape, length, round_down};
+use crate::page::report::{Frame as View, escape, length, round_down};
 use std::fmt::Write;
 
 /// A view along an axis of the part: which axes go to the right and up.

@@ -1,9 +1,9 @@
 //! What the speed of moves that follow the spindle is taken for.
 
 use super::*;
-use crate::feeder;
-use crate::source::Source;
-use crate::speed::{Band, Column};
+use crate::programs::feeder;
+use crate::programs::source::Source;
+use crate::programs::speed::{Band, Column};
 use husillo_gcode::Dialect;
 use std::io::Cursor;
 
@@ -34,7 +34,7 @@ fn largest(columns: &[Column], band: fn(&Column) -> Band) -> f64 {
 /// Each pass of a thread, alone or of a cycle, is a feed at the lead times the turns a minute.
 #[test]
 fn a_pass_of_a_thread_is_a_feed() {
-    const THREAD: &str = include_str!("../../../examples/thread.nc");
+    const THREAD: &str = include_str!("../../../../examples/thread.nc");
     let on = "G21 G90 G18 G8 M3 S600\nG0 X10 Z5\nG4 P1\n";
     let cycle = format!("{on}G76 P1.5 Z-20 I-1 J0.3 R1 K0.9 Q29.5 H1 E0 L0\nM30\n");
     let slower = format!("{on}S300\nG4 P1\nG33 Z-20 K1.5\nM30\n");

@@ -1,0 +1,9 @@
+//! Machine files: read, checked, listed, and what follows from them.
+
+pub mod bytes_file;
+pub mod encoder_file;
+pub mod listing;
+pub mod machine_file;
+pub mod power;
+pub mod quantity;
+pub mod table;

@@ -1,0 +1,5 @@
+//! What the reports are made of.
+
+pub mod chart;
+pub mod drawing;
+pub mod report;
