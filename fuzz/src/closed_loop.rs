@@ -1,7 +1,10 @@
 //! Any commands and faults at stepping axes with encoders.
 
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Event, Followed, MAX_WAIT_TICKS, Machine, OnLoss, Refused, Scale};
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Event, Followed, MAX_WAIT_TICKS, Machine,
+    OnLoss, Refused, Scale,
+};
 
 use crate::bytes::Bytes;
 

@@ -2,7 +2,6 @@
 //! same. Each takes any bytes and panics when an invariant of its crate does not hold.
 
 mod backlash;
-mod microfactory;
 mod bytes;
 mod closed_loop;
 mod contour;
@@ -14,6 +13,7 @@ mod gcode;
 mod interp;
 mod link;
 mod machine;
+mod microfactory;
 mod micromill;
 mod mutation;
 mod nmc;
@@ -24,7 +24,6 @@ mod servo;
 mod stepper;
 
 pub use backlash::backlash;
-pub use microfactory::microfactory;
 pub use closed_loop::closed_loop;
 pub use contour::contour;
 pub use drill::drill;
@@ -35,6 +34,7 @@ pub use gcode::gcode;
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
+pub use microfactory::microfactory;
 pub use micromill::micromill;
 pub use mutation::mutate;
 pub use nmc::{nmc_host, nmc_module};

@@ -1,7 +1,9 @@
 //! Any program on a machine.
 
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, AxisRamp, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale};
+use husillo_machine::{
+    Axis, AxisRamp, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale,
+};
 
 /// No program is followed longer.
 const MOST_EVENTS: u32 = 20_000;

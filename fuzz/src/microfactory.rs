@@ -1,7 +1,9 @@
 //! Any bytes on the link of the microfactory, read by a link alone and by one with a machine behind it.
 
-use husillo_controllers::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
-use husillo_transports::microfactory::{Order, Device, ByteTable, REJECTED, Status};
+use husillo_controllers::{
+    Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
+};
+use husillo_transports::microfactory::{ByteTable, Device, Order, REJECTED, Status};
 
 use crate::bytes::Bytes;
 
