@@ -1,5 +1,5 @@
-//! A million moves of 20 um through the queue, and the events of the ramp. An element is a move, or
-//! an event.
+//! Look-ahead benchmarks: one million moves of 20 um through the queue, and the events of the ramp.
+//! One criterion element is one move or one event.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -15,7 +15,7 @@ const JUNCTION: Junction<3> = Junction {
     acceleration_nm_per_s2: ACCELERATIONS,
 };
 
-/// Chords of 20 um on circles of 3.2 mm with a corner now and then.
+/// Chords of 20 um on circles of 3.2 mm radius, with a corner every few chords.
 fn chords() -> Vec<[i64; 3]> {
     (0..MOVES)
         .map(|number| {
@@ -30,7 +30,7 @@ fn chords() -> Vec<[i64; 3]> {
         .collect()
 }
 
-/// What a machine does for a line, from its end to its place in the queue.
+/// The work of a machine for one line, from the end point to the queue entry.
 fn stretch(way: &[i64; 3], last: &mut Option<Direction<3>>) -> Option<Stretch> {
     let direction = Direction::new(*way)?;
     let ceiling = direction.speed_limit(&SPEEDS);
@@ -65,8 +65,8 @@ fn look_ahead(criterion: &mut Criterion) {
         .sample_size(10)
         .measurement_time(Duration::from_secs(5));
     group.throughput(Throughput::Elements(MOVES as u64));
-    // Braking from 50 mm/s takes 2.5 mm and the queue holds 0.64 mm: all of it is a braking ramp,
-    // always.
+    // Braking from 50 mm/s takes 2.5 mm and the queue holds 0.64 mm, so the whole queue is always a
+    // braking ramp.
     group.bench_function("million_moves_with_junctions", |bencher| {
         bencher.iter(|| {
             let mut queue = LookAhead::<u32, 32>::new();
@@ -113,7 +113,7 @@ fn ramp(criterion: &mut Criterion) {
     };
     let mut group = criterion.benchmark_group("ramp");
     group.throughput(Throughput::Elements(EVENTS.into()));
-    // 50 mm up, 50 mm down.
+    // 50 mm of acceleration, 50 mm of deceleration.
     group.bench_function("event_speeding_up_or_down", |bencher| {
         bencher.iter(|| {
             let mut ramp = Ramp::new(1_000_000);

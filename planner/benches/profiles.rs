@@ -1,4 +1,4 @@
-//! Speed profiles and the constant-speed timer. An element is an interval.
+//! Benchmarks of the speed profiles and the constant-speed timer. One element is one interval.
 
 use std::{hint::black_box, time::Duration};
 
@@ -7,7 +7,7 @@ use husillo_planner::{Rates, Recurrence, SCurve, Timer, Trapezoid};
 
 const EVENTS: u32 = 10_000;
 
-/// From standstill to standstill, never at the top rate.
+/// From standstill to standstill; the top rate is never reached.
 const RAMP: Rates = Rates {
     timer_hz: 1_000_000,
     start_rate_hz: 0,
@@ -16,7 +16,7 @@ const RAMP: Rates = Rates {
     acceleration_hz_per_s: 100_000,
 };
 
-/// At the top rate all the way.
+/// At the top rate throughout.
 const LEVEL: Rates = Rates {
     start_rate_hz: 50_000,
     end_rate_hz: 50_000,

@@ -1,4 +1,5 @@
-//! A move with ramps that is held half-way, then finished, and sent to a slow controller as bursts.
+//! Holds a move with ramps half-way, resumes it, and compresses the intervals into bursts for a
+//! slow controller.
 
 use husillo_planner::{Bursts, Rates, RatesError, Trapezoid};
 

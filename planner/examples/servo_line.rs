@@ -1,10 +1,10 @@
-//! Straight moves of three servo axes over independent modules: the bounds of their line, and how
-//! far they are from it.
+//! Runs straight moves of three servo axes on independent modules. Prints the documented bounds and
+//! the measured deviations.
 
 use husillo_planner::{ServoLine, ServoMotion, ServoProfile};
 
 fn main() {
-    // Counts of 2 um; 1953 periods a second: 20 mm/s and 50 mm/s^2, then slower and quicker.
+    // Counts of 2 um, 1953 periods/s: first 20 mm/s and 50 mm/s^2, then slower and faster.
     let lines = [
         ([10_000, 7_000, -300], 335_544, 430),
         ([10_000, 7_000, -300], 16_777, 107),

@@ -1,24 +1,29 @@
-//! A clock for every axis of a straight move.
+//! A separate clock for every axis of a straight move.
 
 use core::iter::FusedIterator;
 
-/// The events of a straight move at constant speed, each axis at its own exact times, merged into
-/// one stream.
+/// Times each axis of a straight move at constant speed separately and merges the events into one
+/// stream.
 ///
-/// Bresenham's line lets the slave axes step with the leading one: at half or twice their mean
-/// speed from one event to the next. Here event k of an axis with b events in a move of T ticks is
-/// at `floor(((2 k - 1) T + b) / (2 b))`, the middle of its share of the time: **jitter one tick**
-/// instead of one period of the leading axis. The path is as good as rounding every axis by itself:
-/// off by 1/2 step an axis, not as a whole.
+/// With Bresenham's line the slave axes step together with the leading axis, so their speed varies
+/// between half and twice its mean from one event to the next. Here event k of an axis with b
+/// events, in a move of T ticks, is at `floor(((2 k - 1) T + b) / (2 b))`: the middle of its share
+/// of the time. The **jitter is one tick** instead of one period of the leading axis. The path is
+/// as accurate as rounding each axis separately: it is off by at most 1/2 step per axis.
 ///
-/// Items are the ticks to wait and the axes that step then, axis 0 in bit 0; at most 8 axes, those
-/// beyond are ignored. Axes due at the same tick step together. Waits above 2^31 ticks are split by
-/// items without a step. Add the rest of the move, [`rest_ticks`](AxisTimers::rest_ticks), before
-/// the next one.
+/// An item is the ticks to wait and the mask of the axes that step then, axis 0 in bit 0. At most 8
+/// axes are timed; further axes are ignored. Axes that are due at the same tick step together.
+/// Waits above 2^31 ticks are split by items without a step. Add
+/// [`rest_ticks`](AxisTimers::rest_ticks), the rest of the move, before the next move.
 ///
-/// Range: up to 2^31 - 1 events an axis, 2^62 ticks. Size: 32 bytes an axis and 8 more, because
-/// every axis has its own clock. Cost of an item for 3 axes, loop included: 68 instructions on
-/// Cortex-M4F, 119 on Cortex-M0; no division.
+/// Range: up to 2^31 - 1 events per axis and 2^62 ticks. Size: 32 bytes per axis plus 8, because
+/// every axis has its own clock.
+///
+/// # Cost
+/// One item for 3 axes, loop included: 68 instructions on Cortex-M4F, 119 on Cortex-M0. No
+/// division.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_planner::AxisTimers;
@@ -28,7 +33,8 @@ use core::iter::FusedIterator;
 /// assert_eq!(items, [(100, 2), (150, 1), (50, 2), (200, 2), (200, 2), (50, 1), (150, 2)]);
 /// ```
 ///
-/// Source: the rounding of Bresenham's division, IBM Systems Journal 4 (1965), applied to time.
+/// # Source
+/// The rounding of Bresenham's division, IBM Systems Journal 4 (1965), applied to time.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AxisTimers<const N: usize> {
     axes: [Axis; N],
@@ -50,7 +56,7 @@ struct Axis {
     left: u32,
 }
 
-/// Longer waits are split.
+/// Longer waits are split into items of at most this.
 const LONGEST: u64 = 1 << 31;
 
 impl Axis {
@@ -82,7 +88,8 @@ impl Axis {
             return;
         }
         self.due = self.whole;
-        // Both below 2 b < 2^32: modulo 2^32, then past the unit if it wrapped or reached it.
+        // Both are below 2 b < 2^32. The sum is taken modulo 2^32; the carry goes up if it wrapped
+        // or reached the unit.
         let space = self.unit.wrapping_sub(self.owed);
         if self.part >= space {
             self.due = self.due.wrapping_add(1);
@@ -94,7 +101,8 @@ impl Axis {
 }
 
 impl<const N: usize> AxisTimers<N> {
-    /// The timers of a move of `ticks`, cut to 2^62, with so many events on each axis, cut to 2^31 - 1.
+    /// Creates the timers of a move of `ticks` (limited to 2^62) with `events` events per axis
+    /// (each limited to 2^31 - 1).
     pub fn new(ticks: u64, events: [u32; N]) -> AxisTimers<N> {
         let ticks = ticks.min(1 << 62);
         let mut axes = events.map(|events| Axis::new(ticks, events));
@@ -107,7 +115,7 @@ impl<const N: usize> AxisTimers<N> {
         }
     }
 
-    /// Ticks from the last item, or the start, to the end of the move.
+    /// Ticks from the last item, or from the start, to the end of the move.
     pub const fn rest_ticks(&self) -> u64 {
         self.rest_ticks
     }
@@ -126,7 +134,7 @@ impl<const N: usize> Iterator for AxisTimers<N> {
             return None;
         }
         let wait = due.min(LONGEST);
-        // The last event is before the end: at most T - T / 2 b + 1/2.
+        // The last event is before the end: at most at T - T / 2 b + 1/2.
         self.rest_ticks = self.rest_ticks.wrapping_sub(wait);
         let (mut mask, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {

@@ -1,21 +1,23 @@
-//! Many intervals in few records.
+//! Compression of many intervals into few records.
 
 use core::iter::FusedIterator;
 
-/// `count` intervals, the first of `interval_ticks`, each next one longer by `add_ticks`.
+/// A record of `count` intervals: the first is `interval_ticks`, each next one is longer by
+/// `add_ticks`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Burst {
     /// Ticks before the first event.
     pub interval_ticks: u32,
-    /// Events, at least 1.
+    /// Number of events, at least 1.
     pub count: u16,
-    /// Ticks that each interval has more than the one before.
+    /// Ticks by which each interval is longer than the one before.
     pub add_ticks: i16,
 }
 
 impl Burst {
-    /// Its intervals again: two additions each, all that a slow controller has to do.
+    /// Returns the intervals of the record. Each takes two additions, so a slow controller can do
+    /// it.
     pub const fn replay(&self) -> Replay {
         Replay {
             interval_ticks: self.interval_ticks,
@@ -40,7 +42,7 @@ impl Iterator for Replay {
     fn next(&mut self) -> Option<u32> {
         self.left = self.left.checked_sub(1)?;
         let ticks = self.interval_ticks;
-        // `Bursts` makes none that leaves 32 bits before its last event.
+        // `Bursts` makes no record that leaves 32 bits before its last event.
         self.interval_ticks = ticks.wrapping_add_signed(self.add_ticks.into());
         Some(ticks)
     }
@@ -53,19 +55,24 @@ impl Iterator for Replay {
 impl ExactSizeIterator for Replay {}
 impl FusedIterator for Replay {}
 
-/// Compresses a stream of intervals into [`Burst`]s: for a slow controller, or a link.
+/// Compresses a stream of intervals into [`Burst`]s for a slow controller or a slow link.
 ///
-/// Replayed events are never further than `error_ticks` from the original ones, over the whole
-/// stream: a burst begins where the one before it ended, not where it should have. Each burst is as
-/// long as its first interval lets it be: of the first intervals within the error, up to
-/// [`CANDIDATES`](Bursts::CANDIDATES) evenly spread, every one is followed with the range of
-/// additions it allows, until none is left. With an error of 8 ticks or less that are all: no
-/// longer burst exists. Of those left over the one that ends nearest to the original time is taken,
-/// among equals the most even.
+/// Replayed events are at most `error_ticks` from the original ones over the whole stream: errors
+/// do not add up, because a burst begins where the one before it really ended. Each burst is as
+/// long as its first interval allows. Up to [`CANDIDATES`](Bursts::CANDIDATES) first intervals,
+/// evenly spread within the error, are followed together with the range of additions that each
+/// allows, until none is left. With an error of 8 ticks or less these are all first intervals, so
+/// no longer burst exists. Among the candidates that last longest, the one that ends nearest to the
+/// original time is taken; among equal ones, the one with the smallest addition.
 ///
-/// Range: intervals up to 2^32 - 1 ticks, errors up to 2^30; no replayed interval is negative.
-/// Memory: constant; the 17 candidates take 410 bytes of stack twice while a burst is made. Cost:
-/// up to two divisions of 64 bits for each candidate and event; this is for the side that has time.
+/// Range: intervals up to 2^32 - 1 ticks, errors up to 2^30 ticks; no replayed interval is
+/// negative. Memory is constant: two copies of the 17 candidates take 410 bytes of stack each while
+/// a burst is made.
+///
+/// # Cost
+/// Up to two divisions of 64 bits per candidate and event: this is for the side that has time.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_planner::{Burst, Bursts};
@@ -77,19 +84,20 @@ impl FusedIterator for Replay {}
 /// assert!(bursts[0].replay().eq([1000, 990, 980, 970, 960]));
 /// ```
 ///
-/// Source: the record and the idea are those of Klipper's `stepcompress.c` (`interval, count,
-/// add`); the search is our own.
+/// # Source
+/// The record and the idea are those of Klipper's `stepcompress.c` (`interval, count, add`). The
+/// search is our own.
 #[derive(Clone, Debug)]
 pub struct Bursts<I> {
     intervals: I,
     error_ticks: i64,
-    /// The first interval of the next burst, taken from the stream but not yet used.
+    /// First interval of the next burst: taken from the stream, not yet used.
     waiting: Option<u32>,
-    /// Original less replayed time at the end of the last burst.
+    /// Original time minus replayed time at the end of the last burst.
     late: i64,
 }
 
-/// A first interval and the additions with which every event so far is within the error.
+/// A first interval, and the additions that keep every event so far within the error.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     interval: i64,
@@ -98,10 +106,11 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// Lets an event in that comes after `count` intervals between the times `early` and `late`;
-    /// whether any addition is left.
+    /// Restricts the additions so that an event after `count` intervals lies between the times
+    /// `early` and `late`. Returns whether any addition is left.
     fn allow(&mut self, count: i64, early: i64, late: i64) -> bool {
-        // count < 2^16: the sum of additions is add times this, below 2^31; times below 2^49.
+        // count < 2^16, so the weight is below 2^31 and the sum of additions, weight times add, is
+        // below 2^46. Times are below 2^49.
         let weight = count.wrapping_mul(count.wrapping_sub(1)) >> 1;
         let base = count.wrapping_mul(self.interval);
         let (least, most) = (early.wrapping_sub(base), late.wrapping_sub(base));
@@ -114,7 +123,7 @@ impl Candidate {
         if self.high.wrapping_mul(weight) > most {
             self.high = ceiling(most.wrapping_add(1), weight).wrapping_sub(1);
         }
-        // No interval below 0 and none of 2^32: the last one is interval + (count - 1) add.
+        // No interval may be below 0 or above 2^32 - 1; the last one is interval + (count - 1) add.
         let gaps = count.wrapping_sub(1);
         if self.low.wrapping_mul(gaps) < self.interval.wrapping_neg() {
             self.low = ceiling(self.interval.wrapping_neg(), gaps);
@@ -126,7 +135,7 @@ impl Candidate {
         self.low <= self.high
     }
 
-    /// The addition that ends nearest to `time`, and how far from it.
+    /// Returns the addition that ends nearest to `time`, and the remaining error.
     fn nearest(&self, count: i64, time: i64) -> (i64, i64) {
         let weight = count.wrapping_mul(count.wrapping_sub(1)) >> 1;
         let off = time.wrapping_sub(count.wrapping_mul(self.interval));
@@ -149,13 +158,13 @@ fn ceiling(a: i64, b: i64) -> i64 {
 }
 
 impl<I> Bursts<I> {
-    /// First intervals that are tried.
+    /// Number of first intervals that are tried.
     pub const CANDIDATES: usize = 17;
 }
 
 impl<I: Iterator<Item = u32>> Bursts<I> {
-    /// Compresses `intervals` with replayed times at most `error_ticks` (cut to 2^30) off the
-    /// original ones.
+    /// Compresses `intervals` so that replayed times are at most `error_ticks` (limited to 2^30)
+    /// off the original ones.
     pub fn new(intervals: I, error_ticks: u32) -> Bursts<I> {
         Bursts {
             intervals,
@@ -175,15 +184,15 @@ impl<I: Iterator<Item = u32>> Iterator for Bursts<I> {
             None => self.intervals.next()?,
         };
         let error = self.error_ticks;
-        // Times are counted from the end of the last burst as it was replayed.
+        // Times count from the replayed end of the last burst.
         let mut time = self.late.wrapping_add(first.into());
         let mut candidates = [Candidate {
             interval: 0,
             low: i16::MIN.into(),
             high: i16::MAX.into(),
         }; 17];
-        // From the lowest first interval to the highest within the error; the late one is within it
-        // too.
+        // First intervals are spread over the whole error range. The error carried from the last
+        // burst lies within it as well.
         let lowest = time.wrapping_sub(error).max(0);
         let highest = time.wrapping_add(error).min(u32::MAX.into());
         let span = highest.wrapping_sub(lowest);
@@ -234,7 +243,7 @@ impl<I: Iterator<Item = u32>> Iterator for Bursts<I> {
         Some(Burst {
             interval_ticks: interval as u32,
             count: count as u16,
-            // A single event has nothing added.
+            // A single event has no addition.
             add_ticks: if count == 1 { 0 } else { add as i16 },
         })
     }

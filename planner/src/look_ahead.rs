@@ -1,9 +1,9 @@
-//! How fast each move may end, given the moves behind it.
+//! Highest speed at the end of each move, given the moves behind it.
 //!
-//! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. Add
-//! these up along the queue and call the sum the *height* of a junction. The square of the speed at
-//! the end of the first move may be, for every junction behind it, the square of the speed allowed
-//! there and the height between, whichever junction allows the least:
+//! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. The
+//! sum of these along the queue is the *height* of a junction. For every junction behind the first
+//! move, the square of the speed at the end of that move is at most the square of the speed allowed
+//! at the junction plus the height between them. The least of these bounds holds:
 //!
 //! ```text
 //!  height + limit^2
@@ -13,25 +13,26 @@
 //!     +---+--+-----+---+----------+-> junctions, first move's end on the left
 //! ```
 //!
-//! Only the candidates are kept: a new junction throws out those behind which it stands lower, once
-//! and for all, so a move is looked at twice in its life however long the queue is. The lowest
-//! candidate is always the first one. (This is the minimum over a sliding window of Knuth's school;
-//! Grbl's two passes of planner.c come to the same speeds.)
+//! Only the candidates are kept. A new junction removes the junctions in front of it that stand
+//! higher, once and for all, so each move is looked at twice in its life however long the queue is.
+//! The lowest candidate is always the first one. This is the well-known minimum over a sliding
+//! window; the two passes of Grbl's planner.c give the same speeds.
 
 use crate::{Stretch, ring::Ring, stretch::square};
 
-/// How fast the executing move may be and end, at this moment.
+/// Highest speeds of the executing move, now and at its end.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
-    /// Speed of the move with the override, at most the machine's.
+    /// Speed of the move with the override, at most the limit of the machine.
     pub top_nm_per_s: u32,
     /// Square of the highest speed at the end of the move, (nm/s)^2.
     pub exit_squared: u64,
 }
 
-/// A queue of up to `CAPACITY` moves, each with a payload `M`, the executing one included.
+/// A queue of up to `CAPACITY` moves, the executing one included. Each move carries a payload `M`.
 ///
+/// # Examples
 /// ```
 /// use husillo_planner::{LookAhead, Stretch};
 ///
@@ -55,11 +56,12 @@ pub struct Limits {
 pub struct LookAhead<M, const CAPACITY: usize> {
     slots: Ring<Slot<M>, CAPACITY>,
     candidates: Ring<Candidate, CAPACITY>,
-    /// Height of the end of the first move. Heights cannot overflow: 2^43 moves of 2^85.
+    /// Height of the end of the first move. Heights cannot overflow: it would take 2^43 moves of
+    /// 2^85.
     front_end: u128,
     /// Height of the end of the last move.
     end: u128,
-    /// Number of the first move; wraps.
+    /// Sequence number of the first move; wraps.
     front_number: u32,
     percent: u8,
     limits: Limits,
@@ -72,16 +74,16 @@ struct Slot<M> {
     payload: M,
 }
 
-/// A junction that nothing behind it makes superfluous.
+/// A junction that no junction behind it makes superfluous.
 #[derive(Copy, Clone, Debug)]
 struct Candidate {
-    /// Of the move after the junction.
+    /// Sequence number of the move after the junction.
     number: u32,
     height_and_limit: u128,
 }
 
 impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
-    /// An empty queue at 100 %.
+    /// Creates an empty queue at an override of 100 %.
     pub const fn new() -> Self {
         Self {
             slots: Ring::new(),
@@ -97,12 +99,13 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         }
     }
 
-    /// Appends a move. The speeds of the moves before it may rise, none ever falls.
-    ///
-    /// Constant time on the average, no division.
+    /// Appends a move. The speeds of the moves before it may rise; none ever falls.
     ///
     /// # Errors
-    /// Gives the move back when the queue is full.
+    /// Returns the move when the queue is full.
+    ///
+    /// # Cost
+    /// Constant time on average, no division.
     pub fn push(&mut self, stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
         if self.slots.is_full() {
             return Err((stretch, payload));
@@ -111,7 +114,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         match self.slots.back() {
             Some(last) => {
                 let limit = entry_squared(&last.stretch, &stretch, self.percent);
-                // At most 2^31 moves wait, so numbers of moves in the queue differ.
+                // At most 2^31 moves wait, so the numbers of the moves in the queue differ.
                 let number = self.front_number.wrapping_add(self.slots.len() as u32);
                 self.add_candidate(number, limit);
                 self.end = self.end.wrapping_add(gain);
@@ -131,8 +134,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         Ok(())
     }
 
-    /// Takes the first move out when it has been executed; the next one is the executing one from
-    /// now on.
+    /// Removes the first move after its execution. The next move becomes the executing one.
     pub fn pop(&mut self) -> Option<(Stretch, M)> {
         let slot = self.slots.pop_front()?;
         self.front_number = self.front_number.wrapping_add(1);
@@ -149,7 +151,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         Some((slot.stretch, slot.payload))
     }
 
-    /// The executing move, or the one to be executed next.
+    /// The executing move, or the move to execute next.
     pub fn front(&self) -> Option<(&Stretch, &M)> {
         self.slots
             .front()
@@ -161,18 +163,19 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.slots.back().map(|slot| (&slot.stretch, &slot.payload))
     }
 
-    /// What holds for the first move now: ask at every event, it may rise. All zero when the queue
+    /// Current limits of the first move. Ask at every event: they may rise. All zero when the queue
     /// is empty.
     #[inline]
     pub const fn limits(&self) -> Limits {
         self.limits
     }
 
-    /// Scales the programmed speeds: 10 to 200 percent, others are taken as the nearest of these.
+    /// Scales the programmed speeds: 10 to 200 percent; other values are taken as the nearest of
+    /// these.
     ///
-    /// Looks at every move once. A lower override may ask the executing move for less than it can
-    /// brake to; [`Ramp`](crate::Ramp) then brakes as hard as it may, and no junction is passed
-    /// faster than its limit.
+    /// Looks at every move once. A lower override may ask the executing move for a speed to which
+    /// it cannot brake in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed, and no
+    /// junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
         let percent = percent.clamp(10, 200);
         if percent == self.percent {
@@ -205,29 +208,30 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.percent
     }
 
-    /// Moves in the queue, the executing one included.
+    /// Number of moves in the queue, the executing one included.
     pub const fn len(&self) -> usize {
         self.slots.len()
     }
 
-    /// Whether nothing is to be executed.
+    /// Whether there is no move to execute.
     pub const fn is_empty(&self) -> bool {
         self.slots.len() == 0
     }
 
-    /// Whether [`LookAhead::push`] would give the move back.
+    /// Whether [`LookAhead::push`] would return the move.
     pub const fn is_full(&self) -> bool {
         self.slots.is_full()
     }
 
-    /// Drops all moves; the override stays.
+    /// Drops all moves and keeps the override.
     pub fn clear(&mut self) {
         self.slots.clear();
         self.candidates.clear();
         self.update_exit();
     }
 
-    /// The junction at the end of the queue gets a move behind it: all candidates it undercuts go.
+    /// Adds the junction between the last move and a new one, and removes all candidates that it
+    /// undercuts.
     fn add_candidate(&mut self, number: u32, limit_squared: u64) {
         let height_and_limit = self.end.wrapping_add(limit_squared.into());
         while self
@@ -264,8 +268,9 @@ impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
     }
 }
 
-/// Square of the highest speed from one move to the next: the junction's, neither move's top
-/// exceeded. The start speed of the first is allowed always: a stop from it and a new start are.
+/// Square of the highest speed from one move to the next: the junction limit and the top speeds of
+/// both moves. The start speed of the first move is always allowed, because the machine may stop
+/// from it and start again.
 fn entry_squared(before: &Stretch, after: &Stretch, percent: u8) -> u64 {
     let speed = after
         .entry_limit_nm_per_s

@@ -1,19 +1,20 @@
 //! The seven phases of a jerk-limited move, in whole ticks.
 //!
-//! Units: the jerk is 1, so a change of rate during t ticks of full jerk is t^2 / 2. Rates are kept
-//! doubled (`w`), path in sixths of its unit: all are integers, whatever the ticks.
+//! Units: the jerk is 1, so t ticks of full jerk change the rate by t^2 / 2. Rates are kept doubled
+//! (`w`) and paths in sixths of their unit. All values are therefore integers for any number of
+//! ticks.
 
 use crate::wide::quotient;
 
-/// A change of rate: `jerk` ticks of growing, `steady` ticks of constant and `jerk` ticks of
-/// shrinking acceleration.
+/// A change of rate: the acceleration grows for `jerk` ticks, is constant for `steady` ticks and
+/// shrinks for `jerk` ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Bend {
     pub(crate) jerk: u32,
     pub(crate) steady: u32,
 }
 
-/// What a jerk-limited move does from its present point on.
+/// The course of a jerk-limited move from its present point on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Phases {
     /// Ticks until the present acceleration is gone.
@@ -25,21 +26,21 @@ pub(crate) struct Phases {
     pub(crate) last: Bend,
 }
 
-/// Where a move is and what it must keep to.
+/// The present state of a move, and its limits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Course {
-    /// Present rate, doubled, and acceleration in ticks of jerk.
+    /// Present rate, doubled, and present acceleration in ticks of jerk.
     pub(crate) w: u64,
     pub(crate) acceleration: i32,
     pub(crate) top_w: u64,
     pub(crate) end_w: u64,
-    /// Most ticks of jerk: the greatest acceleration.
+    /// Most ticks of jerk; this is the greatest acceleration.
     pub(crate) most_jerk: u32,
 }
 
 impl Bend {
-    /// The change of rate from one to the other, or up to one tick's worth of acceleration less, so
-    /// that no limit is exceeded.
+    /// The change of rate from one rate to the other. It falls short by up to one tick of
+    /// acceleration, so that no limit is exceeded.
     fn between(one: u64, other: u64, most_jerk: u32) -> Bend {
         let change = one.abs_diff(other) >> 1;
         let jerk = (change.isqrt().min(most_jerk.into())) as u32;
@@ -54,7 +55,7 @@ impl Bend {
         }
     }
 
-    /// What it changes of the doubled rate.
+    /// The change of the doubled rate.
     fn change(self) -> u64 {
         // jerk < 2^28, both < 2^32.
         let ticks = u64::from(self.jerk).wrapping_add(self.steady.into());
@@ -67,7 +68,7 @@ impl Bend {
             .wrapping_add(self.steady.into())
     }
 
-    /// Sixths of path, when the lower of its rates is `w`: 3 (v + v') t.
+    /// Path in sixths, where `w` is the lower of the two rates: 3 (v + v') t.
     fn path(self, w: u64) -> u128 {
         // Rates < 2^62, ticks < 2^33.
         u128::from(w)
@@ -80,8 +81,8 @@ impl Bend {
 }
 
 impl Course {
-    /// The rate when the present acceleration is gone, the ticks and the path to there; `None` if
-    /// it would turn round.
+    /// The rate at which the present acceleration has vanished, with the ticks and the path until
+    /// then; `None` if the motion would reverse.
     fn settled(&self) -> Option<(u64, u32, u128)> {
         let ticks = self.acceleration.unsigned_abs();
         // ticks < 2^29.
@@ -99,8 +100,8 @@ impl Course {
         }
     }
 
-    /// The two changes of rate over a peak (or, from above the top, down to it), their path and the
-    /// peak.
+    /// The two changes of rate over a peak (or, from above the top rate, down to it), with their
+    /// path and the peak.
     fn over(&self, from: u64, peak: u64) -> (Bend, Bend, u128, u64) {
         let first = Bend::between(from, peak, self.most_jerk);
         let peak = if from <= peak {
@@ -121,10 +122,10 @@ impl Course {
         Some(path.wrapping_add(self.over(from, from).2))
     }
 
-    /// The quickest phases with a path of at most `room`, or with `is_whole` of at least `room` by
-    /// less than one tick's path; and their path. `None` where the room is too short.
+    /// The quickest phases with a path of at most `room`, and that path. With `is_whole` the path
+    /// is at least `room`, by less than the path of one tick. `None` where the room is too short.
     ///
-    /// A top rate out of reach costs a search by halves: at most 62 square roots.
+    /// If the top rate is out of reach, the peak is found by bisection: at most 62 square roots.
     pub(crate) fn phases(&self, room: u128, is_whole: bool) -> Option<(Phases, u128)> {
         let (from, settle, settle_path) = self.settled()?;
         let room = room.checked_sub(settle_path)?;
@@ -138,7 +139,7 @@ impl Course {
         } else {
             let (mut low, mut high) = (from, self.top_w);
             while high.wrapping_sub(low) > 1 {
-                // Below 2^62 both.
+                // Both are below 2^62.
                 let middle = low.wrapping_add(high) >> 1;
                 if fits(middle) {
                     low = middle;

@@ -2,9 +2,9 @@
 
 /// floor(`dividend` / `divisor`), 0 for a divisor of 0.
 ///
-/// Where registers have 32 bits this is two divisions of 32 bits (Knuth, The Art of Computer
-/// Programming 2, algorithm D, with digits of 16 bits) instead of a call that divides 64 by 64: on
-/// a Cortex-M4 a fifth of its instructions.
+/// With 32-bit registers this takes two divisions of 32 bits (Knuth, The Art of Computer
+/// Programming 2, algorithm D, with digits of 16 bits) instead of a library call that divides 64 by
+/// 64 bits. On a Cortex-M4 that is a fifth of the instructions.
 #[inline]
 pub(crate) fn quotient(dividend: u64, divisor: u32) -> u64 {
     if cfg!(target_pointer_width = "64") {
@@ -21,8 +21,8 @@ fn by_digits(dividend: u64, divisor: u32) -> u64 {
         whole = high.checked_div(divisor).unwrap_or(0);
         high = high.wrapping_sub(whole.wrapping_mul(divisor));
     }
-    // high < divisor from here on: the quotient has 32 bits. The divisor to 32 bits, the dividend
-    // along with it.
+    // high < divisor from here on, so the quotient has 32 bits. The divisor is scaled to 32 bits,
+    // and the dividend by the same shift.
     let zeros = divisor.leading_zeros();
     let divisor = divisor.wrapping_shl(zeros);
     let rest = (u64::from(high) << 32 | dividend & 0xffff_ffff).wrapping_shl(zeros);
@@ -32,11 +32,11 @@ fn by_digits(dividend: u64, divisor: u32) -> u64 {
     u64::from(whole) << 32 | u64::from(first << 16 | second)
 }
 
-/// One digit of 16 bits of (`high` 2^16 + `next`) / `divisor`, and the rest; `divisor` has its
-/// highest bit set and is above `high`.
+/// Returns one digit of 16 bits of (`high` 2^16 + `next`) / `divisor`, and the remainder. `divisor`
+/// has its highest bit set and is above `high`.
 fn digit(high: u32, next: u32, divisor: u32) -> (u32, u32) {
     let [upper, lower] = [divisor >> 16, divisor & 0xffff];
-    // Too large by 2 at most.
+    // Too large by at most 2.
     let mut guess = high.checked_div(upper).unwrap_or(0).min(0xffff);
     let rest = u64::from(high) << 16 | u64::from(next);
     let rest = rest.wrapping_sub(u64::from(guess.wrapping_mul(upper)) << 16) as i64;
@@ -54,7 +54,7 @@ mod tests {
     extern crate std;
     use super::by_digits;
 
-    /// Numbers of all sizes and all those near powers of two.
+    /// Random numbers of all sizes, and all numbers near powers of two.
     #[test]
     fn digits_divide_exactly() {
         let mut random = oorandom::Rand64::new(1);

@@ -1,4 +1,4 @@
-//! When the events of the executing move happen.
+//! Timing of the events of the executing move.
 
 use crate::{
     Limits, Stretch, Timer,
@@ -7,15 +7,19 @@ use crate::{
     stretch::square,
 };
 
-/// Path speed from event to event: as fast as top speed, acceleration and the end of the move
+/// Path speed from event to event, as high as top speed, acceleration and the end of the move
 /// allow.
 ///
-/// Its state is the square of the speed, which changes by 2 a ds at most over an event of the
-/// length ds. The speed is carried from move to move, and what is less than a tick is owed to the
-/// next event, whatever move it belongs to. An event within the ramp costs a square root and a
-/// division of 64 bits, one at constant speed neither. At constant speed the times add up to the
-/// programmed ones exactly; on a ramp speeds are rounded down to nm/s.
+/// The state is the square of the speed, which changes by at most 2 a ds over an event of the
+/// length ds. The speed is carried from move to move, and so is the fraction of a tick, whichever
+/// move the next event belongs to. At constant speed the times add up to exactly the programmed
+/// ones. On a ramp, speeds are rounded down to whole nm/s.
 ///
+/// # Cost
+/// An event on a ramp takes a square root and a division of 64 bits; an event at constant speed
+/// takes neither.
+///
+/// # Examples
 /// ```
 /// use husillo_planner::{LookAhead, Ramp, Stretch};
 ///
@@ -41,25 +45,25 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Ramp {
     timer_hz: u32,
-    /// Square of the present speed, and its root.
+    /// Square of the present speed, and the speed.
     squared: u64,
     speed: u32,
     is_held: bool,
-    /// Fraction of a tick owed to the next event, times 2^64.
+    /// Fraction of a tick carried to the next event, times 2^64.
     owed: u64,
-    /// 2 a ds for a unit of sweep, (nm/s)^2, and the fraction of it owed.
+    /// 2 a ds per unit of sweep in (nm/s)^2, and the carried fraction of it.
     gain: Rate,
     gain_owed: u64,
-    /// 2 a s for what is left of the move.
+    /// 2 a s for the rest of the move.
     remaining: u128,
-    /// 2 ds f for a unit of sweep: ticks times the sum of the speeds before and after.
+    /// 2 ds f per unit of sweep: ticks times the sum of the speeds before and after.
     passage: Rate,
-    /// Events at top speed.
+    /// Timer of the events at top speed.
     cruise: Timer,
     cruise_shift: u8,
-    /// Sweep that may pass at top speed without a look at anything else, as long as the exit is not
-    /// below the one that was reckoned with; and how much of it has passed and is not yet off what
-    /// remains.
+    /// Sweep that may pass at top speed without any further check, as long as the exit limit does
+    /// not fall below the one it was computed with. `cruised` is the sweep already passed
+    /// and not yet subtracted from `remaining`.
     cruise_left: u64,
     cruise_exit: u64,
     cruised: u64,
@@ -67,11 +71,11 @@ pub struct Ramp {
     top_squared: u64,
     /// Square of the speed that needs no ramp.
     floor: u64,
-    /// The move as begun, for another top speed.
+    /// Values of the move as begun, kept for another top speed.
     programmed_top: u32,
     start: u32,
-    /// Square of the speed from which it may fall to any lower one at once: the start speed of the
-    /// move whose event was the last.
+    /// Square of the speed from which the speed may fall to any lower one at once: the start speed
+    /// of the move of the last event.
     drop: u64,
     cruise_ticks_q16: u64,
     total_sweep: u64,
@@ -79,7 +83,7 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Standing still; waits are in ticks of `timer_hz`.
+    /// Creates a ramp at standstill. Waits are in ticks of `timer_hz`.
     pub fn new(timer_hz: u32) -> Ramp {
         Ramp {
             timer_hz,
@@ -108,14 +112,15 @@ impl Ramp {
         }
     }
 
-    /// Begins a move at the speed the one before ended with.
+    /// Begins a move at the speed with which the one before ended.
     ///
-    /// `total_sweep` is that of all its events, `largest_sweep` that of the largest one.
-    /// `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times 2^16: what
-    /// is exact about the programmed feed is in it. A move without events is begun with a sweep of
-    /// 1 and waited for once; its ticks belong to the next event.
+    /// `total_sweep` is the sum over all events of the move, `largest_sweep` that of the largest
+    /// event. `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times
+    /// 2^16; it carries the exact programmed feed. A move without events is begun with a sweep of 1
+    /// and waited for once; its ticks are carried to the next event.
     ///
-    /// Some ten divisions of 64 bits.
+    /// # Cost
+    /// About ten divisions of 64 bits.
     pub fn begin(
         &mut self,
         stretch: &Stretch,
@@ -130,8 +135,8 @@ impl Ramp {
         self.programmed_top = stretch.top_nm_per_s.max(1);
         self.start = stretch.start_nm_per_s;
         let (length, length_bits) = unit(stretch.length(), total_sweep);
-        // Up, so that braking over the whole move takes no more than the look-ahead has reckoned
-        // with.
+        // Rounded up, so that braking over the whole move takes no more than the look-ahead
+        // assumes.
         self.gain = Rate::new(
             length,
             stretch.double_acceleration(),
@@ -144,20 +149,21 @@ impl Ramp {
         self.cruised = 0;
         let double_hz = u64::from(self.timer_hz).wrapping_mul(2);
         self.passage = Rate::new(length, double_hz, length_bits, largest_sweep);
-        // Only a start speed gets a ramp above a junction's limit: from there it may fall at once.
+        // Only a start speed brings a ramp above the limit of a junction; from there the speed may
+        // fall at once.
         let entry = square(stretch.entry_limit_nm_per_s);
         if self.squared > entry {
             self.set_squared(entry);
         }
-        // Not a top speed: the next event sets the one that holds then.
+        // 0 is no top speed: the next event sets the one that holds then.
         self.top = 0;
     }
 
-    /// Ticks to wait before an event of this `sweep`, at most the largest one.
+    /// Returns the ticks to wait before an event of this `sweep`, which is at most the largest one.
     ///
-    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment. `None`
-    /// when a hold has brought the path to a stop: the event did not happen, ask again after
-    /// [`Ramp::resume`].
+    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment.
+    /// Returns `None` when a hold has stopped the path. The event did not happen then; ask again
+    /// after [`Ramp::resume`].
     #[inline]
     pub fn wait(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
         let sweep_units = u64::from(sweep);
@@ -173,7 +179,7 @@ impl Ramp {
         self.wait_with_care(sweep, limits)
     }
 
-    /// An event that may change the speed, or the first ones at a constant one.
+    /// An event that may change the speed, or one of the first events at a constant speed.
     fn wait_with_care(&mut self, sweep: u32, limits: Limits) -> Option<u64> {
         if limits.top_nm_per_s != self.top {
             self.set_top(limits.top_nm_per_s);
@@ -182,7 +188,7 @@ impl Ramp {
         if self.cruised != 0 {
             self.settle_cruise();
         }
-        // The product is at most 2^62 and a sweep, owed less than 2^63.
+        // The product is at most 2^62 plus a sweep, the carried part is below 2^63.
         let gain = self.gain.times(sweep).wrapping_add(self.gain_owed);
         let (gain, gain_owed) = self.gain.split(gain);
         let remaining = self.remaining.saturating_sub(gain.into());
@@ -191,7 +197,7 @@ impl Ramp {
             .saturating_add(limits.exit_squared);
         let before = self.squared.max(self.floor);
         let top = if self.is_held { 0 } else { self.top_squared };
-        // One more than it gains: rounding must not keep it from braking to the end.
+        // One more than the gain, so that rounding does not keep it from braking to the end.
         let least = before.saturating_sub(gain.saturating_add(1));
         let after = before.saturating_add(gain).min(top).min(end).max(least);
         if self.is_held && after <= self.floor {
@@ -224,14 +230,14 @@ impl Ramp {
         self.speed = speed_after;
         let mut speeds = u64::from(speed_before).wrapping_add(speed_after.into());
         if before.saturating_add(after) < gain / 2 {
-            // From next to nothing to next to nothing in one event: up and down within it, at the
-            // mean half of the peak sqrt(a ds), which is the root of half the gain.
+            // The event starts and ends nearly at rest. The speed rises and falls within it: the
+            // mean is half of the peak sqrt(a ds), which is the root of half the gain.
             let peak = u64::from(root(gain / 2)).min(u64::from(self.top).wrapping_mul(2));
             speeds = speeds.max(peak).max(1);
         }
         let mut time = self.passage.times(sweep);
         let divisor = u32::try_from(speeds).unwrap_or_else(|_| {
-            // 33 bits: above 2 m/s the last one does not matter.
+            // 33 bits: above 2 m/s the last bit does not matter.
             time >>= 1;
             (speeds >> 1) as u32
         });
@@ -239,23 +245,24 @@ impl Ramp {
         Some(self.settle(time, self.passage.fraction_bits()))
     }
 
-    /// How far it may go on like this when after this event the square of the speed must not exceed
-    /// `end`.
+    /// Computes how far the path may cruise if after this event the square of the speed must not
+    /// exceed `end`.
     ///
-    /// Some power of two of events: no division, and a few more looks on the way to the end.
+    /// The distance is a power of two of events: that needs no division, only a few more checks on
+    /// the way to the end.
     fn plan_cruise(&mut self, end: u64, exit_squared: u64) {
         let spare = end.saturating_sub(self.top_squared);
         let (gain, _) = self.gain.split(self.gain.times(self.largest_sweep));
-        // spare / 2^bits(gain + 1) events of the largest sweep gain less than what is to spare.
+        // spare / 2^bits(gain + 1) events of the largest sweep gain less than `spare`.
         let bits = 64_u32.wrapping_sub(gain.saturating_add(1).leading_zeros());
         let events = spare.checked_shr(bits).unwrap_or(0);
         self.cruise_left = events.saturating_mul(self.largest_sweep.into());
         self.cruise_exit = exit_squared;
     }
 
-    /// Takes what has passed at top speed off what remains.
+    /// Subtracts the sweep passed at top speed from the rest of the move.
     fn settle_cruise(&mut self) {
-        // 62 and 64 bits.
+        // The factors have 62 and 64 bits.
         let product = self
             .gain
             .times_long(self.cruised)
@@ -266,33 +273,33 @@ impl Ramp {
         self.cruised = 0;
     }
 
-    /// Feed hold: the path brakes from the next event on, through as many moves as it takes.
+    /// Feed hold: the path brakes from the next event on, through as many moves as necessary.
     pub fn hold(&mut self) {
         self.is_held = true;
         self.cruise_left = 0;
     }
 
-    /// Ends a hold, also one that has not stopped the path yet.
+    /// Ends a hold, even if it has not yet stopped the path.
     pub fn resume(&mut self) {
         self.is_held = false;
     }
 
-    /// Whether a hold is on.
+    /// Whether a hold is active.
     pub const fn is_held(&self) -> bool {
         self.is_held
     }
 
-    /// Stands still from now on: after a dwell, a take-up, an abort. The next event starts anew.
+    /// Sets the speed to 0, after a dwell, a take-up or an abort. The next event starts from rest.
     pub fn stop(&mut self) {
         self.set_squared(0);
     }
 
-    /// Path speed after the event given last, rounded down.
+    /// Path speed after the last event in nm/s, rounded down.
     pub const fn speed_nm_per_s(&self) -> u32 {
         self.speed
     }
 
-    /// Whole ticks of a time with that many fraction bits (1 to 63); the rest is owed.
+    /// Whole ticks of a time with this many fraction bits (1 to 63); the remainder is carried.
     fn settle(&mut self, time: u64, fraction_bits: u8) -> u64 {
         let bits = u32::from(fraction_bits);
         let fraction = time.wrapping_shl(64_u32.wrapping_sub(bits));
@@ -308,7 +315,7 @@ impl Ramp {
         self.cruise_left = 0;
     }
 
-    /// Another top speed: cruising takes the programmed time in proportion.
+    /// Sets another top speed: the cruise takes the programmed time in proportion.
     #[cold]
     fn set_top(&mut self, top: u32) {
         let top = top.max(1);
@@ -322,12 +329,12 @@ impl Ramp {
         self.drop = square(self.start);
         let ticks = scale(self.cruise_ticks_q16, self.programmed_top, top);
         self.cruise = Timer::with_most_bits(ticks, self.total_sweep, self.largest_sweep, 47);
-        // 16 to 63.
+        // From 16 to 63.
         self.cruise_shift = self.cruise.fraction_bits().wrapping_add(16);
     }
 }
 
-/// Of 64 bits, so the root has 32.
+/// The square has 64 bits, so the root has 32.
 fn root(squared: u64) -> u32 {
     squared.isqrt() as u32
 }

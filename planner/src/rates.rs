@@ -1,41 +1,41 @@
-//! What a ramp has to keep to.
+//! Limits of a speed profile.
 
 use core::fmt;
 
 use crate::wide::{FRACTION_BITS, divide};
 
-/// The rates and the acceleration of one move, and the timer that counts its ticks.
+/// Rates and acceleration of one move, and the frequency of the timer that counts its ticks.
 ///
-/// A rate in Hz is that of the events: steps a second.
+/// A rate in Hz is the rate of events, in steps per second.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rates {
-    /// Ticks a second, at least 1.
+    /// Ticks per second, at least 1.
     pub timer_hz: u32,
     /// Rate at which the move begins; 0 is standstill.
     pub start_rate_hz: u32,
-    /// Rate never exceeded, at least 1. A move that begins faster slows down to it at once.
+    /// Highest rate, at least 1. A move that begins faster slows down to it at once.
     pub top_rate_hz: u32,
-    /// Rate not exceeded at the last event; 0 is standstill. A move too short to get that fast ends
+    /// Highest rate at the last event; 0 is standstill. A move too short to reach this rate ends
     /// slower.
     pub end_rate_hz: u32,
-    /// Change of rate a second, speeding up and slowing down, at least 1.
+    /// Change of rate per second, both up and down; at least 1.
     pub acceleration_hz_per_s: u32,
 }
 
-/// Why a profile cannot be made.
+/// Reason why a profile cannot be made.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RatesError {
-    /// The timer, the top rate, the acceleration or the jerk is 0.
+    /// The timer frequency, the top rate, the acceleration or the jerk is 0.
     Zero,
     /// A ramp from standstill to one of the rates would take 2^30 ticks or more.
     RampTooLong,
-    /// The acceleration or the jerk is too high for so slow a timer, or the timer above 2^28 Hz for
-    /// a jerk.
+    /// The acceleration or the jerk is too high for the timer frequency, or the timer is above 2^28
+    /// Hz for a jerk-limited profile.
     TimerOutOfRange,
-    /// The events are too few to slow down from the start rate to the end rate.
+    /// There are too few events to slow down from the start rate to the end rate.
     TooShort,
 }
 
@@ -53,10 +53,10 @@ impl fmt::Display for RatesError {
 impl core::error::Error for RatesError {}
 
 impl Rates {
-    /// Refuses what the arithmetic cannot hold.
+    /// Checks that the values fit the arithmetic.
     ///
     /// # Errors
-    /// Every [`RatesError`] but [`RatesError::TooShort`].
+    /// Every [`RatesError`] except [`RatesError::TooShort`].
     pub(crate) fn check(&self) -> Result<(), RatesError> {
         let acceleration = self.acceleration_hz_per_s;
         if self.timer_hz == 0 || self.top_rate_hz == 0 || acceleration == 0 {
@@ -70,7 +70,7 @@ impl Rates {
             return Err(RatesError::RampTooLong);
         }
         let gain = gain(self.timer_hz, acceleration);
-        // One tick^2 an event at least; a first interval below 2^30 ticks.
+        // At least one tick^2 per event, and a first interval below 2^30 ticks.
         if gain >> FRACTION_BITS == 0 {
             return Err(RatesError::TimerOutOfRange);
         }
@@ -89,7 +89,7 @@ fn ramp_ticks(timer_hz: u32, acceleration_hz_per_s: u32, rate_hz: u32) -> u64 {
         .unwrap_or(u64::MAX)
 }
 
-/// What one event adds to the square of the ramp's time: 2 f^2 / a in ticks^2, with
+/// The increase of the square of the ramp time per event: 2 f^2 / a in ticks^2, with
 /// [`FRACTION_BITS`].
 pub(crate) fn gain(timer_hz: u32, acceleration_hz_per_s: u32) -> u128 {
     // f < 2^32: 2 f^2 2^32 < 2^97.
@@ -100,11 +100,11 @@ pub(crate) fn gain(timer_hz: u32, acceleration_hz_per_s: u32) -> u128 {
     )
 }
 
-/// The square of the time a ramp takes from standstill to `rate_hz`: (f v / a)^2 in ticks^2 with
-/// [`FRACTION_BITS`]; less than 1 tick^2 too small for ramps below 2^30 ticks.
+/// The square of the time of a ramp from standstill to `rate_hz`: (f v / a)^2 in ticks^2 with
+/// [`FRACTION_BITS`]. It is less than 1 tick^2 too small for ramps below 2^30 ticks.
 pub(crate) fn square_of(timer_hz: u32, acceleration_hz_per_s: u32, rate_hz: u32) -> u128 {
     let product = u128::from(u64::from(timer_hz).wrapping_mul(rate_hz.into()));
-    // Below 2^62 by `check`.
+    // Below 2^62, as `check` guarantees.
     let time = divide(product.wrapping_shl(32), acceleration_hz_per_s) as u64;
     u128::from(time)
         .wrapping_mul(time.into())

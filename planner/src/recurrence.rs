@@ -1,29 +1,37 @@
-//! The trapezoid by its cheap recurrence.
+//! The trapezoid by a cheap recurrence.
 
 use core::iter::FusedIterator;
 
 use crate::rates::{Rates, RatesError, gain, square_of};
 use crate::wide::{FRACTION_BITS, divide, quotient, root};
 
-/// Ticks before each event of a trapezoid by the recurrence `c -= 2 c / (4 n + 1)`: one short
-/// division an event.
+/// Ticks before each event of a trapezoid, by the recurrence `c -= 2 c / (4 n + 1)`: one short
+/// division per event.
 ///
-/// For who has no cycles to spare and no changes on the way; [`Trapezoid`](crate::Trapezoid) is
-/// exact at two to three times the cost.
+/// For controllers without cycles to spare, and for moves that do not change on the way.
+/// [`Trapezoid`](crate::Trapezoid) is exact at two to three times the cost.
 ///
-/// - As many events as asked for, always.
-/// - The recurrence is wrong in the first events: started with the true first interval it would run 48 % slow for ever, so
-///   its start is scaled (by 0.676 from standstill) and all that follows is right in the limit. That scaled start would make the first
-///   interval a third too short; the true one is given instead. **Errors of the intervals from standstill**: the first none, the second -2.1 %,
-///   the third -0.7 %, the tenth -0.1 %; from a start rate less. To that comes 1 tick an interval.
-/// - Slowing down is the recurrence backwards: the same intervals to the same errors.
-/// - The top rate is exceeded by rounding, and by the error of that event where the first three reach it; the acceleration by 5 % in
-///   the second event and by up to 25 % in the one event where two parts meet.
+/// - The number of events is always the requested one.
+/// - The recurrence is inaccurate in the first events. Started with the true first interval it
+///   would stay 48 % too slow, so its start is scaled (by 0.676 from standstill) and all later
+///   intervals converge to the true ones. With that scaled start the first interval would be a
+///   third too short, so the true one is used instead. **Errors of the intervals from standstill**:
+///   the first has none, the second -2.1 %, the third -0.7 %, the tenth -0.1 %. From a start rate
+///   they are smaller. Rounding adds 1 tick per interval.
+/// - Slowing down is the same recurrence backwards: the same intervals with the same errors.
+/// - The top rate is exceeded by rounding, and by the error of the event where one of the first
+///   three events reaches it. The acceleration is exceeded by 5 % in the second event and by up to
+///   25 % in the one event where two parts meet.
 ///
-/// Range: as [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: 64 bytes
-/// at most. Cost of an event on a ramp, loop included: 27 instructions on Cortex-M4F, 62 on
-/// Cortex-M0 (at 1 MHz and 100 000 steps/s^2; 138 at 32 MHz and 4000 steps/s^2: its division in
-/// software takes longer the longer the quotient).
+/// Range: that of [`Trapezoid`](crate::Trapezoid), and ramps of fewer than 2^29 events. Size: at
+/// most 64 bytes.
+///
+/// # Cost
+/// One event on a ramp, loop included, at 1 MHz and 100 000 steps/s^2: 27 instructions on
+/// Cortex-M4F, 62 on Cortex-M0. At 32 MHz and 4000 steps/s^2 a Cortex-M0 takes 138, because its
+/// software division takes longer for longer quotients.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_planner::{Rates, Recurrence};
@@ -40,8 +48,9 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root};
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 ///
-/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 13
-/// and 15; Atmel AVR446. The first interval is neither's.
+/// # Source
+/// D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 13 and 15;
+/// Atmel AVR446. The treatment of the first interval is our own.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Recurrence {
     part: Part,
@@ -49,12 +58,13 @@ pub struct Recurrence {
     run: u32,
     /// The interval in ticks, below 2^30.
     interval: u32,
-    /// What the last division left over: `rest / divisor` is the fraction of a tick that the
-    /// interval has too much on the way up, too little on the way down.
+    /// Remainder of the last division. `rest / divisor` is the fraction of a tick by which the
+    /// interval is too long while speeding up, and too short while slowing down.
     rest: u32,
     /// 4 n + 1 of the next division.
     divisor: u32,
-    /// Events of the parts, the true first and last interval, and how the way down begins.
+    /// Number of events in each part, the true first and last interval, and the start of the
+    /// deceleration.
     up: u32,
     level: u32,
     down: u32,
@@ -77,8 +87,8 @@ enum Part {
 }
 
 impl Recurrence {
-    /// The profile of a move of so many events. Start and end rates above the top rate are taken as
-    /// the top rate.
+    /// Creates the profile of a move of `events` events. Start and end rates above the top rate are
+    /// taken as the top rate.
     ///
     /// # Errors
     /// See [`RatesError`].
@@ -93,14 +103,14 @@ impl Recurrence {
         if start > end.wrapping_add(gain.wrapping_mul(events.into())) {
             return Err(RatesError::TooShort);
         }
-        // So many that the mean rate of the last one is at most the top rate.
+        // The number of events for which the mean rate of the last one is at most the top rate.
         let reach = |from: u128| {
-            // Half an event less the rounding of n; three eighths of gain < 2^92.
+            // Half an event minus the rounding of n: three eighths of gain < 2^92.
             let nearly_half = gain.wrapping_mul(3).wrapping_shr(3);
             quotient(top.wrapping_sub(from).wrapping_add(nearly_half), gain)
         };
-        // Where both ramps meet: the mean squares of the two middle events differ by one gain at
-        // most.
+        // The event where both ramps meet: the mean squares of the two middle events differ by at
+        // most one gain.
         let ahead = if end >= start {
             u64::from(events).saturating_add(quotient(end.wrapping_sub(start), gain))
         } else {
@@ -115,7 +125,7 @@ impl Recurrence {
         let level = events.wrapping_sub(up).wrapping_sub(down);
         let ends = |from: u128| root(from.wrapping_add(gain)).wrapping_sub(root(from));
         let (first, last) = (ends(start), ends(end));
-        // 4 n of an event of a ramp, to the nearest: an eighth of an event off at most. The
+        // 4 n of an event of a ramp, rounded to nearest: off by at most an eighth of an event. The
         // divisors stay below 2^31.
         let index = |from: u128, count: u32| {
             let sum = quotient(from.wrapping_shl(2).wrapping_add(gain >> 1), gain)
@@ -140,7 +150,7 @@ impl Recurrence {
             part: Part::Start,
             run: 0,
             interval: interval_up,
-            // The interval is rounded up: what it has too much is 2^32 less its fraction.
+            // The interval is rounded up; the excess is 2^32 minus its fraction.
             rest: part_of(divisor_up, fraction_up.wrapping_neg()),
             divisor: divisor_up,
             up,
@@ -157,7 +167,7 @@ impl Recurrence {
     }
 
     fn remaining(&self) -> u32 {
-        // Their sum is at most what `new` was given.
+        // The sum is at most the number of events given to `new`.
         let later = match self.part {
             Part::Start => self.up.wrapping_add(self.level).wrapping_add(self.down),
             Part::Up => self.level.wrapping_add(self.down),
@@ -167,7 +177,7 @@ impl Recurrence {
         self.run.wrapping_add(later)
     }
 
-    /// The first event of the next part that has one.
+    /// Makes the first event of the next part that has one.
     #[inline(never)]
     fn turn(&mut self) -> Option<u32> {
         if self.part == Part::Start {
@@ -198,7 +208,7 @@ impl Recurrence {
         None
     }
 
-    /// 2 c / (4 n + 1), with the remainder of the division before.
+    /// 2 c / (4 n + 1), including the remainder of the division before.
     #[inline]
     fn change(&mut self) -> u32 {
         // c < 2^30, rest < divisor < 2^31.
@@ -250,25 +260,25 @@ impl Iterator for Recurrence {
 impl ExactSizeIterator for Recurrence {}
 impl FusedIterator for Recurrence {}
 
-/// The interval with which the recurrence is right in the limit when it starts with event n: ticks
-/// and their fraction.
+/// The start interval with which the recurrence converges to the true intervals when it starts with
+/// event n: ticks and their fraction.
 ///
-/// Its solution is proportional to Gamma(n + 3/4) / Gamma(n + 5/4), the true interval in the limit
-/// to w^(-1/2), w = n + 1/2: that is g / (2 T) at the middle of the event, times 1 - 1 / (64 w^2 +
-/// 6.7), to 0.02 % from standstill (0.676 of the true first interval) and better from any other
-/// rate.
+/// The solution of the recurrence is proportional to Gamma(n + 3/4) / Gamma(n + 5/4). The true
+/// interval tends to w^(-1/2) with w = n + 1/2. So the start interval is g / (2 T) at the middle of
+/// the event, times 1 - 1 / (64 w^2 + 6.7). This holds to 0.02 % from standstill (0.676 of the true
+/// first interval) and better from any other rate.
 fn scaled_start(four_n: u32, gain: u128) -> (u32, u32) {
-    // The square in the middle of the event: g (4 n + 2) / 4; the product is below 2^124.
+    // The square in the middle of the event is g (4 n + 2) / 4; the product is below 2^124.
     let quarters = four_n.wrapping_add(2);
     let middle = gain.wrapping_mul(quarters.into()) >> 2;
-    // As many bits of root as 32 hold, at most 16 below a tick.
+    // As many bits of the root as fit in 32, with at most 16 below a tick.
     let spare = (middle.leading_zeros().saturating_sub(128 - 96) >> 1).min(16);
     let twice = spare.wrapping_mul(2);
     let root = (middle.wrapping_shr(FRACTION_BITS.wrapping_sub(twice)) as u64).isqrt();
     // gain < 2^92. The quotient is the interval, below 2^30, with 33 fraction bits.
     let exact = divide(gain.wrapping_shl(spare), root.min(u32::MAX.into()) as u32);
     let interval = exact.wrapping_shr(1).min(1 << 62) as u64;
-    // 16 times 2 w.
+    // This is 16 times 2 w.
     let w = u64::from(quarters).min(1 << 20).wrapping_mul(8);
     let excess = interval
         .checked_div(w.wrapping_mul(w).wrapping_add(107))

@@ -1,6 +1,7 @@
-//! A queue in an array.
+//! A ring buffer in an array.
 
-/// First in, first out, and the youngest may be taken back; at most `CAPACITY` elements.
+/// A queue of at most `CAPACITY` elements: first in, first out; the newest element can also be
+/// removed.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring<T, const CAPACITY: usize> {
     slots: [Option<T>; CAPACITY],
@@ -25,9 +26,9 @@ impl<T, const CAPACITY: usize> Ring<T, CAPACITY> {
         self.len >= CAPACITY
     }
 
-    /// Where the element `offset` places behind the oldest one is; `offset` is below `CAPACITY`.
+    /// Index of the slot `offset` elements behind the oldest one; `offset` is below `CAPACITY`.
     fn place(&self, offset: usize) -> usize {
-        // head and offset are below CAPACITY, and an array has at most 2^63 bytes.
+        // head and offset are below CAPACITY, and an array has fewer than 2^63 elements.
         let place = self.head.wrapping_add(offset);
         if place >= CAPACITY {
             place.wrapping_sub(CAPACITY)
@@ -36,7 +37,7 @@ impl<T, const CAPACITY: usize> Ring<T, CAPACITY> {
         }
     }
 
-    /// Appends, or drops the element when full: ask [`Ring::is_full`] before.
+    /// Appends the element. A full queue drops it, so check [`Ring::is_full`] first.
     pub(crate) fn push_back(&mut self, element: T) {
         if self.is_full() {
             return;

@@ -4,8 +4,8 @@ use crate::phases::{Bend, Course, Phases};
 use crate::rates::{Rates, RatesError};
 use crate::wide::{divide, quotient};
 
-/// Ticks before each event of a move whose acceleration itself changes at a constant jerk: seven
-/// phases.
+/// Ticks before each event of a move with limited jerk: seven phases, the acceleration changes at a
+/// constant jerk.
 ///
 /// ```text
 /// rate              ______________
@@ -16,28 +16,37 @@ use crate::wide::{divide, quotient};
 /// jerk     +   0   -      0       -   0   +
 /// ```
 ///
-/// The phases last whole ticks, so that rate, acceleration and path are integers at every tick (in
-/// units in which the jerk is 1); the events are those of this path, each at the nearest tick.
-/// Phases that a short move has no room for fall away: the cruise, and the constant acceleration.
+/// The phases last whole ticks. Rate, acceleration and path are therefore integers at every tick,
+/// in units in which the jerk is 1. The events are those of this path, each at the nearest tick. A
+/// short move has no room for the cruise or for the constant acceleration; these phases are then
+/// absent.
 ///
-/// - As many events as asked for, always; [`len`](ExactSizeIterator::len) is right. The last one falls on the end of phase 7.
-/// - Every event is within 0.6 ticks of the profile, every interval within 1.2; nothing drifts.
-/// - The limits are those of the profile: rates, acceleration and jerk are never above what was asked for, start and end rate
-///   within what the acceleration changes in one tick. With equal start and end rates it is a mirror image, to a tick.
-/// - The top rate may change on the way and the move may be held and resumed: from the present rate and acceleration a new profile
-///   begins, within the same jerk.
+/// - The number of events is always the requested one, and [`len`](ExactSizeIterator::len) is
+///   exact. The last event falls on the end of phase 7.
+/// - Every event is within 0.6 ticks of the profile and every interval within 1.2 ticks; there is
+///   no drift.
+/// - The profile keeps the limits: rates, acceleration and jerk never exceed the requested ones.
+///   Start and end rate are met within the change of rate in one tick. With equal start and end
+///   rates the profile is a mirror image, to a tick.
+/// - The top rate may change on the way, and the move may be held and resumed. A new profile then
+///   begins from the present rate and acceleration, within the same jerk.
 ///
-/// Range: as [`Trapezoid`](crate::Trapezoid); the ramp from no acceleration to the greatest below
-/// 2^28 ticks; timers up to 2^28 Hz, rates up to a quarter of the timer's. Where 6 f^3 / jerk
-/// exceeds 2^60 (jerk below 170 000 steps/s^3 at 32 MHz) the profile counts in 2, 4, 8.. ticks and
-/// so do all bounds above. Size: 128 bytes, because it keeps its limits for a hold and a change of
-/// rate; an event touches 64. Cost of an event, loop included: 112 instructions on Cortex-M4F and
-/// 426 on Cortex-M0, mean of a move of 2000 events at 1 MHz (133 and 509 at 32 MHz and intervals of
-/// thousands of ticks); a Cortex-M0 has 64-bit products and division in software. The first events
-/// after standstill, and those in which phases meet, take some Newton steps more; set-up, hold and
-/// resume search the peak by halves, with two square roots a half, where the move is too short for
-/// the top rate: 52 000 instructions on Cortex-M4F, 181 000 on Cortex-M0 at most.
+/// Range: that of [`Trapezoid`](crate::Trapezoid). In addition, the ramp from no acceleration to
+/// the greatest takes fewer than 2^28 ticks; timers go up to 2^28 Hz and rates up to a quarter of
+/// the timer's frequency. Where 6 f^3 / jerk exceeds 2^60 (a jerk below 170 000 steps/s^3 at 32
+/// MHz) the profile counts in units of 2, 4, 8, ... ticks, and all bounds above are in these units.
+/// Size: 128 bytes, because the limits are kept for a hold and a change of rate; an event touches
+/// 64 bytes.
 ///
+/// # Cost
+/// One event, loop included, mean over a move of 2000 events at 1 MHz: 112 instructions on
+/// Cortex-M4F and 426 on Cortex-M0. At 32 MHz with intervals of thousands of ticks: 133 and 509. A
+/// Cortex-M0 does 64-bit products and divisions in software. The first events after standstill, and
+/// those in which phases meet, take some additional Newton steps. Where the move is too short for
+/// the top rate, set-up, hold and resume find the peak by bisection with two square roots per step:
+/// at most 52 000 instructions on Cortex-M4F and 181 000 on Cortex-M0.
+///
+/// # Examples
 /// ```
 /// use husillo_planner::{Rates, SCurve};
 ///
@@ -49,44 +58,46 @@ use crate::wide::{divide, quotient};
 ///     acceleration_hz_per_s: 5000,
 /// };
 /// let intervals: Vec<u32> = SCurve::new(&rates, 500_000, 12)?.collect();
-/// assert_eq!(intervals, [24791, 8346, 6384, 5426, 5053, 5001, 5000, 5053, 5426, 6384, 8346, 24790]);
+/// let half = [24791, 8346, 6384, 5426, 5053, 5001];
+/// assert_eq!(intervals[..6], half);
+/// assert_eq!(intervals[6..], [5000, 5053, 5426, 6384, 8346, 24790]);
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SCurve {
-    /// Path to the next event after `step` was added: in sixths of the unit in which the jerk is 1.
+    /// Path to the next event after `step` was added, in sixths of the unit in which the jerk is 1.
     to_go: i64,
-    /// Path from event to event.
+    /// Path between two events.
     step: i64,
-    /// Six times the rate: path a tick.
+    /// Path per tick: six times the rate.
     slope: i64,
-    /// How much the slope was above its mean when the last interval ended: so much will the next
-    /// mean be above it.
+    /// Excess of the slope over its mean at the end of the last interval. The next mean is expected
+    /// to exceed the slope by the same amount.
     lead: i64,
     /// Three times the acceleration.
     bend: i32,
     /// -1, 0 or 1.
     jerk: i32,
-    /// Ticks left of this phase.
+    /// Ticks left in this phase.
     left: u32,
-    /// The last interval in profile ticks.
+    /// Last interval in profile ticks.
     last: u32,
-    /// Bits that bring `step` and a half below 2^31.
+    /// Shift that brings 1.5 `step` below 2^31.
     scale: u8,
-    /// A profile tick is 2 to this timer ticks.
+    /// A profile tick is 2^`tick_bits` timer ticks.
     tick_bits: u8,
-    /// Index of the present phase: 0 settles a present acceleration, 1 to 7 are the seven, 8 is
-    /// past the end.
+    /// Index of the present phase: 0 removes a present acceleration, 1 to 7 are the seven phases, 8
+    /// is beyond the end.
     phase: u8,
     is_holding: bool,
     remaining: u32,
-    /// Events after the stop of a hold.
+    /// Events that follow after the stop of a hold.
     beyond: u32,
     phases: Phases,
     limits: Limits,
 }
 
-/// What new phases are made from.
+/// The limits from which new phases are made.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Limits {
     timer_hz: u32,
@@ -112,11 +123,11 @@ impl Limits {
 }
 
 impl SCurve {
-    /// The profile of a move of so many events.
+    /// Creates the profile of a move of `events` events. A start rate above the top rate falls to
+    /// it at once.
     ///
     /// # Errors
-    /// See [`RatesError`]. An end rate too high to be reached is not an error; a start rate above
-    /// the top rate is taken down to it at once.
+    /// See [`RatesError`]. An end rate too high to be reached is not an error.
     pub fn new(rates: &Rates, jerk_hz_per_s2: u32, events: u32) -> Result<SCurve, RatesError> {
         rates.check()?;
         if jerk_hz_per_s2 == 0 {
@@ -152,7 +163,7 @@ impl SCurve {
             return Err(RatesError::RampTooLong);
         }
         if most_jerk == 0 {
-            // The acceleration is there within a tick: more than asked for.
+            // The acceleration would be reached within one tick, which exceeds the requested jerk.
             return Err(RatesError::TimerOutOfRange);
         }
         let mut limits = Limits {
@@ -164,7 +175,7 @@ impl SCurve {
         };
         limits.top_w = limits.doubled(rates.top_rate_hz, tick_bits);
         if limits.top_w < 2 {
-            // The top rate is there within a tick.
+            // The top rate would be reached within one tick.
             return Err(RatesError::TimerOutOfRange);
         }
         limits.end_w = limits.doubled(rates.end_rate_hz, tick_bits);
@@ -178,16 +189,16 @@ impl SCurve {
         let (phases, path) = course
             .phases(least_step.wrapping_mul(events.into()), true)
             .ok_or(RatesError::TooShort)?;
-        // So much longer than asked for, by less than a tick, that the path ends with the last
-        // event. Rounded up: a last event beyond the end is made there; one before it would be
-        // early by the cube root of the rounding.
+        // The path is longer than requested, by less than the path of a tick, so that it ends with
+        // the last event. Rounded up: a last event beyond the end is made at the end. An event
+        // before the end would be early by the cube root of the rounding.
         let step = divide(path.wrapping_add(events.into()).saturating_sub(1), events);
         let step = step.max(least_step).min(1 << 61) as i64;
         let half_more = step.wrapping_add(step >> 1);
         let mut profile = SCurve {
             to_go: 0,
             step,
-            // w < 2^62 / 3: the rate is below a quarter of a step a tick.
+            // w < 2^62 / 3, because the rate is below a quarter of a step per tick.
             slope: course.w.wrapping_mul(3) as i64,
             lead: 0,
             bend: 0,
@@ -207,19 +218,19 @@ impl SCurve {
         Ok(profile)
     }
 
-    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the
-    /// next stop.
+    /// Events still to come in the whole move. [`len`](ExactSizeIterator::len) counts only those
+    /// before the next stop.
     pub const fn remaining(&self) -> u32 {
-        // Their sum is at most what `new` was given.
+        // The sum is at most the number of events given to `new`.
         self.remaining.wrapping_add(self.beyond)
     }
 
-    /// Changes the top rate from the next event on (feed override): first the present acceleration
-    /// goes, then the rate changes, within the same jerk. `false` where there is no room left for
-    /// that before the end: the profile stays as it is.
+    /// Changes the top rate from the next event on (feed override). The present acceleration
+    /// vanishes first, then the rate changes; both within the same jerk. Returns `false` where no
+    /// room is left for this before the end; the profile then stays unchanged.
     ///
     /// # Errors
-    /// [`RatesError::Zero`] and [`RatesError::TimerOutOfRange`]; nothing has changed then.
+    /// [`RatesError::Zero`] and [`RatesError::TimerOutOfRange`]; the profile then stays unchanged.
     pub fn set_top_rate(&mut self, top_rate_hz: u32) -> Result<bool, RatesError> {
         if top_rate_hz == 0 {
             return Err(RatesError::Zero);
@@ -245,10 +256,10 @@ impl SCurve {
         Ok(is_done)
     }
 
-    /// Slows down to standstill from the next event on and gives the events to the stop; the
-    /// iterator then ends there, with the rest of the move [`remaining`](SCurve::remaining).
-    /// Nothing changes and it is `None` where the end of the move comes before a stop: hold the
-    /// next move.
+    /// Slows down to standstill from the next event on. Returns the number of events to the stop.
+    /// The iterator ends at the stop, and the rest of the move is [`remaining`](SCurve::remaining).
+    /// Returns `None` and changes nothing where the move ends before a stop is possible; hold the
+    /// next move then.
     pub fn hold(&mut self) -> Option<u32> {
         if self.is_holding {
             return Some(self.remaining);
@@ -257,7 +268,7 @@ impl SCurve {
             return None;
         }
         let path = self.course(0).shortest()?;
-        // Events that far away, rounded up; to_go is within one tick's path.
+        // Number of events in that path, rounded up; to_go is within the path of one tick.
         let path = path.saturating_add_signed(i128::from(self.to_go).wrapping_neg());
         let step = self.step.unsigned_abs();
         let stop = quotient(
@@ -276,8 +287,8 @@ impl SCurve {
         Some(stop)
     }
 
-    /// Ends a hold: the move goes on from its present rate. `false` where a hold is too near its
-    /// stop at the end of the move for new phases: resume it again when it [is
+    /// Ends a hold: the move continues from its present rate. Returns `false` where a hold near its
+    /// stop at the end of the move leaves no room for new phases. Resume it again when it [is
     /// held](SCurve::is_held).
     pub fn resume(&mut self) -> bool {
         if !self.is_holding {
@@ -296,7 +307,7 @@ impl SCurve {
         true
     }
 
-    /// Whether a hold has come to its stop.
+    /// Whether a hold has reached its stop.
     pub const fn is_held(&self) -> bool {
         self.is_holding && self.remaining == 0
     }
@@ -311,7 +322,8 @@ impl SCurve {
         }
     }
 
-    /// New phases from here to the end of so many events, if there is room for them.
+    /// Makes new phases from here to the end of `events` events; returns whether there is room for
+    /// them.
     fn look_again(&mut self, events: u32, end_w: u64) -> bool {
         let room = i128::from(self.step)
             .wrapping_mul(events.into())
@@ -323,7 +335,7 @@ impl SCurve {
         phases.is_some()
     }
 
-    /// What is left of a rate at the end of a hold is none.
+    /// Clears the remainder of the rate at the end of a hold.
     fn stand(&mut self) {
         self.slope = 0;
         self.bend = 0;
@@ -335,12 +347,12 @@ impl SCurve {
         self.phase = 0;
         self.jerk = self.bend.signum().wrapping_neg();
         self.left = phases.settle;
-        // No guess: the next event is sought.
+        // Without a guess the next event is searched.
         self.lead = 0;
         self.last = 0;
     }
 
-    /// Goes on to the next phase; `false` at the end.
+    /// Goes on to the next phase; returns `false` at the end.
     fn go_on(&mut self) -> bool {
         let Phases {
             first,
@@ -350,7 +362,7 @@ impl SCurve {
         } = self.phases;
         let up = if is_first_down { -1 } else { 1 };
         if self.phase == 4 && self.phases.level != 0 {
-            // The cruise in pieces that 32 bits hold.
+            // The cruise is split into pieces that fit in 32 bits.
             self.left = self.phases.level.min(1 << 29) as u32;
             self.phases.level = self.phases.level.wrapping_sub(self.left.into());
             return true;
@@ -370,11 +382,11 @@ impl SCurve {
         self.phase != 8
     }
 
-    /// So many ticks on in the present phase, or back.
+    /// Advances by `ticks` within the present phase; negative numbers go back.
     #[inline]
     fn advance(&mut self, ticks: i32) {
-        // |ticks| < 2^30, |bend| <= 3 2^28 at both ends: sums fit 32 bits. The path fits 63 bits, as slopes are below a
-        // quarter of a step.
+        // |ticks| < 2^30 and |bend| <= 3 2^28 at both ends, so sums fit in 32 bits. The path fits
+        // in 63 bits, because slopes are below a quarter of a step.
         let change = self.jerk.wrapping_mul(ticks);
         let mean = i64::from(ticks)
             .wrapping_mul(self.bend.wrapping_add(change).into())
@@ -397,16 +409,16 @@ impl SCurve {
         self.to_go.wrapping_add(most) as u64 <= most.wrapping_mul(2) as u64
     }
 
-    /// Finds the event by Newton steps in brackets, phase by phase; `ticks` of its interval have
-    /// passed in this phase.
+    /// Finds the event by bracketed Newton steps, phase by phase. `ticks` of its interval have
+    /// already passed in this phase.
     #[inline(never)]
     fn seek(&mut self, ticks: u32, guess: u32) -> u32 {
-        // Ticks since the event before or since this phase began; the event is after `low` and,
-        // once known, at or before `high`.
+        // Ticks since the last event or since the start of this phase. The event is after `low`
+        // and, once `high` is known, at or before `high`.
         let (mut at, mut low, mut high, mut sum) = (ticks, 0_u32, None::<u32>, 0_u32);
         let mut guess = guess;
-        // Newton steps are few; halving 2^30 ticks takes 30, and there are 8 phases and pieces of
-        // the cruise.
+        // Newton steps are few. Halving 2^30 ticks takes 30 steps, and there are 8 phases and the
+        // pieces of the cruise.
         for _ in 0..400 {
             if self.is_there() && at.wrapping_add(sum) != 0 {
                 break;
@@ -415,7 +427,7 @@ impl SCurve {
                 low = at;
                 if self.left == 0 {
                     if !self.go_on() {
-                        // The path ends here, a rounding short of the last event.
+                        // Rounding ends the path slightly before the last event.
                         self.to_go = 0;
                         break;
                     }
@@ -426,7 +438,7 @@ impl SCurve {
             } else {
                 high = Some(at);
             }
-            // Both below 2^30 ticks.
+            // Both are below 2^30 ticks.
             let last = high.unwrap_or(at.saturating_add(self.left));
             let step = if guess != 0 {
                 i64::from(guess)
@@ -437,7 +449,7 @@ impl SCurve {
             let target = i64::from(at).saturating_add(step);
             let target = if high.is_some() {
                 if last.wrapping_sub(low) <= 1 {
-                    // Two ticks and the event between them: the second.
+                    // The event lies between two neighbouring ticks; the second one is taken.
                     self.advance(last.wrapping_sub(at) as i32);
                     at = last;
                     break;
@@ -450,7 +462,7 @@ impl SCurve {
             } else {
                 target.max(i64::from(low).wrapping_add(1)).min(last.into())
             };
-            // Forward or back by less than 2^30.
+            // Forward or back by less than 2^30 ticks.
             let change = self.short_enough(target.wrapping_sub(at.into()));
             self.advance(change);
             at = at.wrapping_add_signed(change);
@@ -461,7 +473,7 @@ impl SCurve {
         sum.wrapping_add(at)
     }
 
-    /// The most of these ticks, halved until it does, in which the path stays below 4 steps.
+    /// Halves `ticks` until the path in them stays below 4 steps.
     fn short_enough(&self, ticks: i64) -> i32 {
         let mut ticks = ticks as i32;
         while ticks > 1 {
@@ -485,15 +497,16 @@ impl Iterator for SCurve {
         self.remaining = self.remaining.checked_sub(1)?;
         self.to_go = self.to_go.wrapping_add(self.step);
         let mean = self.slope.wrapping_add(self.lead);
-        // Both are below 2^31, or the ticks wrong: then the event is not there and is sought.
+        // Both are below 2^31. If not, the ticks are wrong; the event is then not found here and is
+        // searched.
         let divisor = shifted(mean, self.scale);
         let dividend = shifted(self.to_go, self.scale);
         let ticks = dividend
             .wrapping_add(divisor >> 1)
             .checked_div(divisor)
             .unwrap_or(0);
-        // A path that grows with the cube of time is below 4 steps, and fits, if the interval grows
-        // by half at most.
+        // A path that grows with the cube of time stays below 4 steps, and fits, if the interval
+        // grows by at most half.
         let most = self.last.wrapping_add(self.last >> 1).min(self.left);
         let ticks = if ticks < most {
             self.advance(ticks as i32);
@@ -517,8 +530,8 @@ impl Iterator for SCurve {
 
 impl ExactSizeIterator for SCurve {}
 
-/// 32 bits of `value` from bit `low` on, which is below 32. Both halves by themselves: a shift of
-/// 64 bits takes twice as long.
+/// 32 bits of `value` from bit `low` (below 32) on. The halves are shifted separately, because a
+/// shift of 64 bits takes twice as long.
 #[inline]
 fn shifted(value: i64, low: u8) -> u32 {
     let high = (value >> 32) as u32;

@@ -1,4 +1,4 @@
-//! What a servo module is commanded to: a position for each of its servo periods.
+//! Profile generator of a servo module: one commanded position per servo period.
 
 mod braking;
 mod line;

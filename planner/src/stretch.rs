@@ -1,28 +1,28 @@
-//! A move as look-ahead sees it.
+//! A move as the look-ahead sees it.
 
-/// Lengths are cut to this (17 km): then nothing overflows.
+/// Longer moves are cut to this (17 km), so that nothing overflows.
 const MAX_LENGTH_NM: u64 = 1 << 44;
-/// Accelerations are cut to this (1100 m/s^2).
+/// Higher accelerations are cut to this (1100 m/s^2).
 const MAX_ACCELERATION: u64 = 1 << 40;
 
-/// One move: how long it is and how fast it may be passed.
+/// Length of one move, and its limits of speed and acceleration.
 ///
 /// Speeds are along the path in nm/s, up to 4.29 m/s. A length above 2^44 nm and an acceleration
-/// above 2^40 nm/s^2 are taken as these; an acceleration of 0 as 1.
+/// above 2^40 nm/s^2 are taken as these values; an acceleration of 0 is taken as 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stretch {
     /// Length of the path in nm.
     pub length_nm: u64,
-    /// Speed as programmed; an override scales it. 0 is taken as 1.
+    /// Programmed speed, scaled by the override. 0 is taken as 1.
     pub top_nm_per_s: u32,
-    /// What the machine allows in this direction, whatever the override.
+    /// Limit of the machine in this direction, whatever the override.
     pub ceiling_nm_per_s: u32,
-    /// Whether an override applies (to a rapid or a synchronised move it may not).
+    /// Whether an override applies; it may not for a rapid or a synchronised move.
     pub obeys_override: bool,
-    /// Acceleration along the path.
+    /// Acceleration along the path in nm/s^2.
     pub acceleration_nm_per_s2: u64,
-    /// Speed that may be started and stopped at without a ramp.
+    /// Start/stop speed: needs no ramp.
     pub start_nm_per_s: u32,
     /// Highest speed at the junction with the move before (see [`Junction`](crate::Junction)); 0
     /// stops there.
@@ -30,7 +30,7 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Speed at an override of `percent`, at least 1 nm/s.
+    /// Top speed at an override of `percent`, at least 1 nm/s.
     pub fn top_at(&self, percent: u8) -> u32 {
         let programmed = u64::from(self.top_nm_per_s);
         let scaled = if self.obeys_override {
@@ -43,7 +43,7 @@ impl Stretch {
         scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32
     }
 
-    /// By how much the square of the speed can change over the whole stretch: 2 a L, at most 2^85.
+    /// Largest change of the square of the speed over the whole move: 2 a L, at most 2^85.
     pub(crate) fn gain(&self) -> u128 {
         u128::from(self.length()).wrapping_mul(u128::from(self.double_acceleration()))
     }

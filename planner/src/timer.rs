@@ -1,52 +1,60 @@
 //! Sweep to timer ticks at constant speed.
 
-/// Times the events of one move: each waits in proportion to its sweep, nothing is rounded away.
+/// Times the events of one move at constant speed. Each event waits in proportion to its sweep, and
+/// remainders are carried.
 ///
-/// Set up with the ticks of the whole move; the waits of all its events then add up to exactly
-/// those ticks (see [`Timer::new`]). An event costs a multiplication and an addition, two of each where the
-/// move has more sweep than the rate is fine for; the divisions are all in the set-up.
+/// Created with the ticks of the whole move. The waits of all its events add up to exactly those
+/// ticks (see [`Timer::new`]).
 ///
+/// # Cost
+/// An event takes one multiplication and one addition; it takes two of each where the move has more
+/// sweep than the resolution of the rate covers. All divisions are in the set-up.
+///
+/// # Examples
 /// ```
 /// let mut timer = husillo_planner::Timer::new(1000, 3, 1);
 /// assert_eq!([timer.wait(1), timer.wait(1), timer.wait(1)], [333, 333, 334]);
 /// ```
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Timer {
-    /// Ticks for one unit of sweep, times 2^`fraction_bits`.
+    /// Ticks per unit of sweep, times 2^`fraction_bits`.
     rate: u64,
     /// 32 more fraction bits of the rate.
     rate_low: u32,
-    /// Fraction of a tick owed, below 2^`fraction_bits` between events.
+    /// Carried fraction of a tick, below 2^`fraction_bits` between events.
     owed: u64,
     owed_low: u32,
     fraction_bits: u8,
-    /// Those above the lower word, 0 to 29. More: there are fewer than 32, or the rate goes on below them.
+    /// Number of fraction bits above the lower word, 0 to 29. A larger value means that there are
+    /// fewer than 32 fraction bits, or that the rate continues below them.
     upper_bits: u8,
 }
 
-/// Products of rate and sweep stay below 2 to this: then adding what is owed cannot overflow.
+/// Products of rate and sweep stay below 2 to this, so the carried part can be added without
+/// overflow.
 const PRODUCT_BITS: u32 = 62;
 
 impl Timer {
-    /// The timer of a move that takes `ticks` for its whole `sweep`, of which no event has more
-    /// than `largest_sweep`.
+    /// Creates the timer of a move that takes `ticks` for its whole `sweep`. No event has more
+    /// sweep than `largest_sweep`.
     ///
-    /// The rate gets as many fraction bits as products with `largest_sweep` leave in 64 bits, and
-    /// 32 more below them where `sweep` has more bits than those, rounded up: the sum of all waits
-    /// is exactly `ticks` wherever `ticks * largest_sweep` is below 2^92, and after any number of
-    /// events it is the true time so far, rounded down, or one tick more at most. The longest wait,
-    /// `ticks / sweep * largest_sweep`, has to be below 2^61 ticks; beyond that waits are cut to it. A
+    /// The rate has as many fraction bits as products with `largest_sweep` leave in 64 bits, and 32
+    /// more below them where `sweep` has more bits than those; it is rounded up. The sum of all
+    /// waits is exactly `ticks` wherever `ticks * largest_sweep` is below 2^92. After any number of
+    /// events it is the true time so far, rounded down, or at most one tick more. The longest wait,
+    /// `ticks / sweep * largest_sweep`, has to be below 2^61 ticks; longer waits are cut to it. A
     /// sweep of 0 is taken as 1.
     pub fn new(ticks: u64, sweep: u64, largest_sweep: u32) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, 61, true)
     }
 
-    /// [`Timer::new`] with no more than so many fraction bits, 61 at most, and always 32 more below them: for what adds up over many moves.
+    /// Does [`Timer::new`] with at most `most` fraction bits (limited to 61), and always 32 more
+    /// below them: for times that add up over many moves.
     pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u32, most: u8) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, most, false)
     }
 
-    /// With 32 bits more, or so many fewer as keep the whole within the last tick.
+    /// Uses 32 more bits, or none where the rate alone keeps the whole move within its last tick.
     fn rounded_up(
         ticks: u64,
         sweep: u64,
@@ -60,17 +68,18 @@ impl Timer {
             .wrapping_add(1)
             .wrapping_add(bits(largest_sweep))
             .saturating_sub(bits(sweep));
-        // At most 61, so that 2^fraction_bits owed fits beside a product.
+        // At most 61, so that a carried 2^fraction_bits fits next to a product.
         let fraction_bits = PRODUCT_BITS
             .saturating_sub(longest)
             .min(most.min(61).into()) as u8;
         let (rate, rest) = scaled_quotient(ticks, sweep, fraction_bits);
         let (mut low, rest) = continue_quotient(0, rest, sweep, 32);
-        // Up, so that the whole sweep reaches the last tick in spite of the cut.
+        // Rounded up, so that the whole sweep reaches the last tick in spite of the cut.
         if rest != 0 {
             low = low.wrapping_add(1);
         }
-        // By the rate alone, rounded up, 2^fraction_bits units of sweep are less than a tick too long.
+        // With the rate alone rounded up, 2^fraction_bits units of sweep are less than a tick too
+        // long.
         if is_one_move && low != 0 && bits(sweep) <= fraction_bits.into() {
             low = 1 << 32;
         }
@@ -81,14 +90,16 @@ impl Timer {
         Timer::of(rate.min(most), low as u32, fraction_bits)
     }
 
-    /// The timer with a given number of fraction bits (0 to 61) and nothing below them:
-    /// rate = round(`ticks` 2^q / `sweep`), 2^64 - 1 where that is more. The caller sees to it that
-    /// rate times sweep fits 63 bits. Ticks per BLU over the radius, both as `timing.json` has them.
+    /// Creates a timer with a given number of fraction bits (0 to 61) and none below them: rate =
+    /// round(`ticks` 2^q / `sweep`), limited to 2^64 - 1.
+    ///
+    /// The caller guarantees that rate times sweep fits in 63 bits. `ticks` may be ticks per BLU
+    /// and `sweep` the radius, as in `timing.json`.
     pub fn with_fraction_bits(ticks: u64, sweep: u64, q: u8) -> Timer {
         let sweep = sweep.max(1);
         let fraction_bits = q.min(61);
         let (rate, rest) = scaled_quotient(ticks, sweep, fraction_bits);
-        // Half or more goes up; rest < sweep.
+        // Rounds half up; rest < sweep.
         let is_up = rest >= sweep.wrapping_sub(rest);
         Timer::of(rate.saturating_add(is_up.into()), 0, fraction_bits)
     }
@@ -108,7 +119,8 @@ impl Timer {
         }
     }
 
-    /// Ticks to wait before an event of this `sweep`; what is less than a tick is owed to the next.
+    /// Ticks to wait before an event of this `sweep`. The fraction of a tick is carried to the next
+    /// event.
     #[inline]
     pub fn wait(&mut self, sweep: u32) -> u64 {
         let sweep = u64::from(sweep);
@@ -119,8 +131,11 @@ impl Timer {
         }
     }
 
-    /// [`wait`](Timer::wait) of an event of sweep 1, as all of a [line](https://docs.rs/husillo-interp) have: where chips of 32 bits need not shift
-    /// words of 64, without its multiplication, which takes a Cortex-M0 50 instructions.
+    /// [`wait`](Timer::wait) of an event of sweep 1, which all events of a
+    /// [line](https://docs.rs/husillo-interp) have.
+    ///
+    /// Where 32-bit processors need not shift 64-bit words, it saves the multiplication: 50
+    /// instructions on a Cortex-M0.
     #[inline]
     pub fn wait_one(&mut self) -> u64 {
         if self.fits_upper() {
@@ -130,13 +145,14 @@ impl Timer {
         }
     }
 
-    /// Whether a chip of 32 bits need not shift words of 64: so it is where waits are below 2^28 and the move's sweep is below 2^32.
+    /// Whether a 32-bit processor can avoid shifts of 64-bit words. It can where waits are below
+    /// 2^28 and the sweep of the move is below 2^32.
     #[inline]
     const fn fits_upper(&self) -> bool {
         cfg!(target_pointer_width = "32") && self.upper_bits < 32
     }
 
-    /// Whole ticks of a product and of what was owed before it; all shifts are within the upper word.
+    /// Whole ticks of a product and of the carried fraction; all shifts are within the upper word.
     #[inline]
     const fn split_upper(&mut self, product: u64) -> u64 {
         // At most 2^62 + 2^32, and owed < 2^61.
@@ -147,7 +163,7 @@ impl Timer {
         ticks as u64
     }
 
-    /// Whole ticks of an event and of what was owed before it, with all its bits.
+    /// Whole ticks of an event and of the carried fraction, with all its bits.
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     fn split(&mut self, sweep: u64) -> u64 {
@@ -158,7 +174,7 @@ impl Timer {
         ticks
     }
 
-    /// The time of an event with all its fraction bits, of which nothing is owed here.
+    /// The time of an event with all its fraction bits; nothing of it is carried here.
     #[inline]
     pub(crate) fn product(&mut self, sweep: u64) -> u64 {
         // sweep < 2^32: (2^32 - 1)^2 + 2^32 - 1 fits.
@@ -170,12 +186,13 @@ impl Timer {
         self.rate.wrapping_mul(sweep).wrapping_add(low >> 32)
     }
 
-    /// Fraction bits of the rate.
+    /// Number of fraction bits of the rate.
     pub const fn fraction_bits(&self) -> u8 {
         self.fraction_bits
     }
 
-    /// Ticks for one unit of sweep, times 2^[`fraction_bits`](Timer::fraction_bits), rounded up where nothing is kept below that, otherwise down.
+    /// Ticks per unit of sweep, times 2^[`fraction_bits`](Timer::fraction_bits). Rounded up where
+    /// no bits are kept below, otherwise down.
     pub const fn rate(&self) -> u64 {
         self.rate
     }
@@ -192,14 +209,14 @@ pub(crate) fn scaled_quotient(ticks: u64, sweep: u64, fraction_bits: u8) -> (u64
     continue_quotient(whole, rest, sweep, fraction_bits.into())
 }
 
-/// Appends `count` more bits to a quotient: long division in digits of as many bits as `sweep`
-/// leaves free in 64, so 64-bit division is enough. Saturates.
+/// Appends `count` more bits to a quotient. This is long division in digits of as many bits as
+/// `sweep` leaves free in 64, so 64-bit division is enough. Saturates.
 fn continue_quotient(quotient: u64, rest: u64, sweep: u64, count: u32) -> (u64, u64) {
     let (mut quotient, mut rest, mut count) = (quotient, rest, count);
     while count != 0 {
         let digit_bits = sweep.leading_zeros().min(count);
         if digit_bits == 0 {
-            // sweep >= 2^63: one bit; doubling rest may carry out of 64 bits.
+            // sweep >= 2^63, so one bit at a time; doubling rest may carry out of 64 bits.
             let carries = rest >> 63 != 0;
             rest = rest.wrapping_shl(1);
             let digit = carries || rest >= sweep;
@@ -209,7 +226,7 @@ fn continue_quotient(quotient: u64, rest: u64, sweep: u64, count: u32) -> (u64, 
             quotient = append(quotient, 1, digit.into());
             count = count.wrapping_sub(1);
         } else {
-            // rest < sweep < 2^(64 - digit_bits): the shift loses nothing.
+            // rest < sweep < 2^(64 - digit_bits), so the shift loses nothing.
             let scaled = rest.wrapping_shl(digit_bits);
             let digit = scaled.checked_div(sweep).unwrap_or(0);
             rest = scaled.wrapping_sub(digit.wrapping_mul(sweep));
@@ -220,7 +237,7 @@ fn continue_quotient(quotient: u64, rest: u64, sweep: u64, count: u32) -> (u64, 
     (quotient, rest)
 }
 
-/// `quotient` 2^`count` + `digit`, `u64::MAX` where that does not fit.
+/// `quotient` 2^`count` + `digit`; `u64::MAX` on overflow.
 fn append(quotient: u64, count: u32, digit: u64) -> u64 {
     if quotient.leading_zeros() < count && quotient != 0 {
         u64::MAX
@@ -235,7 +252,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// What chips of 32 bits reckon in the upper word is what words of 64 give.
+        /// The arithmetic of 32-bit processors in the upper word gives the results of 64-bit words.
         #[test]
         fn upper_words_are_enough(
             ticks in 0_u64..1 << 31,

@@ -1,9 +1,9 @@
-//! Constant acceleration up, constant rate, constant acceleration down.
+//! Trapezoidal speed profile: constant acceleration, constant rate, constant deceleration.
 
 use crate::rates::{Rates, RatesError, gain, square_of};
 use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 
-/// Ticks before each event of a move that speeds up, cruises and slows down at constant
+/// Ticks before each event of a move that accelerates, cruises and decelerates at constant
 /// acceleration.
 ///
 /// ```text
@@ -15,25 +15,32 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 ///       |up| level       |down|
 /// ```
 ///
-/// The events are those of the true trapezoid, one at every whole step of its path. On a ramp with
-/// the time T = f v / a since standstill (f ticks a second, rate v, acceleration a), the n-th event
-/// is at `T^2 = T0^2 + n 2 f^2 / a`. The square is kept in integers, its root T rounded down with
-/// what it leaves over, and the interval is the difference of two roots: the first event is as
-/// exact as the thousandth and nothing drifts.
+/// The events are those of the true trapezoid, one at every whole step of its path. On a ramp, let
+/// T = f v / a be the time since standstill (f ticks per second, rate v, acceleration a). The n-th
+/// event is then at `T^2 = T0^2 + n 2 f^2 / a`. The square is kept in integers, together with its
+/// root T (rounded down) and the remainder. The interval is the difference of two roots. So the
+/// first event is as exact as the thousandth, and there is no drift.
 ///
-/// - As many events as asked for, always; [`len`](ExactSizeIterator::len) is right.
-/// - Each interval is within 1 tick of the true one, within 2 where two parts of the profile meet, and no sum of
-///   intervals is off by more than 2 ticks plus 1 for each such place. `2 f^2 / a` has 32 fraction bits: less than
-///   1 tick^2 in the square after 2^32 events.
-/// - Slowing down gives the intervals of speeding up backwards, tick for tick, between the same rates.
-/// - The top rate may change on the way, and the move may be held and resumed: it still slows down in time for its end.
+/// - The number of events is always the requested one, and [`len`](ExactSizeIterator::len) is
+///   exact.
+/// - Each interval is within 1 tick of the true one, and within 2 ticks where two parts of the
+///   profile meet. No sum of intervals is off by more than 2 ticks plus 1 for each such place.
+///   `2 f^2 / a` has 32 fraction bits: less than 1 tick^2 in the square after 2^32 events.
+/// - Between the same rates, slowing down gives the intervals of speeding up in reverse order, tick
+///   for tick.
+/// - The top rate may change on the way, and the move may be held and resumed. It still slows down
+///   in time for its end.
 ///
-/// Range: ramps below 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz). Size: 64
-/// bytes. Cost of an event on a ramp, loop included: 66 instructions on Cortex-M4F and 143 on
-/// Cortex-M0 (mean of a move of 2000 events at 1 MHz and 100 000 steps/s^2; 78 and 248 at 32 MHz
-/// and 4000 steps/s^2, where intervals change by thousands of ticks); level 38 and 37. Where a part
-/// begins, two divisions by shift and subtract and up to four square roots are added.
+/// Range: ramps of fewer than 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz).
+/// Size: 64 bytes.
 ///
+/// # Cost
+/// One event on a ramp, loop included: 66 instructions on Cortex-M4F and 143 on Cortex-M0 (mean
+/// over a move of 2000 events at 1 MHz and 100 000 steps/s^2). At 32 MHz and 4000 steps/s^2, where
+/// intervals change by thousands of ticks, it is 78 and 248. At the top rate it is 38 and 37. The
+/// start of a part takes two more divisions by shift and subtract and up to four square roots.
+///
+/// # Examples
 /// ```
 /// use husillo_planner::{Rates, Trapezoid};
 ///
@@ -49,23 +56,23 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 /// # Ok::<(), husillo_planner::RatesError>(())
 /// ```
 ///
-/// Source: D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 6
-/// (exact timing before his approximation); the root with remainder by integer Newton steps is our
-/// own.
+/// # Source
+/// D. Austin, "Generate stepper-motor speed profiles in real time", EE Times 2004, eq. 6 (exact
+/// timing, before the approximation). The root with remainder by integer Newton steps is our own.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Trapezoid {
     timer_hz: u32,
     acceleration_hz_per_s: u32,
     top_rate_hz: u32,
     end_rate_hz: u32,
-    /// 2 f^2 / a in ticks^2: whole part below 2^60, and 32 fraction bits.
+    /// 2 f^2 / a in ticks^2: the whole part is below 2^60, and 32 fraction bits follow.
     gain: u64,
     gain_fraction: u32,
-    /// Events up to the end, or to the stop of a hold.
+    /// Events up to the end of the move, or to the stop of a hold.
     remaining: u32,
     /// Events after that stop.
     beyond: u32,
-    /// Events left before the profile has to be looked at again.
+    /// Events left until the next part of the profile is chosen.
     run: u32,
     pace: Pace,
     is_holding: bool,
@@ -76,7 +83,7 @@ pub struct Trapezoid {
 enum Pace {
     Up(Point),
     Down(Point),
-    /// At the top rate: ticks of one event, 32 bits of fraction, and what is owed of a tick.
+    /// At the top rate: ticks of one event, 32 fraction bits, and the carried fraction of a tick.
     Level {
         ticks: u32,
         fraction: u32,
@@ -92,12 +99,12 @@ struct Point {
     /// At most 2 `time`.
     residue: u32,
     fraction: u32,
-    /// The last interval: the guess at the next one.
+    /// Last interval, used as the guess for the next one.
     last: u32,
 }
 
 impl Trapezoid {
-    /// The profile of a move of so many events.
+    /// Creates the profile of a move of `events` events.
     ///
     /// # Errors
     /// See [`RatesError`]. An end rate too high to be reached is not an error.
@@ -126,15 +133,15 @@ impl Trapezoid {
         })
     }
 
-    /// Events still to come in the whole move; [`len`](ExactSizeIterator::len) has those before the
-    /// next stop.
+    /// Events still to come in the whole move. [`len`](ExactSizeIterator::len) counts only those
+    /// before the next stop.
     pub const fn remaining(&self) -> u32 {
-        // Their sum is at most what `new` was given.
+        // The sum is at most the number of events given to `new`.
         self.remaining.wrapping_add(self.beyond)
     }
 
-    /// The present rate: rounded down, by 1 Hz and by what the acceleration changes in one tick at
-    /// most.
+    /// The present rate in Hz, rounded down: too low by at most 1 Hz plus the change of rate in one
+    /// tick.
     pub fn rate_hz(&self) -> u32 {
         let (Pace::Up(point) | Pace::Down(point)) = self.pace else {
             return self.top_rate_hz;
@@ -146,11 +153,11 @@ impl Trapezoid {
             .unwrap_or(0) as u32
     }
 
-    /// Changes the top rate from the next event on (feed override). The rate goes there at the
-    /// move's acceleration, up or down; the end is met as before, at most at the end rate.
+    /// Changes the top rate from the next event on (feed override). The rate changes at the
+    /// acceleration of the move. The move still ends at or below its end rate.
     ///
     /// # Errors
-    /// [`RatesError::Zero`] and [`RatesError::RampTooLong`]; nothing has changed then.
+    /// [`RatesError::Zero`] and [`RatesError::RampTooLong`]; the profile then stays unchanged.
     pub fn set_top_rate(&mut self, top_rate_hz: u32) -> Result<(), RatesError> {
         let rates = Rates {
             timer_hz: self.timer_hz,
@@ -165,10 +172,10 @@ impl Trapezoid {
         Ok(())
     }
 
-    /// Slows down to standstill from the next event on and gives the events to the stop; the
-    /// iterator then ends there, with the rest of the move [`remaining`](Trapezoid::remaining).
-    /// Nothing changes and it is `None` where the end of the move comes before a stop: hold the
-    /// next move.
+    /// Slows down to standstill from the next event on. Returns the number of events to the stop.
+    /// The iterator ends at the stop, and the rest of the move is
+    /// [`remaining`](Trapezoid::remaining). Returns `None` and changes nothing where the move ends
+    /// before a stop is possible; hold the next move then.
     pub fn hold(&mut self) -> Option<u32> {
         if self.is_holding {
             return Some(self.remaining);
@@ -190,7 +197,7 @@ impl Trapezoid {
         Some(stop)
     }
 
-    /// Ends a hold, whether it has come to its stop or not: the move goes on from its present rate.
+    /// Ends a hold, before or after its stop. The move continues from its present rate.
     pub fn resume(&mut self) {
         if self.is_holding {
             self.look_again();
@@ -200,7 +207,7 @@ impl Trapezoid {
         }
     }
 
-    /// Whether a hold has come to its stop.
+    /// Whether a hold has reached its stop.
     pub const fn is_held(&self) -> bool {
         self.is_holding && self.remaining == 0
     }
@@ -232,7 +239,7 @@ impl Trapezoid {
     /// The next event in the present part of the profile.
     #[inline]
     fn step(&mut self) -> u32 {
-        // `next` and `begin` see to it that both are at least 1.
+        // `next` and `begin` guarantee that both are at least 1.
         self.run = self.run.wrapping_sub(1);
         self.remaining = self.remaining.wrapping_sub(1);
         match &mut self.pace {
@@ -253,7 +260,7 @@ impl Trapezoid {
     /// Chooses the part of the profile for the next event, or makes the one event in which two
     /// parts meet.
     ///
-    /// Invariant: square <= end + remaining gain, so the end can be met.
+    /// Invariant: square <= end + remaining gain, so the end rate can be met.
     #[inline(never)]
     fn turn(&mut self) -> Option<u32> {
         let after = self.remaining.checked_sub(1)?;
@@ -265,7 +272,7 @@ impl Trapezoid {
         } else {
             self.square_of(self.end_rate_hz)
         };
-        // The highest square after this event from which the end can be met.
+        // The highest square after this event from which the end rate can be met.
         let line = end.wrapping_add(gain.wrapping_mul(after.into()));
         let next = top.min(line);
         if square > top {
@@ -279,7 +286,7 @@ impl Trapezoid {
                 self.cross(square, next, square, gain)
             });
         }
-        // Events that need not be spent on slowing down: remaining - ceil((square - end) / gain).
+        // Events not needed for slowing down: remaining - ceil((square - end) / gain).
         let spare = match square.checked_sub(end) {
             Some(above) => u64::from(self.remaining)
                 .saturating_sub(quotient(above.wrapping_add(gain).saturating_sub(1), gain)),
@@ -314,9 +321,10 @@ impl Trapezoid {
         self.step()
     }
 
-    /// The event in which the profile rises from `square`, is cut off at `cap` and falls to `next`.
+    /// Makes the event in which the profile rises from `square`, is cut off at `cap` and falls to
+    /// `next`.
     fn cross(&mut self, square: u128, next: u128, cap: u128, gain: u128) -> u32 {
-        // Way up and way down in units of the square make the gain; all below 2^93.
+        // The rise and the fall, in units of the square, add up to the gain; all are below 2^93.
         let twice_peak = square.wrapping_add(next).wrapping_add(gain);
         let twice_cap = cap.wrapping_shl(1);
         let around = root(twice_peak.min(twice_cap).wrapping_shl(1));
@@ -331,7 +339,7 @@ impl Trapezoid {
         self.arrive(next, ticks)
     }
 
-    /// The event in which the profile falls from `square` to `top` and goes on there.
+    /// Makes the event in which the profile falls from `square` to `top` and continues there.
     fn sink(&mut self, square: u128, top: u128, gain: u128) -> u32 {
         let left = gain.wrapping_sub(square.wrapping_sub(top));
         let ticks = root(square)
@@ -346,7 +354,7 @@ impl Trapezoid {
         ticks
     }
 
-    /// Ticks for the share `left / gain` of an event at the rate of `square`.
+    /// Ticks of the fraction `left / gain` of an event at the rate of `square`.
     fn level(&self, left: u128, square: u128, gain: u128) -> u32 {
         let period = if square == self.square_of(self.top_rate_hz) {
             self.top_period()
@@ -422,12 +430,13 @@ impl Point {
         u128::from(whole).wrapping_shl(FRACTION_BITS) | u128::from(self.fraction)
     }
 
-    /// One event faster; gives its interval. The square after it stays below 2^60.
+    /// Goes on by one event of acceleration and returns its interval. The square after it stays
+    /// below 2^60.
     #[inline]
     fn rise(&mut self, gain: u64, gain_fraction: u32) -> u32 {
         let (fraction, carry) = self.fraction.overflowing_add(gain_fraction);
-        // The interval before was longer: at most 3 times this one, so time < 2^31 and the sum of
-        // both times < 2^32.
+        // The last interval was longer, at most 3 times this one. So time < 2^31, and the sum of
+        // both times is below 2^32.
         let time = self.time.wrapping_add(self.last);
         let covered = u64::from(self.last).wrapping_mul(time.wrapping_add(self.time).into());
         let rest = u64::from(self.residue)
@@ -443,11 +452,12 @@ impl Point {
         ticks
     }
 
-    /// One event slower; gives its interval. The square has to be at least the gain.
+    /// Goes on by one event of deceleration and returns its interval. The square has to be at least
+    /// the gain.
     #[inline]
     fn fall(&mut self, gain: u64, gain_fraction: u32) -> u32 {
         let (fraction, borrow) = self.fraction.overflowing_sub(gain_fraction);
-        // The interval before was shorter, and this one is at most `time`.
+        // The last interval was shorter, and this one is at most `time`.
         let time = self.time.saturating_sub(self.last);
         let covered = u64::from(self.time.wrapping_sub(time))
             .wrapping_mul(time.wrapping_add(self.time).into());
@@ -465,23 +475,23 @@ impl Point {
     }
 }
 
-/// The root and its remainder of `time^2 + rest`, `rest` a two's complement number; the sum is from
-/// 0 to below 2^60.
+/// The root of `time^2 + rest` and its remainder. `rest` is a two's complement number; the sum is
+/// from 0 to below 2^60.
 #[inline]
 fn settle(time: u32, rest: u64) -> (u32, u32) {
-    // A negative rest is a huge one; twice a time is below 2^32.
+    // A negative rest appears as a huge number. Twice a time is below 2^32.
     let twice = time.wrapping_mul(2);
     if rest <= u64::from(twice) {
         return (time, rest as u32);
     }
-    // One Newton step in 32 bits, which the square of its own error seldom spoils; twice a time is
-    // the slope of the square.
+    // One Newton step in 32 bits; the square of its error rarely makes it insufficient. Twice a
+    // time is the slope of the square.
     if (rest >> 32) as u32 == u32::MAX {
         let error = (rest as u32).wrapping_neg();
-        // Rounded up; at most t, as t^2 is at least the error. (t - c)^2 = t^2 - c (2 t - c).
+        // Rounded up; at most t, because t^2 is at least the error. (t - c)^2 = t^2 - c (2 t - c).
         let change = error.checked_div(twice).unwrap_or(0).wrapping_add(1);
-        // What is lacking is at most one slope more than the error: modulo 2^32 nothing else looks
-        // like a remainder.
+        // The remainder is at most one slope more than the error, so modulo 2^32 no other value
+        // looks like a valid remainder.
         let near = time.wrapping_sub(change);
         let left = change
             .wrapping_mul(twice.wrapping_sub(change))
@@ -504,11 +514,11 @@ fn settle(time: u32, rest: u64) -> (u32, u32) {
 /// Changes of time up to this have squares below 2^30.
 const SMALL: u32 = 0x7fff;
 
-/// The same by Newton steps in 64 bits: the first events of a ramp need them, and very slow ones.
+/// The same by Newton steps in 64 bits, for the first events of a ramp and for very slow ones.
 #[inline(never)]
 fn far(time: u32, rest: u64) -> (u32, u32) {
     let (mut time, mut rest) = (time, rest);
-    // A step squares the error: three always did. The root below stands behind them.
+    // A step squares the error, so three steps normally suffice. The root below covers the rest.
     for _ in 0..3 {
         let twice = time.wrapping_mul(2);
         let is_below = rest >> 63 != 0;
@@ -519,7 +529,7 @@ fn far(time: u32, rest: u64) -> (u32, u32) {
         else {
             break;
         };
-        // (t + c)^2 = t^2 + c (2 t + c); modulo 2^64. Never below 0.
+        // (t + c)^2 = t^2 + c (2 t + c), modulo 2^64. Never below 0.
         if is_below {
             let change = change.wrapping_add(1).min(time);
             let both = u64::from(twice).wrapping_sub(change.into());

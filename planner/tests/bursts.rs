@@ -1,10 +1,10 @@
-//! What holds for every compressed stream.
+//! Properties of every compressed stream.
 
 use husillo_planner::{Burst, Bursts, Rates, Trapezoid};
 use proptest::prelude::*;
 
-/// The largest distance of a replayed event from its original; the numbers of events have to be the
-/// same.
+/// The largest distance of a replayed event from its original. The numbers of events have to be
+/// equal.
 fn largest_error(intervals: &[u32], bursts: &[Burst]) -> i64 {
     let replayed: Vec<u32> = bursts.iter().flat_map(Burst::replay).collect();
     assert_eq!(replayed.len(), intervals.len());
@@ -16,7 +16,7 @@ fn largest_error(intervals: &[u32], bursts: &[Burst]) -> i64 {
     largest
 }
 
-/// Whether any record of so many events keeps to the error, by trying all of them.
+/// Whether any record of this many events stays within the error, by trying all of them.
 fn any_record(intervals: &[u32], late: i64, error: i64) -> bool {
     let first = i64::from(intervals[0]) + late;
     (first - error..=first + error).any(|interval| {
@@ -34,16 +34,20 @@ fn any_record(intervals: &[u32], late: i64, error: i64) -> bool {
 }
 
 proptest! {
-    /// Replaying gives as many events, none further from its original time than the error, over the
-    /// whole stream.
+    /// The replay has the same number of events, each within the error of its original time, over
+    /// the whole stream.
     #[test]
-    fn replays(intervals in prop::collection::vec(any::<u32>(), 0..300), shift in 0_u32..32, error in 0_u32..200) {
+    fn replays(
+        intervals in prop::collection::vec(any::<u32>(), 0..300),
+        shift in 0_u32..32,
+        error in 0_u32..200,
+    ) {
         let intervals: Vec<u32> = intervals.iter().map(|ticks| ticks >> shift).collect();
         let bursts: Vec<Burst> = Bursts::new(intervals.iter().copied(), error).collect();
         prop_assert!(largest_error(&intervals, &bursts) <= error.into());
     }
 
-    /// With an error of 8 or less no record from the same place holds one event more.
+    /// With an error of at most 8, no record that starts at the same event holds one event more.
     #[test]
     fn longest_runs(intervals in prop::collection::vec(100_u32..130, 1..60), error in 0_u32..9) {
         let (mut done, mut late) = (0, 0_i64);
@@ -59,7 +63,7 @@ proptest! {
     }
 }
 
-/// A trapezoid of 10 000 events in few records.
+/// A trapezoid of 10 000 events fits in few records.
 #[test]
 fn trapezoid_shrinks() {
     let rates = Rates {

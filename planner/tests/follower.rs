@@ -1,10 +1,10 @@
-//! What holds for motion that follows a spindle.
+//! Properties of motion that follows a spindle.
 
 use husillo_planner::{Due, Follower};
 use proptest::prelude::*;
 
-/// A spindle whose position in counts is any function of ticks; gives the spindle's true position
-/// at each event.
+/// Runs a follower on a spindle whose position in counts is any function of ticks. Returns the true
+/// position of the spindle at each event.
 fn run(
     position: impl Fn(u32) -> f64,
     follower: &mut Follower,
@@ -24,12 +24,17 @@ fn run(
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// With more counts than events the pitch error is below one step, however the speed varies: 10
-    /// % to 100 % and back.
+    /// With more counts than events the pitch error is below one step, however the speed varies:
+    /// from 10 % to 100 % and back.
     #[test]
-    fn pitch_error_below_a_step(counts in 100_u32..4000, events in 50_u32..2000, wave in 3000.0_f64..30_000.0, speed in 0.01_f64..0.2) {
+    fn pitch_error_below_a_step(
+        counts in 100_u32..4000,
+        events in 50_u32..2000,
+        wave in 3000.0_f64..30_000.0,
+        speed in 0.01_f64..0.2,
+    ) {
         prop_assume!(events <= counts);
-        // Speed in counts a tick: speed (0.55 + 0.45 cos).
+        // Speed in counts per tick: speed (0.55 + 0.45 cos).
         let position = |now: u32| {
             let t = f64::from(now);
             speed * (0.55 * t + 0.45 * wave * (t / wave).sin())
@@ -45,8 +50,8 @@ proptest! {
         prop_assert!(made.len() + 1 >= all && made.len() <= all + 2);
     }
 
-    /// With several events a count the period divides it: below one step too while the speed
-    /// changes slowly.
+    /// With several events per count the period is divided among them. The error is below one step
+    /// too, while the speed changes slowly.
     #[test]
     fn interpolates_between_counts(events in 1_u32..8, speed in 0.001_f64..0.02) {
         let position = |now: u32| {
@@ -60,8 +65,7 @@ proptest! {
         }
     }
 
-    /// The pitch is a fraction that nothing is lost of: after any number of turns the event is at
-    /// its exact count.
+    /// The pitch is an exact fraction: after any number of turns the event is at its exact count.
     #[test]
     fn no_drift(counts in 1_u32..5000, events in 1_u32..5000, turns in 1_i64..500) {
         let mut follower = Follower::new(counts, events, 0, 0).unwrap();
@@ -71,9 +75,14 @@ proptest! {
         prop_assert_eq!(follower.counts_ahead(), turns * i64::from(counts));
     }
 
-    /// Nothing panics, whatever the numbers.
+    /// No input panics.
     #[test]
-    fn any_numbers(counts: u32, events: u32, start: i32, calls in prop::collection::vec(any::<(u32, i32)>(), 0..50)) {
+    fn any_numbers(
+        counts: u32,
+        events: u32,
+        start: i32,
+        calls in prop::collection::vec(any::<(u32, i32)>(), 0..50),
+    ) {
         if let Some(mut follower) = Follower::new(counts, events, start, 0) {
             for (now, count) in calls {
                 follower.measure(now, count);
@@ -84,7 +93,7 @@ proptest! {
     }
 }
 
-/// The motion stands while the spindle does, and does not step back with it; it goes on where it
+/// The motion stands while the spindle stands and does not step back with it. It continues where it
 /// left the thread.
 #[test]
 fn stop_and_reverse() {
@@ -98,19 +107,24 @@ fn stop_and_reverse() {
     let mut follower = Follower::new(10, 3, 0, -1).unwrap();
     let forward = run(position, &mut follower, 0..50_000);
     assert_eq!(forward.len(), 150);
-    // Counts 490, 493.3, 496.7 were made; count 500 comes with the stop, and nothing else.
+    // Counts 490, 493.3 and 496.7 were made; count 500 comes with the stop, and nothing else.
     assert_eq!(run(position, &mut follower, 50_000..90_000), [500.0]);
-    // Farthest event 500; the next is at 503.3.
+    // The farthest event is 500; the next is at 503.3.
     let again = run(position, &mut follower, 90_000..110_000);
     assert!((again[0] - 503.33).abs() < 0.1, "{}", again[0]);
     assert!(size_of::<Follower>() <= 48);
 }
 
 proptest! {
-    /// Events with waits of their own, in 2^-16 counts, are due where those with equal waits are.
+    /// Events with individual waits in 2^-16 counts are due at the same times as events with equal
+    /// waits.
     #[test]
-    fn advance_by_is_advance(counts in 1_u32..50_000, start in -1000_i32..1000, events in 1_u32..200) {
-        // `counts` 2^-16 counts an event, in both ways to say it.
+    fn advance_by_is_advance(
+        counts in 1_u32..50_000,
+        start in -1000_i32..1000,
+        events in 1_u32..200,
+    ) {
+        // `counts` 2^-16 counts per event, expressed in both ways.
         let mut each = Follower::new(counts, 1 << 16, start, -2000).unwrap();
         let mut many = Follower::new(1, 1 << 16, start, -2000).unwrap();
         for _ in 0..events {

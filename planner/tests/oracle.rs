@@ -1,10 +1,10 @@
-//! The recorded waits of five circles.
+//! Comparison with the recorded waits of five circles.
 
 use husillo_planner::Timer;
 use serde_json::Value;
 
-/// Sweeps |P x d| of the nearest-point circle from (0, r), clockwise, one quadrant: by brute force,
-/// the neighbour with the least |x^2 + y^2 - r^2|.
+/// Sweeps |P x d| of one quadrant of the nearest-point circle from (0, r), clockwise. By brute
+/// force: each step takes the neighbour with the least |x^2 + y^2 - r^2|.
 fn quadrant_sweeps(radius: i64) -> Vec<u32> {
     let (mut x, mut y) = (0_i64, radius);
     let mut sweeps = Vec::new();

@@ -1,10 +1,10 @@
-//! What holds for every timer.
+//! Properties of every timer.
 
 use husillo_planner::Timer;
 use proptest::prelude::*;
 
 proptest! {
-    /// The time so far is never off by more than one tick, and the whole is exact.
+    /// The time so far is never off by more than one tick, and the total is exact.
     #[test]
     fn sum_is_exact(
         sweeps in prop::collection::vec(1_u32..u32::MAX, 1..200),
@@ -24,11 +24,12 @@ proptest! {
         prop_assert_eq!(waited, u128::from(ticks));
     }
 
-    /// So it is after 2^31 events: equal events are added up in one wait each of 2^k.
+    /// This holds after 2^31 events too; equal events are added up in one wait per 2^k events.
     #[test]
     fn rate_is_exact_over_long_moves(events in 1_u64..1 << 31, ticks in 0_u64..1 << 51) {
         let mut timer = Timer::new(ticks, events, 1);
-        // The rate's error is below 2^-fraction_bits a event, and 32 bits below that it is known.
+        // The error of the rate is below 2^-fraction_bits per event, and 32 bits below that are
+        // known.
         prop_assert!(timer.fraction_bits() >= 9);
         let first = timer.wait(1);
         prop_assert!(first == ticks / events || first == ticks / events + 1);
@@ -37,10 +38,13 @@ proptest! {
         prop_assert!(error <= u128::from(events));
     }
 
-    /// Nothing panics, whatever the numbers.
+    /// No input panics.
     #[test]
     fn any_timer(ticks: u64, sweep: u64, largest: u32, q: u8, waits in any::<[u32; 8]>()) {
-        let mut timers = [Timer::new(ticks, sweep, largest), Timer::with_fraction_bits(ticks, sweep, q)];
+        let mut timers = [
+            Timer::new(ticks, sweep, largest),
+            Timer::with_fraction_bits(ticks, sweep, q),
+        ];
         for timer in &mut timers {
             for wait in waits {
                 timer.wait(wait);
@@ -49,7 +53,7 @@ proptest! {
     }
 }
 
-/// 2^31 - 1 equal events, walked, at a rate that is not exact: not a tick is lost.
+/// 2^31 - 1 equal events one by one, at a rate that is not exact: no tick is lost.
 #[test]
 fn long_walk() {
     let (events, ticks) = (20_000_000_u64, 123_456_789_123_u64);

@@ -1,4 +1,4 @@
-//! What holds for every trapezoid by recurrence.
+//! Properties of every trapezoid by recurrence.
 
 mod checker;
 
@@ -26,8 +26,8 @@ fn rates() -> impl Strategy<Value = Rates> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// The number of events is right, and the rates and the acceleration are kept to but for the
-    /// stated errors.
+    /// The number of events is right. Rates and acceleration stay within the limits except for the
+    /// documented errors.
     #[test]
     fn within_bounds(rates in rates(), events in 1_u32..4000) {
         let Ok(profile) = Recurrence::new(&rates, events) else {
@@ -46,32 +46,45 @@ proptest! {
         prop_assert_eq!(fault(&intervals, &bounds), None);
     }
 
-    /// The time of the whole move is that of the exact trapezoid within 2.2 %, a tick an event, and
-    /// a tenth of the longest interval where the ramps meet.
+    /// The time of the whole move differs from the exact trapezoid by at most 2.2 %, a tick per
+    /// event, and a tenth of the longest interval where the ramps meet.
     #[test]
     fn time_is_right(rates in rates(), events in 1_u32..4000) {
-        let (Ok(cheap), Ok(exact)) = (Recurrence::new(&rates, events), Trapezoid::new(&rates, events)) else {
+        let (Ok(cheap), Ok(exact)) =
+            (Recurrence::new(&rates, events), Trapezoid::new(&rates, events))
+        else {
             return Ok(());
         };
         let longest = cheap.clone().max().map_or(0.0, f64::from);
         let cheap = cheap.map(f64::from).sum::<f64>();
         let exact = exact.map(f64::from).sum::<f64>();
-        prop_assert!((cheap - exact).abs() < 0.022 * exact + 0.1 * longest + f64::from(events), "{} {}", cheap, exact);
+        prop_assert!(
+            (cheap - exact).abs() < 0.022 * exact + 0.1 * longest + f64::from(events),
+            "{} {}",
+            cheap,
+            exact
+        );
     }
 
-    /// Nothing panics and the number of events is right, whatever the numbers.
+    /// No input panics, and the number of events is right.
     #[test]
     fn any_numbers(values: [u32; 5], shifts: [u8; 5], events: u32) {
         let [timer_hz, start_rate_hz, top_rate_hz, end_rate_hz, acceleration_hz_per_s] =
             std::array::from_fn(|index| values[index] >> (shifts[index] % 32));
-        let rates = Rates { timer_hz, start_rate_hz, top_rate_hz, end_rate_hz, acceleration_hz_per_s };
+        let rates = Rates {
+            timer_hz,
+            start_rate_hz,
+            top_rate_hz,
+            end_rate_hz,
+            acceleration_hz_per_s,
+        };
         if let Ok(profile) = Recurrence::new(&rates, events % 1000) {
             prop_assert_eq!(profile.count(), events as usize % 1000);
         }
     }
 }
 
-/// The errors from standstill that the documentation states.
+/// The documented errors from standstill.
 #[test]
 fn stated_errors() {
     let rates = Rates {
@@ -97,7 +110,7 @@ fn stated_errors() {
         let error = errors[event - 1];
         assert!(from <= error && error <= to, "{event}: {error}");
     }
-    // A tick of each, of 533 at the top.
+    // One tick each; an interval at the top rate has 533.
     let worst = errors[100..]
         .iter()
         .fold(0.0_f64, |worst, error| worst.max(error.abs()));

@@ -1,4 +1,4 @@
-//! What holds for every jerk-limited profile.
+//! Properties of every jerk-limited profile.
 
 mod checker;
 
@@ -39,7 +39,7 @@ fn bounds(rates: &Rates) -> Bounds {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
-    /// The number of events is right, and rates, acceleration and jerk are kept to.
+    /// The number of events is right, and rates, acceleration and jerk stay within the limits.
     #[test]
     fn within_limits((rates, jerk) in limits(), events in 1_u32..4000) {
         let Ok(profile) = SCurve::new(&rates, jerk, events) else {
@@ -52,7 +52,7 @@ proptest! {
         prop_assert_eq!(jerk_fault(&intervals, &bounds(&rates), jerk.into()), None);
     }
 
-    /// From standstill to standstill it is its own mirror image, to a tick or two.
+    /// From standstill to standstill the profile is its own mirror image, to a tick or two.
     #[test]
     fn mirrors((rates, jerk) in limits(), events in 1_u32..4000) {
         let rates = Rates { start_rate_hz: 0, end_rate_hz: 0, ..rates };
@@ -62,7 +62,7 @@ proptest! {
         }
     }
 
-    /// Whatever is asked for on the way, the number of events is right and the limits are kept to.
+    /// Whatever is requested on the way, the number of events is right and the limits hold.
     #[test]
     fn changes_on_the_way(
         (rates, jerk) in limits(),
@@ -94,12 +94,18 @@ proptest! {
         prop_assert_eq!(jerk_fault(&intervals, &bounds, jerk.into()), None);
     }
 
-    /// Nothing panics and nothing runs away, whatever the numbers.
+    /// No input panics, and every profile ends.
     #[test]
     fn any_numbers(values: [u32; 6], shifts: [u8; 6], events: u32) {
         let [timer_hz, start_rate_hz, top_rate_hz, end_rate_hz, acceleration_hz_per_s, jerk] =
             std::array::from_fn(|index| values[index] >> (shifts[index] % 32));
-        let rates = Rates { timer_hz, start_rate_hz, top_rate_hz, end_rate_hz, acceleration_hz_per_s };
+        let rates = Rates {
+            timer_hz,
+            start_rate_hz,
+            top_rate_hz,
+            end_rate_hz,
+            acceleration_hz_per_s,
+        };
         if let Ok(mut profile) = SCurve::new(&rates, jerk, events) {
             let _ = profile.by_ref().take(300).count();
             let _ = profile.hold();
@@ -112,7 +118,7 @@ proptest! {
     }
 }
 
-/// The total time is that of the textbook's seven phases, and of its short forms.
+/// The total time is that of the textbook's seven phases, and of their short forms.
 #[test]
 fn textbook_times() {
     let rates = Rates {
@@ -125,7 +131,7 @@ fn textbook_times() {
     // Jerk time 0.05 s, ramp 0.25 s over 125 steps; 750 steps at 1000 Hz.
     let sum = |events, jerk| -> u32 { SCurve::new(&rates, jerk, events).unwrap().sum() };
     assert!(sum(1000, 100_000).abs_diff(1_250_000) < 3);
-    // No cruise, acceleration reached: the peak v has (v/a + a/j) v = 100.
+    // No cruise, acceleration reached: the peak v satisfies (v/a + a/j) v = 100.
     let peak: f64 = (-0.05 + (0.05_f64 * 0.05 + 4.0 * 100.0 / 5000.0).sqrt()) * 2500.0;
     let time = 2.0 * (peak / 5000.0 + 0.05) * 1e6;
     assert!((f64::from(sum(100, 100_000)) - time).abs() < 3.0);
@@ -138,7 +144,7 @@ fn textbook_times() {
     );
 }
 
-/// What cannot be done is refused.
+/// Impossible profiles are refused.
 #[test]
 fn refused() {
     let rates = Rates {
@@ -160,8 +166,8 @@ fn refused() {
     assert!(size_of::<SCurve>() <= 128);
 }
 
-/// A jerk that brings the acceleration, or the top rate, within a tick is refused: the limits would
-/// not be kept.
+/// A jerk that reaches the acceleration, or the top rate, within one tick is refused, because the
+/// limits would not hold.
 #[test]
 fn a_jerk_too_high_for_the_timer_is_refused() {
     for (timer_hz, top_rate_hz, acceleration_hz_per_s, jerk) in [

@@ -1,4 +1,4 @@
-//! What holds for every trapezoid.
+//! Properties of every trapezoid.
 
 mod checker;
 
@@ -17,7 +17,7 @@ fn rates() -> impl Strategy<Value = Rates> {
         50_u32..2_000_000,
     )
         .prop_map(|(timer_hz, start, top, end, acceleration)| {
-            // Fast timers take no slow ramps: below 2^30 ticks.
+            // Fast timers allow no slow ramps: ramps stay below 2^30 ticks.
             let least = ((u64::from(timer_hz) * u64::from(top.max(8000))) >> 30) as u32 + 1;
             Rates {
                 timer_hz,
@@ -41,12 +41,12 @@ fn bounds(rates: &Rates) -> Bounds {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// Every interval is that of the true trapezoid, to the tick (two ticks where parts meet), and
+    /// Every interval is that of the true trapezoid to one tick (two ticks where parts meet), and
     /// so is every sum.
     #[test]
     fn intervals_are_true(rates in rates(), events in 1_u32..4000) {
         let Ok(profile) = Trapezoid::new(&rates, events) else {
-            // Only what cannot slow down is refused.
+            // Only a profile that cannot slow down is refused.
             let [start, end] = [rates.start_rate_hz, rates.end_rate_hz].map(f64::from);
             let room = 2.0 * f64::from(rates.acceleration_hz_per_s) * f64::from(events);
             prop_assert!(start * start - end * end > room * 0.999_999);
@@ -71,11 +71,18 @@ proptest! {
         prop_assert_eq!(fault(&intervals, &bounds(&rates)), None);
     }
 
-    /// Backwards it is the profile from the end rate to the start rate: its ramps tick for tick.
+    /// In reverse it is the profile from the end rate to the start rate; the ramps are equal tick
+    /// for tick.
     #[test]
     fn ramps_mirror(rates in rates(), events in 1_u32..3000) {
-        let back = Rates { start_rate_hz: rates.end_rate_hz, end_rate_hz: rates.start_rate_hz, ..rates };
-        let (Ok(there), Ok(back)) = (Trapezoid::new(&rates, events), Trapezoid::new(&back, events)) else {
+        let back = Rates {
+            start_rate_hz: rates.end_rate_hz,
+            end_rate_hz: rates.start_rate_hz,
+            ..rates
+        };
+        let (Ok(there), Ok(back)) =
+            (Trapezoid::new(&rates, events), Trapezoid::new(&back, events))
+        else {
             return Ok(());
         };
         let there: Vec<u32> = there.collect();
@@ -84,7 +91,8 @@ proptest! {
         for (one, other) in there.iter().zip(&back) {
             prop_assert!(one.abs_diff(*other) <= 1, "{} {}", one, other);
         }
-        let [start, end, top] = [rates.start_rate_hz, rates.end_rate_hz, rates.top_rate_hz].map(f64::from);
+        let [start, end, top] =
+            [rates.start_rate_hz, rates.end_rate_hz, rates.top_rate_hz].map(f64::from);
         let a = f64::from(rates.acceleration_hz_per_s);
         let peak = top.min(((start * start + end * end) / 2.0 + a * f64::from(events)).sqrt());
         let up = ((peak * peak - start * start) / (2.0 * a) - 0.001) as usize;
@@ -94,8 +102,8 @@ proptest! {
         prop_assert_eq!(&there[tail..], &back[tail..]);
     }
 
-    /// Whatever is asked for on the way, the number of events is right, `len` tells when the
-    /// iterator ends, acceleration and rates are kept to, and the end rate is met.
+    /// Whatever is requested on the way, the number of events is right, `len` says when the
+    /// iterator ends, acceleration and rates stay within the limits, and the end rate is met.
     #[test]
     fn changes_on_the_way(
         rates in rates(),
@@ -133,11 +141,12 @@ proptest! {
     fn hold_stops(rates in rates(), events in 1_u32..3000, at in 0_u32..3000) {
         let Ok(mut profile) = Trapezoid::new(&rates, events) else { return Ok(()) };
         let _ = profile.by_ref().take(at as usize).count();
-        // What a tick of rounding makes of the rate.
+        // The effect of one tick of rounding on the rate.
         let tick = f64::from(rates.acceleration_hz_per_s) / f64::from(rates.timer_hz);
         let rate = f64::from(profile.rate_hz()) + 1.0 + tick;
         if let Some(stop) = profile.hold() {
-            prop_assert!(f64::from(stop) <= rate * rate / (2.0 * f64::from(rates.acceleration_hz_per_s)) + 1.01);
+            let acceleration = f64::from(rates.acceleration_hz_per_s);
+            prop_assert!(f64::from(stop) <= rate * rate / (2.0 * acceleration) + 1.01);
             prop_assert_eq!(profile.by_ref().count(), stop as usize);
             prop_assert!(profile.is_held());
             prop_assert_eq!(profile.rate_hz(), 0);
@@ -146,9 +155,17 @@ proptest! {
         }
     }
 
-    /// Nothing panics and nothing runs away, whatever the numbers.
+    /// No input panics, and every profile ends.
     #[test]
-    fn any_numbers(timer_hz: u32, start: u32, top: u32, end: u32, acceleration: u32, shifts in any::<[u8; 5]>(), events: u32) {
+    fn any_numbers(
+        timer_hz: u32,
+        start: u32,
+        top: u32,
+        end: u32,
+        acceleration: u32,
+        shifts in any::<[u8; 5]>(),
+        events: u32,
+    ) {
         let cut = |value: u32, shift: u8| value >> (shift % 32);
         let rates = Rates {
             timer_hz: cut(timer_hz, shifts[0]),
@@ -169,7 +186,7 @@ proptest! {
     }
 }
 
-/// An override takes effect at once: the rate changes at full acceleration until it is there.
+/// An override takes effect at once: the rate changes at full acceleration until it is reached.
 #[test]
 fn override_takes_effect() {
     let rates = Rates {
@@ -191,7 +208,7 @@ fn override_takes_effect() {
     assert_eq!(profile.last(), Some(20000));
 }
 
-/// What cannot be done is refused.
+/// Impossible profiles are refused.
 #[test]
 fn refused() {
     let rates = Rates {
@@ -220,7 +237,7 @@ fn refused() {
     assert!(size_of::<Trapezoid>() <= 64);
 }
 
-/// A long move loses nothing: 20 million events on one slow ramp, against the formula.
+/// A long move loses nothing: 20 million events on one slow ramp, compared with the formula.
 #[test]
 fn long_ramp() {
     let rates = Rates {
@@ -236,8 +253,8 @@ fn long_ramp() {
     assert!((sum as f64 - exact).abs() < 2.0, "{sum} {exact}");
 }
 
-/// Also where the ramp to the present rate takes less than a tick, an event at that rate takes its
-/// time; and what has ended cannot be held.
+/// Where the ramp to the present rate takes less than a tick, an event at that rate still takes its
+/// full time. A profile that has ended cannot be held.
 #[test]
 fn steep_ramps_take_their_time() {
     let rates = Rates {

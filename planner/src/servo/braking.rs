@@ -1,31 +1,29 @@
-//! How fast one may be with so much way left.
+//! Highest velocity at a given distance from the goal.
 
 use crate::quotient::quotient;
 
-/// Way from moving by `velocity` in this period to rest, this period included: the sum of
-/// `velocity`, `velocity - acceleration`, `velocity - 2 acceleration` and so on as far as they are
-/// positive.
+/// Distance from moving by `velocity` in this period to rest, this period included: the sum of the
+/// positive terms of `velocity`, `velocity - acceleration`, `velocity - 2 acceleration`, ...
 ///
-/// Both below 2^32, the acceleration not 0. With n = velocity / acceleration rounded down, that is
-/// (n + 1) velocity - acceleration n (n + 1) / 2.
+/// Both arguments are below 2^32; the acceleration is not 0. With n = velocity / acceleration
+/// rounded down, the sum is (n + 1) velocity - acceleration n (n + 1) / 2.
 pub(super) fn way_to_rest(velocity: u32, acceleration: u32) -> u64 {
     let periods = velocity.checked_div(acceleration).unwrap_or(0);
-    // velocity >= n acceleration, so the difference is positive, and the first product is below
-    // 2^65 only for acceleration = 1: velocities are at most 2^31 (see `ServoProfile`), so it stays
-    // below 2^63.
+    // velocity >= n acceleration, so the difference is positive. The first product is largest for
+    // acceleration = 1. Velocities are at most 2^31 (see `ServoProfile`), so it stays below 2^63.
     let periods = u64::from(periods);
     let all = periods.wrapping_add(1).wrapping_mul(velocity.into());
-    // n (n + 1) / 2 is below 2^62, and times the acceleration at most `all`.
+    // n (n + 1) / 2 is below 2^62. Times the acceleration it is at most `all`.
     let pairs = periods.wrapping_mul(periods.wrapping_add(1)) / 2;
     all.wrapping_sub(pairs.wrapping_mul(acceleration.into()))
 }
 
-/// The largest velocity from `low` to `high` with a way to rest of at most `way`; `low` when there
-/// is none.
+/// The largest velocity from `low` to `high` whose distance to rest is at most `way`; `low` when
+/// there is none.
 ///
-/// All velocities are at most 2^31. `high - low` is at most twice the acceleration, so that few
-/// lines of the broken line `way_to_rest` are tried. One division of 32 bits for each end, one of
-/// 64 by 32 bits.
+/// All velocities are at most 2^31. `high - low` is at most twice the acceleration, so only a few
+/// segments of the piecewise linear `way_to_rest` are tried. Takes one division of 32 bits for each
+/// end and one of 64 by 32 bits.
 pub(super) fn fastest(low: u32, high: u32, acceleration: u32, way: u64) -> u32 {
     if way_to_rest(high, acceleration) <= way {
         return high;
@@ -33,12 +31,12 @@ pub(super) fn fastest(low: u32, high: u32, acceleration: u32, way: u64) -> u32 {
     let mut from = low;
     let mut periods = low.checked_div(acceleration).unwrap_or(0);
     let mut used = way_to_rest(low, acceleration);
-    // Three corners are all that lie between the two; bounded for a caller who was wrong.
+    // At most three corners lie between the two; the bound guards against wrong arguments.
     for _ in 0..4 {
         if used >= way {
             break;
         }
-        // From here to the next corner every unit of velocity costs one period more than there are.
+        // From here to the next corner each unit of velocity costs `periods + 1`.
         let slope = periods.wrapping_add(1);
         let corner = u64::from(slope)
             .wrapping_mul(acceleration.into())
@@ -49,7 +47,7 @@ pub(super) fn fastest(low: u32, high: u32, acceleration: u32, way: u64) -> u32 {
             // from + gain < corner
             return from.wrapping_add(gain as u32);
         }
-        // At most `way`, as slope room <= slope gain.
+        // At most `way`, because slope room <= slope gain.
         used = used.wrapping_add(u64::from(slope).wrapping_mul(room.into()));
         from = corner;
         periods = slope;

@@ -1,4 +1,4 @@
-//! The commanded position of one axis.
+//! Commanded position of one axis.
 
 use super::braking::fastest;
 use super::motion::ServoMotion;
@@ -6,29 +6,31 @@ use super::motion::ServoMotion;
 /// Velocities and accelerations have 31 bits.
 const LARGEST: u32 = i32::MAX as u32;
 
-/// What the servo of a module is to hold in one period.
+/// Set point of a servo module for one period.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoSetPoint {
-    /// Commanded position in counts: the upper 32 bits of an accumulator of 48, so rounded down.
+    /// Commanded position in counts: the upper 32 bits of an accumulator of 48 bits, so rounded
+    /// down.
     pub position: i32,
-    /// By how much it was changed in this period, 2^-16 counts.
+    /// Change of the position in this period, in 2^-16 counts.
     pub velocity: i32,
-    /// No motion goes on: a goal is reached, a velocity is reached, or the servo is off.
+    /// Whether no motion is in progress: a goal is reached, a velocity is reached, or the servo is
+    /// off.
     pub is_done: bool,
 }
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Mode {
-    /// The servo is off, and the motor driven by this much.
+    /// The servo is off and the motor is driven at this duty.
     Off(i16),
-    /// Towards a goal in counts with this top velocity.
+    /// Moves towards a goal in counts with this top velocity.
     Goal { counts: i32, top: u32 },
-    /// To this velocity.
+    /// Changes to this velocity.
     Velocity(i32),
 }
 
-/// The profiles of a servo module: trapezoid, velocity and plain duty; abrupt, smooth and
+/// Profile generator of a servo module: trapezoid, velocity and fixed duty; abrupt, smooth and
 /// at-position stops.
 ///
 /// ```text
@@ -36,20 +38,27 @@ enum Mode {
 ///          ____/        \____       in an accumulator of 32.16 bits
 /// ```
 ///
-/// [`tick`](Self::tick) once a servo period (0.512 ms in the module of J. R. Kerr, PIC-SERVO data
-/// sheet, 1999; a servo-rate divisor ticks every so many periods). The data sheet leaves open when
-/// deceleration starts. Here each period takes **the largest velocity from which the goal can still
-/// be reached without passing it**, when the velocity falls by the acceleration every period from
-/// the next one on: within the top velocity and one acceleration from the last velocity. So the
-/// deceleration begins as late as possible, what the sum of the steps lacks is spread over it, and
-/// the goal is reached exactly and at rest, without a creep at the end. No move of this
-/// acceleration and top velocity takes fewer periods.
+/// Call [`tick`](Self::tick) once per servo period: 0.512 ms in the module of J. R. Kerr (PIC-SERVO
+/// data sheet, 1999). A servo-rate divisor ticks once in several periods. The data sheet leaves
+/// open when deceleration starts. Here each period takes **the largest velocity from which the goal
+/// can still be reached without passing it** if the velocity then falls by the acceleration every
+/// period. This velocity is within the top velocity and within one acceleration of the last
+/// velocity. So deceleration begins as late as possible, the rounding of the distance is spread
+/// over it, and the goal is reached exactly and at rest, without a creep at the end. No move with
+/// this acceleration and top velocity takes fewer periods.
 ///
-/// Goal, top velocity and acceleration may change at any time. What cannot be kept then is kept as
-/// soon as it can: above a lower top velocity, or too near at a goal, the velocity falls by the
-/// acceleration every period, and a goal that was passed is returned to. With an acceleration of 0
-/// the velocity never changes.
+/// Goal, top velocity and acceleration may change at any time. A limit that cannot be kept at once
+/// is kept as soon as possible. If the top velocity was lowered, or the goal is too near, the
+/// velocity falls by the acceleration every period. A goal that was passed is returned to. With an
+/// acceleration of 0 the velocity never changes.
 ///
+/// Size: 32 bytes.
+///
+/// # Cost
+/// A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a Cortex-M0; on
+/// ramps it takes 176 and 637, with up to three divisions.
+///
+/// # Examples
 /// ```
 /// use husillo_planner::{ServoMotion, ServoProfile};
 ///
@@ -67,14 +76,11 @@ enum Mode {
 /// assert_eq!(positions, [101, 103, 105, 107, 109]); // and 110, which ends it
 /// assert_eq!(profile.position(), 110);
 /// ```
-///
-/// 32 bytes. A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a
-/// Cortex-M0, on ramps 176 and 637: up to three divisions.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct ServoProfile {
     /// Counts times 2^16, modulo 2^48, sign extended.
     position: i64,
-    /// At most 2^31 in size.
+    /// At most 2^31 in magnitude.
     velocity: i32,
     acceleration: u32,
     mode: Mode,
@@ -84,7 +90,7 @@ pub struct ServoProfile {
 }
 
 impl ServoProfile {
-    /// At rest at this position in counts, the servo on.
+    /// Creates a profile at rest at this position in counts, with the servo on.
     pub const fn new(position: i32) -> Self {
         Self {
             position: (position as i64) << 16,
@@ -100,8 +106,8 @@ impl ServoProfile {
         }
     }
 
-    /// Starts a motion, from the commanded position and velocity as they are: set the position anew
-    /// first, with [`stop_abruptly`](Self::stop_abruptly), when the servo was off.
+    /// Starts a motion from the present commanded position and velocity. When the servo was off,
+    /// set the position first with [`stop_abruptly`](Self::stop_abruptly).
     pub fn start(&mut self, motion: ServoMotion) {
         self.is_done = false;
         self.is_acceleration_done = false;
@@ -138,25 +144,25 @@ impl ServoProfile {
         }
     }
 
-    /// The servo off, the motor without current.
+    /// Switches the servo off, with no current in the motor.
     pub const fn switch_off(&mut self) {
         self.velocity = 0;
         self.is_done = true;
         self.mode = Mode::Off(0);
     }
 
-    /// Holds the actual position in counts, at once: a step of the command, as the axis was
-    /// elsewhere. Switches the servo on.
+    /// Holds the actual position in counts at once and switches the servo on. The command makes a
+    /// step if the axis was elsewhere.
     pub const fn stop_abruptly(&mut self, actual: i32) {
         self.hold(actual);
     }
 
-    /// Holds this position in counts, at once and without a profile. Switches the servo on.
+    /// Holds this position in counts at once, without a profile, and switches the servo on.
     pub const fn stop_at(&mut self, position: i32) {
         self.hold(position);
     }
 
-    /// Decelerates to rest by the acceleration in force. Does not switch the servo on.
+    /// Decelerates to rest with the present acceleration. Does not switch the servo on.
     pub const fn stop_smoothly(&mut self) {
         if self.is_servo_on() {
             self.mode = Mode::Velocity(0);
@@ -164,17 +170,17 @@ impl ServoProfile {
         }
     }
 
-    /// Calls the commanded position `position`, with no change of velocity; a goal stays the number
-    /// it is.
+    /// Sets the commanded position to `position` without a change of velocity. The number of a goal
+    /// stays unchanged.
     pub const fn set_position(&mut self, position: i32) {
         self.position = (position as i64) << 16;
-        // Of a finished move the goal is the position that is held.
+        // After a finished move the goal is the held position.
         if let (Mode::Goal { counts, .. }, true) = (&mut self.mode, self.is_done) {
             *counts = position;
         }
     }
 
-    /// The set point of the next period.
+    /// Advances by one period and returns its set point.
     pub fn tick(&mut self) -> ServoSetPoint {
         match self.mode {
             Mode::Off(_) => {}
@@ -204,29 +210,29 @@ impl ServoProfile {
         (self.position >> 16) as i32
     }
 
-    /// The commanded position in 2^-16 counts, of 48 bits with their sign.
+    /// The commanded position in 2^-16 counts: 48 bits, signed.
     pub const fn position_48(&self) -> i64 {
         self.position
     }
 
-    /// The commanded velocity now, 2^-16 counts a period; 0 at a goal and while the servo is off.
+    /// The present commanded velocity in 2^-16 counts per period; 0 at a goal and while the servo
+    /// is off.
     pub const fn velocity(&self) -> i32 {
         self.velocity
     }
 
-    /// Whether no motion goes on, as in [`ServoSetPoint::is_done`].
+    /// Whether no motion is in progress, as in [`ServoSetPoint::is_done`].
     pub const fn is_done(&self) -> bool {
         self.is_done
     }
 
-    /// Whether there is a position to hold: not so after [`ServoMotion::Pwm`] and
+    /// Whether a position is held. It is not after [`ServoMotion::Pwm`] and
     /// [`switch_off`](Self::switch_off), until a motion starts or a stop holds.
     pub const fn is_servo_on(&self) -> bool {
         !matches!(self.mode, Mode::Off(_))
     }
 
-    /// While the servo is off, the part of 255 of the time that the motor is driven, negative
-    /// towards smaller counts; 0 otherwise.
+    /// Duty in units of 1/255 while the servo is off, negative towards smaller counts; 0 otherwise.
     pub const fn duty(&self) -> i16 {
         match self.mode {
             Mode::Off(duty) => duty,
@@ -234,12 +240,12 @@ impl ServoProfile {
         }
     }
 
-    /// Whether the motion started last has stopped to accelerate.
+    /// Whether the last motion has stopped accelerating.
     pub const fn is_acceleration_done(&self) -> bool {
         self.is_acceleration_done
     }
 
-    /// Whether the motion started last has begun to decelerate towards its goal. Never with
+    /// Whether the last motion has begun to decelerate towards its goal. Never true for
     /// [`ServoMotion::Velocity`].
     pub const fn is_slew_done(&self) -> bool {
         self.is_slew_done
@@ -255,47 +261,47 @@ impl ServoProfile {
         };
     }
 
-    /// The velocity nearest to `target` that is within an acceleration.
+    /// The velocity nearest to `target` within one acceleration of the present one.
     fn towards(&self, target: i32) -> i32 {
         let most = i64::from(self.acceleration);
         let now = i64::from(self.velocity);
         let change = i64::from(target)
             .wrapping_sub(now)
             .clamp(most.wrapping_neg(), most);
-        // Between `now` and `target`, both of 32 bits.
+        // Between `now` and `target`, which both have 32 bits.
         now.wrapping_add(change) as i32
     }
 
-    /// The velocity of a period on the way to a goal.
+    /// Sets the velocity of a period on the way to a goal.
     fn approach(&mut self, goal: i32, top: u32) {
         if self.acceleration == 0 {
             return;
         }
         let way = self.way_to(goal);
         let is_backward = way < 0 || way == 0 && self.velocity < 0;
-        // Towards the goal.
+        // Velocities towards the goal are positive from here on.
         let now = signed(self.velocity, is_backward);
         let next = match u32::try_from(now) {
             Ok(now) => {
                 let low = now.saturating_sub(self.acceleration);
-                // 2^31 - 1 each.
+                // Both are at most 2^31 - 1.
                 let high = now.wrapping_add(self.acceleration).min(top.max(low));
                 let next = fastest(low, high, self.acceleration, way.unsigned_abs());
                 self.is_acceleration_done |= next <= now;
                 self.is_slew_done |= next < now.min(top);
                 next as i32
             }
-            // Away from it: back first.
+            // Moving away from the goal: reverse first.
             Err(_) => match u32::try_from(i64::from(now).wrapping_add(self.acceleration.into())) {
                 Ok(high) => fastest(0, high.min(top), self.acceleration, way.unsigned_abs()) as i32,
-                // now < 0 and the sum still is.
+                // now < 0 and the sum is still negative.
                 Err(_) => now.wrapping_add(self.acceleration as i32),
             },
         };
         self.velocity = signed(next, is_backward);
     }
 
-    /// At the goal, and slow enough to stand in the next period.
+    /// Ends the motion at the goal if it is slow enough to stand in the next period.
     fn arrive(&mut self) {
         let Mode::Goal { counts, .. } = self.mode else {
             return;
@@ -308,18 +314,19 @@ impl ServoProfile {
         }
     }
 
-    /// From the commanded position to a goal in counts, 2^-16 counts, the shorter way round 2^48.
+    /// Distance from the commanded position to a goal in counts, in 2^-16 counts, the shorter way
+    /// modulo 2^48.
     const fn way_to(&self, goal: i32) -> i64 {
         wrapped(((goal as i64) << 16).wrapping_sub(self.position))
     }
 }
 
-/// A number of 48 bits with its sign.
+/// Sign-extends a number of 48 bits.
 const fn wrapped(number: i64) -> i64 {
     number << 16 >> 16
 }
 
-/// Numbers here are above -2^31.
+/// Negates `number` if `is_negative`; numbers are above -2^31.
 const fn signed(number: i32, is_negative: bool) -> i32 {
     if is_negative {
         number.wrapping_neg()

@@ -1,21 +1,22 @@
-//! Looks at nothing but intervals: their mean rates, and how fast these change.
+//! Independent checks that use nothing but the intervals: their mean rates, and how fast these
+//! change.
 
 #![allow(dead_code, reason = "every test takes what it needs")]
 
-/// What a stream of intervals has to keep to.
+/// Limits for a stream of intervals.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     pub timer_hz: f64,
     pub top_rate_hz: f64,
     pub acceleration_hz_per_s: f64,
-    /// Ticks that one interval may be off by rounding.
+    /// Ticks by which one interval may be off because of rounding.
     pub slack_ticks: f64,
 }
 
-/// The first thing wrong with `intervals`, of a move that begins at any rate.
+/// The first fault in `intervals`, for a move that begins at any rate.
 ///
 /// The mean rates of two neighbouring intervals differ by at most the acceleration times the time
-/// between their middles, whatever the rates in between; both intervals may be off by the slack.
+/// between their midpoints, whatever the rates in between. Both intervals may be off by the slack.
 pub fn fault(intervals: &[u32], bounds: &Bounds) -> Option<String> {
     let Bounds {
         timer_hz,
@@ -42,7 +43,7 @@ pub fn fault(intervals: &[u32], bounds: &Bounds) -> Option<String> {
         .map(|index| format!("rate at {index}: {} < {least}", intervals[index]))
 }
 
-/// The time in ticks at which the true trapezoid is at each whole step, by floating point.
+/// The times in ticks at which the true trapezoid reaches each whole step, in floating point.
 pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u32) -> Vec<f64> {
     let n = f64::from(events);
     let highest = ((start * start + end * end) / 2.0 + a * n).sqrt();
@@ -55,7 +56,7 @@ pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u
         .map(|k| {
             let s = f64::from(k);
             f * if s <= up {
-                // The numerically good form of (v - start) / a.
+                // The numerically stable form of (v - start) / a.
                 2.0 * s / ((start * start + 2.0 * a * s).sqrt() + start)
             } else if s <= n - down {
                 (peak - start) / a + (s - up) / peak
@@ -66,18 +67,19 @@ pub fn trapezoid_times(f: f64, start: f64, top: f64, end: f64, a: f64, events: u
         .collect()
 }
 
-/// The first place where the mean acceleration changes faster than the jerk, both ends of each
-/// interval off by the slack.
+/// The first point where the mean acceleration changes faster than the jerk, if both ends of each
+/// interval may be off by the slack.
 ///
-/// The second divided difference of the rates' means: third divided difference of the times'
-/// inverse, at most the jerk / 6.
+/// This is the second divided difference of the mean rates: the third divided difference of the
+/// inverse of the times, which is at most the jerk / 6.
 pub fn jerk_fault(intervals: &[u32], bounds: &Bounds, jerk_hz_per_s2: f64) -> Option<String> {
-    // Position k at time t[k]: its third divided difference is the mean of a third derivative / 6.
+    // Position k is at time t[k]; its third divided difference is the mean of a third derivative
+    // / 6.
     let f = bounds.timer_hz;
     for (index, part) in intervals.windows(3).enumerate() {
         let [a, b, c] = [part[0], part[1], part[2]].map(|ticks| f64::from(ticks) / f);
         let third = ((1.0 / c - 1.0 / b) / (b + c) - (1.0 / b - 1.0 / a) / (a + b)) / (a + b + c);
-        // What moving any of the four times by the slack changes.
+        // The effect of moving any of the four times by the slack.
         let slack = bounds.slack_ticks / f;
         let least = a.min(b).min(c) - slack;
         if least <= 0.0 {

@@ -1,11 +1,11 @@
-//! Looks at events only (what moved and when), never at what the planner says of itself.
+//! Checks that use only the events (axes and times), never what the planner reports about itself.
 
 use crate::{
     moves::{ACCELERATION, JUMP, Move},
     runner::Event,
 };
 
-/// A piece of path with its time: some events, or a part of them.
+/// A piece of path with its duration: some events, or a part of them.
 #[derive(Copy, Clone, Debug, Default)]
 struct Window {
     nm: f64,
@@ -15,14 +15,15 @@ struct Window {
 }
 
 impl Window {
-    /// nm/s, and by how much a tick at either end can be wrong.
+    /// Speed in nm/s, and the error that a tick at either end causes.
     fn speed(&self, hz: f64) -> (f64, f64) {
         let speed = self.nm * hz / self.ticks;
         (speed, speed / (self.ticks - 1.0))
     }
 }
 
-/// Groups events into windows of at least `least_ticks`; what is left at the end is left out.
+/// Groups events into windows of at least `least_ticks`; an incomplete window at the end is
+/// dropped.
 fn windows(moves: &[Move], events: &[Event], least_ticks: f64) -> Vec<Window> {
     let mut all = Vec::new();
     let mut window = Window::default();
@@ -41,11 +42,11 @@ fn windows(moves: &[Move], events: &[Event], least_ticks: f64) -> Vec<Window> {
     all
 }
 
-/// Speed and acceleration along the path, over windows of some `least_ticks`.
+/// Checks speed and acceleration along the path over windows of about `least_ticks`.
 ///
-/// The mean speeds of two neighbouring windows of T and U seconds differ by a (T + U) / 2 at most
-/// when the acceleration never exceeds a. To this comes a tick at each end of a window and the
-/// rounding of speeds to 1 nm/s.
+/// When the acceleration never exceeds a, the mean speeds of two neighbouring windows of T and U
+/// seconds differ by at most a (T + U) / 2. The tolerance adds a tick at each end of a window and
+/// the rounding of speeds to 1 nm/s.
 pub fn check_path(
     moves: &[Move],
     events: &[Event],
@@ -57,7 +58,7 @@ pub fn check_path(
     let all = windows(moves, events, least_ticks);
     for window in &all {
         let (speed, tick) = window.speed(hz);
-        // After a lower override the path is still above it: then only the ramp is looked at.
+        // After a reduced override the path is still above it; only the ramp is checked then.
         if is_override_fixed {
             assert!(speed <= window.top + tick + 1.0, "{speed} of {window:?}");
         }
@@ -74,7 +75,8 @@ pub fn check_path(
     }
 }
 
-/// Speed of each axis at every corner and acceleration of each axis along every line.
+/// Checks the speed of each axis at every corner and the acceleration of each axis along every
+/// line.
 pub fn check_axes(moves: &[Move], events: &[Event], hz: u32) {
     let hz = f64::from(hz);
     for pair in events.windows(2) {
@@ -91,7 +93,7 @@ pub fn check_axes(moves: &[Move], events: &[Event], hz: u32) {
             } else {
                 f64::from(JUMP[axis])
             };
-            // A tick at either end, and lengths are rounded to whole nm.
+            // A tick at either end; lengths are rounded to whole nm.
             let error = |speed: f64, side: usize| {
                 let length = [before, after][side].stretch.length_nm as f64;
                 speed.abs() * (1.0 / (pair[side].ticks as f64 - 1.0) + 0.5 / length)
@@ -106,8 +108,8 @@ pub fn check_axes(moves: &[Move], events: &[Event], hz: u32) {
     }
 }
 
-/// The speeds that are best possible at every event, from the whole list of moves in floating
-/// point: forwards and backwards over all events. The squares, one more than there are events.
+/// The best possible speeds at every event, from the whole list of moves in floating point: one
+/// forward and one backward pass over all events. Returns squares, one more than there are events.
 pub fn optimum(moves: &[Move], percent: u8) -> Vec<f64> {
     let mut allowed = vec![0.0_f64];
     let mut gains = Vec::new();

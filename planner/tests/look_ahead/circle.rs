@@ -1,4 +1,4 @@
-//! Short moves one after the other.
+//! Sequences of short moves.
 
 use crate::{
     checker::{check_axes, check_path},
@@ -8,8 +8,8 @@ use crate::{
 
 const HZ: u32 = 32_000_000;
 
-/// From the first event at top speed to the last one no event is longer than constant speed has it
-/// by more than a tick.
+/// From the first event at top speed to the last one, no event takes more than a tick longer than
+/// at constant speed.
 fn assert_no_dip(moves: &[Move]) {
     let events = run::<32>(moves, HZ, &[]).events;
     let time = |event: &crate::runner::Event| {
@@ -20,7 +20,7 @@ fn assert_no_dip(moves: &[Move]) {
     let first = events.iter().position(|event| !is_slow(event)).unwrap();
     let last = events.iter().rposition(|event| !is_slow(event)).unwrap();
     let top = f64::from(moves[0].stretch.top_nm_per_s);
-    // What a ramp needs, 0 to top, and an event more.
+    // The length of a ramp from 0 to top, and one event more.
     let ramp = top * top / (2.0 * moves[0].stretch.acceleration_nm_per_s2 as f64);
     let length =
         |range: &[crate::runner::Event]| range.iter().map(|event| event.length_nm).sum::<f64>();
@@ -41,7 +41,7 @@ fn a_thousand_moves_on_a_line_never_slow_down() {
     assert_no_dip(&polyline(&points));
 }
 
-/// A circle of 20 um chords, 3.2 mm radius.
+/// A circle of 3.2 mm radius in chords of 20 um.
 #[test]
 fn a_thousand_moves_round_a_circle_never_slow_down() {
     let radius = 20_000.0 * 1000.0 / std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! Hold, resume and override anywhere.
+//! Hold, resume and override at any event.
 
 use proptest::prelude::*;
 
@@ -13,8 +13,8 @@ const HZ: u32 = 32_000_000;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A hold stops within v^2 / 2a, across as many moves as that takes; nothing is lost after it
-    /// is resumed.
+    /// A hold stops within v^2 / 2a, across as many moves as necessary. After it is resumed, no
+    /// event is lost.
     #[test]
     fn a_hold_stops_and_loses_nothing(moves in any_polyline(), at in any::<prop::sample::Index>()) {
         let count = moves.iter().map(|one| one.sweeps.len()).sum();
@@ -23,21 +23,21 @@ proptest! {
         let events = &result.events;
         prop_assert_eq!(events.len(), count);
         prop_assert_eq!(result.stops, 1);
-        // At rest at once when the path stood anyway.
+        // If the path was at rest already, it stops at once.
         let stop = events.iter().position(|event| event.is_after_stop).unwrap();
         prop_assert!(stop >= at);
         let speed = match at {
             0 => 0.0,
             at => f64::from(events[at - 1].speed_nm_per_s) + 1.0,
         };
-        // Its square goes down by 2 a ds in every event: the mean, where accelerations differ.
+        // The square falls by 2 a ds in every event; where accelerations differ, by their mean.
         let mut squared = speed * speed;
         for event in &events[at..stop] {
             prop_assert!(squared >= 0.0, "late by {event:?}");
             let acceleration = moves[event.of].stretch.acceleration_nm_per_s2 as f64;
             squared -= 2.0 * acceleration * event.length_nm - 1.0;
         }
-        // The events before and after it, each for itself.
+        // The events before and after the hold are checked separately.
         let (before, after) = events.split_at(stop);
         for part in [before, after] {
             check_path(&moves, part, HZ, 1.0, true);
@@ -46,8 +46,8 @@ proptest! {
         }
     }
 
-    /// Overrides in random places change the speed with the acceleration of the path, and no corner
-    /// is passed faster than it may be.
+    /// Overrides at random events change the speed with the acceleration of the path, and no corner
+    /// is passed faster than its limit.
     #[test]
     fn overrides_change_smoothly(
         moves in any_polyline(),
@@ -70,12 +70,14 @@ proptest! {
         }
         for pair in events.windows(2).filter(|pair| pair[0].of != pair[1].of) {
             let limit = moves[pair[1].of].stretch.entry_limit_nm_per_s;
-            prop_assert!(f64::from(pair[0].speed_nm_per_s) <= f64::from(limit) * (1.0 + 1e-6) + 10.0, "{pair:?}");
+            prop_assert!(
+                f64::from(pair[0].speed_nm_per_s) <= f64::from(limit) * (1.0 + 1e-6) + 10.0,
+                "{pair:?}"
+            );
         }
     }
 
-    /// Holds and overrides together, one after the other, with moves of all kinds: every event
-    /// comes.
+    /// Holds and overrides in sequence, with moves of all kinds: every event is made.
     #[test]
     fn everything_at_once(
         moves in any_moves(20),
@@ -84,7 +86,10 @@ proptest! {
         let count = moves.iter().map(|one| one.sweeps.len()).sum();
         let wishes: Vec<_> = changes
             .into_iter()
-            .map(|(at, percent)| (at.index(count), if percent < 100 { Wish::Hold } else { Wish::Override(percent) }))
+            .map(|(at, percent)| {
+                let wish = if percent < 100 { Wish::Hold } else { Wish::Override(percent) };
+                (at.index(count), wish)
+            })
             .collect();
         let result = run::<5>(&moves, HZ, &wishes);
         prop_assert_eq!(result.events.len(), count);

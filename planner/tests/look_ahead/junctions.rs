@@ -1,4 +1,4 @@
-//! Directions and corners against floating point.
+//! Directions and corners compared with floating point.
 
 use husillo_planner::{Direction, Junction, arc_acceleration, arc_speed};
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const UNIT: f64 = (1 << 30) as f64;
 
 fn vector() -> impl Strategy<Value = [i64; 3]> {
-    // Of all sizes.
+    // Vectors of all magnitudes.
     (prop::array::uniform3(any::<i64>()), 0_u32..62)
         .prop_map(|(vector, shift)| vector.map(|component| component >> shift))
 }
@@ -40,12 +40,19 @@ proptest! {
         }
     }
 
-    /// No axis exceeds its limit along a direction, and one reaches it.
+    /// No axis exceeds its limit along a direction, and one axis reaches it.
     #[test]
-    fn limits_along_a_direction(vector in vector(), axes in prop::array::uniform3(1_000_u64..1 << 32)) {
+    fn limits_along_a_direction(
+        vector in vector(),
+        axes in prop::array::uniform3(1_000_u64..1 << 32),
+    ) {
         let Some(direction) = Direction::new(vector) else { return Ok(()) };
         let parts = float(&direction).map(f64::abs);
-        let exact = axes.iter().zip(parts).map(|(axis, part)| *axis as f64 / part).fold(f64::MAX, f64::min);
+        let exact = axes
+            .iter()
+            .zip(parts)
+            .map(|(axis, part)| *axis as f64 / part)
+            .fold(f64::MAX, f64::min);
         let acceleration = direction.acceleration_limit(&axes) as f64;
         prop_assert!((acceleration - exact).abs() <= 1.0 + exact * 1e-12, "{acceleration} {exact}");
         let speed = f64::from(direction.speed_limit(&axes.map(|axis| axis as u32)));
@@ -53,8 +60,7 @@ proptest! {
         prop_assert!((speed - exact).abs() <= 1.0 + exact * 1e-12, "{speed} {exact}");
     }
 
-    /// Junction speeds are those of the formulas, to 1e-6 of them, from a tenth of a milliradian
-    /// on.
+    /// Junction speeds match the formulas to 1e-6 from a tenth of a milliradian on.
     #[test]
     fn corners_are_right(
         from in vector(), turn in prop::array::uniform3(-1.0..1.0_f64), angle in -4.0..0.5_f64,
@@ -64,22 +70,33 @@ proptest! {
     ) {
         let Some(before) = Direction::new(from) else { return Ok(()) };
         let turn = turn.map(|component| component * 10_f64.powf(angle));
-        let to: Vec<i64> = float(&before).iter().zip(turn).map(|(from, turn)| ((from + turn) * 1e15) as i64).collect();
+        let to: Vec<i64> = float(&before)
+            .iter()
+            .zip(turn)
+            .map(|(from, turn)| ((from + turn) * 1e15) as i64)
+            .collect();
         let Some(after) = Direction::new([to[0], to[1], to[2]]) else { return Ok(()) };
         let [a, b] = [float(&before), float(&after)];
         let change: [f64; 3] = std::array::from_fn(|axis| b[axis] - a[axis]);
         let sum: [f64; 3] = std::array::from_fn(|axis| b[axis] + a[axis]);
         prop_assume!(size(change) > 1e-4);
         let jump = change.iter().zip(jumps)
-            .map(|(change, jump)| if change.abs() > 4.5 / UNIT { f64::from(jump) / change.abs() } else { f64::MAX })
+            .map(|(change, jump)| {
+                if change.abs() > 4.5 / UNIT {
+                    f64::from(jump) / change.abs()
+                } else {
+                    f64::MAX
+                }
+            })
             .fold(f64::MAX, f64::min);
         let sine = size(sum) / 2.0;
         let acceleration = change.iter().zip(accelerations)
             .map(|(part, limit)| limit as f64 * size(change) / part.abs())
             .fold(f64::MAX, f64::min);
-        // 1 - s = h^2 / (1 + s) with h half the change.
+        // 1 - s = h^2 / (1 + s), with h half the change.
         let half = size(change) / 2.0;
-        let circle = (acceleration * f64::from(deviation) * sine * (1.0 + sine) / (half * half)).sqrt();
+        let circle =
+            (acceleration * f64::from(deviation) * sine * (1.0 + sine) / (half * half)).sqrt();
         let expect = |speed: u32, exact: f64| {
             let exact = exact.min(f64::from(u32::MAX));
             (f64::from(speed) - exact).abs() <= 1.0 + exact * 1e-6
@@ -89,7 +106,11 @@ proptest! {
             deviation_nm: None,
             acceleration_nm_per_s2: accelerations,
         };
-        prop_assert!(expect(corner.speed(&before, &after), jump), "{} {jump}", corner.speed(&before, &after));
+        prop_assert!(
+            expect(corner.speed(&before, &after), jump),
+            "{} {jump}",
+            corner.speed(&before, &after)
+        );
         corner.deviation_nm = Some(deviation);
         let both = corner.speed(&before, &after);
         prop_assert!(expect(both, jump.min(circle)), "{both} {jump} {circle}");
@@ -100,9 +121,14 @@ proptest! {
         prop_assert_eq!(corner.speed(&before, &after), u32::MAX);
     }
 
-    /// Straight on has no limit, whatever the length of the two; a reversal stops by deviation.
+    /// Straight on has no limit, whatever the lengths of the two moves; a reversal stops under
+    /// junction deviation.
     #[test]
-    fn straight_on_and_back(vector in prop::array::uniform3(-1_000_000_i64..1_000_000), times in 1_i64..1000, jump in any::<u32>()) {
+    fn straight_on_and_back(
+        vector in prop::array::uniform3(-1_000_000_i64..1_000_000),
+        times in 1_i64..1000,
+        jump in any::<u32>(),
+    ) {
         let Some(before) = Direction::new(vector) else { return Ok(()) };
         let after = Direction::new(vector.map(|component| component * times)).unwrap();
         let corner = Junction {
@@ -114,9 +140,12 @@ proptest! {
         prop_assert!(corner.speed(&before, &after.reversed()) == 0);
     }
 
-    /// The two parts of an arc's acceleration are not more than the whole.
+    /// The two parts of the acceleration on an arc do not exceed the whole.
     #[test]
-    fn arcs_stay_within_their_acceleration(acceleration in 1_000_u64..1 << 40, radius in 1_000_u64..1 << 40) {
+    fn arcs_stay_within_their_acceleration(
+        acceleration in 1_000_u64..1 << 40,
+        radius in 1_000_u64..1 << 40,
+    ) {
         let speed = f64::from(arc_speed(acceleration, radius));
         let centre = speed * speed / radius as f64;
         let along = arc_acceleration(acceleration) as f64;

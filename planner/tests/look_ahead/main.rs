@@ -1,5 +1,4 @@
-//! Look-ahead and ramp from the outside: moves in, events out, and an independent look at what the
-//! path does.
+//! Look-ahead and ramp as a black box: moves in, events out, and an independent check of the path.
 
 mod checker;
 mod circle;

@@ -3,13 +3,13 @@
 use husillo_planner::{Direction, Junction, Stretch};
 use proptest::prelude::*;
 
-/// A move with the events it is made of.
+/// A move with its events.
 #[derive(Clone, Debug)]
 pub struct Move {
     pub stretch: Stretch,
-    /// Sweep of every event; their sum is that of the move.
+    /// Sweep of each event; the sum is the sweep of the move.
     pub sweeps: Vec<u32>,
-    /// Where it goes, for checks by axis; unit vector.
+    /// Direction as a unit vector, for checks per axis.
     pub direction: [f64; 2],
 }
 
@@ -34,7 +34,7 @@ pub const ACCELERATION: [u64; 2] = [300_000_000, 500_000_000];
 pub const JUMP: [u32; 2] = [3_000_000, 2_000_000];
 pub const SPEED: [u32; 2] = [60_000_000, 40_000_000];
 
-/// The machine the polylines run on.
+/// Junction rules of the machine for the polylines.
 pub fn corners() -> Junction<2> {
     Junction {
         jump_nm_per_s: Some(JUMP),
@@ -43,7 +43,7 @@ pub fn corners() -> Junction<2> {
     }
 }
 
-/// A polyline through points in nm, each line with its feed, in events of about a micrometre.
+/// A polyline through points in nm; each line has its feed and events of about a micrometre.
 pub fn polyline(points: &[([i64; 2], u32)]) -> Vec<Move> {
     let corners = corners();
     let mut from = [0; 2];
@@ -93,7 +93,7 @@ pub fn any_polyline() -> impl Strategy<Value = Vec<Move>> {
             .into_iter()
             .map(|(x, y, size, speed, is_new_feed)| {
                 let scale = 10_f64.powf(size) / 1.4;
-                // Mostly onwards in X, so that corners of all kinds occur.
+                // Mostly onwards in X, so that all kinds of corners occur.
                 at = [
                     at[0] + ((x + 0.5) * scale) as i64,
                     at[1] + (y * scale * x.abs()) as i64,
@@ -108,7 +108,7 @@ pub fn any_polyline() -> impl Strategy<Value = Vec<Move>> {
     })
 }
 
-/// Moves of any kind: uneven sweeps, own accelerations, junction limits and ceilings.
+/// Moves of any kind: uneven sweeps, individual accelerations, junction limits and ceilings.
 pub fn any_moves(longest: usize) -> impl Strategy<Value = Vec<Move>> {
     let one = (
         prop::collection::vec(1_u32..1 << 20, 1..60),

@@ -1,11 +1,12 @@
-//! What the queue says, against two passes over all of it.
+//! The limits of the queue compared with two passes over the whole queue.
 
 use husillo_planner::{LookAhead, Stretch};
 use proptest::prelude::*;
 
 use crate::moves::any_moves;
 
-/// The square of the speed at the end of the first move: backwards from rest over the whole queue.
+/// The square of the speed at the end of the first move, by a backward pass from rest over the
+/// queue.
 fn exit_squared(queue: &[Stretch], percent: u8) -> u64 {
     let mut exit = 0_u128;
     for pair in queue.windows(2).rev() {
@@ -36,8 +37,8 @@ fn actions() -> impl Strategy<Value = Vec<Action>> {
 }
 
 proptest! {
-    /// The limits are exactly those of a full backward pass, whatever has been pushed and popped
-    /// before; a push never lowers them.
+    /// The limits are exactly those of a full backward pass, whatever was pushed and popped before.
+    /// A push never lowers them.
     #[test]
     fn limits_are_those_of_a_full_pass(moves in any_moves(40), actions in actions()) {
         let mut coming = moves.iter().map(|one| one.stretch).cycle();
@@ -79,8 +80,7 @@ proptest! {
         prop_assert_eq!(queue.limits().exit_squared, 0);
     }
 
-    /// Nothing panics, whatever the numbers, and extremes are taken as the nearest that is
-    /// possible.
+    /// No input panics, and out-of-range values are taken as the nearest possible ones.
     #[test]
     fn any_numbers_do(
         length_nm: u64, top_nm_per_s: u32, ceiling_nm_per_s: u32, acceleration_nm_per_s2: u64,
@@ -111,7 +111,7 @@ proptest! {
     }
 }
 
-/// A queue without room gives everything back.
+/// A queue without room returns every move.
 #[test]
 fn no_room_at_all() {
     let stretch = Stretch {

@@ -1,25 +1,25 @@
-//! Runs moves through look-ahead and ramp, as a machine would.
+//! Runs moves through look-ahead and ramp as a machine does.
 
 use husillo_planner::{LookAhead, Ramp};
 
 use crate::moves::Move;
 
-/// What happened.
+/// One event, as observed.
 #[derive(Copy, Clone, Debug)]
 pub struct Event {
-    /// Number of the move.
+    /// Index of the move.
     pub of: usize,
     pub sweep: u32,
     pub ticks: u64,
     pub length_nm: f64,
-    /// What the ramp says afterwards.
+    /// Speed that the ramp reports after the event.
     pub speed_nm_per_s: u32,
     pub percent: u8,
-    /// Whether the path stood still before, under a hold.
+    /// Whether the path was stopped by a hold before this event.
     pub is_after_stop: bool,
 }
 
-/// What is asked for before an event.
+/// A request before an event.
 #[derive(Copy, Clone, Debug)]
 pub enum Wish {
     Hold,
@@ -28,12 +28,13 @@ pub enum Wish {
 
 pub struct Run {
     pub events: Vec<Event>,
-    /// Ticks owed are below one: what the clock says is right to one tick at any time.
+    /// Number of stops. The carried fraction is below one tick, so the clock is always right to one
+    /// tick.
     pub stops: usize,
 }
 
-/// Executes all moves with a queue that is kept full; wishes come before the event with their
-/// number. A hold is resumed as soon as the path stands still.
+/// Executes all moves with a queue that is kept full. Requests are made before the event with their
+/// index. A hold is resumed as soon as the path stands still.
 pub fn run<const CAPACITY: usize>(moves: &[Move], hz: u32, wishes: &[(usize, Wish)]) -> Run {
     let mut queue = LookAhead::<usize, CAPACITY>::new();
     let mut ramp = Ramp::new(hz);
@@ -42,7 +43,7 @@ pub fn run<const CAPACITY: usize>(moves: &[Move], hz: u32, wishes: &[(usize, Wis
     let (mut events, mut stops) = (Vec::new(), 0);
     let mut is_after_stop = false;
     loop {
-        // As many as fit; the one given back waits.
+        // Pushes as many as fit; a returned move waits.
         while let Some((stretch, number)) = waiting
             .take()
             .or_else(|| coming.next().map(|(next, number)| (next.stretch, number)))

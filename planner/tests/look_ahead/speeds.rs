@@ -10,7 +10,8 @@ use crate::{
 
 const HZ: u32 = 32_000_000;
 
-/// The clock against the best possible: with all moves in the queue no event is earlier or later.
+/// Compares the clock with the best possible one: with all moves in the queue no event is earlier
+/// or later.
 fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseError> {
     let best = optimum(moves, percent);
     let events = run::<256>(moves, HZ, &[(0, Wish::Override(percent))]).events;
@@ -19,10 +20,10 @@ fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseErro
     for ((event, pair), number) in events.iter().zip(best.windows(2)).zip(0..) {
         let [before, after] = [pair[0].sqrt(), pair[1].sqrt()];
         clock += event.ticks as f64;
-        // Both speeds are right to 1 nm/s and 1e-8 of them (squares to a few units).
+        // Both speeds are accurate to 1 nm/s and 1e-8 (squares to a few units).
         let mean = (before + after) / 2.0;
         let ticks = event.length_nm * f64::from(HZ) / mean;
-        // From standstill to standstill within one event there is a peak.
+        // An event from standstill to standstill has a peak within it.
         let gain = 2.0 * moves[event.of].stretch.acceleration_nm_per_s2 as f64 * event.length_nm;
         if pair[0] + pair[1] < gain / 2.0 {
             let top = 2.0 * f64::from(moves[event.of].stretch.top_at(percent));
@@ -49,19 +50,20 @@ fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseErro
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// With a queue long enough every event happens when the best possible motion has it.
+    /// With a queue long enough every event happens at the time of the best possible motion.
     #[test]
     fn a_long_queue_is_optimal(moves in any_moves(30), percent in 10_u8..=200) {
         check_against_optimum(&moves, percent)?;
     }
 
-    /// So it is on polylines with corners.
+    /// The same holds on polylines with corners.
     #[test]
     fn polylines_are_optimal(moves in any_polyline()) {
         check_against_optimum(&moves, 100)?;
     }
 
-    /// However short the queue is, speed, acceleration and jump of path and axes keep their limits.
+    /// However short the queue is, speed, acceleration and jump of path and axes stay within their
+    /// limits.
     #[test]
     fn a_short_queue_keeps_the_limits(moves in any_polyline()) {
         let events = run::<3>(&moves, HZ, &[]).events;
@@ -73,7 +75,9 @@ proptest! {
     /// A shorter queue is never faster.
     #[test]
     fn a_longer_queue_is_no_slower(moves in any_polyline()) {
-        let time = |events: Vec<crate::runner::Event>| events.iter().map(|event| event.ticks).sum::<u64>();
+        let time = |events: Vec<crate::runner::Event>| {
+            events.iter().map(|event| event.ticks).sum::<u64>()
+        };
         let [two, eight, all] = [
             time(run::<2>(&moves, HZ, &[]).events),
             time(run::<8>(&moves, HZ, &[]).events),
@@ -95,10 +99,13 @@ proptest! {
         }
     }
 
-    /// Where the start speed is the top speed, every event takes the time of constant speed: no
-    /// ramp at all.
+    /// Where the start speed is the top speed, every event takes the time of constant speed,
+    /// without ramps.
     #[test]
-    fn without_ramps_time_is_the_programmed_one(moves in any_moves(10), hz in 10_000_u32..40_000_000) {
+    fn without_ramps_time_is_the_programmed_one(
+        moves in any_moves(10),
+        hz in 10_000_u32..40_000_000,
+    ) {
         let moves: Vec<Move> = moves.into_iter().map(|mut one| {
             one.stretch.start_nm_per_s = one.stretch.ceiling_nm_per_s;
             one
@@ -109,7 +116,8 @@ proptest! {
             let now = &moves[event.of];
             clock += u128::from(event.ticks);
             so_far += u128::from(event.sweep);
-            let part = exact + u128::from(now.cruise_ticks_q16(hz)) * so_far / u128::from(now.total());
+            let part = exact
+                + u128::from(now.cruise_ticks_q16(hz)) * so_far / u128::from(now.total());
             prop_assert!(clock == part >> 16 || clock == (part >> 16) + 1, "{clock} {part}");
             if so_far == u128::from(now.total()) {
                 exact += u128::from(now.cruise_ticks_q16(hz));
@@ -119,8 +127,8 @@ proptest! {
     }
 }
 
-/// A long line of many short ones takes the time of a trapezoid: 100 mm at 2 mm/min, a slow feed,
-/// and at 20 mm/s.
+/// A long line made of many short ones takes the time of one trapezoid: 100 mm at a slow feed of 2
+/// mm/min, and at 20 mm/s.
 #[test]
 fn short_lines_take_the_time_of_one() {
     for (feed, pieces, piece_nm) in [(33_333, 200, 20_000), (20_000_000, 5_000, 20_000)] {
@@ -131,7 +139,8 @@ fn short_lines_take_the_time_of_one() {
         let seconds = events.iter().map(|event| event.ticks).sum::<u64>() as f64 / f64::from(HZ);
         let [feed, a] = [f64::from(feed), 300e6];
         let exact = (pieces * piece_nm) as f64 / feed + feed / a;
-        // The events where the ramps end are cut at the top speed: a part of one event's time each.
+        // The events at the ends of the ramps are cut at the top speed: each costs a part of the
+        // time of one event.
         let slack = 2.0 * 1000.0 / feed;
         assert!((seconds - exact).abs() < slack, "{seconds} for {exact}");
     }
