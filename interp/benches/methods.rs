@@ -1,6 +1,6 @@
-//! Every method on moves of some ten thousand events: lines from one corner of a box to the other,
-//! whole circles, curves. An element is an event; setting up is measured beside it. The measuring
-//! times are short: the whole takes less than a minute.
+//! Benchmarks of every method on moves of about ten thousand events: lines between opposite corners
+//! of a box, whole circles, curves. One element is one event; set-up is measured separately. The
+//! measuring times are short: all benchmarks together take less than a minute.
 
 use std::{hint::black_box, time::Duration};
 

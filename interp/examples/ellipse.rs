@@ -1,4 +1,4 @@
-//! Draws an ellipse of 18 by 7 steps with the points that it steps on, and says how long it is.
+//! Draws an ellipse of 18 by 7 steps, marks the points of the path, and prints its length.
 
 use husillo_interp::{Conic, ConicError, Direction, EllipseMove, Interpolator};
 

@@ -1,4 +1,4 @@
-//! The general circular arc in a plane: any centre, any ends, several turns.
+//! The general circular arc in a plane: any centre, any end points, several turns.
 
 use crate::Step;
 use crate::counted::Counted;
@@ -7,23 +7,23 @@ use crate::method::interpolator;
 use crate::walk::{Spread, Start, Toward, Walk};
 use core::fmt;
 
-/// Largest distance of an end from the centre, in BLU: then every difference of two points of the
-/// arc fits `i32`.
+/// Largest distance of an end from the centre in BLU. The difference of any two points of the arc
+/// then fits in `i32`.
 const MAX_RADIUS: u64 = (1 << 30) - 8;
-/// Largest distance in 2^-f BLU: three times it, and products with 2^16, fit `i64`.
+/// Largest distance in 2^-f BLU: three times it, and products with 2^16, fit in `i64`.
 const MAX_SCALED: u64 = 1 << 46;
-/// Most events an arc may have.
+/// Most events of an arc.
 const MAX_EVENTS: u64 = 1 << 31;
-/// (r + 4) 2^f up to here keeps three times that value within `i32`.
+/// While (r + 4) 2^f is at most this, three times the value fits in `i32`.
 const MAX_NARROW: u64 = 710_000_000;
 
-/// What a state word of 32 bits may reach, with room for a step.
+/// Limit of a state word of 32 bits, with room for a step.
 const MAX_STATE: u64 = 2_140_000_000;
 
-/// Turning sense, seen with the first axis to the right and the second one up.
+/// Sense of rotation, seen with the first axis to the right and the second axis up.
 ///
-/// The same as `Direction` of `husillo-gcode`. No crate of this level depends on another, so a
-/// `bool` goes between them: [`Direction::from_clockwise`] of its `is_clockwise`.
+/// The same as `Direction` of `husillo-gcode`. Crates of this level do not depend on each other, so
+/// a `bool` connects them: pass its `is_clockwise` to [`Direction::from_clockwise`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
@@ -34,7 +34,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Clockwise or counter-clockwise.
+    /// Converts a flag to a sense of rotation.
     pub const fn from_clockwise(is_clockwise: bool) -> Direction {
         if is_clockwise {
             Direction::Clockwise
@@ -44,16 +44,17 @@ impl Direction {
     }
 }
 
-/// What the arc's ends, which are whole steps, are to its circle.
+/// Relation of the end points, which are whole steps, to the circle.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rim {
-    /// The curve goes exactly through both ends; their distances from the centre may differ.
+    /// The curve passes exactly through both ends. Their distances from the centre may differ.
     Spiral,
-    /// A circle of nominal radius R; the ends are rounded points beside it. Each value is (|P -
-    /// C|^2 - R^2) 2^f for P in BLU, the residue in units of 2^-f BLU^2: rounded to nearest the
-    /// error bound is 0.5 + 2^-f / (4 r), floored (as the oracle has it) 0.5 + 2^-f / (2 r); both
-    /// are to be rounded the same way.
+    /// A circle of nominal radius R; the ends are rounded points near it.
+    ///
+    /// Each value is the residue (|P - C|^2 - R^2) 2^f for P in BLU, in units of 2^-f BLU^2. With
+    /// residues rounded to nearest the error bound is 0.5 + 2^-f / (4 r). With floored residues (as
+    /// in the oracle) it is 0.5 + 2^-f / (2 r). Both residues have to be rounded the same way.
     Nominal {
         /// Residue of the first point.
         start: i64,
@@ -62,45 +63,45 @@ pub enum Rim {
     },
 }
 
-/// An arc to make. All positions are absolute in the plane.
+/// Definition of an arc. All positions are absolute in the plane.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ArcMove {
-    /// First point, in BLU.
+    /// First point in BLU.
     pub from: [i32; 2],
-    /// Last point, in BLU; the same as `from` means a full circle.
+    /// Last point in BLU; equal to `from` for a full circle.
     pub to: [i32; 2],
-    /// Centre, in 2^-`fraction_bits` BLU.
+    /// Centre in 2^-`fraction_bits` BLU.
     pub centre: [i64; 2],
     /// Fraction bits of the centre, 0 to 30; see [`fraction_bits_for`].
     pub fraction_bits: u8,
-    /// Turning sense.
+    /// Sense of rotation.
     pub direction: Direction,
-    /// Complete turns made on top of the shortest way round.
+    /// Complete turns in addition to the angle from `from` to `to`.
     pub turns: u32,
     /// Nominal circle or spiral.
     pub rim: Rim,
 }
 
-/// Why an arc cannot be made.
+/// Reason why an arc cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ArcError {
-    /// An end is within a step of the centre: the arc has no direction there. Make a line of it.
+    /// An end is within a step of the centre, where the arc has no direction. Use a line instead.
     Degenerate,
     /// More than 30 fraction bits.
     FractionBits,
-    /// The centre is between two steps, and the method takes whole steps only.
+    /// The centre is between two steps, and the method accepts whole steps only.
     Centre,
-    /// An end is 2^30 BLU (or 2^46 units of the fraction) or more away from the centre.
+    /// An end is at least 2^30 BLU (or 2^46 units of the fraction) away from the centre.
     TooLarge,
     /// More than 2^31 events.
     TooLong,
-    /// A nominal residue puts an end more than two BLU off the circle.
+    /// A nominal residue places an end more than two BLU off the circle.
     OffRim,
-    /// The two axes of the plane are the same, or one of them does not exist.
+    /// The two axes of the plane are equal, or one of them does not exist.
     Plane,
-    /// Its state needs 64 bits ([`NarrowArc`](crate::NarrowArc)).
+    /// The state needs 64 bits ([`NarrowArc`](crate::NarrowArc)).
     Wide,
 }
 
@@ -121,8 +122,8 @@ impl fmt::Display for ArcError {
 
 impl core::error::Error for ArcError {}
 
-/// Fraction bits to round a centre to, for an arc of `radius_blu`: as many as 32-bit state allows
-/// (at most 16); where that would be less than 4, 16 with 64-bit state.
+/// Number of fraction bits for the centre of an arc of `radius_blu`. As many as a 32-bit state
+/// allows, at most 16. Where that would be less than 4, it is 16 with a 64-bit state.
 pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
     let reach = radius_blu.saturating_add(4);
     let mut bits = 16;
@@ -135,17 +136,17 @@ pub const fn fraction_bits_for(radius_blu: u64) -> u8 {
     16
 }
 
-/// A circular arc of axes 0 and 1, one event at a time: always the nearest point of the next row or
-/// column, two sign tests and a few additions an event; ends exactly at `to`.
+/// A circular arc of axes 0 and 1. Each event goes to the nearest point of the next row or column;
+/// this takes two sign tests and a few additions. The arc ends exactly at `to`.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | below 1/2 BLU, strictly, for a whole-step centre and an integer R^2; at most 0.5 + 2^-f / (4 r) otherwise; the first point and the run-off to the last one are rounded (0.7071) |
-/// | events | at most 1.42 R and a few for each quadrant; a full turn of a whole-step circle has 4 round(sqrt(2) R) |
-/// | speed ripple | timed by its sweep 1/R and a tick; at equal time -10 to +27 % |
-/// | state | 152 bytes: the walk has 64 in words of 32 bits ([`Arc::is_narrow`]: R up to 10 829 with 16 fraction bits, 2^24 with 5), but room is kept for words of 64 bits (up to R = 2^30), and for what it tells of the whole move |
-/// | cost | 88 instructions an event on Cortex-M0, 64 on Cortex-M4F, 81 on RV32IMAC; in words of 64 bits 202, 118 and 146. To prepare it, a little more than half as many for each. Above [`DirectSearch`](crate::DirectSearch): the choice of the width, a changing radius, the least sweep, ends off the circle |
-/// | source | Danielsson 1970 and McIlroy 1983 for the choice of the nearest point; two sign tests and rounded ends are our derivation |
+/// | error | strictly below 1/2 BLU for a whole-step centre and an integer R^2; otherwise at most 0.5 + 2^-f / (4 r); the first point and the run-off to the last point are rounded (0.7071) |
+/// | events | at most 1.42 R plus a few per quadrant; a full turn of a whole-step circle has 4 round(sqrt(2) R) |
+/// | speed ripple | timed by its sweep: 1/R and a tick; with equal times per event: -10 to +27 % |
+/// | state | 152 bytes. The walk has 64 bytes in words of 32 bits ([`Arc::is_narrow`]: R up to 10 829 with 16 fraction bits, up to 2^24 with 5). The rest is for words of 64 bits (up to R = 2^30) and for the sums of the whole move |
+/// | cost | 88 instructions per event on Cortex-M0, 64 on Cortex-M4F, 81 on RV32IMAC; in words of 64 bits 202, 118 and 146. Set-up takes slightly more than half as many per event. The excess over [`DirectSearch`](crate::DirectSearch) is due to the choice of the width, the changing radius, the least sweep and ends off the circle |
+/// | source | Danielsson 1970 and McIlroy 1983 for the choice of the nearest point; the two sign tests and rounded ends are our derivation |
 #[derive(Clone, Debug)]
 pub struct Arc {
     counted: Counted<Width>,
@@ -171,7 +172,7 @@ impl Iterator for Width {
 }
 
 impl Arc {
-    /// Prepares an arc: walks it once to count its events and to add up its sweep.
+    /// Prepares an arc. Walks it once to count its events and to sum its sweep.
     ///
     /// # Errors
     /// See [`ArcError`]; nothing is walked then.
@@ -179,7 +180,8 @@ impl Arc {
         Arc::in_plane(arc, [0, 1], false)
     }
 
-    /// As [`Arc::new`], always with 64-bit state; for comparison, the steps are the same.
+    /// Prepares an arc with 64-bit state, for comparison. The steps are the same as those of
+    /// [`Arc::new`].
     ///
     /// # Errors
     /// As [`Arc::new`].
@@ -187,7 +189,7 @@ impl Arc {
         Arc::in_plane(arc, [0, 1], true)
     }
 
-    /// An arc whose steps are those of two axes below 8.
+    /// Prepares an arc whose steps are those of two axes below 8.
     pub(crate) fn in_plane(arc: &ArcMove, plane: [u32; 2], is_wide: bool) -> Result<Arc, ArcError> {
         let (start, radius, fits_narrow) = start(arc, plane)?;
         let walk = if fits_narrow && !is_wide {
@@ -206,19 +208,19 @@ impl Arc {
         })
     }
 
-    /// Events of the whole arc.
+    /// Number of events of the whole arc.
     pub const fn events(&self) -> u32 {
         self.counted.events()
     }
 
-    /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in BLU. Of a
-    /// spiral the mean of both ends.
+    /// Radius in the unit of the sweep: `total_sweep / radius` is the length of the arc in BLU. For
+    /// a spiral it is the mean of both ends.
     pub const fn radius(&self) -> u64 {
         self.radius
     }
 
-    /// Fraction bits of sweep and radius: those of the centre, fewer (even negative) only where
-    /// the radius would need more than 31 bits.
+    /// Fraction bits of sweep and radius. They are those of the centre; there are fewer (even a
+    /// negative number) only where the radius would need more than 31 bits.
     pub fn sweep_bits(&self) -> i8 {
         match &self.counted.walk {
             Width::Narrow(walk) => walk.sweep_bits(),
@@ -242,7 +244,7 @@ impl Arc {
 
 interpolator!(Arc, counted);
 
-/// A point from the centre in 2^-f BLU, turned into its quadrant.
+/// A point relative to the centre in 2^-f BLU, rotated into its quadrant.
 #[derive(Copy, Clone)]
 struct Spot {
     quadrant: u8,
@@ -256,7 +258,7 @@ impl Spot {
     fn new(at: [i32; 2], centre: [i64; 2], bits: u8, is_clockwise: bool) -> Result<Spot, ArcError> {
         let [at_x, at_y] = at;
         let [centre_x, centre_y] = centre;
-        // |at| <= 2^31 and bits <= 30: the shift loses nothing.
+        // |at| <= 2^31 and bits <= 30, so the shift loses nothing.
         let from_centre = |at: i32, centre: i64| {
             shifted(at.into(), bits)
                 .checked_sub(centre)
@@ -268,9 +270,9 @@ impl Spot {
         };
         let x = from_centre(at_x, centre_x)?;
         let y = from_centre(at_y, centre_y)?;
-        // The walk is counter-clockwise; clockwise is its mirror image.
+        // The walk is counter-clockwise; a clockwise arc is its mirror image.
         let y = if is_clockwise { y.wrapping_neg() } else { y };
-        // Below 2^46: doubling and negating fit.
+        // Below 2^46, so doubling and negating fit.
         let (across, up) = (x.wrapping_add(x), y.wrapping_add(y));
         let (back, down) = (x.wrapping_neg(), y.wrapping_neg());
         let one = shifted(1, bits);
@@ -295,12 +297,12 @@ impl Spot {
         })
     }
 
-    /// |x| + |y|, not less than the distance from the centre; below 2^47.
+    /// |x| + |y|: at least the distance from the centre, below 2^47.
     fn reach(&self) -> u64 {
         self.x.unsigned_abs().wrapping_add(self.y.unsigned_abs())
     }
 
-    /// Distance from the centre in units of 2^`shift`, `residue` being taken off its square.
+    /// Distance from the centre in units of 2^`shift`, with `residue` subtracted from its square.
     fn radius(&self, shift: u8, residue: i64, bits: u8) -> u64 {
         let square = |value: i64| {
             let value = value.unsigned_abs().wrapping_shr(shift.into());
@@ -308,8 +310,8 @@ impl Spot {
         };
         // |x| + |y| < 2^31 in this unit, so the sum of the squares is below 2^62.
         let sum = square(self.x).wrapping_add(square(self.y)) as i64;
-        // The residue times 2^f, in the unit's square: at most 4 (r + 4) 2^2f, which is less than
-        // 2^63 as (r + 4) 2^f < 2^32 or the unit makes up for it.
+        // The residue times 2^f, in the square of the unit: at most 4 (r + 4) 2^2f. This is below
+        // 2^63 because (r + 4) 2^f < 2^32, or the unit compensates for it.
         let excess = u32::from(bits).wrapping_sub(u32::from(shift).wrapping_mul(2)) as i32;
         let scaled = if excess < 0 {
             residue.wrapping_shr(excess.unsigned_abs().min(63))
@@ -325,9 +327,10 @@ const fn shifted(value: i64, bits: u8) -> i64 {
     value.wrapping_shl(bits as u32)
 }
 
-/// What the walk needs; with it the radius in sweep units and whether 32 bits hold the state.
+/// Computes the start state of the walk, the radius in sweep units, and whether 32 bits hold the
+/// state.
 ///
-/// All arithmetic here wraps by name only: coordinates and radii are below 2^47, see [`Spot::new`].
+/// All arithmetic here wraps in name only: coordinates and radii are below 2^47, see [`Spot::new`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool), ArcError> {
     let bits = arc.fraction_bits;
@@ -339,7 +342,8 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     let from = Spot::new(arc.from, arc.centre, bits, is_clockwise)?;
     let to = Spot::new(arc.to, arc.centre, bits, is_clockwise)?;
 
-    // Radii of 31 bits: sweeps below 2^32 then, and squares in 64 bits. At most 16.
+    // Limits radii to 31 bits, so that sweeps are below 2^32 and squares fit in 64 bits. At
+    // most 16.
     let reach = from.reach().max(to.reach());
     let shift = 33_u32.saturating_sub(reach.leading_zeros()) as u8;
     let first = from.radius(shift, 0, bits);
@@ -351,7 +355,7 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     }
 
     let quadrants = quadrants(&from, &to, arc);
-    // A quadrant has about 1.42 r events; that bounds the dry pass.
+    // A quadrant has about 1.42 r events; this bounds the dry pass.
     let bound = larger_blu.wrapping_add(2).saturating_mul(quadrants.max(1));
     if bound.saturating_add(bound / 2) > MAX_EVENTS {
         return Err(ArcError::TooLong);
@@ -361,7 +365,7 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
         Rim::Spiral => (0, 0),
         Rim::Nominal { start, end } => (start, end),
     };
-    // A point e beside the circle has a residue of about 2 r e.
+    // A point at distance e from the circle has a residue of about 2 r e.
     let reach = larger.wrapping_add(shifted(4, bits).unsigned_abs());
     let most = reach.wrapping_mul(4);
     if start_residue.unsigned_abs() > most || end_residue.unsigned_abs() > most {
@@ -379,8 +383,8 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     }
     .max(1);
 
-    // The u-step of a quadrant is (-1, 0), (0, -1), (1, 0), (0, 1); its v-step the one before,
-    // backwards.
+    // The u-step of the quadrants is (-1, 0), (0, -1), (1, 0), (0, 1). The v-step is the previous
+    // u-step, reversed.
     let [first, second] = plane;
     let along_x = |is_negative: bool| Toward::new(first, is_negative);
     let along_y = |is_negative: bool| Toward::new(second, is_negative != is_clockwise);
@@ -398,17 +402,17 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
         du_end: difference(to.u.wrapping_neg()),
         dv_end: difference(to.v),
         one,
-        // Below 2^31, as the events are.
+        // Below 2^31, like the number of events.
         quadrants: quadrants as u32,
         toward_u,
         toward_v,
         spread,
         quotient,
-        // Where a step crosses the curve instead of following it: half a step's worth of time.
+        // A step that crosses the curve instead of following it takes the time of half a step.
         least_sweep: (radius.wrapping_shl(shift.into()) / 2).max(1) as i64,
         sweep_shift: shift,
     };
-    // The state needs 3 (r + 4) 2^f, and on top of it what the spread adds in a few steps.
+    // The state needs 3 (r + 4) 2^f plus the change of radius over a few steps.
     let needed = reach
         .wrapping_mul(3)
         .saturating_add(quotient.unsigned_abs().saturating_mul(4));
@@ -422,7 +426,7 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     Ok((start, radius, fits_narrow))
 }
 
-/// The way from the first to the last point in BLU, mirrored as the walk is. Differences of two
+/// The vector from the first to the last point in BLU, mirrored like the walk. Differences of two
 /// `i32`: 33 bits.
 fn chord(arc: &ArcMove) -> [i64; 2] {
     let ([from_x, from_y], [to_x, to_y]) = (arc.from.map(i64::from), arc.to.map(i64::from));
@@ -434,16 +438,16 @@ fn chord(arc: &ArcMove) -> [i64; 2] {
     ]
 }
 
-/// One product of 47 by 33 bits; 128-bit multiplication, a few times an arc.
+/// Product of 47 by 33 bits: a 128-bit multiplication, used a few times per arc.
 fn product(one: i64, other: i64) -> i128 {
     i128::from(one).wrapping_mul(other.into())
 }
 
-/// Quadrant changes on the way.
+/// Number of quadrant changes on the arc.
 fn quadrants(from: &Spot, to: &Spot, arc: &ArcMove) -> u64 {
     let changes = u64::from(to.quadrant.wrapping_sub(from.quadrant) & 3);
     let [chord_x, chord_y] = chord(arc);
-    // from x to = from x chord: its sign says whether the end is ahead in the same quadrant.
+    // from x to = from x chord: the sign tells whether the end is ahead in the same quadrant.
     let is_ahead = product(from.x, chord_y) > product(from.y, chord_x);
     let shortest = if changes == 0 && !is_ahead {
         4
@@ -454,7 +458,7 @@ fn quadrants(from: &Spot, to: &Spot, arc: &ArcMove) -> u64 {
     shortest.wrapping_add(u64::from(arc.turns).wrapping_mul(4))
 }
 
-/// (|to - C|^2 - |from - C|^2) / 2^f as (to - from) (to + from - 2 C): no square is formed and no
+/// (|to - C|^2 - |from - C|^2) / 2^f, computed as (to - from) (to + from - 2 C). No square and no
 /// division is needed.
 fn radius_change(from: &Spot, to: &Spot, arc: &ArcMove) -> Option<i64> {
     let [chord_x, chord_y] = chord(arc);
@@ -463,7 +467,7 @@ fn radius_change(from: &Spot, to: &Spot, arc: &ArcMove) -> Option<i64> {
     i64::try_from(sum).ok()
 }
 
-/// How a change of radius (K of `motion.md` 2.3) is spread over the events (N).
+/// Spreads a change of radius (K of `motion.md` 2.3) over the events (N).
 fn spread(
     from: &Spot,
     to: &Spot,
@@ -472,7 +476,7 @@ fn spread(
     mean_radius: u64,
     bits: u8,
 ) -> Result<(Spread, i64), ArcError> {
-    // r / sqrt(2), the height of an octant: r < 2^47, so the product is below 2^63.
+    // r / sqrt(2), the height of an octant. r < 2^47, so the product is below 2^63.
     let height = (mean_radius.wrapping_mul(46341) >> 16) as i64;
     let octants = height.wrapping_add(height);
     let place = |spot: &Spot| {

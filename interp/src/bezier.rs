@@ -1,31 +1,31 @@
-//! Cubic and quadratic Bezier curves through N axes.
+//! Cubic and quadratic Bezier curves in N axes.
 
 use crate::Step;
 use crate::counted::Counted;
 use crate::method::interpolator;
 use core::fmt;
 
-/// Fraction bits of positions within the curve: 2^-20 BLU.
+/// Fraction bits of positions on the curve: 2^-20 BLU.
 const PLACE_BITS: u32 = 20;
-/// Farthest control point from the first one in any axis: 2^22 BLU.
+/// Largest distance of a control point from the first one in any axis: 2^22 BLU.
 const MAX_WAY: u64 = 1 << 42;
-/// How far a sample is from the one before: 15/16 BLU, so that no axis makes two steps.
+/// Distance between two samples: 15/16 BLU, so that no axis makes two steps.
 const STRIDE: u64 = 15 << 16;
-/// Chords within 1/128 of the stride are left as they are.
+/// Chords within 1/128 of the stride are not corrected.
 const TOLERANCE: u64 = STRIDE >> 7;
-/// Sweep of one BLU of path.
+/// Sweep per BLU of path, in bits.
 const UNIT_BITS: u32 = 16;
-/// u = 1.
+/// The parameter u = 1.
 const ONE: u64 = 1 << 32;
 
-/// Why a curve cannot be made.
+/// Reason why a curve cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BezierError {
     /// More than 20 fraction bits.
     FractionBits,
-    /// A control point is 2^22 BLU or more from the first one in some axis, or an end beyond 2^31
-    /// BLU.
+    /// A control point is at least 2^22 BLU from the first one in some axis, or an end is beyond
+    /// 2^31 BLU.
     TooLarge,
     /// More than eight axes.
     Axes,
@@ -43,32 +43,33 @@ impl fmt::Display for BezierError {
 
 impl core::error::Error for BezierError {}
 
-/// A cubic (G5) or quadratic (G5.1) Bezier curve in up to eight axes, one event at a time; begins
-/// and ends on the lattice points nearest to its ends (halves towards +infinity).
+/// A cubic (G5) or quadratic (G5.1) Bezier curve in up to eight axes. It begins and ends on the
+/// lattice points nearest to its end points (halves are rounded towards +infinity).
 ///
-/// The curve is followed in samples 15/16 BLU apart; an event is a sample at which the rounded
-/// position has changed. From the parameter u of one sample to the next it goes by the second-order
-/// Taylor step u + w - w^2 (C'.C'') / (2 |C'|^2) with w = v / |C'|, and corrects it by the chord it
-/// has measured. Near a cusp, where C' vanishes, u goes on by sqrt(2 v / max |C''|) at most, and it
-/// always goes on by 1/2 BLU / max |C'| at least.
+/// The curve is followed in samples 15/16 BLU apart. An event is a sample at which the rounded
+/// position has changed. The parameter u advances by the second-order Taylor step u + w - w^2
+/// (C'.C'') / (2 |C'|^2) with w = v / |C'|, corrected by the measured chord. Near a cusp, where C'
+/// vanishes, u advances by at most sqrt(2 v / max |C''|). It always advances by at least 1/2 BLU /
+/// max |C'|.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | at every event at most 1/2 BLU + 2^-18 an axis from the sample; the curve itself runs at most 1/2 BLU beside the chord of two samples in a cusp, next to nothing elsewhere |
-/// | events | at most 6 times the largest distance of consecutive control points in an axis; about 1 to 1.07 a BLU of length |
-/// | speed ripple | samples are even within 1 % except in cusps; an event's sweep is its projection on the sample's chord: constant path speed; least sweep 1/16 BLU |
-/// | state | 64 bits, 48 bytes an axis (polynomial, place and end) and 48 more; control points up to 2^22 BLU from the first |
-/// | cost | instructions an event on Cortex-M4F / M0: 1730 / 5720 for two axes, 1980 / 6570 for three (on the S of the tests): four divisions and three roots of 64 bits a sample, which those have no instruction for; no division of 128 bits |
-/// | source | Taylor step of parametric interpolators (Shpitalni, Koren, Lo 1994) with a chord corrector; rounding of each axis |
+/// | error | at every event at most 1/2 BLU + 2^-18 per axis from the sample; the curve itself is at most 1/2 BLU from the chord of two samples in a cusp, and much less elsewhere |
+/// | events | at most 6 times the largest distance of consecutive control points in an axis; about 1 to 1.07 per BLU of length |
+/// | speed ripple | samples are even within 1 % except in cusps; the sweep of an event is its projection on the chord of the sample, so the path speed is constant; least sweep 1/16 BLU |
+/// | state | 64 bits, 48 bytes per axis (polynomial, position and end) plus 48; control points up to 2^22 BLU from the first |
+/// | cost | instructions per event on Cortex-M4F / M0: 1730 / 5720 for two axes, 1980 / 6570 for three (on the S curve of the tests). Four divisions and three roots of 64 bits per sample, for which these processors have no instruction; no division of 128 bits |
+/// | source | Taylor step of parametric interpolators (Shpitalni, Koren, Lo 1994) with a chord corrector; rounding per axis |
 ///
-/// Sum of the sweeps: a step counts as its projection on the tangent, the lattice is within
-/// sqrt(N)/2 of the curve, so the sum is the length within sqrt(N)/2 (2 + total turning in radians)
-/// BLU and the least sweeps, below 0.1 % an axis.
+/// Sum of the sweeps: a step counts as its projection on the tangent, and the lattice is within
+/// sqrt(N)/2 of the curve. So the sum is the length within sqrt(N)/2 (2 + total turning in radians)
+/// BLU, plus the least sweeps, which are below 0.1 % per axis.
 ///
 /// Positions are the polynomial c1 u + c2 u^2 + c3 u^3 in 2^-20 BLU. Its coefficients are integer
-/// combinations of the control points, for the quadratic c3 = 0: raising it to a cubic, which would
-/// divide by three, is not needed, and it is exact.
+/// combinations of the control points, with c3 = 0 for the quadratic curve. The quadratic curve is
+/// therefore exact; it is not raised to a cubic, which would require a division by three.
 ///
+/// # Examples
 /// ```
 /// use husillo_interp::Bezier;
 ///
@@ -83,8 +84,8 @@ pub struct Bezier<const N: usize> {
 }
 
 impl<const N: usize> Bezier<N> {
-    /// The curve of four control points in 2^-`fraction_bits` BLU (0 to 20 bits). Walks it once to
-    /// count its events.
+    /// Creates the curve of four control points in 2^-`fraction_bits` BLU (0 to 20 bits). Walks it
+    /// once to count its events.
     ///
     /// # Errors
     /// See [`BezierError`].
@@ -96,7 +97,7 @@ impl<const N: usize> Bezier<N> {
             first.way_to(third)?,
             first.way_to(last)?,
         ];
-        // Ways are below 2^42: sums below 2^46.
+        // The distances are below 2^42, so sums are below 2^46.
         let polynomial = zip3(b, c, d, |b, c, d| {
             let twice = |value: i64| value.wrapping_mul(2);
             let thrice = |value: i64| value.wrapping_mul(3);
@@ -120,13 +121,14 @@ impl<const N: usize> Bezier<N> {
                 .unsigned_abs()
                 .max(bend(b, c, d).unsigned_abs())
         });
-        // max |C'| is three times the longest leg, max |C''| six times the largest bend.
+        // max |C'| is three times the longest leg, max |C''| is six times the largest bend.
         let steepest = legs.into_iter().max().unwrap_or(0).wrapping_mul(3);
         let bend = bends.into_iter().fold(0_u64, u64::saturating_add);
         Bezier::prepare(&first, polynomial, d, steepest, bend.saturating_mul(6))
     }
 
-    /// The curve of three control points in 2^-`fraction_bits` BLU. As [`Bezier::cubic`].
+    /// Creates the curve of three control points in 2^-`fraction_bits` BLU, as [`Bezier::cubic`]
+    /// does.
     ///
     /// # Errors
     /// See [`BezierError`].
@@ -156,7 +158,7 @@ impl<const N: usize> Bezier<N> {
         )
     }
 
-    /// `steepest` is the largest |C'| of an axis, `bend` not less than the largest |C''|.
+    /// `steepest` is the largest |C'| of an axis; `bend` is at least the largest |C''|.
     fn prepare(
         origin: &Origin<N>,
         mut polynomial: [Cubic; N],
@@ -167,7 +169,8 @@ impl<const N: usize> Bezier<N> {
         for (axis, start) in polynomial.iter_mut().zip(origin.fraction) {
             axis.start = start;
         }
-        // 1/2 BLU at the fastest: 2^51 / 2^45.6 = 42 at least. Nothing moves: all at once.
+        // 1/2 BLU at the fastest point: at least 2^51 / 2^45.6 = 42. If nothing moves, one step
+        // covers all.
         let least = (ONE << (PLACE_BITS - 1))
             .checked_div(steepest)
             .unwrap_or(ONE);
@@ -197,12 +200,12 @@ impl<const N: usize> Bezier<N> {
         })
     }
 
-    /// Events of the whole curve.
+    /// Number of events of the whole curve.
     pub const fn events(&self) -> u32 {
         self.counted.events()
     }
 
-    /// Sweep of one BLU of path: `total_sweep / unit` is the length in BLU.
+    /// Sweep per BLU of path: `total_sweep / unit` is the length in BLU.
     pub const fn unit(&self) -> u32 {
         1 << UNIT_BITS
     }
@@ -213,7 +216,8 @@ interpolator!(Bezier<N>, counted);
 /// The first control point.
 struct Origin<const N: usize> {
     control: [i64; N],
-    /// From the lattice point below to it and half a step on, in 2^-20 BLU: rounding is a shift.
+    /// Offset from the lattice point below plus half a step, in 2^-20 BLU. Rounding is then a
+    /// shift.
     fraction: [i64; N],
     /// Shift from 2^-f to 2^-20 BLU.
     shift: u32,
@@ -240,7 +244,7 @@ impl<const N: usize> Origin<N> {
                 .wrapping_sub(below)
                 .wrapping_shl(shift)
                 .wrapping_add(half);
-            // The lattice point it rounds to becomes 0.
+            // The lattice point to which it rounds becomes 0.
             place & ((1 << PLACE_BITS) - 1)
         });
         Ok(Origin {
@@ -250,7 +254,7 @@ impl<const N: usize> Origin<N> {
         })
     }
 
-    /// From here to another control point, in 2^-20 BLU.
+    /// Vector from here to another control point, in 2^-20 BLU.
     fn way_to(&self, control: [i64; N]) -> Result<[i64; N], BezierError> {
         let mut way = control;
         for (way, from) in way.iter_mut().zip(self.control) {
@@ -286,7 +290,7 @@ struct Cubic {
 }
 
 impl Cubic {
-    /// Position at u <= 1; three floors, so up to 3 2^-20 BLU too low.
+    /// Position at u <= 1. Three floors make it up to 3 2^-20 BLU too low.
     #[inline]
     fn place(&self, u: u64) -> i64 {
         let bend = share(self.third, u).wrapping_add(self.second);
@@ -310,7 +314,7 @@ impl Cubic {
     }
 }
 
-/// floor(value u 2^-32) for u <= 2^32, without a product of 128 bits: |value| < 2^62.
+/// floor(value u 2^-32) for u <= 2^32 and |value| < 2^62, without a product of 128 bits.
 #[inline]
 fn share(value: i64, u: u64) -> i64 {
     let high = (value >> 32).wrapping_mul(u as i64);
@@ -319,23 +323,23 @@ fn share(value: i64, u: u64) -> i64 {
     high.wrapping_add(low as i64)
 }
 
-/// The running state.
+/// State of the walk.
 #[derive(Clone, Debug)]
 struct Walk<const N: usize> {
-    /// The parameter, 0 to 2^32.
+    /// The parameter u, 0 to 2^32.
     u: u64,
-    /// Least and most that u goes on by.
+    /// Least and greatest increment of u.
     least: u64,
     most: u64,
-    /// Where the curve is at u, half a step added.
+    /// Position of the curve at u, plus half a step.
     place: [i64; N],
-    /// Where it ends.
+    /// Position of the end.
     end: [i64; N],
     axes: [Cubic; N],
 }
 
 impl<const N: usize> Walk<N> {
-    /// Where the curve is `ahead` of u, its end at 1, and how far that is from here.
+    /// Position of the curve at `ahead` beyond u, limited to its end at 1.
     #[inline]
     fn ahead(&self, ahead: u64) -> [i64; N] {
         let u = self.u.wrapping_add(ahead);
@@ -349,19 +353,19 @@ impl<const N: usize> Walk<N> {
         places
     }
 
-    /// Length of the chord from here, in 2^-20 BLU; at most 2^29 are told apart.
+    /// Length of the chord from here in 2^-20 BLU; components are limited to 2^29.
     #[inline]
     fn chord(&self, places: &[i64; N]) -> u64 {
         let mut sum = 0_u64;
         for (to, from) in places.iter().zip(&self.place) {
             let way = to.wrapping_sub(*from).unsigned_abs().min(1 << 29);
-            // Eight squares of 2^58.
+            // Sum of eight squares of 2^58.
             sum = sum.wrapping_add(way.wrapping_mul(way));
         }
         sum.isqrt()
     }
 
-    /// How far u goes on for one stride: Taylor's second-order step.
+    /// Increment of u for one stride: the second-order Taylor step.
     #[inline]
     fn stride(&self) -> u64 {
         let mut slopes = [0_i64; N];
@@ -370,28 +374,30 @@ impl<const N: usize> Walk<N> {
             *slope = axis.slope(self.u);
             largest |= slope.unsigned_abs();
         }
-        // To 28 bits: eight squares have 59. Slopes are below 2^48, so shift <= 20.
+        // Scales to 28 bits: the sum of eight squares has 59. Slopes are below 2^48, so shift
+        // <= 20.
         let shift = 36_u32.saturating_sub(largest.leading_zeros());
         let mut square = 0_u64;
         let mut dot = 0_i64;
         for (slope, axis) in slopes.iter().zip(&self.axes) {
             let slope = slope.wrapping_shr(shift);
             square = square.wrapping_add(slope.unsigned_abs().wrapping_mul(slope.unsigned_abs()));
-            // C'' is below 2^50: shifted by 20 it has 30 bits, eight products have 61.
+            // C'' is below 2^50. Shifted by 20 it has 30 bits, and the sum of eight products
+            // has 61.
             let bend = axis.bend(self.u).wrapping_shr(BEND_SHIFT);
             dot = dot.wrapping_add(slope.wrapping_mul(bend));
         }
         let speed = square.isqrt();
-        // v 2^32 / |C'|: 2^52 at most. Nothing moves here: as far as the bend lets it.
+        // v 2^32 / |C'|: at most 2^52. If the curve does not move here, the bend limits the step.
         let Some(first) = (STRIDE << 32).checked_div(speed.wrapping_shl(shift)) else {
             return self.most;
         };
         if first > self.most {
             return self.most;
         }
-        // w (C'.C'') / (2 |C'|^2) in 2^-16. |dot| / |C'| <= |C''| is below 2^50 when shifted back,
-        // and its product with w <= sqrt(2 v / max |C''|) below sqrt(2 v max |C''|) < 2^36. Beyond
-        // 1/2 the series means nothing.
+        // w (C'.C'') / (2 |C'|^2) in 2^-16. |dot| / |C'| <= |C''| is below 2^50 when shifted back.
+        // Its product with w <= sqrt(2 v / max |C''|) is below sqrt(2 v max |C''|) < 2^36. Beyond
+        // 1/2 the series is meaningless.
         let along = dot.checked_div(speed as i64).unwrap_or(0);
         let along = share(along.wrapping_shl(BEND_SHIFT), first);
         let ratio = along
@@ -407,7 +413,7 @@ impl<const N: usize> Walk<N> {
         }
     }
 
-    /// Whether no axis would make two steps; always so for the least step of u.
+    /// Whether no axis would make two steps. Always true for the least step of u.
     #[inline]
     fn is_one_step(&self, places: &[i64; N]) -> bool {
         places.iter().zip(&self.place).all(|(to, from)| {
@@ -416,7 +422,7 @@ impl<const N: usize> Walk<N> {
         })
     }
 
-    /// The next sample: where, and the chord to it.
+    /// The next sample: its position, and the chord to it.
     #[inline]
     fn sample(&mut self) -> ([i64; N], u64) {
         let mut ahead = self.stride().min(self.most).max(self.least);
@@ -424,7 +430,7 @@ impl<const N: usize> Walk<N> {
         let mut chord = self.chord(&places);
         let is_last = self.u.wrapping_add(ahead) >= ONE && chord <= STRIDE;
         if !is_last && chord.abs_diff(STRIDE) > TOLERANCE {
-            // ahead <= 2^32 and STRIDE < 2^20; at most twice as far.
+            // ahead <= 2^32 and STRIDE < 2^20; the correction at most doubles the step.
             let corrected = ahead.wrapping_mul(STRIDE).checked_div(chord);
             let most = ahead.wrapping_mul(2).min(self.most);
             ahead = corrected.unwrap_or(most).min(most).max(self.least);
@@ -442,13 +448,13 @@ impl<const N: usize> Walk<N> {
     }
 }
 
-/// C'' is shifted by so much for the product with C'.
+/// Shift of C'' in its product with C'.
 const BEND_SHIFT: u32 = 20;
 
 impl<const N: usize> Iterator for Walk<N> {
     type Item = Step;
 
-    /// Samples until the rounded position changes. u grows by `least` at every sample.
+    /// Takes samples until the rounded position changes. u grows by at least `least` per sample.
     #[inline]
     fn next(&mut self) -> Option<Step> {
         while self.u < ONE {
@@ -460,7 +466,7 @@ impl<const N: usize> Iterator for Walk<N> {
                 let steps = (to >> PLACE_BITS).wrapping_sub(*from >> PLACE_BITS);
                 if steps != 0 {
                     axes |= bit;
-                    // A step is the way its axis goes, so it adds its part of the chord.
+                    // A step has the direction of its axis, so it adds its part of the chord.
                     along = along.wrapping_add(way.wrapping_abs());
                 }
                 if steps < 0 {
@@ -493,8 +499,7 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    /// Where nothing is degenerate the samples are a stride apart within 1 %, the last one
-    /// excepted.
+    /// Without degeneration the samples are one stride apart within 1 %, except the last one.
     #[test]
     fn samples_are_even() {
         let mut walk = Bezier::cubic([[0, 0], [900, 0], [-600, 400], [300, 400]], 0)

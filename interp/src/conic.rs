@@ -6,15 +6,15 @@ use crate::counted::Counted;
 use crate::interpolator::Totals;
 use crate::method::interpolator;
 
-/// What `sweep` counts a BLU of path as, where the curve is not a circle.
+/// Sweep per BLU of path, in bits, for curves other than circles.
 const UNIT_BITS: u32 = 15;
-/// Residue and first differences may reach 2.5 2^60 each: the sum of three is then below 2^63.
+/// Residue and first differences may each reach 2.5 2^60; the sum of three is then below 2^63.
 const MAX_STATE: u64 = 5 << 59;
-/// Farthest that the walk may be from its end, in BLU an axis.
+/// Largest distance of the walk from its end, in BLU per axis.
 const MAX_REACH: u32 = 1 << 22;
 
-/// An arc of any curve of the second degree, F(x, y) = 0, one event at a time: the nearest of the
-/// three neighbours ahead; ends exactly at `to`.
+/// An arc of any curve of the second degree, F(x, y) = 0. Each event goes to the nearest of the
+/// three neighbours ahead. The arc ends exactly at `to`.
 ///
 /// The state is that of the circle: the residue F, its two first differences, and constant second
 /// differences. A quadrant ends where the first difference towards the inside changes its sign.
@@ -22,21 +22,22 @@ const MAX_REACH: u32 = 1 << 22;
 /// | | |
 /// | --- | --- |
 /// | curves | ellipse (also rotated), parabola, one branch of a hyperbola; not a pair of lines |
-/// | error | an upright ellipse 1/2 BLU + 1/(10 b) for the lesser semi-axis b; others 1/2 + 1/(4 rho) for the least radius of curvature rho of 2 BLU or more, or the half axis a of a hyperbola where that is less (sharper ones are walked or refused as [`ConicError::Astray`]); first point and run-off to the last one are rounding (0.7071) |
-/// | events | one a row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
-/// | speed ripple | a circle as [`Arc`](crate::Arc), 1/R; others 1/rho + 0.05 % where the radius of curvature is rho |
-/// | state | 64 bits; an axis-parallel ellipse up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, as F has two first and three second differences of 64 bits each |
-/// | cost | instructions an event on Cortex-M4F / M0: circle 210 / 271, others 299 / 930; the difference is the length of the gradient (a root and a division of 32 bits) |
+/// | error | upright ellipse: 1/2 BLU + 1/(10 b) for the smaller semi-axis b. Others: 1/2 + 1/(4 rho) for the least radius of curvature rho of at least 2 BLU, or for the half axis a of a hyperbola where that is smaller (sharper ones are walked or refused as [`ConicError::Astray`]). The first point and the run-off to the last point are rounded (0.7071) |
+/// | events | one per row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
+/// | speed ripple | circle: 1/R, as [`Arc`](crate::Arc); others: 1/rho + 0.05 % for the radius of curvature rho |
+/// | state | 64 bits; axis-parallel ellipses up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, because F has two first and three second differences of 64 bits each |
+/// | cost | instructions per event on Cortex-M4F / M0: circle 210 / 271, others 299 / 930. The difference is the length of the gradient (a root and a division of 32 bits) |
 /// | source | Danielsson 1970 and Jordan, Lennon, Holm 1973 (neighbours and quadrants), Pitteway 1967 (midpoint test for conics) |
 ///
-/// The midpoint test is exact on the axis that steps less: of a quadratic F the mean of two
-/// neighbours exceeds the value between them by a quarter of the half second difference, which is
-/// the bias of the test. Where the order of the three neighbours is not that of their residues
-/// (only beside the quadrant changes of a rotated curve), the smallest |F| is taken.
+/// The midpoint test is exact on the axis that steps less. For a quadratic F the mean of two
+/// neighbours exceeds the value midway by a quarter of half the second difference. That is the bias
+/// of the test. Where the order of the three neighbours is not that of their residues (only near
+/// the quadrant changes of a rotated curve), the smallest |F| is taken.
 ///
-/// `sweep` is the projection of the step on the tangent, in units of [`Conic::unit`]; for a circle
+/// `sweep` is the projection of the step on the tangent, in units of [`Conic::unit`]. For a circle
 /// it is exactly |P x step|, as in [`Arc`](crate::Arc). It is at least half a unit.
 ///
+/// # Examples
 /// ```
 /// use husillo_interp::{Conic, Direction, EllipseMove};
 ///
@@ -59,7 +60,8 @@ pub struct Conic {
 }
 
 impl Conic {
-    /// An arc of an ellipse whose axes are those of the plane. Walks it once to count its events.
+    /// Creates an arc of an ellipse with axes parallel to those of the plane. Walks it once to
+    /// count its events.
     ///
     /// # Errors
     /// See [`ConicError`].
@@ -67,8 +69,8 @@ impl Conic {
         Conic::prepare(&Start::of_ellipse(ellipse)?)
     }
 
-    /// An arc of the curve with the given coefficients. Walks it once to count its events and to
-    /// see that it arrives.
+    /// Creates an arc of the curve with the given coefficients. Walks it once to count its events
+    /// and to verify that it reaches its end.
     ///
     /// # Errors
     /// See [`ConicError`].
@@ -84,13 +86,13 @@ impl Conic {
         })
     }
 
-    /// Events of the whole arc, at most 2^31.
+    /// Number of events of the whole arc, at most 2^31.
     pub const fn events(&self) -> u32 {
         self.counted.events()
     }
 
-    /// Sweep of one BLU of path: `total_sweep / unit` is the arc's length in BLU. The radius in
-    /// 2^-f BLU for a circle, 2^15 otherwise.
+    /// Sweep per BLU of path: `total_sweep / unit` is the length of the arc in BLU. It is the
+    /// radius in 2^-f BLU for a circle and 2^15 otherwise.
     pub const fn unit(&self) -> u32 {
         match self.counted.walk.now.pace {
             Pace::Circle { radius } => radius,
@@ -98,7 +100,7 @@ impl Conic {
         }
     }
 
-    /// Quadrant changes still to come: there an axis reverses.
+    /// Quadrant changes still to come; at each of them an axis reverses.
     pub const fn quadrants(&self) -> u32 {
         self.counted.walk.now.quadrants
     }
@@ -106,23 +108,23 @@ impl Conic {
 
 interpolator!(Conic, counted);
 
-/// Which axes of the quadrant step, by -1, 0 or +1.
+/// The axes of the quadrant that step, by -1, 0 or +1.
 #[derive(Copy, Clone)]
 struct Choice {
     u: i64,
     v: i64,
 }
 
-/// The running state. `u` is the step towards the inside of the curve, `v` the one outwards; the
-/// curve turns from v to u, left, and F is negative inside.
+/// State of the walk. `u` is the step towards the inside of the curve, `v` the step outwards. The
+/// curve turns left, from v to u, and F is negative inside.
 #[derive(Clone, Debug)]
 struct Walk {
     now: Start,
 }
 
 impl Walk {
-    /// Inside the curve, and the next point outwards is nearer: a tip sharper than a BLU whose
-    /// axis the walk is already on.
+    /// Whether the point is inside the curve and the next point outwards is nearer. This occurs in
+    /// a tip sharper than a BLU when the walk is already on its axis.
     #[cold]
     fn is_before_tip(&self) -> bool {
         let now = &self.now;
@@ -130,7 +132,7 @@ impl Walk {
         now.residue < 0 && now.dv > 0 && doubled.wrapping_add(now.dv) < now.dvv >> 2
     }
 
-    /// Into the next quadrant: the step inwards becomes the one outwards.
+    /// Goes on to the next quadrant: the inward step becomes the outward step.
     #[cold]
     fn turn(&mut self) {
         let now = &mut self.now;
@@ -142,8 +144,8 @@ impl Walk {
         now.quadrants = now.quadrants.wrapping_sub(1);
     }
 
-    /// Level with the end in one axis: straight to it. The curve is monotonic within its quadrant,
-    /// so it stays between here and there.
+    /// Goes straight to the end once the walk is level with it in one axis. The curve is monotonic
+    /// within its quadrant, so it stays between this point and the end.
     #[cold]
     fn run_off(&mut self) -> Option<Step> {
         let choice = Choice {
@@ -184,7 +186,7 @@ impl Walk {
         }
     }
 
-    /// The step projected on the tangent, which is the gradient turned left: (-F_v, F_u).
+    /// The projection of the step on the tangent, which is the gradient turned left: (-F_v, F_u).
     #[inline]
     fn sweep(&self, Choice { u, v }: Choice) -> u32 {
         let now = &self.now;
@@ -198,7 +200,7 @@ impl Walk {
                 >> 1;
             return (cross.max(0) as u32).max(radius / 2).max(1);
         }
-        // The larger one to 15 bits and a sign; the sum of the squares is at most 2^31.
+        // The larger one is scaled to 15 bits and a sign; the sum of the squares is at most 2^31.
         let largest = along_u.unsigned_abs() | along_v.unsigned_abs();
         let shift = largest.leading_zeros().saturating_sub(1);
         let along_u = (along_u.wrapping_shl(shift) >> 48) as i32;
@@ -209,7 +211,7 @@ impl Walk {
         let cross = (u as i32)
             .wrapping_mul(along_u)
             .wrapping_add((v as i32).wrapping_mul(along_v));
-        // cross <= 2^16: fits. No gradient: nothing to project on.
+        // cross <= 2^16, so it fits. Without a gradient there is no tangent.
         (cross.max(0) as u32)
             .wrapping_shl(UNIT_BITS)
             .checked_div((square as u32).isqrt())
@@ -217,11 +219,12 @@ impl Walk {
             .max(1 << (UNIT_BITS - 1))
     }
 
-    /// Walks to the end and adds up, looking at every state on the way.
+    /// Walks to the end, checks every state on the way, and returns the sums.
     ///
-    /// The walk ends: within a quadrant every event goes on in u or v and never back, and each of
-    /// them has at most 2^23 steps within reach: 2^24 events a quadrant, and as many quadrants as
-    /// counted. In the last one u_left + v_left (the run-off: their sizes) shrinks at every event.
+    /// The walk ends: within a quadrant every event advances u or v and never goes back. Each has
+    /// at most 2^23 steps within reach, so a quadrant has at most 2^24 events, and the number of
+    /// quadrants is known. In the last quadrant u_left + v_left (in the run-off: their magnitudes)
+    /// shrinks at every event.
     fn check(mut self) -> Result<Totals, ConicError> {
         let mut totals = Totals::default();
         loop {
@@ -236,10 +239,10 @@ impl Walk {
             }
             let is_level = now.quadrants == 0 && (now.u_left <= 0 || now.v_left <= 0);
             if now.u_left.unsigned_abs().max(now.v_left.unsigned_abs()) > MAX_REACH
-                // The last quadrant goes on in this quadrant's u.
+                // The last quadrant advances in the u of this quadrant.
                 || (now.is_open && now.quadrants == 1 && now.u_left < -3)
-                // Upright ellipses of a BLU or two have tips that are lines, on which the ends of a
-                // quadrant are anywhere.
+                // The tips of upright ellipses of a BLU or two are lines; the end of a quadrant may
+                // be anywhere on them.
                 || (is_level && (now.is_open || now.duv != 0) && now.u_left.min(now.v_left) < -3)
                 || (!is_level && totals.events > 3 && now.is_off())
             {
@@ -259,8 +262,8 @@ impl Walk {
 impl Iterator for Walk {
     type Item = Step;
 
-    /// Arithmetic wraps by name only: [`Walk::check`] has seen every state of this walk below
-    /// `MAX_STATE`, so that the sum of three is below 2^63.
+    /// Arithmetic wraps in name only: [`Walk::check`] found every state of this walk below
+    /// `MAX_STATE`, so the sum of three is below 2^63.
     #[inline]
     fn next(&mut self) -> Option<Step> {
         let now = &self.now;
@@ -275,8 +278,8 @@ impl Iterator for Walk {
             // Within a sharp tip, on its axis: see `turn`.
             (false, true)
         } else if dv_beside >= 0 && now.du.wrapping_add(now.duv) <= 0 {
-            // after_u <= after_both <= after_v: the sign of after_both leaves two candidates, and F
-            // midway between them tells which side of it the curve is.
+            // after_u <= after_both <= after_v. The sign of after_both leaves two candidates, and F
+            // midway between them tells on which side the curve is.
             if after_both >= 0 {
                 (true, after_both <= (now.dvv >> 2).wrapping_sub(after_u))
             } else {

@@ -1,69 +1,71 @@
-//! What arc of what curve of the second degree.
+//! Definitions of arcs of curves of the second degree.
 
 use core::fmt;
 
 use crate::Direction;
 
-/// Largest semi-axis, in 2^-f BLU: |F'|, |U|, |V| <= 2 a b max(a, b) then.
+/// Largest semi-axis in 2^-f BLU; then |F'|, |U|, |V| <= 2 a b max(a, b).
 const MAX_SEMI_AXIS: u32 = 1 << 20;
 /// Largest coefficient of x^2, x y and y^2.
 const MAX_SECOND: u64 = 1 << 40;
 
-/// An arc of an ellipse with axes parallel to those of the plane.
+/// Definition of an arc of an ellipse with axes parallel to those of the plane.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EllipseMove {
-    /// First point, in BLU: the rounded one beside the ellipse.
+    /// First point in BLU: a rounded point near the ellipse.
     pub from: [i32; 2],
-    /// Last point, in BLU; the same as `from` means a full turn.
+    /// Last point in BLU; equal to `from` for a full turn.
     pub to: [i32; 2],
-    /// Centre, in 2^-`fraction_bits` BLU.
+    /// Centre in 2^-`fraction_bits` BLU.
     pub centre: [i64; 2],
-    /// Half the width and half the height, in 2^-`fraction_bits` BLU; from one BLU to 2^20 of these
-    /// units each.
+    /// Half the width and half the height in 2^-`fraction_bits` BLU. Each is from one BLU to 2^20
+    /// of these units.
     pub semi_axes: [u32; 2],
     /// Fraction bits of centre and semi-axes, 0 to 20.
     pub fraction_bits: u8,
-    /// Turning sense.
+    /// Sense of rotation.
     pub direction: Direction,
-    /// Complete turns made on top of the shortest way round.
+    /// Complete turns in addition to the angle from `from` to `to`.
     pub turns: u32,
 }
 
-/// An arc of the curve F(x, y) = A x^2 + B x y + C y^2 + D x + E y + G = 0, x and y in BLU.
+/// Definition of an arc of the curve F(x, y) = A x^2 + B x y + C y^2 + D x + E y + G = 0, with x
+/// and y in BLU.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConicMove {
-    /// First point, in BLU: the rounded one beside the curve.
+    /// First point in BLU: a rounded point near the curve.
     pub from: [i32; 2],
-    /// Last point, in BLU; the same as `from` means a full turn.
+    /// Last point in BLU; equal to `from` for a full turn.
     pub to: [i32; 2],
-    /// A, B, C, D, E, G. A, B and C up to 2^40; F and its differences on the curve are to stay
-    /// below 2^61. Any common factor and sign.
+    /// A, B, C, D, E, G. A, B and C are at most 2^40. F and its differences on the curve have to
+    /// stay below 2^61. Any common factor and sign are allowed.
     pub coefficients: [i64; 6],
-    /// Which way the curve turns on its way: also parabolas and hyperbolas turn only one way.
+    /// The direction in which the path turns. Parabolas and hyperbolas also turn in one direction
+    /// only.
     pub direction: Direction,
-    /// Complete turns made on top of the shortest way round; ellipses only.
+    /// Complete turns in addition to the angle from `from` to `to`; for ellipses only.
     pub turns: u32,
 }
 
-/// Why an arc of a conic cannot be made.
+/// Reason why an arc of a conic cannot be made.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConicError {
-    /// Not a curve (a point, lines, nothing), or an end is at its centre; a semi-axis below one
+    /// Not a curve (a point, lines, or nothing), an end at the centre, or a semi-axis below one
     /// BLU.
     Degenerate,
     /// More than 20 fraction bits.
     FractionBits,
-    /// A semi-axis above 2^20, coefficients above 2^40, or a state that does not fit 64 bits.
+    /// A semi-axis above 2^20, coefficients above 2^40, or a state that does not fit in 64 bits.
     TooLarge,
     /// More than 2^31 events.
     TooLong,
     /// An end is more than about two BLU off the curve.
     OffCurve,
-    /// The curve does not lead from one end to the other this way, or it turns so sharply within a
-    /// BLU that it cannot be followed.
+    /// The curve does not lead from one end to the other in this direction, or it turns so sharply
+    /// within a BLU that it cannot be followed.
     Astray,
 }
 
@@ -75,19 +77,19 @@ impl fmt::Display for ConicError {
             ConicError::TooLarge => "the curve is too large for 64-bit state",
             ConicError::TooLong => "the arc has more than 2^31 events",
             ConicError::OffCurve => "an end is more than two steps off the curve",
-            ConicError::Astray => "the curve does not lead to the end this way",
+            ConicError::Astray => "the curve does not lead to the end in this direction",
         })
     }
 }
 
 impl core::error::Error for ConicError {}
 
-/// How an event's sweep comes about.
+/// How the sweep of an event is computed.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Pace {
-    /// The gradient is as long everywhere: the cross product itself.
+    /// The gradient has the same length everywhere: the sweep is the cross product itself.
     Circle { radius: u32 },
-    /// Divided by the length of the gradient.
+    /// The cross product is divided by the length of the gradient.
     Tangent,
 }
 
@@ -107,7 +109,7 @@ impl Toward {
         }
     }
 
-    /// The direction outwards of a quadrant: +y, -x, -y, +x.
+    /// The outward direction of a quadrant: +y, -x, -y, +x.
     fn of(quadrant: u8, is_clockwise: bool) -> Toward {
         let (axes, is_negative) = match quadrant & 3 {
             0 => (2, is_clockwise),
@@ -120,7 +122,7 @@ impl Toward {
     }
 }
 
-/// State of a walk before its first event; later it is the state of the walk.
+/// State of a walk: at first before its first event, later at its present point.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Start {
     /// F at the point.
@@ -129,25 +131,25 @@ pub(crate) struct Start {
     pub(crate) du: i64,
     /// F(P + v) - F(P).
     pub(crate) dv: i64,
-    /// Change of `du` a step of u.
+    /// Change of `du` per step of u.
     pub(crate) duu: i64,
-    /// Change of `dv` a step of v.
+    /// Change of `dv` per step of v.
     pub(crate) dvv: i64,
-    /// Change of `du` a step of v, and of `dv` a step of u.
+    /// Change of `du` per step of v, and of `dv` per step of u.
     pub(crate) duv: i64,
     /// Steps to the end, in BLU.
     pub(crate) u_left: i32,
     pub(crate) v_left: i32,
     pub(crate) toward_u: Toward,
     pub(crate) toward_v: Toward,
-    /// Quadrant changes to come.
+    /// Quadrant changes still to come.
     pub(crate) quadrants: u32,
     pub(crate) pace: Pace,
-    /// Not an ellipse.
+    /// Whether the curve is not an ellipse.
     pub(crate) is_open: bool,
 }
 
-/// F about one point: residue, gradient and second differences, in the walk's (mirrored) frame.
+/// F near one point: residue, gradient and second differences, in the (mirrored) frame of the walk.
 #[derive(Copy, Clone)]
 struct Spot {
     residue: i64,
@@ -158,8 +160,8 @@ struct Spot {
 }
 
 impl Spot {
-    /// F(P + d) - F(P) for the direction outwards of `quadrant`. The second differences are even:
-    /// they are 2 A and 2 C.
+    /// F(P + d) - F(P) for the outward direction of `quadrant`. The second differences 2 A and 2 C
+    /// are even.
     fn difference(&self, quadrant: u8) -> i64 {
         let [x, y] = self.gradient;
         let [xx, yy, _] = self.second;
@@ -171,8 +173,8 @@ impl Spot {
         }
     }
 
-    /// The quadrant: F does not fall towards its direction and falls towards the next one to the
-    /// left. Of several the steepest; none at a centre.
+    /// The quadrant: F does not fall in its direction and falls in the next direction to the left.
+    /// Among several it is the steepest; `None` at a centre.
     fn quadrant(&self) -> Option<u8> {
         (0..4_u8)
             .filter(|&quadrant| {
@@ -184,7 +186,8 @@ impl Spot {
             })
     }
 
-    /// Within about two BLU of the curve: |F| against what two steps change it by.
+    /// Whether the point is within about two BLU of the curve: compares |F| with its change over
+    /// two steps.
     fn is_near(&self) -> bool {
         let [x, y] = self.gradient.map(i64::unsigned_abs);
         let [xx, yy, xy] = self.second.map(i64::unsigned_abs);
@@ -195,12 +198,12 @@ impl Spot {
 }
 
 impl Start {
-    /// The point is farther from the curve than a step; gradient alone, so second differences
-    /// count.
+    /// Whether the point is farther from the curve than a step. The gradient alone is not enough,
+    /// so second differences count.
     pub(crate) fn is_off(&self) -> bool {
         let [du, dv] = [self.du, self.dv].map(i64::unsigned_abs);
         let [duu, dvv, duv] = [self.duu, self.dvv, self.duv].map(i64::unsigned_abs);
-        // Each below 2^62.
+        // Each is below 2^62.
         let step = du.wrapping_add(dv);
         let bend = duu.wrapping_add(dvv).wrapping_add(duv);
         self.residue.unsigned_abs() > step.wrapping_add(bend)
@@ -220,8 +223,8 @@ impl Start {
             return Err(ConicError::Degenerate);
         }
         let is_clockwise = ellipse.direction == Direction::Clockwise;
-        // F' = (A X^2 + C Y^2 - A width^2) / 2^f, X and Y in 2^-f BLU; A : C is height^2 : width^2
-        // in lowest terms, at most 2^40.
+        // F' = (A X^2 + C Y^2 - A width^2) / 2^f, with X and Y in 2^-f BLU. A : C is height^2 :
+        // width^2 in lowest terms, at most 2^40.
         let common = common_divisor(width, height).max(1);
         let square = |length: u32| {
             let length = i64::from(length.checked_div(common).unwrap_or(1));
@@ -233,7 +236,7 @@ impl Start {
             let [at_x, at_y] = at;
             let [centre_x, centre_y] = ellipse.centre;
             let from_centre = |at: i32, centre: i64, semi_axis: u32| {
-                // |at| <= 2^31 and f <= 20; two BLU more than the semi-axis is below 2^22.
+                // |at| <= 2^31 and f <= 20; the semi-axis plus two BLU is below 2^22.
                 i64::from(at)
                     .wrapping_shl(bits.into())
                     .checked_sub(centre)
@@ -246,7 +249,7 @@ impl Start {
             let x = from_centre(at_x, centre_x, width)?;
             let y = from_centre(at_y, centre_y, height)?;
             let y = if is_clockwise { y.wrapping_neg() } else { y };
-            // Coefficients below 2^41, coordinates below 2^22: 2^86.
+            // Coefficients are below 2^41 and coordinates below 2^22, so the product is below 2^86.
             let part = |factor: i64, at: i64| {
                 i128::from(factor).wrapping_mul(i128::from(at).wrapping_mul(at.into()))
             };
@@ -291,7 +294,7 @@ impl Start {
         {
             return Err(ConicError::TooLarge);
         }
-        // The mirror image of a clockwise arc: y and the odd powers of y change sign.
+        // A clockwise arc is mirrored: y and the odd powers of y change sign.
         let mirror = |value: i64| {
             if is_clockwise {
                 value.wrapping_neg()
@@ -303,8 +306,8 @@ impl Start {
             let [x, y] = at.map(i128::from);
             let wide = i128::from;
             let times = |factor: i64, at: i128| wide(factor).wrapping_mul(at);
-            // Coefficients of 64 bits, |x|, |y| <= 2^31: at most 2^40 2^62 and 2^63 2^31, six of
-            // them.
+            // Coefficients have 64 bits, |x|, |y| <= 2^31: at most 2^40 2^62 and 2^63 2^31, six
+            // terms.
             let residue = times(a, x.wrapping_mul(x))
                 .wrapping_add(times(b, x.wrapping_mul(y)))
                 .wrapping_add(times(c, y.wrapping_mul(y)))
@@ -334,7 +337,8 @@ impl Start {
                 ],
             })
         };
-        // The sign of F that makes the curve turn left: its second derivative along the tangent.
+        // The sign of F for which the curve turns left: the sign of its second derivative along the
+        // tangent.
         let sign = turn(&spot(conic.from, 1)?);
         if sign == 0 {
             return Err(ConicError::Degenerate);
@@ -343,7 +347,7 @@ impl Start {
         if !from.is_near() || !to.is_near() {
             return Err(ConicError::OffCurve);
         }
-        // 2^82 and 2^80.
+        // At most 2^82 and 2^80.
         let is_closed = i128::from(a).wrapping_mul(c.into()).wrapping_mul(4)
             > i128::from(b).wrapping_mul(b.into());
         if !is_closed && conic.turns != 0 {
@@ -361,7 +365,7 @@ impl Start {
     }
 }
 
-/// Greatest common divisor; Euclid takes at most 30 divisions for 21 bits.
+/// Greatest common divisor. Euclid's algorithm takes at most 30 divisions for 21 bits.
 fn common_divisor(mut larger: u32, mut smaller: u32) -> u32 {
     while let Some(rest) = larger.checked_rem(smaller) {
         (larger, smaller) = (smaller, rest);
@@ -369,12 +373,12 @@ fn common_divisor(mut larger: u32, mut smaller: u32) -> u32 {
     larger
 }
 
-/// Sign of C F_x^2 - B F_x F_y + A F_y^2: positive where the curve turns left about F < 0. It is
-/// the same all along a conic, and 0 for lines.
+/// Sign of C F_x^2 - B F_x F_y + A F_y^2: positive where the curve turns left around F < 0. It is
+/// constant along a conic, and 0 for lines.
 fn turn(spot: &Spot) -> i64 {
     let [x, y] = spot.gradient;
     let [xx, yy, xy] = spot.second;
-    // The gradient to 40 bits: 41 + 80 bits and three of them.
+    // The gradient is scaled to 40 bits: 41 + 80 bits, three terms.
     let largest = x.unsigned_abs() | y.unsigned_abs();
     let shift = 24_u32.saturating_sub(largest.leading_zeros());
     let [x, y] = [x, y].map(|value| i128::from(value.wrapping_shr(shift)));
@@ -386,15 +390,16 @@ fn turn(spot: &Spot) -> i64 {
     sum.signum() as i64
 }
 
-/// Whether the gradient of one point is turned left to the other's by less than half a turn.
+/// Whether the gradient of one point is turned left, by less than half a turn, to that of the
+/// other.
 fn is_left_turn(from: &Spot, to: &Spot) -> bool {
     let ([from_x, from_y], [to_x, to_y]) = (from.gradient, to.gradient);
-    // Two products of 62 bits each.
+    // Products of 62 bits each.
     let product = |one: i64, other: i64| i128::from(one).wrapping_mul(other.into());
     product(from_x, to_y) > product(from_y, to_x)
 }
 
-/// Puts both ends together; `turns` is `None` for an open curve.
+/// Combines both ends into the start state; `turns` is `None` for an open curve.
 fn start(
     from: &Spot,
     to: &Spot,
@@ -406,7 +411,7 @@ fn start(
     let first = from.quadrant().ok_or(ConicError::Degenerate)?;
     let last = to.quadrant().ok_or(ConicError::Degenerate)?;
     let [[from_x, from_y], [to_x, to_y]] = ends;
-    // The walk gives up beyond 2^22: what does not fit 31 bits is as bad.
+    // The walk gives up beyond 2^22, so a distance that does not fit in 31 bits is refused as well.
     let way = |from: i32, to: i32| {
         to.checked_sub(from)
             .filter(|way| way.unsigned_abs() < 1 << 30)
@@ -429,11 +434,11 @@ fn start(
     let [xx, yy, xy] = from.second;
     let is_upright = first & 1 == 0;
     let (duu, dvv) = if is_upright { (xx, yy) } else { (yy, xx) };
-    // Of -x and +y, and of -y and -x, and so on.
+    // For -x and +y, for -y and -x, and so on.
     let duv = if is_upright { xy.wrapping_neg() } else { xy };
     let (du, dv) = (from.difference(next), from.difference(first));
 
-    // Ahead along the tangent: 63 bits by 31.
+    // Ahead along the tangent: 63 bits by 31 bits.
     let along_u = i128::from(dv.saturating_sub(dvv / 2));
     let along_v = i128::from((duu / 2).saturating_sub(du));
     let ahead = along_u
@@ -448,7 +453,7 @@ fn start(
             .checked_mul(4)
             .and_then(|more| more.checked_add(quadrants))
             .ok_or(ConicError::TooLong)?,
-        // An open curve turns by less than half a turn, to the left.
+        // An open curve turns left by less than half a turn.
         None if quadrants > 2 || (quadrants == 2 && !is_left_turn(from, to)) => {
             return Err(ConicError::Astray);
         }

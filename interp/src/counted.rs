@@ -1,12 +1,12 @@
-//! A walk with its events counted.
+//! A walk with a known number of events.
 
 use crate::Step;
 use crate::interpolator::Totals;
 use crate::method::Method;
 
-/// A walk that ends by itself, and what remains of it.
+/// A walk that ends, and the number of events that remain.
 #[derive(Clone, Debug)]
-// In this order a Cortex-M0 reaches the count and a walk of 32-bit words by short offsets.
+// In this field order a Cortex-M0 reaches the count and a walk of 32-bit words by short offsets.
 #[repr(C)]
 pub(crate) struct Counted<W> {
     left: u32,
@@ -15,7 +15,7 @@ pub(crate) struct Counted<W> {
 }
 
 impl<W> Counted<W> {
-    /// A walk that is known to add up to these totals.
+    /// Wraps a walk whose totals are known.
     pub(crate) const fn with_totals(walk: W, totals: Totals) -> Self {
         Counted {
             walk,
@@ -24,14 +24,14 @@ impl<W> Counted<W> {
         }
     }
 
-    /// Events of the whole walk.
+    /// Number of events of the whole walk.
     pub(crate) const fn events(&self) -> u32 {
         self.totals.events
     }
 }
 
 impl<W: Iterator<Item = Step> + Clone> Counted<W> {
-    /// Walks it dry once; `None` when it has more than 2^31 events.
+    /// Counts the events in a dry run; `None` when there are more than 2^31.
     pub(crate) fn new(walk: W) -> Option<Self> {
         let totals = Totals::of(walk.clone())?;
         Some(Counted::with_totals(walk, totals))

@@ -1,4 +1,4 @@
-//! The arc by two digital differential analysers that feed each other.
+//! Arc by two coupled digital differential analysers (DDA).
 
 use crate::counted::Counted;
 use crate::lattice::Start;
@@ -6,31 +6,38 @@ use crate::method::interpolator;
 use crate::quadrant::Quadrant;
 use crate::{ArcError, ArcMove, Step};
 
-/// A circular arc about a whole-step centre by two integrators: each axis steps when its register,
-/// to which the other's coordinate is added every pass, overflows R.
+/// A circular arc about a whole-step centre by two integrators. In every pass each register adds
+/// the coordinate of the other axis; the axis steps when its register overflows R.
 ///
-/// Every pass is an event and is one BLU of path: passes in equal times make constant path speed,
-/// the one merit of the method. Passes without a step (idle ones, `axes == 0`) are events too.
-/// [`ArcDda::new`] is the corrected form, [`ArcDda::printed`] the original one.
+/// Every pass is an event and one BLU of path. Passes at equal times therefore give constant path
+/// speed, which is the one advantage of the method. Passes without a step (idle passes,
+/// `axes == 0`) are events too. [`ArcDda::new`] is the corrected form, [`ArcDda::printed`] the
+/// original one.
 ///
 /// | | |
 /// | --- | --- |
 /// | error, integer R | `new`: less than 0.97 BLU (measured, R up to 2000; limit 0.957); `printed`: up to 1.156 on whole circles (R = 15), more than 1 for 1873 of the radii up to 2000, and up to 1.6 where an end is not on an axis |
-/// | events | about R times the angle: pi R / 2 + 0 to 2 a quadrant; 2 pi R a circle |
+/// | events | about R times the angle: pi R / 2 + 0 to 2 per quadrant; 2 pi R per circle |
 /// | speed ripple, equal times | mean 1.000; +-100 % from pass to pass, 12 % over 8 passes, 3 % over 32, 0.8 % over 128 |
-/// | state | 80 bytes, words of 32 bits: two registers and what they are compared with, besides the point and both ends; radius up to 2^28 BLU |
-/// | cost | 75 instructions an event on Cortex-M0, 54 on Cortex-M4F, 29 on RV32IMAC |
+/// | state | 80 bytes, words of 32 bits: two registers with their thresholds, the point and both ends; radius up to 2^28 BLU |
+/// | cost | 75 instructions per event on Cortex-M0, 54 on Cortex-M4F, 29 on RV32IMAC |
 /// | source | Koren, reference-pulse circular interpolators, J. Eng. Ind. 103 (1981) 131; `printed`: micromill, annex A.4 |
 ///
-/// What the printed program gets wrong: registers that start at 0 and a strict comparison come one
-/// pass late in both axes, which is the excess of its error; it repeats idle passes at once instead
-/// of after a clock period, so that a circle runs 3 to 5 % too fast, locally 35 %; it has no end
-/// test but that of whole quadrants; where one axis finishes first the other's register may never
-/// fill (we step it then). Here its idle passes are events as well: skip events with `axes == 0`
-/// for the original's timing.
+/// Faults of the printed program:
 ///
-/// Quadrants end on the axes, as in the original: the registers begin anew there. The last one ends
-/// where one axis is level with the end: from there straight to it, a step or two.
+/// - Its registers start at 0 and its comparison is strict. Steps therefore come one pass late in
+///   both axes; this is the excess of its error.
+/// - It repeats idle passes at once instead of after a clock period. A circle runs 3 to 5 % too
+///   fast, locally 35 %.
+/// - It has no end test except for whole quadrants.
+/// - Where one axis finishes first, the register of the other may never fill. Here that axis then
+///   steps.
+///
+/// Here its idle passes are events as well; skip events with `axes == 0` for the original timing.
+///
+/// Quadrants end on the axes, as in the original, and the registers start anew there. The last
+/// quadrant ends where one axis is level with the end. From there the walk goes straight to the
+/// end, in a step or two.
 ///
 /// The sweep of every event is 1, so `total_sweep` is the length of the path in BLU.
 #[derive(Clone, Debug)]
@@ -39,25 +46,25 @@ pub struct ArcDda {
     radius: u32,
 }
 
-/// How the registers of a DDA run.
+/// Variant of the registers of a DDA.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DdaRegisters {
-    /// What they begin a quadrant with, in BLU; more than R is R.
+    /// Value at the start of a quadrant in BLU; more than R is taken as R.
     pub start: u32,
-    /// A step where the register exceeds R; otherwise also where it equals R.
+    /// An axis steps where its register exceeds R; if `false`, also where the register equals R.
     pub is_strict: bool,
-    /// The second axis adds the coordinate of the first as it is after its step of the same pass;
-    /// otherwise as before it.
+    /// The second axis adds the coordinate of the first after the step of the same pass; if
+    /// `false`, before that step.
     pub is_sequential: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Walk {
     point: Quadrant,
-    /// Steps v when it reaches the threshold: u is added.
+    /// Register of v, to which u is added; v steps when it reaches the threshold.
     along_v: i32,
-    /// Steps u: v is added.
+    /// Register of u, to which v is added.
     along_u: i32,
     radius: i32,
     /// R, or R + 1 where the comparison is strict.
@@ -67,11 +74,12 @@ struct Walk {
 }
 
 impl ArcDda {
-    /// The corrected DDA: registers half full at the start, steps at R. Where the arc does not
-    /// begin on an axis they hold what the first point lacks to the curve as well.
+    /// Creates the corrected DDA: registers start half full, steps occur at R. Where the arc does
+    /// not begin on an axis, the registers also hold the distance of the first point from the
+    /// curve.
     ///
     /// # Errors
-    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]: `Centre` where the centre is not a whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<ArcDda, ArcError> {
         let start = Start::new(arc)?;
@@ -84,8 +92,8 @@ impl ArcDda {
         let (u, v) = (i64::from(start.quadrant.u), i64::from(start.quadrant.v));
         let radius = i64::from(start.radius);
         // Registers hold R times the fraction of a step. The integrators follow u^2 + v^2 + u v / R
-        // = R^2, a quarter of a BLU inside the circle between the axes. Products are below 5 R^2,
-        // and R <= 2^28 + 2.
+        // = R^2, which is a quarter of a BLU inside the circle between the axes. Products are below
+        // 5 R^2, and R <= 2^28 + 2.
         let between = u.wrapping_mul(v).checked_div(radius).unwrap_or(0);
         let excess = i64::from(start.residue).wrapping_add(between);
         let share = |coordinate: i64| {
@@ -98,7 +106,7 @@ impl ArcDda {
         ArcDda::of(walk, &start)
     }
 
-    /// The DDA of micromill A.4: registers empty at the start, steps above R.
+    /// Creates the DDA of micromill A.4: registers start empty, steps occur above R.
     ///
     /// # Errors
     /// As [`ArcDda::new`].
@@ -111,7 +119,7 @@ impl ArcDda {
         ArcDda::with_registers(arc, registers)
     }
 
-    /// Any other variant, to compare.
+    /// Creates any other variant, for comparison.
     ///
     /// # Errors
     /// As [`ArcDda::new`].
@@ -127,12 +135,12 @@ impl ArcDda {
         })
     }
 
-    /// Events of the whole arc, idle ones included.
+    /// Number of events of the whole arc, idle ones included.
     pub const fn events(&self) -> u32 {
         self.counted.events()
     }
 
-    /// Radius to the nearest BLU, which is the one the registers overflow at.
+    /// Radius rounded to the nearest BLU, at which the registers overflow.
     pub const fn radius(&self) -> u32 {
         self.radius
     }
@@ -172,11 +180,12 @@ impl Iterator for Walk {
         } else {
             (0, self.radius)
         };
-        // A register whose axis is at its goal grows on: by u, which falls with every pass from
-        // sqrt(8 R) at most, or by v for the few passes that v lacks. It stays below 8 R.
+        // The register of an axis that has reached its end keeps growing: by u, which falls with
+        // every pass from at most sqrt(8 R), or by v for the few passes that v lacks. It stays
+        // below 8 R.
         self.along_v = self.along_v.wrapping_add(point.u);
         let is_short = point.v < v_goal;
-        // Nothing would be added any more where u is 0.
+        // Where u is 0 nothing more would be added.
         let takes_v = is_short && (self.along_v >= self.threshold || point.u <= 0);
         let added = if self.is_sequential && takes_v {
             point.v.wrapping_add(1)

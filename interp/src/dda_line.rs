@@ -1,4 +1,4 @@
-//! The straight line by a digital differential analyser.
+//! Straight line by a digital differential analyser (DDA).
 
 use crate::Step;
 use crate::interpolator::Totals;
@@ -6,29 +6,34 @@ use crate::lattice::rounded_root;
 use crate::method::{Method, interpolator};
 use crate::step::negative_axes;
 
-/// A straight line through one to eight axes, one BLU of path an event: each axis steps when its
-/// register, to which its distance is added every pass, overflows the length L.
+/// A straight line in one to eight axes with one BLU of path per event. In every pass each register
+/// adds the distance of its axis; the axis steps when its register overflows the length L.
 ///
-/// Every pass is an event, idle ones (`axes == 0`) too: passes in equal times make constant path
-/// speed whatever the direction. [`LineDda::new`] is the corrected form: round(L) passes with the
-/// registers half full at the start, so that every axis is within half a step of its share and
-/// makes its last step by the last pass. [`LineDda::printed`] is the original one.
+/// Every pass is an event, including idle ones (`axes == 0`). Passes at equal times therefore give
+/// constant path speed in any direction. [`LineDda::new`] is the corrected form: round(L) passes,
+/// with registers half full at the start. Every axis is then within half a step of its share and
+/// makes its last step by the last pass. [`LineDda::printed`] is the original form.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | `new`: 1/2 BLU an axis, less than 0.7071 BLU from a line in two axes; `printed`: less than 1 BLU an axis |
+/// | error | `new`: 1/2 BLU per axis, less than 0.7071 BLU from a line in two axes; `printed`: less than 1 BLU per axis |
 /// | events | `new`: round(L); `printed`: floor(L) + 1 |
 /// | speed ripple, equal times | one event of path time over any window; mean L / events, so off by less than 1 / (2 L) (`new`) or 1 / L |
-/// | cost | 25 (2 axes) and 37 (3 axes) instructions an event on Cortex-M0, 17 and 23 on Cortex-M4F, 19 and 27 on RV32IMAC |
-/// | state | 32 bits: 8 bytes an axis and 20 more; L below 2^31 BLU |
+/// | cost | 25 (2 axes) and 37 (3 axes) instructions per event on Cortex-M0, 17 and 23 on Cortex-M4F, 19 and 27 on RV32IMAC |
+/// | state | 32 bits: 8 bytes per axis plus 20; L below 2^31 BLU |
 /// | source | Koren, Computer control of manufacturing systems, 1983; `printed`: micromill, annex A.3 |
 ///
-/// What the printed program gets wrong: registers that start at 0 and a strict comparison come one
-/// pass late, so that a line (n, 1) runs flat to its very end; it repeats idle passes at once
-/// instead of after a clock period, so that a line at 45 degrees runs 1.414 times too fast. Here
-/// its idle passes are events as well: skip events with `axes == 0` for the original's timing. Its
-/// 16-bit counters end at 65 535 BLU.
+/// Faults of the printed program:
 ///
+/// - Its registers start at 0 and its comparison is strict, so steps come one pass late. A line
+///   (n, 1) stays flat until its very end.
+/// - It repeats idle passes at once instead of after a clock period. A line at 45 degrees runs
+///   1.414 times too fast.
+/// - Its 16-bit counters end at 65 535 BLU.
+///
+/// Here its idle passes are events as well; skip events with `axes == 0` for the original timing.
+///
+/// # Examples
 /// ```
 /// let line = husillo_interp::LineDda::new([4, -3]).unwrap();
 /// let deltas: Vec<[i8; 2]> = line.map(|step| step.deltas()).collect();
@@ -38,9 +43,9 @@ use crate::step::negative_axes;
 pub struct LineDda<const N: usize> {
     left: u32,
     events: u32,
-    /// What a register overflows at.
+    /// Overflow threshold of the registers.
     length: u32,
-    /// The axes that go backwards.
+    /// Mask of the axes that step backwards.
     negative: u8,
     axes: [Register; N],
 }
@@ -55,39 +60,40 @@ struct Register {
 }
 
 impl<const N: usize> LineDda<N> {
-    /// The corrected DDA. All zero gives no event; `None` where the line is 2^31 BLU or longer.
-    /// Axes above the eighth do not move.
+    /// Creates the corrected DDA. A `delta` of all zeros gives no event. Returns `None` where the
+    /// line is 2^31 BLU or longer. Axes above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Option<Self> {
-        // At most 2^31, and not less than the longest distance.
+        // At most 2^31, and at least the longest distance.
         let events = rounded_root(square(delta)?) as u32;
         let half = events / 2;
-        // After event k: floor((2 k d + n) / (2 n)) steps, as in `Line`: nearest, halves upwards.
+        // After event k: floor((2 k d + n) / (2 n)) steps, as in `Line`: nearest, halves rounded
+        // up.
         Some(Self::with(delta, events, events, |is_negative| {
             let phase = if is_negative {
                 events.saturating_sub(half).saturating_sub(1)
             } else {
                 half
             };
-            // phase < n <= 2^31 (or both are 0): the difference is from -2^31 to 0.
+            // phase < n <= 2^31 (or both are 0), so the difference is from -2^31 to 0.
             phase.wrapping_sub(events) as i32
         }))
     }
 
-    /// The DDA of micromill A.3: registers empty at the start, steps above floor(L). `None` where
-    /// the line is 2^31 BLU or longer.
+    /// Creates the DDA of micromill A.3: registers start empty, steps occur above floor(L). Returns
+    /// `None` where the line is 2^31 BLU or longer.
     ///
-    /// The limit the original puts on each axis' steps is never met before the last pass: register
-    /// j holds k d_j after k passes, which exceeds d_j floor(L) at k = floor(L) + 1 for all axes at
-    /// once.
+    /// The original also limits the steps of each axis, but that limit never acts before the last
+    /// pass. Register j holds k d_j after k passes, which exceeds d_j floor(L) at k = floor(L) + 1
+    /// for all axes at once.
     pub fn printed(delta: [i32; N]) -> Option<Self> {
         let length = square(delta)?.isqrt() as u32;
-        // Below 2^31: the sum fits.
+        // Below 2^31, so the sum fits.
         let events = if length == 0 {
             0
         } else {
             length.wrapping_add(1)
         };
-        // Strictly above: one more than the length is due.
+        // Strictly above: the register has to exceed the length by one.
         Some(Self::with(delta, events, length, |_| {
             (events as i32).wrapping_neg()
         }))
@@ -106,7 +112,7 @@ impl<const N: usize> LineDda<N> {
         }
     }
 
-    /// Events of the whole line, idle ones included.
+    /// Number of events of the whole line, idle ones included.
     pub const fn events(&self) -> u32 {
         self.events
     }
@@ -118,7 +124,7 @@ pub(crate) fn square<const N: usize>(delta: [i32; N]) -> Option<u64> {
         .iter()
         .try_fold(0_u64, |sum, distance| {
             let distance = u64::from(distance.unsigned_abs());
-            // At most 2^62 each.
+            // Each is at most 2^62.
             sum.checked_add(distance.wrapping_mul(distance))
         })
         .filter(|sum| *sum < 1 << 62)
@@ -130,7 +136,8 @@ impl<const N: usize> Method for LineDda<N> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
-            // -L - 1 <= phase < 0 and rate <= L + 1/2 <= 2^31: the sum is from -2^31 to 2^31 - 1.
+            // -L - 1 <= phase < 0 and rate <= L + 1/2 <= 2^31, so the sum is from -2^31 to
+            // 2^31 - 1.
             axis.phase = axis.phase.wrapping_add(axis.rate as i32);
             if axis.phase >= 0 {
                 axis.phase = axis.phase.wrapping_sub(self.length as i32);

@@ -1,4 +1,4 @@
-//! The printed DDA line with the length it means: irrational.
+//! The printed DDA line with the exact, irrational length.
 
 use crate::Step;
 use crate::dda_line::square;
@@ -7,19 +7,19 @@ use crate::method::{Method, interpolator};
 use crate::step::negative_axes;
 
 /// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of
-/// floor(L): for comparison.
+/// floor(L), for comparison.
 ///
-/// After k passes axis j has made step number c + 1 when k d_j exceeds (c + 1) L: the squares are
-/// compared, in 128 bits.
+/// After k passes axis j has made step number c + 1 when k d_j exceeds (c + 1) L. The squares are
+/// compared in 128 bits.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | less than 1 BLU an axis |
+/// | error | less than 1 BLU per axis |
 /// | events | floor(L) + 1, idle ones included |
 /// | speed ripple, equal times | one event of path time over any window; mean L / events |
-/// | cost | 2 axes: 911 instructions an event on Cortex-M0, which has no long multiplication; 100 on Cortex-M4F, 109 on RV32IMAC |
-/// | state | 64 and 128 bits: 16 bytes an axis and 24 more; L below 2^31 BLU |
-/// | source | micromill, annex A.3 (what it gets wrong: [`LineDda`](crate::LineDda)) |
+/// | cost | 2 axes: 911 instructions per event on Cortex-M0, which has no long multiplication; 100 on Cortex-M4F, 109 on RV32IMAC |
+/// | state | 64 and 128 bits: 16 bytes per axis plus 24; L below 2^31 BLU |
+/// | source | micromill, annex A.3 (for its faults see [`LineDda`](crate::LineDda)) |
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LineDdaExact<const N: usize> {
     left: u32,
@@ -33,16 +33,16 @@ pub struct LineDdaExact<const N: usize> {
 /// One axis.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 struct Register {
-    /// k |d|: below 2^62, as k <= 2^31.
+    /// k |d|: below 2^62, because k <= 2^31.
     sum: u64,
     rate: u32,
-    /// The number of the step it makes next, from 1; at most 2^31.
+    /// Number of its next step, from 1 to 2^31.
     next: u32,
 }
 
 impl<const N: usize> LineDdaExact<N> {
-    /// The line from here to `delta` steps away. All zero gives no event; `None` where the line is
-    /// 2^31 BLU or longer. Axes above the eighth do not move.
+    /// Creates the line to `delta` steps away. All zeros give no event. Returns `None` where the
+    /// line is 2^31 BLU or longer. Axes above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Option<Self> {
         let square = square(delta)?;
         // The root is below 2^31.
@@ -64,7 +64,7 @@ impl<const N: usize> LineDdaExact<N> {
         })
     }
 
-    /// Events of the whole line, idle ones included.
+    /// Number of events of the whole line, idle ones included.
     pub const fn events(&self) -> u32 {
         self.events
     }
@@ -83,7 +83,7 @@ impl<const N: usize> Method for LineDdaExact<N> {
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
             axis.sum = axis.sum.wrapping_add(axis.rate.into());
-            // Up to 2^62.
+            // At most 2^62.
             let next = u64::from(axis.next);
             if product(axis.sum, axis.sum) > product(next.wrapping_mul(next), self.square) {
                 axis.next = axis.next.wrapping_add(1);

@@ -1,4 +1,4 @@
-//! The direct-search arc with two tests an event.
+//! Direct-search arc with two sign tests per event.
 
 use crate::interpolator::Totals;
 use crate::lattice::Start;
@@ -6,35 +6,36 @@ use crate::method::{Method, interpolator};
 use crate::quadrant::{Quadrant, Sides};
 use crate::{ArcError, ArcMove, Step};
 
-/// A circular arc about a whole-step centre with integer R^2: always the nearest of the three
-/// points ahead.
+/// A circular arc about a whole-step centre with integer R^2. Each event goes to the nearest of the
+/// three points ahead.
 ///
-/// The three-way comparison of the original needs two sign tests only. With D = |P|^2 - R^2 the
-/// three points ahead have D + dU < D + dU + dV < D + dV, where dU = 1 - 2 u < 0 and
-/// dV = 2 v + 1 > 0. Let B = D + dU + dV, the middle one. Where B >= 0 the v-step cannot be nearest, and the
-/// u-step is nearer than the diagonal when B + (D + dU) = 2 B - dV > 0, that is B > v. Where B < 0
-/// the v-step is nearer than the diagonal when 2 B - dU < 0, that is B + u <= 0. All of dU, dV and
-/// sums of two D are of known parity, so there are no ties. The state is (B, u, v) alone.
+/// The three-way comparison of the original needs only two sign tests. With D = |P|^2 - R^2 the
+/// three points ahead have D + dU < D + dU + dV < D + dV, where dU = 1 - 2 u < 0 and dV = 2 v +
+/// 1 > 0. Let B = D + dU + dV, the middle value. Where B >= 0 the v-step cannot be nearest. The
+/// u-step is then nearer than the diagonal when B + (D + dU) = 2 B - dV > 0, that is B > v. Where B
+/// < 0 the v-step is nearer than the diagonal when 2 B - dU < 0, that is B + u <= 0. The parity of
+/// dU, dV and of sums of two D is known, so there are no ties. The state is (B, u, v) alone.
 ///
-/// Error: the two points compared, an outer and an inner one of the same row or column, differ by 2
-/// y - 1 in D (y = the outer one's coordinate there), which is odd: the nearer has |D| <= y - 1 <=
-/// R - 1 for integer R, and sqrt(R^2 + R - 1) < R + 1/2, sqrt(R^2 - R + 1) > R - 1/2.
+/// Error: the two points compared are an outer and an inner one of the same row or column. They
+/// differ by 2 y - 1 in D, where y is the coordinate of the outer one. This is odd, so the nearer
+/// one has |D| <= y - 1 <= R - 1 for integer R; and sqrt(R^2 + R - 1) < R + 1/2, sqrt(R^2 -
+/// R + 1) > R - 1/2.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | less than 1/2 BLU, strictly; first point and run-off to the last: their rounding (0.7071) |
-/// | events | 4 round(sqrt 2 R) for a full circle, the fewest that this error allows or 4 more |
-/// | speed ripple, equal times | 1 to 1.414 BLU an event along the curve, mean 1.111 (-10 / +27 %) |
+/// | error | strictly less than 1/2 BLU; the first point and the run-off to the last are rounded (0.7071) |
+/// | events | 4 round(sqrt 2 R) for a full circle: the fewest that this error allows, or 4 more |
+/// | speed ripple, equal times | 1 to 1.414 BLU per event along the curve, mean 1.111 (-10 / +27 %) |
 /// | speed ripple, times by sweep | about 1/R and a tick: [`TimedDirectSearch`](crate::TimedDirectSearch) |
 /// | state | 64 bytes, words of 32 bits; radius up to 2^28 BLU |
-/// | cost | 28 instructions an event on Cortex-M0, 26 on Cortex-M4F, 23 on RV32IMAC |
+/// | cost | 28 instructions per event on Cortex-M0, 26 on Cortex-M4F, 23 on RV32IMAC |
 /// | source | direct search: Koren 1979, micromill A.6; two tests: our derivation; best points: McIlroy, ACM TOG 2 (1983) 259 |
 ///
-/// The events are those of [`Arc`](crate::Arc) for the same [`ArcMove`]; this one takes whole-step
-/// centres only and is faster. The sweep of an event is |P x step|, at least half the radius as in
-/// `Arc`; `total_sweep / radius` is the length in BLU. The rim is that of [`Rim`](crate::Rim),
-/// whose `end` residue follows from the points and is not looked at. Setting up walks the arc once
-/// to count its events.
+/// The events are those of [`Arc`](crate::Arc) for the same [`ArcMove`]. This method accepts
+/// whole-step centres only and is faster. The sweep of an event is |P x step|, and at least half
+/// the radius as in `Arc`; `total_sweep / radius` is the length in BLU. The rim is that of
+/// [`Rim`](crate::Rim); its `end` residue follows from the points and is ignored. Set-up walks the
+/// arc once to count its events.
 #[derive(Clone, Debug)]
 pub struct DirectSearch {
     /// Ordinary events until the next careful one.
@@ -48,8 +49,8 @@ pub struct DirectSearch {
     totals: Totals,
 }
 
-/// Of the u-step in the low half, of the v-step in the high one: a word is nearer at hand than two
-/// halves.
+/// Sides of the u-step in the low half, of the v-step in the high half. One word is accessed faster
+/// than two halves.
 #[derive(Copy, Clone, Debug)]
 struct BothSides(u32);
 
@@ -64,26 +65,27 @@ impl BothSides {
     }
 }
 
-/// What only the first and the last events need, the careful ones: their sweep may be too small,
-/// and the last ones go straight to the end. Of an arc of some size that is one or two.
+/// State that only the careful events at the start and at the end need: their sweep may be too
+/// small, and the last ones go straight to the end. In all but tiny arcs these are one or two
+/// events.
 #[derive(Clone, Debug)]
 struct Ends {
     /// Careful events before the ordinary ones.
     before: u32,
-    /// Ordinary ones that wait for these.
+    /// Ordinary events that follow them.
     waiting: u32,
     /// Events of the run-off.
     after: u32,
     u: i32,
     v: i32,
-    /// R to the nearest integer.
+    /// R, rounded to the nearest integer.
     radius: u32,
-    /// R^2 less the square of that.
+    /// R^2 minus the square of `radius`.
     excess: i32,
 }
 
 impl Ends {
-    /// Where a step crosses the curve instead of following it: half a step's worth of time.
+    /// A step that crosses the curve instead of following it takes the time of half a step.
     const fn least_sweep(&self) -> u32 {
         // At least 1 where the radius is 1.
         let half = self.radius / 2;
@@ -95,21 +97,21 @@ impl Ends {
     }
 }
 
-/// Below 2^58.
+/// Square of the radius, below 2^58.
 const fn square(radius: u32) -> u64 {
     (radius as u64).wrapping_mul(radius as u64)
 }
 
 impl DirectSearch {
-    /// Prepares an arc: walks it once to count its events and to add up its sweep.
+    /// Prepares an arc. Walks it once to count its events and to sum its sweep.
     ///
     /// # Errors
-    /// [`ArcError`]; `Centre` where the centre is no whole step, `OffRim` where an end is more
+    /// [`ArcError`]: `Centre` where the centre is not a whole step, `OffRim` where an end is more
     /// than about two BLU from the circle through (or about) the first.
     pub fn new(arc: &ArcMove) -> Result<DirectSearch, ArcError> {
         let start = Start::new(arc)?;
         let Quadrant { u, v, .. } = start.quadrant;
-        // |D| <= 4 (R + 1), u and v <= R + 3: with R <= 2^28 that is at most six times R.
+        // |D| <= 4 (R + 1), and u and v <= R + 3. With R <= 2^28 that is at most six times R.
         let balance = start
             .residue
             .wrapping_sub(u)
@@ -130,7 +132,7 @@ impl DirectSearch {
                 u: start.quadrant.u_end,
                 v: start.quadrant.v_end,
                 radius: start.radius,
-                // Rounded to nearest: |R^2 - r^2| <= r.
+                // Rounded to nearest, so |R^2 - r^2| <= r.
                 excess: start.squared.wrapping_sub(square(start.radius)) as i32,
             },
             totals: Totals::default(),
@@ -139,7 +141,7 @@ impl DirectSearch {
         Ok(search)
     }
 
-    /// Walks a copy to the end, `quadrants` away, and sorts the events.
+    /// Walks a copy to the end, `quadrants` away, and classifies the events.
     fn sort(&mut self, mut quadrants: u32) -> Result<(), ArcError> {
         let mut dry = self.clone();
         let (mut events, mut before) = (0_u32, 0_u32);
@@ -163,7 +165,7 @@ impl DirectSearch {
             }
             sum(sweep.max(self.ends.least_sweep()));
         }
-        // The run-off is a few steps: its sweeps are summed as they come.
+        // The run-off has only a few steps; its sweeps are summed one by one.
         while let Some(step) = dry.straight() {
             self.ends.after = self.ends.after.wrapping_add(1);
             sum(step.sweep);
@@ -180,12 +182,12 @@ impl DirectSearch {
         Ok(())
     }
 
-    /// Events of the whole arc.
+    /// Number of events of the whole arc.
     pub const fn events(&self) -> u32 {
         self.totals.events
     }
 
-    /// Radius to the nearest BLU: `total_sweep / radius` is the arc's length.
+    /// Radius rounded to the nearest BLU: `total_sweep / radius` is the length of the arc.
     pub const fn radius(&self) -> u32 {
         self.ends.radius
     }
@@ -201,7 +203,7 @@ impl DirectSearch {
         self.ends.squared()
     }
 
-    /// The next event if it is an ordinary one, which nearly all are; otherwise
+    /// The next event if it is an ordinary one, as nearly all are. Otherwise
     /// [`DirectSearch::careful`] makes it.
     #[inline(always)]
     pub(crate) fn ordinary_next<A: Along>(&mut self, along: &mut A) -> Option<(Step, A::Time)> {
@@ -212,12 +214,12 @@ impl DirectSearch {
         Some(self.ordinary(along))
     }
 
-    /// The nearest of the three points ahead; `along` is told.
+    /// Steps to the nearest of the three points ahead and notifies `along`.
     #[inline(always)]
     fn ordinary<A: Along>(&mut self, along: &mut A) -> (Step, A::Time) {
         let (u, v, balance) = (self.u, self.v, self.balance);
-        // All sums stay within six times R, see `new`; along the circle within three times. u > 0
-        // and v >= 0.
+        // All sums stay within six times R, see `new`; on the circle they stay within three times
+        // R. u > 0 and v >= 0.
         let (sides, sweep, time) = if balance > v {
             self.u = u.wrapping_sub(1);
             self.balance = balance.wrapping_sub(twice(u)).wrapping_add(3);
@@ -238,7 +240,7 @@ impl DirectSearch {
         (Sides::from_bits(sides as u16).step(sweep as u32), time)
     }
 
-    /// On to the next quadrant. B = D + 2 v + 2 becomes D - 2 v + 2.
+    /// Goes on to the next quadrant. B = D + 2 v + 2 becomes D - 2 v + 2.
     fn turn(&mut self) {
         self.balance = self.balance.wrapping_sub(twice(twice(self.v)));
         (self.u, self.v) = (self.v, 0);
@@ -246,7 +248,7 @@ impl DirectSearch {
         self.sides = BothSides::new(toward_v.opposite(), toward_u);
     }
 
-    /// An event that may be the first of a quadrant or not ordinary, or `None` at the end.
+    /// Makes an event that may be the first of a quadrant or not ordinary; `None` at the end.
     #[cold]
     pub(crate) fn careful(&mut self, along: &mut impl Along) -> Option<Step> {
         if self.u == 0 {
@@ -270,7 +272,7 @@ impl DirectSearch {
         self.straight()
     }
 
-    /// One step straight to the end; `None` there.
+    /// Makes one step straight to the end; `None` at the end.
     fn straight(&mut self) -> Option<Step> {
         let (toward_u, toward_v) = self.sides.split();
         let mut point = Quadrant {
@@ -294,9 +296,10 @@ const fn twice(value: i32) -> i32 {
     value.wrapping_add(value)
 }
 
-/// What goes along with the point: it is told of every step, and of each turn to the next quadrant.
+/// An observer that accompanies the point. It is notified of every step and of each turn to the
+/// next quadrant.
 pub(crate) trait Along {
-    /// What it makes of the step's sweep.
+    /// Result for the sweep of a step.
     type Time;
     fn u_step(&mut self) -> Self::Time;
     fn v_step(&mut self) -> Self::Time;
@@ -304,7 +307,7 @@ pub(crate) trait Along {
     fn turn(&mut self);
 }
 
-/// Nothing.
+/// The observer that does nothing.
 impl Along for () {
     type Time = ();
     #[inline(always)]
@@ -328,7 +331,7 @@ impl Method for DirectSearch {
 
     #[inline]
     fn left(&self) -> u32 {
-        // Parts of the events, which are at most 2^31 and a few.
+        // The sum is the number of events left, at most 2^31 and a few.
         self.free
             .wrapping_add(self.ends.before)
             .wrapping_add(self.ends.waiting)

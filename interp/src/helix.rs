@@ -1,23 +1,23 @@
-//! An arc in one plane with straight motion of the other axes: slaved to the swept area.
+//! Helix: an arc in one plane with linear motion of the other axes in proportion to the swept area.
 
 use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
 use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
 
-/// An arc in the plane of two axes while the others go a straight way, in proportion to the swept
-/// area (not to the count of events, which would be 0.5 % off): always within 1/2 step of it.
+/// An arc in the plane of two axes while the other axes move linearly in proportion to the swept
+/// area. (In proportion to the count of events they would be 0.5 % off.)
 ///
-/// Where an axis has more steps than an event of the plane may take, events of the other axes alone
-/// are put evenly before it and share its sweep.
+/// Where an axis has more steps than the events of the plane can carry, events of the other axes
+/// alone are inserted evenly before an event of the plane and share its sweep.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | in the plane that of [`Arc`]; other axes within one step of their share of the sweep (1/2 where they have fewer steps than the plane events), and exact at the end |
+/// | error | in the plane that of [`Arc`]; other axes within one step of their share of the sweep (1/2 where they have fewer steps than the plane has events), and exact at the end |
 /// | events | those of the arc, and of axes that have more steps than it |
-/// | speed ripple | that of the arc; events between two of the plane share its sweep |
-/// | state | that of the arc, 24 bytes an axis and 40 more; 2^31 events |
-/// | cost | in three axes 280 instructions an event on Cortex-M0, 95 on Cortex-M4F, 129 on RV32IMAC: the product of rate and sweep has 64 bits |
-/// | source | our derivation: the area swept is the angle |
+/// | speed ripple | that of the arc; events between two events of the plane share its sweep |
+/// | state | that of the arc, plus 24 bytes per axis and 40; 2^31 events |
+/// | cost | in three axes 280 instructions per event on Cortex-M0, 95 on Cortex-M4F, 129 on RV32IMAC: the product of rate and sweep has 64 bits |
+/// | source | our derivation: the swept area is proportional to the angle |
 #[derive(Clone, Debug)]
 pub struct Helix<const N: usize> {
     arc: Arc,
@@ -26,26 +26,26 @@ pub struct Helix<const N: usize> {
     events: u32,
     left: u32,
     largest_sweep: u32,
-    /// Sweeps of a dense helix are in units 2^lift times finer, so that they can be shared out.
+    /// Sweeps of a dense helix are in units 2^lift times finer, so that they can be divided.
     lift: u8,
     burst: Burst,
 }
 
-/// How the other axes move.
+/// Motion of the other axes.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Pace {
-    /// Not at all.
+    /// No motion.
     Flat,
-    /// At most one step with each event of the plane.
+    /// At most one step per event of the plane.
     Sparse,
-    /// Possibly several.
+    /// Possibly several steps per event of the plane.
     Dense,
 }
 
 /// One axis outside the plane.
 #[derive(Copy, Clone, Debug)]
 struct Slave {
-    /// Its steps times the sweep done, modulo the total sweep; starts at half of it (rounding).
+    /// Its steps times the sweep so far, modulo the total sweep; starts at half of it for rounding.
     phase: u64,
     rate: u32,
     is_negative: bool,
@@ -54,24 +54,25 @@ struct Slave {
     due_phase: u32,
 }
 
-/// The events made of one event of the plane: `of` in number, the last one with the plane's step.
+/// The events for one event of the plane: `of` events, the last one with the step of the plane.
 #[derive(Copy, Clone, Debug)]
 struct Burst {
     left: u32,
     of: u32,
     step: Step,
-    /// Sweep of one of them.
+    /// Sweep of each event.
     share: u32,
-    /// This many events have one unit of sweep more.
+    /// Number of events that have one more unit of sweep.
     longer: u32,
 }
 
 impl<const N: usize> Helix<N> {
-    /// The arc `arc` of the axes `plane` with `along` steps of the others (entries of the plane's
-    /// own axes are ignored, and those above the eighth).
+    /// Creates the arc `arc` of the axes `plane` with `along` steps of the other axes. Entries for
+    /// the axes of the plane and for axes above the eighth are ignored.
     ///
     /// # Errors
-    /// [`ArcError::Plane`], what [`Arc::new`] says, and [`ArcError::TooLong`] above 2^31 events.
+    /// [`ArcError::Plane`], the errors of [`Arc::new`], and [`ArcError::TooLong`] above 2^31
+    /// events.
     pub fn new(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
         let [first, second] = plane;
         if first == second || first >= N.min(8) || second >= N.min(8) {
@@ -93,7 +94,7 @@ impl<const N: usize> Helix<N> {
             }
             fastest = fastest.max(axis.rate);
         }
-        // rate <= 2^31 and a sweep is below 2^32: the product fits.
+        // rate <= 2^31 and a sweep is below 2^32, so the product fits.
         let most = u64::from(fastest).wrapping_mul(arc.largest_sweep().into());
         let pace = match fastest {
             0 => Pace::Flat,
@@ -117,9 +118,9 @@ impl<const N: usize> Helix<N> {
             arc,
         };
         if pace == Pace::Dense {
-            // One event gets about total / fastest: lift that to 2^30 units. total 2^lift stays
-            // within fastest 2^32 <= 2^63, and the share of one event below 2^32.
-            // Neither is 0 here, so the logarithms exist.
+            // One event gets about total / fastest, which is scaled to 2^30 units. total 2^lift
+            // stays within fastest 2^32 <= 2^63, and the share of one event below 2^32. Neither is
+            // 0 here, so the logarithms exist.
             let per_step = 30_u32.wrapping_add(fastest.checked_ilog2().unwrap_or(0));
             helix.lift = per_step.saturating_sub(total.checked_ilog2().unwrap_or(0)) as u8;
             helix.dry_pass()?;
@@ -127,7 +128,7 @@ impl<const N: usize> Helix<N> {
         Ok(helix)
     }
 
-    /// The dry pass of a dense helix: one round for each event of the plane.
+    /// Dry pass of a dense helix: one round per event of the plane.
     fn dry_pass(&mut self) -> Result<(), ArcError> {
         let mut dry = self.clone();
         let (mut events, mut largest) = (0_u64, 0_u32);
@@ -145,17 +146,18 @@ impl<const N: usize> Helix<N> {
         Ok(())
     }
 
-    /// Takes the next event of the plane and shares it out.
+    /// Takes the next event of the plane and distributes it.
     fn load(&mut self) -> Option<()> {
         let step = self.arc.next()?;
         let total = self.arc.total_sweep();
         let mut of = 1_u32;
         for axis in &mut self.axes {
-            // rate sweep < 2^63 and phase < total < 2^63; total is positive, as an event was.
+            // rate sweep < 2^63 and phase < total < 2^63; total is positive, because there was an
+            // event.
             let phase = axis
                 .phase
                 .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep.into()));
-            // Together the steps due are `rate`, so each count fits.
+            // All due steps together are `rate`, so each count fits.
             axis.due = phase.checked_div(total).unwrap_or(0) as u32;
             axis.phase = phase.wrapping_sub(u64::from(axis.due).wrapping_mul(total));
             of = of.max(axis.due);
@@ -176,7 +178,7 @@ impl<const N: usize> Helix<N> {
         Some(())
     }
 
-    /// An event of a dense helix.
+    /// Next event of a dense helix.
     fn next_of_burst(&mut self) -> Option<Step> {
         if self.burst.left == 0 {
             self.load()?;
@@ -186,7 +188,7 @@ impl<const N: usize> Helix<N> {
         let mut step = Step::default();
         let mut bit = 1_u8;
         for axis in &mut self.axes {
-            // phase < of and due <= of <= 2^31: the sum fits.
+            // phase < of and due <= of <= 2^31, so the sum fits.
             axis.due_phase = axis.due_phase.wrapping_add(axis.due);
             if axis.due_phase >= burst.of {
                 axis.due_phase = axis.due_phase.wrapping_sub(burst.of);
@@ -203,24 +205,25 @@ impl<const N: usize> Helix<N> {
         Some(step)
     }
 
-    /// The arc in the plane.
+    /// The arc in its plane.
     pub const fn arc(&self) -> &Arc {
         &self.arc
     }
 
-    /// Events of the whole move.
+    /// Number of events of the whole move.
     pub const fn events(&self) -> u32 {
         self.events
     }
 
-    /// Radius in the unit of the sweep: `total_sweep / radius` is the arc's length in its plane.
+    /// Radius in the unit of the sweep: `total_sweep / radius` is the length of the arc in its
+    /// plane.
     pub const fn radius(&self) -> u64 {
         self.arc.radius().wrapping_shl(self.lift as u32)
     }
 }
 
 impl Slave {
-    /// A step of this axis, which has this bit.
+    /// Adds a step of this axis, whose mask is `bit`.
     #[inline]
     fn add_to(&self, step: &mut Step, bit: u8) {
         step.axes |= bit;
@@ -241,8 +244,8 @@ impl<const N: usize> Method for Helix<N> {
             let total = self.arc.total_sweep();
             let mut bit = 1_u8;
             for axis in &mut self.axes {
-                // rate sweep <= total < 2^63 and phase < total: fits, and one subtraction is
-                // enough.
+                // rate sweep <= total < 2^63 and phase < total: the sum fits, and one subtraction
+                // is enough.
                 axis.phase = axis
                     .phase
                     .wrapping_add(u64::from(axis.rate).wrapping_mul(step.sweep.into()));

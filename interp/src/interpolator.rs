@@ -1,12 +1,13 @@
-//! The seams: what every method is, and what a machine makes its moves of.
+//! Traits of the methods and of the set of methods that a machine uses.
 
 use crate::{ArcError, ArcMove, Step};
 
-/// A move on its way: an iterator of events that knows what remains.
+/// A move in progress: an iterator of events that knows how many remain.
 ///
-/// Nothing is owed between events: it may be dropped, or cloned and walked dry, at any of them.
+/// There is no hidden state between events. A move may be dropped, or cloned and walked to its end,
+/// at any event.
 pub trait Interpolator: Iterator<Item = Step> + Clone {
-    /// Events still to come.
+    /// Number of events still to come.
     fn remaining(&self) -> u32;
 
     /// Sum of the sweeps of all events of the whole move.
@@ -16,24 +17,24 @@ pub trait Interpolator: Iterator<Item = Step> + Clone {
     fn largest_sweep(&self) -> u32;
 }
 
-/// A set of methods that makes every kind of move; what a machine is generic over.
+/// A set of methods for every kind of move; a machine is generic over it.
 pub trait Moves<const N: usize>: Interpolator {
-    /// A straight move by `delta` steps.
+    /// Creates a straight move by `delta` steps.
     fn line(delta: [i32; N]) -> Self;
 
-    /// An arc in the axes `plane`, while the others make `along` steps (entries of the plane's axes
-    /// are ignored).
+    /// Creates an arc in the axes `plane` while the others make `along` steps (entries of the axes
+    /// of the plane are ignored).
     ///
     /// # Errors
-    /// [`ArcError`]; for [`ArcError::Degenerate`] make a line instead.
+    /// [`ArcError`]; for [`ArcError::Degenerate`] use a line instead.
     fn arc(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError>;
 
-    /// Of an arc the radius in the unit of its sweep (`total_sweep / radius` is its length in BLU);
+    /// Radius of an arc in the unit of its sweep (`total_sweep / radius` is its length in BLU);
     /// `None` for a line.
     fn radius(&self) -> Option<u64>;
 }
 
-/// What a walk through a whole move adds up to.
+/// Sums over a whole move.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) events: u32,
@@ -42,7 +43,7 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
-    /// Walks `steps` to their end; `None` when they are more than 2^31.
+    /// Walks `steps` to their end; `None` when there are more than 2^31.
     pub(crate) fn of(steps: impl Iterator<Item = Step>) -> Option<Totals> {
         let mut totals = Totals::default();
         for step in steps {
@@ -54,7 +55,7 @@ impl Totals {
         Some(totals)
     }
 
-    /// Those of `events` events that sweep 1 each, as the events of all lines do.
+    /// Totals of `events` events with a sweep of 1 each, as all lines have.
     #[inline]
     pub(crate) fn of_ones(events: u32) -> Totals {
         Totals {
@@ -64,7 +65,7 @@ impl Totals {
         }
     }
 
-    /// Another event; they are not more than 2^32.
+    /// Adds an event; there are at most 2^32.
     #[inline]
     pub(crate) fn add(&mut self, sweep: u32) {
         self.events = self.events.wrapping_add(1);

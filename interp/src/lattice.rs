@@ -1,20 +1,20 @@
-//! What the arcs about a whole-step centre begin with.
+//! Start state of the arcs about a whole-step centre.
 
 use crate::quadrant::{Quadrant, Sides};
 use crate::{ArcError, ArcMove, Direction, Rim};
 
-/// Largest radius in BLU: six times it, the most any method's state reaches, fits `i32`.
+/// Largest radius in BLU. Six times it, the largest state of any method, fits in `i32`.
 const MAX_RADIUS: u64 = 1 << 28;
 
-/// An arc about a whole-step centre, checked.
+/// A checked arc about a whole-step centre.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
     pub(crate) quadrant: Quadrant,
     /// R^2, an integer; at most (2^28 + 2)^2.
     pub(crate) squared: u64,
-    /// |P|^2 - R^2 of the first point: at most 4 R + 4 either way.
+    /// |P|^2 - R^2 of the first point: at most 4 R + 4 in magnitude.
     pub(crate) residue: i32,
-    /// R to the nearest BLU, at least 1.
+    /// R rounded to the nearest BLU, at least 1.
     pub(crate) radius: u32,
 }
 
@@ -24,7 +24,7 @@ impl Start {
             return Err(ArcError::FractionBits);
         }
         let bits = u32::from(arc.fraction_bits);
-        // At most 2^30, so 1 less fits.
+        // At most 2^30, so subtracting 1 is safe.
         let fraction = 1_i64.wrapping_shl(bits).wrapping_sub(1);
         let [centre_x, centre_y] = arc.centre;
         if (centre_x | centre_y) & fraction != 0 {
@@ -45,14 +45,14 @@ impl Start {
         if radius == 0 {
             return Err(ArcError::Degenerate);
         }
-        // A point e beside the circle has a residue of about 2 R e.
+        // A point at distance e from the circle has a residue of about 2 R e.
         let most = radius.wrapping_mul(4).wrapping_add(4);
         let end_residue = to.square.saturating_sub_unsigned(squared);
         if residue.unsigned_abs() > most || end_residue.unsigned_abs() > most {
             return Err(ArcError::OffRim);
         }
         let left = quadrants(&from, &to, arc.turns);
-        // A quadrant has at most 2 R events, in any method.
+        // A quadrant has at most 2 R events in any method.
         let events = radius.wrapping_mul(2).saturating_mul(left.max(1));
         if events > 1 << 31 {
             return Err(if radius > MAX_RADIUS {
@@ -72,7 +72,7 @@ impl Start {
         let side = |axis: u8, is_negative: bool| {
             Sides::new(axis, is_negative ^ (axis == 1 && is_clockwise))
         };
-        // The step along v is the one along u, a quarter turn back: -x becomes y, -y becomes -x.
+        // The step along v is the step along u, a quarter turn back: -x becomes y, -y becomes -x.
         let toward_v = side(axis ^ 1, is_negative ^ (axis == 0));
         Ok(Start {
             quadrant: Quadrant {
@@ -92,7 +92,7 @@ impl Start {
     }
 }
 
-/// An end of the arc, seen from the centre and turned into the first quadrant.
+/// An end of the arc relative to the centre, rotated into the first quadrant.
 struct Spot {
     quadrant: u8,
     u: i32,
@@ -138,11 +138,11 @@ impl Spot {
     }
 }
 
-/// Quadrant changes from the first to the last point.
+/// Number of quadrant changes from the first to the last point.
 fn quadrants(from: &Spot, to: &Spot, turns: u32) -> u64 {
     let product = |a: i32, b: i32| i64::from(a).wrapping_mul(b.into());
     let shortest = u64::from(to.quadrant.wrapping_sub(from.quadrant) & 3);
-    // Level with the start or behind it in the same quadrant: all the way round.
+    // The end is level with the start or behind it in the same quadrant: a whole turn.
     let is_behind = product(from.u, to.v) <= product(from.v, to.u);
     let first = if shortest == 0 && is_behind {
         4
@@ -152,7 +152,7 @@ fn quadrants(from: &Spot, to: &Spot, turns: u32) -> u64 {
     u64::from(turns).wrapping_mul(4).wrapping_add(first)
 }
 
-/// The square root to the nearest integer; of values below 2^62.
+/// The square root, rounded to the nearest integer, of a value below 2^62.
 pub(crate) const fn rounded_root(square: u64) -> u64 {
     let root = square.isqrt();
     // (root + 1/2)^2 = root^2 + root + 1/4.

@@ -1,10 +1,11 @@
 //! Lengths of vectors.
 
-/// Length of a move that goes `straight` along these axes and `around` in the plane of two others
-/// (0 for a straight line), in their unit.
+/// Length of a move that covers `straight` along these axes and `around` in the plane of two others
+/// (0 for a straight line), in the same unit.
 ///
-/// Right to half a unit or 2^-28 of the length, whichever is more. At most 15 axes.
+/// Accurate to half a unit or 2^-28 of the length, whichever is larger. At most 15 axes.
 ///
+/// # Examples
 /// ```
 /// assert_eq!(husillo_interp::length(&[3_000, 4_000], 0), 5_000);
 /// ```
@@ -12,8 +13,8 @@
 pub fn length(straight: &[u64], around: u64) -> u64 {
     let largest = straight.iter().copied().fold(around, u64::max);
     let bits = 64 - largest.leading_zeros();
-    // Every component is brought to at most 30 bits: 16 squares of 60 bits add up to 64 bits. Small
-    // ones get extra bits below the point, so that the root rounds to nearest.
+    // Every component is scaled to at most 30 bits: 16 squares of 60 bits fit in 64 bits. Small
+    // components get extra bits below the point, so that the root rounds to nearest.
     let (down, up) = (bits.saturating_sub(30), 30_u32.saturating_sub(bits).min(8));
     let sum = straight
         .iter()
@@ -27,7 +28,8 @@ pub fn length(straight: &[u64], around: u64) -> u64 {
     root.checked_shl(down).unwrap_or(u64::MAX)
 }
 
-/// floor(sqrt(`square`)). On small chips one bit at a time: at most 32 rounds, a sixth of the code.
+/// floor(sqrt(`square`)). On 32-bit processors one bit at a time: at most 32 rounds, a sixth of the
+/// code.
 pub(crate) const fn square_root(square: u64) -> u64 {
     if cfg!(target_pointer_width = "64") {
         return square.isqrt();
@@ -35,7 +37,7 @@ pub(crate) const fn square_root(square: u64) -> u64 {
     digits(square)
 }
 
-/// The same, digit by digit.
+/// The same root, digit by digit.
 const fn digits(square: u64) -> u64 {
     let mut root = 0_u64;
     let mut rest = square;
@@ -44,7 +46,7 @@ const fn digits(square: u64) -> u64 {
         bit >>= 2;
     }
     while bit != 0 {
-        // root + bit <= square, except where rest is compared with it: below 2^63 anyway.
+        // root + bit <= square, except where rest is compared with it: below 2^63 in any case.
         let trial = root.wrapping_add(bit);
         root >>= 1;
         if rest >= trial {

@@ -1,25 +1,26 @@
-//! The straight line through N axes.
+//! The straight line in N axes.
 
 use crate::Step;
 use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
 use crate::step::negative_axes;
 
-/// A straight line through one to eight axes: as many events as the longest axis has steps.
+/// A straight line in one to eight axes, with as many events as the longest axis has steps.
 ///
 /// After event `k` of `n` (the longest distance) axis `j` has made `floor((2 k d_j + n) / (2 n))`
-/// steps: nearest to the true line, halves towards +infinity whatever the direction, so that the
-/// way back visits the same points.
+/// steps. This is the point nearest to the true line, with halves rounded towards +infinity in any
+/// direction. The return path therefore visits the same points.
 ///
 /// | | |
 /// | --- | --- |
-/// | error | at most 1/2 BLU an axis; in two axes at most 1/2 BLU from the line |
+/// | error | at most 1/2 BLU per axis; in two axes at most 1/2 BLU from the line |
 /// | events | max &#124;d_j&#124; |
 /// | speed ripple | none where all events take the same time |
-/// | state | 32 bits: 8 bytes an axis and 12 more; every `i32` distance up to 2^31 |
-/// | cost | 2, 3 and 6 axes: 25, 37 and 77 instructions an event on Cortex-M0; 17, 23 and 44 on Cortex-M4F; 19, 27 and 51 on RV32IMAC |
+/// | state | 32 bits: 8 bytes per axis plus 12; every `i32` distance up to 2^31 |
+/// | cost | 2, 3 and 6 axes: 25, 37 and 77 instructions per event on Cortex-M0; 17, 23 and 44 on Cortex-M4F; 19, 27 and 51 on RV32IMAC |
 /// | source | Bresenham 1965, centred, in N axes |
 ///
+/// # Examples
 /// ```
 /// let line = husillo_interp::Line::new([4, -2]);
 /// let deltas: Vec<[i8; 2]> = line.map(|step| step.deltas()).collect();
@@ -30,12 +31,12 @@ pub struct Line<const N: usize> {
     left: u32,
     /// The longest distance.
     events: u32,
-    /// The axes that go backwards.
+    /// Mask of the axes that step backwards.
     negative: u8,
     axes: [Share; N],
 }
 
-/// What one axis has of the line.
+/// State of one axis of the line.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 struct Share {
     /// From -n to -1; a step is due when it reaches 0.
@@ -45,26 +46,26 @@ struct Share {
 }
 
 impl<const N: usize> Line<N> {
-    /// The line from here to `delta` steps away. Any `i32` is allowed; all zero gives no event.
-    /// Axes above the eighth do not move.
+    /// Creates the line to `delta` steps away. Any `i32` is allowed; all zeros give no event. Axes
+    /// above the eighth do not move.
     pub fn new(delta: [i32; N]) -> Self {
         let events = delta
             .iter()
             .map(|distance| distance.unsigned_abs())
             .max()
             .unwrap_or(0);
-        // floor((2 k d + n) / (2 n)) = floor((k d + floor(n / 2)) / n), as k d is an integer.
+        // floor((2 k d + n) / (2 n)) = floor((k d + floor(n / 2)) / n), because k d is an integer.
         let half = events / 2;
         let axes = delta.map(|distance| {
-            // Downwards the phase is mirrored, n - 1 - phase: it passes n when the true one passes
-            // 0.
+            // For a negative distance the phase is mirrored, n - 1 - phase: it passes n when the
+            // true one passes 0.
             let phase = if distance < 0 {
                 events.saturating_sub(half).saturating_sub(1)
             } else {
                 half
             };
             Share {
-                // phase < n <= 2^31 (or both are 0): the difference is from -2^31 to 0.
+                // phase < n <= 2^31 (or both are 0), so the difference is from -2^31 to 0.
                 phase: phase.wrapping_sub(events) as i32,
                 rate: distance.unsigned_abs(),
             }
@@ -77,7 +78,7 @@ impl<const N: usize> Line<N> {
         }
     }
 
-    /// Events of the whole line: the distance of the longest axis, at most 2^31.
+    /// Number of events of the whole line: the distance of the longest axis, at most 2^31.
     pub const fn events(&self) -> u32 {
         self.events
     }
@@ -89,17 +90,17 @@ impl<const N: usize> Method for Line<N> {
         self.left = self.left.checked_sub(1)?;
         let (mut axes, mut bit) = (0_u8, 1_u8);
         for axis in &mut self.axes {
-            // -n <= phase < 0 and rate <= n <= 2^31: the sum is from -2^31 to 2^31 - 1. As 32 bits
-            // it carries where it gets to 0 or above.
+            // -n <= phase < 0 and rate <= n <= 2^31, so the sum is from -2^31 to 2^31 - 1. In 32
+            // bits it carries where it reaches 0 or more.
             let (phase, is_due) = (axis.phase as u32).overflowing_add(axis.rate);
             axis.phase = phase as i32;
             let due = phase.wrapping_sub(self.events) as i32;
             if cfg!(target_pointer_width = "64") {
-                // Selected: which axis steps is what a desktop guesses wrong.
+                // Selected without a branch: desktop processors mispredict which axis steps.
                 axis.phase = if is_due { due } else { axis.phase };
                 axes |= if is_due { bit } else { 0 };
             } else if axis.phase >= 0 {
-                // A branch is what a Cortex-M has the fewest instructions for.
+                // A branch takes the fewest instructions on a Cortex-M.
                 axis.phase = due;
                 axes |= bit;
             }

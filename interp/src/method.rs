@@ -1,25 +1,25 @@
-//! A method's own part: its next event and what the whole move adds up to.
+//! The part that each method implements: its next event and the sums of the whole move.
 
 use crate::Step;
 use crate::interpolator::Totals;
 
-/// What differs from one method to the next. [`interpolator!`] derives the public traits from it.
+/// The differences between methods. [`interpolator!`] derives the public traits from it.
 pub(crate) trait Method {
-    /// The next event, or `None` at the end of the move and ever after.
+    /// Returns the next event, or `None` at the end of the move and after it.
     fn next_step(&mut self) -> Option<Step>;
 
-    /// Events still to come.
+    /// Number of events still to come.
     fn left(&self) -> u32;
 
-    /// Sums over the whole move, whatever part of it is made.
+    /// Sums over the whole move, at any point of it.
     fn totals(&self) -> Totals;
 }
 
 /// Derives [`Iterator`], [`ExactSizeIterator`], [`FusedIterator`](core::iter::FusedIterator) and
-/// [`Interpolator`](crate::Interpolator) of a type that is a [`Method`] or has one in a field.
+/// [`Interpolator`](crate::Interpolator) for a type that is a [`Method`] or has one in a field.
 ///
-/// A macro, because a blanket `impl<M: Method> Iterator for M` is not allowed: `Iterator` is
-/// foreign.
+/// This is a macro because `impl<M: Method> Iterator for M` is not allowed: `Iterator` is a foreign
+/// trait.
 macro_rules! interpolator {
     ($kind:ident $(<$axes:ident>)? $(, $field:ident)?) => {
         impl$(<const $axes: usize>)? Iterator for $kind$(<$axes>)? {
@@ -32,7 +32,7 @@ macro_rules! interpolator {
 
             #[inline]
             fn size_hint(&self) -> (usize, Option<usize>) {
-                // 2^31 at most: only a 16-bit machine could not say it.
+                // At most 2^31; only a 16-bit machine could not represent it.
                 let left = usize::try_from(crate::method::Method::left(&(*self)$(.$field)?)).ok();
                 (left.unwrap_or(usize::MAX), left)
             }

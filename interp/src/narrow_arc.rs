@@ -1,4 +1,4 @@
-//! The general arc where 32 bits hold its state, for chips that have no room for the other case.
+//! The general arc with 32-bit state only, for processors without room for the 64-bit case.
 
 use crate::arc::start;
 use crate::counted::Counted;
@@ -6,15 +6,17 @@ use crate::method::interpolator;
 use crate::walk::{Start, Walk};
 use crate::{ArcError, ArcMove};
 
-/// An [`Arc`](crate::Arc) whose state has words of 32 bits: the same steps, or [`ArcError::Wide`].
+/// An [`Arc`](crate::Arc) whose state has words of 32 bits. The steps are the same; an arc that
+/// does not fit is refused with [`ArcError::Wide`].
 ///
 /// | | |
 /// | --- | --- |
-/// | when | with the fraction bits of [`fraction_bits_for`](crate::fraction_bits_for) up to R = 2^25, unless its ends lie far apart beside the circle in few steps |
+/// | range | with the fraction bits of [`fraction_bits_for`](crate::fraction_bits_for) up to R = 2^25, except where the ends lie far off the circle and there are few steps |
 /// | state | 96 bytes instead of 152 |
-/// | cost | on a Cortex-M0 2 kB of code less, and no choice of the width at every event |
-/// | else | as [`Arc`](crate::Arc) |
+/// | cost | on a Cortex-M0 2 kB less code, and no choice of the width at every event |
+/// | otherwise | as [`Arc`](crate::Arc) |
 ///
+/// # Examples
 /// ```
 /// use husillo_interp::{Arc, ArcMove, Direction, NarrowArc, Rim};
 ///
@@ -37,7 +39,7 @@ pub struct NarrowArc {
 }
 
 impl NarrowArc {
-    /// Prepares an arc: walks it once to count its events and to add up its sweep.
+    /// Prepares an arc. Walks it once to count its events and to sum its sweep.
     ///
     /// # Errors
     /// See [`ArcError`]; nothing is walked then.
@@ -51,10 +53,10 @@ impl NarrowArc {
         })
     }
 
-    /// What [`NarrowArc::new`] would say, without the walk.
+    /// Checks an arc as [`NarrowArc::new`] does, without the walk.
     ///
     /// # Errors
-    /// As there.
+    /// As [`NarrowArc::new`].
     pub fn check(arc: &ArcMove) -> Result<(), ArcError> {
         narrow(arc).map(|_| ())
     }

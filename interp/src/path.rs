@@ -1,4 +1,4 @@
-//! Line or arc behind one name.
+//! Line or arc as one type.
 
 use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
@@ -6,7 +6,7 @@ use crate::{ArcError, ArcMove, Helix, Line, Moves, Step};
 
 /// The default set of methods: the nearest-point line and arc of this crate.
 #[derive(Clone, Debug)]
-// One of these lives in a machine, in place; a box would need an allocator.
+// One of these lives in place in a machine; a box would need an allocator.
 #[allow(clippy::large_enum_variant)]
 pub enum Path<const N: usize> {
     /// A straight move.

@@ -1,4 +1,4 @@
-//! An arc in nanometres to the arc in steps.
+//! Conversion of an arc in nanometres to an arc in steps.
 
 use crate::length::length;
 use crate::{ArcError, ArcMove, Direction, Rim, Scale, fraction_bits_for};
@@ -6,13 +6,13 @@ use crate::{ArcError, ArcMove, Direction, Rim, Scale, fraction_bits_for};
 /// Largest radius in steps: `(r + 4) * 2^f` stays within the proof of [`Arc`](crate::Arc).
 const MAX_RADIUS_STEPS: u64 = 1 << 28;
 
-/// An arc as a program has it: exact positions, in nanometres, of the two axes of its plane.
+/// An arc as programmed: exact positions in nanometres of the two axes of its plane.
 ///
-/// Both axes have steps of the same length. A helix is this arc in its plane; its other axes go
-/// along.
+/// Both axes have steps of the same length. For a helix this is the arc in its plane; the other
+/// axes are not part of it.
 ///
 /// # Examples
-/// A quarter turn with 107 steps a millimetre:
+/// A quarter turn with 107 steps per millimetre:
 /// ```
 /// use husillo_interp::{Arc, Direction, ProgrammedArc, Scale};
 ///
@@ -35,28 +35,28 @@ const MAX_RADIUS_STEPS: u64 = 1 << 28;
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProgrammedArc {
-    /// First point.
+    /// First point in nm.
     pub from: [i64; 2],
-    /// Last point; in the same direction from the centre as `from` it means a full turn.
+    /// Last point in nm; in the same direction from the centre as `from` it means a full turn.
     pub to: [i64; 2],
-    /// Centre.
+    /// Centre in nm.
     pub centre: [i64; 2],
-    /// Turning sense.
+    /// Sense of rotation.
     pub direction: Direction,
-    /// Complete turns made on top of the shortest way round.
+    /// Complete turns in addition to the angle from `from` to `to`.
     pub turns: u32,
-    /// How far the radii at both ends differ. Up to half a step the path is the circle through
+    /// Difference of the radii at both ends in nm. Up to half a step the path is the circle through
     /// `from`; beyond that it is a spiral.
     pub mismatch_nm: u64,
 }
 
-/// What a [`ProgrammedArc`] is on the grid of its axes' steps.
+/// A [`ProgrammedArc`] on the step grid of its axes.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GridArc {
     /// The move, in steps from its first point.
     pub arc: ArcMove,
-    /// The larger radius of its ends, to the nearest step; below 2^28.
+    /// The larger radius of its ends, rounded to the nearest step; below 2^28.
     pub radius_steps: u32,
 }
 
@@ -67,7 +67,7 @@ impl ProgrammedArc {
         [self.from, self.to].map(|[at_x, at_y]| [at_x.saturating_sub(x), at_y.saturating_sub(y)])
     }
 
-    /// The distances of the first and of the last point from the centre, in nanometres, right to
+    /// The distances of the first and the last point from the centre in nanometres, accurate to
     /// half a nanometre or 2^-28 of the distance.
     pub fn radii(&self) -> [u64; 2] {
         self.spokes().map(size)
@@ -75,7 +75,7 @@ impl ProgrammedArc {
 
     /// Lowest and highest coordinate of the path in each of the two axes, in nanometres.
     ///
-    /// Of a spiral the circle with the larger radius is meant.
+    /// For a spiral these are the values of the circle with the larger radius.
     pub fn extent(&self) -> [[i64; 2]; 2] {
         let [start, end] = self.spokes();
         let rim = larger_radius(start, end);
@@ -97,23 +97,23 @@ impl ProgrammedArc {
         ]
     }
 
-    /// The arc on the grid, with its first point at the origin.
+    /// Converts the arc to the grid, with its first point at the origin.
     ///
-    /// `steps` are the positions on which the axes stand and shall stand: as a rule
-    /// [`Scale::nearest`] of both ends. Where ends that lie on one spoke round to steps that do
-    /// not, or to the same step, the exact positions say whether the arc is short or a whole turn.
+    /// `steps` are the positions of the axes at both ends, normally [`Scale::nearest`] of both
+    /// ends. Ends on one spoke may round to steps on different spokes, or to the same step. The
+    /// exact positions then decide whether the arc is short or a whole turn.
     ///
-    /// The centre keeps the fraction bits of [`fraction_bits_for`]. A circle goes through the exact
-    /// first point, whose squared radius is never formed: its residues are rounded to nearest,
-    /// which gives the lesser bound of [`Rim::Nominal`].
+    /// The centre keeps the fraction bits of [`fraction_bits_for`]. A circle passes through the
+    /// exact first point. Its squared radius is never formed: the residues are rounded to nearest,
+    /// which gives the smaller bound of [`Rim::Nominal`].
     ///
     /// # Errors
-    /// [`ArcError::Degenerate`] where it is too short to go round anything on this grid: make a
-    /// line of it. [`ArcError::TooLarge`] where the radius is 2^28 steps or more, or the centre
-    /// 2^31 steps or more from zero.
+    /// [`ArcError::Degenerate`] where the arc is too short to have a direction on this grid; use a
+    /// line instead. [`ArcError::TooLarge`] where the radius is 2^28 steps or more, or the centre
+    /// is 2^31 steps or more from zero.
     ///
     /// # Cost
-    /// Some fifteen products of 64 and 128 bits, three roots and five divisions of 64 bits.
+    /// About fifteen products of 64 and 128 bits, three roots and five divisions of 64 bits.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub fn on_grid(&self, scale: Scale, steps: [[i32; 2]; 2]) -> Result<GridArc, ArcError> {
         let [start, end] = self.spokes();
@@ -125,14 +125,13 @@ impl ProgrammedArc {
         };
         let bits = fraction_bits_for(u64::from(radius_steps));
         let [[ax, ay], [bx, by]] = steps;
-        // Both ends are within 2 * 2^28 steps of each other, unless the programmed radii lie about
-        // it.
+        // Both ends are within 2 * 2^28 steps of each other, unless the programmed radii are wrong.
         let to = [bx.wrapping_sub(ax), by.wrapping_sub(ay)];
         let [centre_x, centre_y] = self.centre.map(|at| scale.nearest_fraction(at, bits));
         let (Some(centre_x), Some(centre_y)) = (centre_x, centre_y) else {
             return Err(ArcError::TooLarge);
         };
-        // 2^31 steps with at most 16 fraction bits: 47 bits.
+        // 2^31 steps with at most 16 fraction bits have 47 bits.
         let centre = [
             centre_x.wrapping_sub(i64::from(ax) << bits),
             centre_y.wrapping_sub(i64::from(ay) << bits),
@@ -143,8 +142,8 @@ impl ProgrammedArc {
             if short && turns == 0 {
                 return Err(ArcError::Degenerate);
             }
-            // The grid sees a hop forward as short and anything else as a whole turn; the program
-            // decides.
+            // The grid takes a small forward step as a short arc and everything else as a whole
+            // turn; the program decides.
             if !short {
                 turns = turns.saturating_add(1);
             }
@@ -186,19 +185,19 @@ fn larger_radius(start: [i64; 2], end: [i64; 2]) -> i64 {
     size(start).max(size(end)).min(i64::MAX as u64) as i64
 }
 
-/// A product of 128 bits: on a small chip a long piece of code, which is there once.
+/// A product of 128 bits. On a small processor it is a long piece of code, so it exists only once.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn product(a: i64, b: i64) -> i128 {
     a as i128 * b as i128
 }
 
-/// Twice the signed area of two vectors; the products are below 2^127.
+/// Twice the signed area between two vectors; the products are below 2^127.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
     product(ax, by).wrapping_sub(product(ay, bx))
 }
 
-/// Whether the way from `start` to `end` passes the direction of `through`; a full turn passes all.
+/// Whether the arc from `start` to `end` passes the direction of `through`; a full turn passes all.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn sweeps(start: [i64; 2], end: [i64; 2], direction: Direction, through: [i64; 2]) -> bool {
     let (start, end) = match direction {
@@ -217,7 +216,7 @@ fn sweeps(start: [i64; 2], end: [i64; 2], direction: Direction, through: [i64; 2
     after_start
 }
 
-/// Counter-clockwise from `start`: is `through` met no later than `end`?
+/// Whether `through` is reached no later than `end`, counter-clockwise from `start`.
 fn is_after(start: [i64; 2], through: [i64; 2], end: [i64; 2]) -> bool {
     let half = |point| -> bool {
         let side = cross(start, point);
@@ -226,7 +225,7 @@ fn is_after(start: [i64; 2], through: [i64; 2], end: [i64; 2]) -> bool {
     match (half(through), half(end)) {
         (false, true) => true,
         (true, false) => false,
-        // In the same half turn: through must not be beyond the end.
+        // In the same half turn, through must not be beyond the end.
         _ => cross(through, end) >= 0,
     }
 }
@@ -236,9 +235,9 @@ fn is_ahead([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> bool {
     product(ax, bx).wrapping_add(product(ay, by)) > 0
 }
 
-/// For ends that lie within a step and a half of one spoke on the grid (the second one may be
-/// further in or out): whether the exact arc is the short way (`Some(true)`) or a whole turn
-/// (`Some(false)`); the grid alone cannot tell.
+/// For ends within a step and a half of one spoke on the grid, at any distance from the centre. The
+/// grid alone cannot tell a short arc from a whole turn there. Returns `Some(true)` where the exact
+/// arc is short and `Some(false)` where it is a whole turn.
 fn nearly_closed(
     spoke: [i64; 2],
     to: [i32; 2],
@@ -246,7 +245,8 @@ fn nearly_closed(
     end: [i64; 2],
     direction: Direction,
 ) -> Option<bool> {
-    // How far beside the spoke, times the spoke's length; both have the centre's fraction bits.
+    // Distance from the spoke, times the length of the spoke; both have the fraction bits of the
+    // centre.
     let beside = cross(spoke, to.map(i64::from)).unsigned_abs();
     let length = u128::from(size(spoke));
     if beside > length.saturating_add(length / 2) {
@@ -264,7 +264,8 @@ fn nearly_closed(
     is_ahead(start, end).then_some(turn > 0)
 }
 
-/// Whether a hop from `start` by `to` goes round the centre in the direction of the arc.
+/// Whether a small step from `start` by the given vector goes around the centre in the direction of
+/// the arc.
 fn is_forward(start: [i64; 2], [dx, dy]: [i32; 2], direction: Direction) -> bool {
     let turn = cross(start, [i64::from(dx), i64::from(dy)]);
     match direction {
@@ -275,10 +276,10 @@ fn is_forward(start: [i64; 2], [dx, dy]: [i32; 2], direction: Direction) -> bool
 
 /// The values of F at both ends for a circle through the exact start.
 ///
-/// With V the vector from the fixed-point centre to the start on the grid and e = V - P its
-/// rounding residual, `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`: R^2 is never formed. `e` is at most one
-/// step and is kept with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`; the error in F,
-/// `|V| 2^-g`, moves the circle by less than `2^-g` steps.
+/// Let V be the vector from the fixed-point centre to the start on the grid, and e = V - P its
+/// rounding residual. Then `F_S = |V|^2 - |P|^2 = 2 e.V - e^2`, so R^2 is never formed. `e` is at
+/// most one step and is kept with `g` fraction bits such that `2 * |V| 2^f * 2^g < 2^61`. The error
+/// in F is `|V| 2^-g`; it moves the circle by less than `2^-g` steps.
 fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: u8) -> Rim {
     let [cx, cy] = centre;
     let grid = [cx.wrapping_neg(), cy.wrapping_neg()];
@@ -296,8 +297,8 @@ fn nominal(start: [i64; 2], centre: [i64; 2], to: [i32; 2], scale: Scale, bits: 
     };
     let [gx, gy] = grid;
     let [px, py] = start;
-    // `residual` has `bits + extra` fraction bits, `grid` has `bits`: together 2^bits too many for
-    // F.
+    // `residual` has `bits + extra` fraction bits, `grid` has `bits`; together these are 2^bits too
+    // many for F.
     let shift = bits.wrapping_add(extra);
     let half = (1i64 << shift) >> 1;
     let sum = part(gx, px).wrapping_add(part(gy, py));

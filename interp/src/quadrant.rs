@@ -1,7 +1,7 @@
-//! Where an arc about a whole-step centre is: a point in its quadrant, and the way to the end.
+//! State of an arc about a whole-step centre: a point in its quadrant, and the distance to the end.
 //!
-//! The point is turned into the first quadrant and, going clockwise, mirrored: (u, v) from the
-//! centre, u falling to 0 and v growing. At u = 0 the next quadrant begins with (v, 0).
+//! The point is rotated into the first quadrant and mirrored if the arc is clockwise: (u, v) from
+//! the centre, where u falls to 0 and v grows. At u = 0 the next quadrant begins with (v, 0).
 //!
 //! ```text
 //!         v
@@ -11,14 +11,14 @@
 //!   centre+---------+-- u
 //! ```
 //!
-//! Every event that moves takes u down, v up, or both: at most 2 R and a few in a quadrant. In the
-//! last quadrant the walk ends as soon as it is level with the end in one axis; from there |u -
-//! u_end| + |v - v_end| falls with every event. So no arc misses its end or runs away, wherever its
-//! rounded end is.
+//! Every event that moves decreases u, increases v, or both: at most 2 R and a few events per
+//! quadrant. In the last quadrant the walk ends as soon as it is level with the end in one axis.
+//! From there |u - u_end| + |v - v_end| falls with every event. So no arc misses its end, wherever
+//! the rounded end is.
 
 use crate::Step;
 
-/// The pins of a step: `Step::axes` in the low byte, `Step::negative` in the high one.
+/// The masks of a step: `Step::axes` in the low byte, `Step::negative` in the high byte.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Sides(u16);
 
@@ -63,12 +63,12 @@ impl Sides {
     }
 }
 
-/// The point, the end and the quadrants in between.
+/// The point, the end and the number of quadrants between them.
 #[derive(Clone, Debug)]
 pub(crate) struct Quadrant {
     pub(crate) u: i32,
     pub(crate) v: i32,
-    /// The end, turned as the point will be when `left` is 0.
+    /// The end, rotated as the point will be when `left` is 0.
     pub(crate) u_end: i32,
     pub(crate) v_end: i32,
     /// Quadrant changes still to come.
@@ -78,13 +78,14 @@ pub(crate) struct Quadrant {
 }
 
 impl Quadrant {
-    /// Whether the end is level with the point in one axis, or behind it: straight to it then.
+    /// Whether the end is level with the point in one axis, or behind it. The walk then goes
+    /// straight to it.
     #[inline]
     pub(crate) const fn is_level(&self) -> bool {
         self.left == 0 && (self.u <= self.u_end || self.v >= self.v_end)
     }
 
-    /// Takes the steps and returns them with |P x step| of the point before them, at least 1.
+    /// Makes the steps. The sweep is |P x step| of the point before them, at least 1.
     #[inline]
     pub(crate) fn take(&mut self, takes_u: bool, takes_v: bool) -> Step {
         let (mut sides, mut sweep) = (Sides::NONE, 0_i32);
@@ -102,8 +103,8 @@ impl Quadrant {
         sides.step(sweep.max(1).unsigned_abs())
     }
 
-    /// One step straight towards the end; `None` there. The end is a rounded point beside the
-    /// circle, so this is a step or two.
+    /// Makes one step straight towards the end; `None` at the end. The end is a rounded point near
+    /// the circle, so this takes a step or two.
     pub(crate) fn straight(&mut self, is_diagonal: bool) -> Option<Step> {
         let (mut sides, mut sweep) = (Sides::NONE, 0_i32);
         let (u, v) = (self.u, self.v);
@@ -128,7 +129,7 @@ impl Quadrant {
         (sides != Sides::NONE).then(|| sides.step(sweep.max(1).unsigned_abs()))
     }
 
-    /// Whether the quadrant is at its end; in the last one the arc's end comes before.
+    /// Whether the quadrant is at its end. In the last quadrant the end of the arc comes first.
     #[inline]
     pub(crate) const fn is_over(&self) -> bool {
         self.u <= 0 && self.left != 0

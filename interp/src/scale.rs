@@ -1,9 +1,9 @@
-//! Nanometres to steps and back, exactly.
+//! Exact conversion between nanometres and steps.
 
-/// Travel of one motor step as a reduced fraction of nanometres: `nm / steps`.
+/// Travel per motor step as a reduced fraction of nanometres: `nm / steps`.
 ///
-/// 140 nm a step is `140 / 1`; 107 steps a millimetre are `1_000_000 / 107`. Both are exact, which
-/// no "steps per millimetre" in binary floating point is.
+/// 140 nm per step is `140 / 1`; 107 steps per millimetre are `1_000_000 / 107`. Both are exact,
+/// unlike "steps per millimetre" in binary floating point.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Scale {
     nm: u32,
@@ -11,33 +11,35 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// `steps` motor steps move the load by `nm` nanometres. `None` if either is zero.
+    /// Creates the scale on which `steps` motor steps move the load by `nm` nanometres. `None` if
+    /// either is zero.
     pub const fn new(nm: u32, steps: u32) -> Option<Self> {
         let (mut a, mut b) = (nm, steps);
         while let Some(rest) = a.checked_rem(b) {
             a = b;
             b = rest;
         }
-        // `a` is the greatest common divisor: it divides both, and is zero only when both are.
+        // `a` is the greatest common divisor. It divides both, and is zero only when both are.
         match (nm.checked_div(a), steps.checked_div(a)) {
             (Some(nm), Some(steps)) if nm > 0 && steps > 0 => Some(Self { nm, steps }),
             _ => None,
         }
     }
 
-    /// Nanometres of the reduced fraction.
+    /// Numerator: nanometres of the reduced fraction.
     pub const fn nm(self) -> u32 {
         self.nm
     }
 
-    /// Steps of the reduced fraction.
+    /// Denominator: steps of the reduced fraction.
     pub const fn steps(self) -> u32 {
         self.steps
     }
 
-    /// The step nearest to a position in nanometres, halves away from zero; `None` beyond the range
-    /// of `i32`.
+    /// The step nearest to a position in nanometres, halves away from zero; `None` outside the
+    /// range of `i32`.
     ///
+    /// # Cost
     /// One multiplication and one division of 64 bits.
     #[inline]
     pub const fn nearest(self, at_nm: i64) -> Option<i32> {
@@ -47,7 +49,7 @@ impl Scale {
         let Some(sum) = doubled.checked_add(self.nm as u64) else {
             return None;
         };
-        // `nm` is at least 1, so this divides.
+        // `nm` is at least 1, so the division succeeds.
         let Some(magnitude) = sum.checked_div(2 * self.nm as u64) else {
             return None;
         };
@@ -63,7 +65,7 @@ impl Scale {
 
     /// The position of a step in nanometres, halves away from zero.
     ///
-    /// `|step| * nm <= 2^31 * 2^32 = 2^63` is formed in `u64`, so nothing overflows.
+    /// `|step| * nm <= 2^31 * 2^32 = 2^63` is formed in `u64`, so it cannot overflow.
     pub const fn position(self, step: i32) -> i64 {
         let product = step.unsigned_abs() as u64 * self.nm as u64;
         let divisor = self.steps as u64;
@@ -78,13 +80,13 @@ impl Scale {
         }
     }
 
-    /// A position in nanometres as steps with `fraction_bits` (at most 31) bits after the point,
-    /// halves away from zero; `None` where that takes more than 62 bits.
+    /// Converts a position in nanometres to steps with `fraction_bits` (at most 31) bits after the
+    /// point, halves away from zero; `None` where the result takes more than 62 bits.
     pub const fn nearest_fraction(self, at_nm: i64, fraction_bits: u8) -> Option<i64> {
         let magnitude = at_nm.unsigned_abs();
         let unit = self.nm as u64;
-        // Whole millimetre-sized chunks first: `(magnitude % unit) * steps < 2^64`, and its
-        // remainder `< unit < 2^32` takes up to 31 more fraction bits.
+        // Whole millimetre-sized chunks first: `(magnitude % unit) * steps < 2^64`. The remainder
+        // `< unit < 2^32` leaves room for up to 31 more fraction bits.
         let (Some(chunks), Some(rest)) = (magnitude.checked_div(unit), magnitude.checked_rem(unit))
         else {
             return None;
@@ -107,11 +109,11 @@ impl Scale {
         if steps >> (62 - bits) != 0 {
             return None;
         }
-        // rest < 2^32, so the shifted one is below 2^63.
+        // rest < 2^32, so the shifted value is below 2^63.
         let Some(fraction) = (rest << bits).wrapping_add(unit / 2).checked_div(unit) else {
             return None;
         };
-        // Below 2^62 and at most 2^31: nothing wraps.
+        // Below 2^62 and at most 2^31, so nothing wraps.
         let value = (steps << bits).wrapping_add(fraction) as i64;
         Some(if at_nm < 0 {
             value.wrapping_neg()

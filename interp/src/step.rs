@@ -1,29 +1,29 @@
 //! One event: the axes that step together.
 
-/// One event of a move: which axes step, and how much of the path that is.
+/// One event of a move: the axes that step, and the share of the path.
 ///
-/// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`: an interrupt
-/// writes them to its step and direction pins as they are. Eight axes at most.
+/// Eight bytes, so that it travels in registers. Bit `a` of the masks is axis `a`, so an interrupt
+/// can write them directly to its step and direction pins. At most eight axes.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step {
-    /// The axes that make a step. Empty only in the idle passes of a DDA, which take their time and
-    /// move nothing.
+    /// The axes that make a step. Empty only in the idle passes of a DDA, which take time without
+    /// motion.
     pub axes: u8,
-    /// Those of them that step backwards; no other bits.
+    /// Those of `axes` that step backwards; no other bits are set.
     pub negative: u8,
-    /// Share of the move's path time: 1 for lines; for arcs the cross product |P x step| of the
-    /// position from the centre *before* the step, see [`Arc::sweep_bits`](crate::Arc::sweep_bits)
-    /// for its unit. Always positive.
+    /// Share of the path time of the move, always positive. It is 1 for lines. For arcs it is the
+    /// cross product |P x step| of the position from the centre *before* the step; see
+    /// [`Arc::sweep_bits`](crate::Arc::sweep_bits) for its unit.
     pub sweep: u32,
 }
 
 impl Step {
-    /// -1, 0 or +1 step of one axis, in BLU.
+    /// The step of one axis in BLU: -1, 0 or +1.
     #[inline]
     pub const fn delta(self, axis: usize) -> i8 {
-        // An axis that does not exist does not step: the masks have eight bits, shifts beyond 31
-        // would wrap.
+        // An axis that does not exist does not step. The masks have eight bits, and shifts beyond
+        // 31 would wrap.
         if axis > 7 {
             return 0;
         }
@@ -39,7 +39,7 @@ impl Step {
     }
 }
 
-/// The mask of the axes that go backwards, of the first eight.
+/// The mask of the axes with a negative distance, among the first eight.
 pub(crate) fn negative_axes<const N: usize>(delta: [i32; N]) -> u8 {
     (0..8_u32)
         .zip(delta)

@@ -1,34 +1,35 @@
-//! The direct-search arc with the time of each event.
+//! Direct-search arc with the time of each event.
 
 use core::iter::FusedIterator;
 
 use crate::direct_search::Along;
 use crate::{DirectSearch, Step};
 
-/// An event and the time to the next.
+/// An event and its duration.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TimedStep {
     /// The axes that step.
     pub step: Step,
-    /// Ticks the event takes.
+    /// Duration of the event in ticks.
     pub wait_ticks: u32,
 }
 
 /// A direct-search arc at constant path speed: each event waits in proportion to its sweep.
 ///
-/// A wait is T |P x step| / R, T being the ticks of one BLU of path; what is less than a tick is
-/// carried to the next, so that the times add up. No multiplication: T u / R and T v / R go along
-/// with the point, with 32 fraction bits.
+/// A wait is T |P x step| / R, where T is the number of ticks per BLU of path. The fraction of a
+/// tick is carried to the next event. There is no multiplication: T u / R and T v / R are updated
+/// together with the point, with 32 fraction bits.
 ///
 /// | | |
 /// | --- | --- |
-/// | speed ripple | about 1/R and one tick, event by event |
+/// | speed ripple | about 1/R and one tick per event |
 /// | mean speed | off by at most R / (T 2^33), the rounding of T / R |
 /// | state | 96 bytes: that of [`DirectSearch`], three times of 64 bits and a carry of 32 |
-/// | cost | 72 instructions an event on Cortex-M0, 56 on Cortex-M4F, 60 on RV32IMAC: besides the arc's 26, two sums of 64 bits, the carry and what the wait is handed over with |
-/// | source | our derivation: the sector an event sweeps is its share of the circle's area |
+/// | cost | 72 instructions per event on Cortex-M0, 56 on Cortex-M4F, 60 on RV32IMAC: in addition to the 26 of the arc, two sums of 64 bits, the carry and the return of the wait |
+/// | source | our derivation: the sector swept by an event is its share of the area of the circle |
 ///
+/// # Examples
 /// ```
 /// use husillo_interp::{ArcMove, Direction, DirectSearch, Rim, TimedDirectSearch};
 /// let circle = ArcMove {
@@ -46,8 +47,8 @@ pub struct TimedStep {
 /// # Ok::<(), husillo_interp::ArcError>(())
 /// ```
 #[derive(Clone, Debug)]
-// In this order the clock's words are loaded together, which saves four instructions an event on
-// Cortex-M4.
+// In this order the words of the clock are loaded together, which saves four instructions per event
+// on Cortex-M4.
 #[repr(C)]
 pub struct TimedDirectSearch {
     clock: Clock,
@@ -62,21 +63,20 @@ struct Clock {
     /// T u / R and T v / R.
     times_u: u64,
     times_v: u64,
-    /// Time not yet waited, less than a tick.
+    /// Carried time, less than a tick.
     carry: u32,
 }
 
 impl TimedDirectSearch {
-    /// From here on `search` takes `ticks_per_blu` ticks for a BLU of path, up to 2^30 (more counts
-    /// as 2^30).
+    /// Times the rest of `search` at `ticks_per_blu` ticks per BLU of path, limited to 2^30.
     pub fn new(search: DirectSearch, ticks_per_blu: u32) -> Self {
         let ticks = u64::from(ticks_per_blu.min(1 << 30)).wrapping_shl(32);
         let squared = search.squared();
-        // As many fraction bits as the root's 32 bits have room for: 2^31 <= radius < 2^32.
+        // As many fraction bits as fit next to the 32 bits of the root: 2^31 <= radius < 2^32.
         let bits = squared.leading_zeros() / 2;
         let radius = squared.wrapping_shl(bits.wrapping_mul(2)).isqrt();
-        // ticks 2^bits / radius in two parts: the quotient is below 2^31 and the remainder below
-        // 2^32, bits <= 31.
+        // ticks 2^bits / radius in two parts. The quotient is below 2^31, the remainder below 2^32,
+        // and bits <= 31.
         let quotient = ticks.checked_div(radius).unwrap_or(0);
         let remainder = ticks
             .wrapping_sub(quotient.wrapping_mul(radius))
@@ -88,8 +88,8 @@ impl TimedDirectSearch {
         TimedDirectSearch::with_factor(search, factor)
     }
 
-    /// From here on an event of `search` takes `factor` 2^-32 ticks for each unit of sweep. A wait
-    /// that would exceed 32 bits is cut to them.
+    /// Times the rest of `search` at `factor` 2^-32 ticks per unit of sweep. Waits are limited to
+    /// 32 bits.
     pub fn with_factor(search: DirectSearch, factor: u64) -> Self {
         let [times_u, times_v] = search
             .coordinates()
@@ -105,12 +105,12 @@ impl TimedDirectSearch {
         }
     }
 
-    /// The arc, as far as it is walked.
+    /// The arc in its present state.
     pub const fn search(&self) -> &DirectSearch {
         &self.search
     }
 
-    /// An event that is not ordinary: its sweep is not that of the step.
+    /// Makes an event that is not ordinary: its sweep is not that of the step.
     #[cold]
     fn careful(&mut self) -> Option<TimedStep> {
         let carry = self.clock.carry;
@@ -125,7 +125,7 @@ impl TimedDirectSearch {
 }
 
 impl Clock {
-    /// The whole ticks of `time`.
+    /// Returns the whole ticks of `time` and carries the remainder.
     #[inline(always)]
     fn wait(&mut self, time: u64) -> u32 {
         let time = time.wrapping_add(self.carry.into());

@@ -1,22 +1,22 @@
-//! The state of an arc that is walked: a handful of words, no position, no multiplication.
+//! State of an arc in progress: a few words, without position and without multiplication.
 //!
-//! In the current quadrant the point is (u, v) from the centre, u falling and v growing, both in
-//! 2^-f BLU. F = (u^2 + v^2 - rho^2) / 2^f is the distance from the circle; the state holds F
-//! itself and its first differences:
+//! In the current quadrant the point is (u, v) from the centre, with u falling and v growing, both
+//! in 2^-f BLU. F = (u^2 + v^2 - rho^2) / 2^f measures the distance from the circle. The state
+//! holds F and its first differences:
 //!
 //! ```text
-//!         v                     du = -2u + s   F changes by this with a u-step (towards the v axis)
-//!         |  .  .               dv =  2v + s   F changes by this with a v-step
-//!         |        .            s  =  2^f      one BLU
+//!         v                 du = -2u + s   change of F by a u-step (towards the v axis)
+//!         |  .  .           dv =  2v + s   change of F by a v-step
+//!         |        .        s  =  2^f      one BLU
 //!         |         .
-//!         +---------+-- u       quadrant ends when du >= 0, that is u <= 1/2 BLU
+//!         +---------+-- u   the quadrant ends when du >= 0, that is u <= 1/2 BLU
 //! ```
 
 use crate::{Step, interpolator::Totals};
 
-/// A signed machine word the state is kept in: `i32` where it fits, `i64` otherwise.
+/// A signed machine word for the state: `i32` where it fits, `i64` otherwise.
 ///
-/// All operations wrap; `Arc::new` chooses the word so that they do not.
+/// All operations wrap; `Arc::new` chooses the word so that no overflow occurs.
 pub(crate) trait Word: Copy + Ord + core::fmt::Debug {
     const ZERO: Self;
     const MAX: Self;
@@ -26,7 +26,7 @@ pub(crate) trait Word: Copy + Ord + core::fmt::Debug {
     fn half(self) -> Self;
     /// The exponent of a power of two.
     fn exponent(self) -> u8;
-    /// A positive sweep of less than 2^32 after the shift; there is none where the state is narrow.
+    /// A positive sweep below 2^32 after the shift; a narrow state needs no shift.
     fn sweep(self, shift: u8) -> u32;
 }
 
@@ -88,7 +88,7 @@ impl Word for i64 {
     }
 }
 
-/// What `Arc::new` worked out; everything in 2^-f BLU or BLU^2.
+/// The start state, computed by `Arc::new`; everything is in 2^-f BLU or BLU^2.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Start {
     pub(crate) residue: i64,
@@ -106,8 +106,8 @@ pub(crate) struct Start {
     pub(crate) sweep_shift: u8,
 }
 
-/// The change of radius, spread over the first `left` steps: the quotient each and 1 more whenever
-/// the remainders add up to `steps`.
+/// The change of radius, spread over the first `left` steps: the quotient per step, and 1 more
+/// whenever the remainders add up to `steps`.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Spread {
     pub(crate) left: u32,
@@ -116,8 +116,8 @@ pub(crate) struct Spread {
     pub(crate) phase: u32,
 }
 
-/// A step of one axis, or of two: the axes in the low byte, those that go backwards in the high
-/// one, so that steps are joined by `|` in one word.
+/// A step of one or two axes: the axes in the low byte, those that step backwards in the high byte.
+/// Steps are joined by `|` in one word.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Toward(u16);
 
@@ -151,14 +151,14 @@ impl Toward {
     }
 }
 
-/// The walking state in words of one width: 64 bytes where they are of 32 bits.
+/// The walking state in words of one width: 64 bytes with words of 32 bits.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Walk<W> {
     residue: W,
     du: W,
     dv: W,
-    /// Where something else than a step is due: the end of the quadrant, in the last one the end of
-    /// the arc.
+    /// Limit of `du` at which something other than a step is due: the end of the quadrant, or in
+    /// the last quadrant the end of the arc.
     du_limit: W,
     dv_limit: W,
     one: W,
@@ -180,18 +180,18 @@ enum Way {
     Both,
 }
 
-/// The step whose end is nearest to the circle, what is left of F after it, and its sweep.
+/// The step to the point nearest to the circle, the F after it, and its sweep.
 #[inline(always)]
 fn nearest<W: Word>(residue: W, du: W, dv: W, one: W) -> (Way, W, W) {
     let after_u = residue.plus(du);
     let after_v = residue.plus(dv);
     let after_both = after_u.plus(dv);
-    // |F| is least at cos^2/2 beside the radial middle; with f = 0 parity excludes ties.
+    // |F| is least at cos^2/2 off the radial middle; with f = 0 parity excludes ties.
     let bias = one.half();
-    // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v and the sign of after_both
-    // leaves two candidates. Compared by differences: each fits where the three do. With branches,
-    // as an octant repeats itself: masks instead take a third more on a Cortex-M, a seventh more on
-    // a desktop.
+    // In the quadrant du < 0 <= dv, so after_u < after_both <= after_v, and the sign of after_both
+    // leaves two candidates. They are compared by differences, which fit where the three values
+    // fit. Branches are used because an octant repeats itself: masks take a third more on a
+    // Cortex-M and a seventh more on a desktop.
     let is_outside = after_both >= W::ZERO;
     let along_u = dv.minus(one).half();
     let along_v = one.minus(du).half();
@@ -226,7 +226,7 @@ impl<W: Word> Walk<W> {
         .limited()
     }
 
-    /// With the limits of the present quadrant.
+    /// Sets the limits of the present quadrant.
     fn limited(mut self) -> Self {
         if self.quadrants == 0 {
             (self.du_limit, self.dv_limit) = (self.du_end, self.dv_end);
@@ -236,23 +236,23 @@ impl<W: Word> Walk<W> {
 
     /// Quadrant changes still to come.
     pub(crate) fn quadrants(&self) -> u32 {
-        // A change is made when the next step is asked for.
+        // A change is made when the next step is requested.
         let is_pending = self.quadrants != 0 && self.du >= W::ZERO;
         self.quadrants.wrapping_sub(is_pending.into())
     }
 
-    /// Fraction bits of the sweep, in BLU.
+    /// Number of fraction bits of the sweep in BLU.
     pub(crate) fn sweep_bits(&self) -> i8 {
         // f <= 30 and shift <= 16: fits.
         (self.one.exponent() as i8).wrapping_sub(self.sweep_shift as i8)
     }
 
-    /// What all its steps add up to; `None` when they are more than 2^31. For a little more than
-    /// half the instructions of walking them.
+    /// Sums over all its steps; `None` when there are more than 2^31. Takes slightly more than half
+    /// the instructions of walking them.
     pub(crate) fn totals(mut self) -> Option<Totals> {
         let mut totals = Totals::default();
         loop {
-            // As `next` does.
+            // As in `next`.
             if self.is_at_limit() {
                 if self.quadrants != 0 {
                     self.turn();
@@ -267,16 +267,16 @@ impl<W: Word> Walk<W> {
                 }
             }
             self.sum_up(&mut totals);
-            // A quadrant has fewer than 2^31.
+            // A quadrant has fewer than 2^31 events.
             if totals.events > 1 << 31 {
                 return None;
             }
         }
     }
 
-    /// Adds a step, and those after it up to the limit of the quadrant, and stands there then.
+    /// Adds this step and the following ones up to the limit of the quadrant.
     fn sum_up(&mut self, totals: &mut Totals) {
-        // Without the rest of the state these fit the registers.
+        // Without the rest of the state these fit in registers.
         let (mut residue, mut du, mut dv, mut sum) = (self.residue, self.du, self.dv, *totals);
         let (du_limit, dv_limit) = (self.du_limit, self.dv_limit);
         let two = self.one.plus(self.one);
@@ -300,13 +300,13 @@ impl<W: Word> Walk<W> {
         (self.residue, self.du, self.dv, *totals) = (residue, du, dv, sum);
     }
 
-    /// Whether something else than a step to the nearest point may be due.
+    /// Whether something other than a step to the nearest point may be due.
     #[inline(always)]
     fn is_at_limit(&self) -> bool {
         (self.du >= self.du_limit) | (self.dv >= self.dv_limit)
     }
 
-    /// Into the next quadrant.
+    /// Goes on to the next quadrant.
     #[cold]
     fn turn(&mut self) {
         let two = self.one.plus(self.one);
@@ -316,8 +316,8 @@ impl<W: Word> Walk<W> {
         *self = self.limited();
     }
 
-    /// Level with the end in one axis (or past it): straight to it. The end is a rounded point, so
-    /// this is a step or two. Nowhere: there.
+    /// Goes straight to the end once the walk is level with it in one axis (or past it). The end is
+    /// a rounded point, so this takes a step or two. At the end there is no step.
     #[cold]
     fn run_off(&mut self) -> (Toward, W) {
         let along_u = self.dv.minus(self.one).half();
@@ -346,12 +346,12 @@ impl<W: Word> Walk<W> {
         toward.step(sweep.max(self.least_sweep).sweep(self.sweep_shift))
     }
 
-    /// By how much F changes with the next step because the radius does.
+    /// Change of F with the next step because of the change of radius.
     #[inline]
     fn change_of_radius(&mut self) -> W {
         let spread = &mut self.spread;
         spread.left = spread.left.wrapping_sub(1);
-        // phase and remainder are below steps <= 2^31: the sum fits.
+        // phase and remainder are below steps <= 2^31, so the sum fits.
         spread.phase = spread.phase.wrapping_add(spread.remainder);
         if spread.phase < spread.steps {
             return self.quotient;

@@ -1,4 +1,4 @@
-//! What holds for every Bezier curve.
+//! Properties of every Bezier curve.
 
 use husillo_interp::{Bezier, BezierError, Interpolator, Line, Step};
 use proptest::prelude::*;
@@ -16,7 +16,8 @@ fn at<const N: usize>(control: &[[f64; N]; 4], u: f64) -> [f64; N] {
     })
 }
 
-/// Points close together along the curve (at most 1/50 BLU), with their distance along it.
+/// Points close together along the curve (at most 1/50 BLU), each with its distance along the
+/// curve.
 fn trace<const N: usize>(control: &[[f64; N]; 4]) -> Vec<([f64; N], f64)> {
     let longest: f64 = control.windows(2).map(|leg| length(&leg[0], &leg[1])).sum();
     let pieces = (longest * 150.0) as u32 + 1000;
@@ -48,14 +49,14 @@ fn farthest<const N: usize>(point: &[f64; N], other: &[f64; N]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What holds for any curve. Returns its events.
+/// Checks the properties of any curve and returns its events.
 fn check<const N: usize>(
     curve: &Bezier<N>,
     control: [[i64; N]; 4],
     bits: u8,
 ) -> Result<Vec<Step>, TestCaseError> {
     let steps: Vec<Step> = curve.clone().collect();
-    // The counts and sums of the dry pass are those of the walk; every event moves and takes time.
+    // The counts and sums of the dry pass are those of the walk. Every event moves and takes time.
     prop_assert_eq!(steps.len(), curve.events() as usize);
     let sum = steps.iter().map(|step| u64::from(step.sweep)).sum::<u64>();
     prop_assert_eq!(sum, curve.total_sweep());
@@ -68,7 +69,7 @@ fn check<const N: usize>(
     );
     prop_assert!(steps.iter().all(|step| step.negative & !step.axes == 0));
 
-    // It ends on the lattice point nearest to its end.
+    // The curve ends on the lattice point nearest to its end.
     let one = f64::from(1_u32 << bits);
     let round = |at: i64| (at as f64 / one + 0.5).floor();
     let mut place = control[0].map(round);
@@ -81,7 +82,7 @@ fn check<const N: usize>(
     }
     prop_assert_eq!(place, control[3].map(round));
 
-    // Every point is within half a step an axis of the curve, in the curve's order; and the curve
+    // Every point is within half a step per axis of the curve, in the order of the curve. The curve
     // is never farther than a stride and a half from the points.
     let control = control.map(|point| point.map(|at| at as f64 / one));
     let trace = trace(&control);
@@ -90,7 +91,7 @@ fn check<const N: usize>(
     let mut swept = 0.0;
     let mut turned = 0.0;
     for (place, step) in places.iter().skip(1).zip(&steps) {
-        // The first place on the curve that rounds to the point.
+        // The first point of the curve that rounds to the point.
         let Some(further) = trace[found..]
             .iter()
             .position(|(at, _)| farthest(at, place) <= 0.512)
@@ -105,7 +106,7 @@ fn check<const N: usize>(
         turned += 0.001;
     }
     let (_, length) = trace[trace.len() - 1];
-    // Time a sweep is way along the curve: it stays within what rounding and turning make of it.
+    // Sweep is distance along the curve, except for rounding and turning.
     let bound = (N as f64).sqrt() / 2.0 * (2.0 + 9.5) + 0.001 * length * N as f64 + turned;
     prop_assert!(phase <= bound, "{phase} {bound}");
     Ok(steps)
@@ -114,14 +115,15 @@ fn check<const N: usize>(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Curves in a plane of all sizes, with fractions.
+    /// Curves in a plane, of all sizes, with fractions.
     #[test]
     fn plane_curves(
         bits in 0_u8..=8,
         points in prop::array::uniform4(prop::array::uniform2(-200.0_f64..200.0)),
         size in 0.005_f64..1.0,
     ) {
-        let control = points.map(|point| point.map(|at| (at * size * f64::from(1_u32 << bits)) as i64));
+        let scale = f64::from(1_u32 << bits);
+        let control = points.map(|point| point.map(|at| (at * size * scale) as i64));
         let curve = Bezier::cubic(control, bits).unwrap();
         check(&curve, control, bits)?;
     }
@@ -134,23 +136,30 @@ proptest! {
 
     /// Curves on a coarse lattice: control points often coincide, lie on a line or fold back.
     #[test]
-    fn degenerate_curves(points in prop::array::uniform4(prop::array::uniform2(-2_i64..=2)), scale in 1_i64..60) {
+    fn degenerate_curves(
+        points in prop::array::uniform4(prop::array::uniform2(-2_i64..=2)),
+        scale in 1_i64..60,
+    ) {
         let control = points.map(|point| point.map(|at| at * scale));
         check(&Bezier::cubic(control, 0).unwrap(), control, 0)?;
     }
 
-    /// A quadratic is the cubic with the control points a third of the way, here exact: multiples
+    /// A quadratic curve is the cubic with control points at two thirds; exact here with multiples
     /// of three.
     #[test]
-    fn a_quadratic_is_its_cubic(points in prop::array::uniform3(prop::array::uniform2(-60_i64..60))) {
+    fn a_quadratic_is_its_cubic(
+        points in prop::array::uniform3(prop::array::uniform2(-60_i64..60)),
+    ) {
         let [a, b, c] = points.map(|point| point.map(|at| at * 3));
-        let third = |from: [i64; 2], to: [i64; 2]| [0, 1].map(|axis| (from[axis] + 2 * to[axis]) / 3);
+        let third = |from: [i64; 2], to: [i64; 2]| {
+            [0, 1].map(|axis| (from[axis] + 2 * to[axis]) / 3)
+        };
         let control = [a, third(a, b), third(c, b), c];
         let quadratic = Bezier::quadratic([a, b, c], 0).unwrap();
         check(&quadratic, control, 0)?;
     }
 
-    /// Events are bounded by the control polygon: at most 6 of its longest leg in an axis.
+    /// The control polygon bounds the events: at most 6 times its longest leg in an axis.
     #[test]
     fn events_are_bounded(points in prop::array::uniform4(prop::array::uniform2(-5000_i64..5000))) {
         let curve = Bezier::cubic(points, 0).unwrap();
@@ -161,7 +170,7 @@ proptest! {
     }
 }
 
-/// Evenly divided control points on a straight line make the steps of a line, each of its length.
+/// Evenly spaced control points on a straight line give the steps of a line, each with its length.
 #[test]
 fn a_straight_curve_is_a_line() {
     let curve = Bezier::cubic([[0, 0], [100, 0], [200, 0], [300, 0]], 0).unwrap();
@@ -174,7 +183,7 @@ fn a_straight_curve_is_a_line() {
     assert_eq!(axes, line);
 }
 
-/// The largest curve: across four million steps, within 64 bits.
+/// The largest curve: four million steps across, within 64 bits.
 #[test]
 fn the_largest_curve_ends() {
     let far = (1_i64 << 22) - 1;
@@ -183,8 +192,8 @@ fn the_largest_curve_ends() {
     assert_eq!(end, far);
 }
 
-/// The S of the literature, hard to follow at even speed: time and way never differ by more than
-/// rounding.
+/// The S curve of the literature, on which even speed is difficult: time and distance never differ
+/// by more than rounding.
 #[test]
 fn speed_is_constant_on_an_s() {
     let control = [[0, 0], [900, 0], [-600, 400], [300, 400]];
@@ -210,7 +219,7 @@ fn speed_is_constant_on_an_s() {
     assert!((swept / length - 1.0).abs() < 0.002, "{swept} {length}");
 }
 
-/// Nothing to do is no event; what does not fit is refused.
+/// A curve without motion has no event; a curve that does not fit is refused.
 #[test]
 fn points_and_giants() {
     assert_eq!(Bezier::cubic([[5, -7]; 4], 3).unwrap().count(), 0);

@@ -1,4 +1,4 @@
-//! What holds for every line and circle of the classic methods.
+//! Properties of every line and circle by the classic methods.
 
 use std::collections::BTreeSet;
 
@@ -39,7 +39,7 @@ impl Method {
         })
     }
 
-    /// Whether a point with D = |P|^2 - R^2 is within the method's error on a whole circle. In
+    /// Whether a point with D = |P|^2 - R^2 is within the error of the method on a whole circle. In
     /// integers where the bound is proven: |rho - R| < e is |D - e^2| < 2 e R.
     fn is_near(self, d: i64, radius: i64) -> bool {
         let (d, radius) = (i128::from(d), i128::from(radius));
@@ -55,12 +55,12 @@ impl Method {
     }
 }
 
-/// rho - R, either way.
+/// |rho - R|.
 fn error(d: i128, radius: i128) -> f64 {
     (d as f64 / (((radius * radius + d) as f64).sqrt() + radius as f64)).abs()
 }
 
-/// All events; checks on the way that the move knows what remains, and its sums.
+/// Returns all events and checks on the way the number of remaining events and the sums.
 fn all(walk: impl Interpolator + ExactSizeIterator) -> Vec<Step> {
     let mut events = walk.remaining();
     let (mut total, mut largest) = (0, 0);
@@ -108,8 +108,8 @@ fn square([x, y]: [i32; 2]) -> i64 {
     i64::from(x).pow(2) + i64::from(y).pow(2)
 }
 
-/// Whole circles of every radius up to 2000 by every method: each quadrant is the one before turned
-/// by a right angle, every point is within the bound, the end is the start.
+/// Whole circles of every radius up to 2000 by every method: each quadrant is the previous one
+/// rotated by a right angle, every point is within the bound, the end is the start.
 #[test]
 fn circles_are_near_and_the_same_in_all_quadrants() {
     for radius in 1..=2000 {
@@ -163,7 +163,7 @@ fn directions_and_starts_are_symmetric() {
     }
 }
 
-/// Between points on the circle direct search visits the same points there and back.
+/// Between points on the circle direct search visits the same points in both directions.
 #[test]
 fn direct_search_goes_back_on_the_same_points() {
     let ends = [
@@ -196,7 +196,7 @@ fn direct_search_goes_back_on_the_same_points() {
     }
 }
 
-/// Several turns are as many times the circle.
+/// Several turns repeat the circle.
 #[test]
 fn turns_repeat_the_circle() {
     for method in METHODS {
@@ -241,7 +241,7 @@ fn moved(arc: ArcMove, [x, y]: [i32; 2]) -> ArcMove {
     }
 }
 
-/// An arc of a circle of integer radius about the origin, its ends rounded to the lattice.
+/// An arc of a circle of integer radius about the origin, with ends rounded to the lattice.
 fn rounded(radius: i64, from: [i32; 2], to: [i32; 2], direction: Direction) -> ArcMove {
     ArcMove {
         to,
@@ -253,7 +253,7 @@ fn rounded(radius: i64, from: [i32; 2], to: [i32; 2], direction: Direction) -> A
     }
 }
 
-/// Points turned into the quadrant of the end.
+/// A point rotated into the quadrant of the end.
 fn turned(arc: &ArcMove, [x, y]: [i32; 2]) -> [i32; 2] {
     let mirror = |y: i32| {
         if arc.direction == Direction::Clockwise {
@@ -271,7 +271,7 @@ fn turned(arc: &ArcMove, [x, y]: [i32; 2]) -> [i32; 2] {
     }
 }
 
-/// How many points there are before the run-off, the last ones level with the end.
+/// Number of points before the run-off, which are the last ones level with the end.
 fn before_run_off(arc: &ArcMove, points: &[[i32; 2]]) -> usize {
     let [u_end, v_end] = turned(arc, arc.to);
     let is_level = |at: &&[i32; 2]| {
@@ -281,8 +281,7 @@ fn before_run_off(arc: &ArcMove, points: &[[i32; 2]]) -> usize {
     points.len() - points.iter().rev().take_while(is_level).count()
 }
 
-/// All that holds for a partial arc: it ends exactly, within the proven number of events, near the
-/// circle.
+/// Checks a partial arc: it ends exactly, within the proven number of events, near the circle.
 fn check(method: Method, arc: &ArcMove, radius: i64) -> Result<(), TestCaseError> {
     let steps = match method.steps(arc) {
         Ok(steps) => steps,
@@ -291,7 +290,8 @@ fn check(method: Method, arc: &ArcMove, radius: i64) -> Result<(), TestCaseError
     };
     let points = points(arc.from, &steps);
     prop_assert_eq!(points.last(), Some(&arc.to));
-    // Every event takes u down or v up, each by at most R and 2 in a quadrant; idle ones are fewer.
+    // Every event decreases u or increases v, each by at most R and 2 per quadrant; idle events are
+    // fewer.
     let quadrants = 5 + 4 * i64::from(arc.turns);
     prop_assert!(steps.len() as i64 <= quadrants * (2 * radius + 8));
     if !matches!(method, Method::Dda | Method::DdaPrinted) {
@@ -304,7 +304,7 @@ fn check(method: Method, arc: &ArcMove, radius: i64) -> Result<(), TestCaseError
     for (index, at) in (0..).zip(&points) {
         let d = square(*at) - radius.pow(2);
         let error = error(d.into(), radius.into());
-        // A rounded end is up to 0.7071 away, and the way straight to it.
+        // A rounded end is up to 0.7071 away, plus the straight path to it.
         prop_assert!(error < 1.75, "{method:?} {error} at {at:?}");
         let is_rounding = index < 2 || index >= run_off;
         if !is_rounding && method != Method::DdaPrinted {
@@ -336,7 +336,7 @@ proptest! {
         }
     }
 
-    /// The centre does not matter.
+    /// The position of the centre does not matter.
     #[test]
     fn arcs_are_the_same_anywhere(
         magnitude in 0.0_f64..7.0,
@@ -352,7 +352,7 @@ proptest! {
         }
     }
 
-    /// Radii up to 2^28, a thousand events or so.
+    /// Radii up to 2^28, about a thousand events.
     #[test]
     fn pieces_of_huge_circles_are_near(
         magnitude in 10.0_f64..28.0,
@@ -373,8 +373,8 @@ proptest! {
         }
     }
 
-    /// The two tests choose what the three-way comparison does, and what the general arc does; with
-    /// times that add up.
+    /// The two tests choose the same points as the three-way comparison and as the general arc; the
+    /// times add up.
     #[test]
     fn direct_search_is_direct_search(
         magnitude in 0.0_f64..8.0,
@@ -395,14 +395,17 @@ proptest! {
         let Ok(search) = DirectSearch::new(&arc) else { return Ok(()) };
         let steps = all(search.clone());
         let printed = all(DirectSearchPrinted::new(&arc).unwrap());
-        let sides = |steps: &[Step]| -> Vec<[i8; 2]> { steps.iter().map(|step| step.deltas()).collect() };
+        let sides = |steps: &[Step]| -> Vec<[i8; 2]> {
+            steps.iter().map(|step| step.deltas()).collect()
+        };
         prop_assert_eq!(sides(&steps), sides(&printed));
         if is_nominal {
-            // Between ends of different distance the general arc winds, this one does not.
+            // Between ends of different radii the general arc is a spiral, this one is not.
             prop_assert_eq!(&steps, &all(Arc::new(&arc).unwrap()));
         }
         let mut timed = TimedDirectSearch::new(search.clone(), ticks_per_blu);
-        let squared = square(arc.from) - if is_nominal { square(arc.from) - (radius as i64).pow(2) } else { 0 };
+        let nominal = square(arc.from) - (radius as i64).pow(2);
+        let squared = square(arc.from) - if is_nominal { nominal } else { 0 };
         let factor = f64::from(ticks_per_blu) / (squared as f64).sqrt();
         let (mut sweep, mut ticks, mut left) = (0_u64, 0_u64, search.len());
         for step in &steps {
@@ -413,15 +416,16 @@ proptest! {
             sweep += u64::from(step.sweep);
             ticks += u64::from(event.wait_ticks);
             let exact = sweep as f64 * factor;
-            // Never late, at most a tick early, but for the rounding of the factor.
+            // Never late and at most a tick early, except for the rounding of the factor.
             let rounding = sweep as f64 / 8e9 + exact * 1e-9;
-            prop_assert!(ticks as f64 <= exact + rounding && ticks as f64 + 1.0 >= exact - rounding);
+            let ticks = ticks as f64;
+            prop_assert!(ticks <= exact + rounding && ticks + 1.0 >= exact - rounding);
         }
         prop_assert_eq!(timed.next(), None);
     }
 
-    /// Constant path speed: over a circle an event's time is that of its chord but for 1/R and a
-    /// tick.
+    /// Constant path speed: on a circle the time of an event is that of its chord except for 1/R
+    /// and a tick.
     #[test]
     fn timed_speed_is_constant(radius in 5_i32..2000, ticks_per_blu in 100_u32..10_000) {
         let arc = circle([0, radius], Direction::Clockwise);
@@ -430,7 +434,8 @@ proptest! {
         for event in timed {
             let [dx, dy] = event.step.deltas().map(f64::from);
             let after = [at[0] + dx, at[1] + dy];
-            let swept = (at[0] * after[1] - at[1] * after[0]).atan2(at[0] * after[0] + at[1] * after[1]).abs();
+            let cross = at[0] * after[1] - at[1] * after[0];
+            let swept = cross.atan2(at[0] * after[0] + at[1] * after[1]).abs();
             let ticks = swept * f64::from(radius) * f64::from(ticks_per_blu);
             let ripple = ticks * 1.1 / f64::from(radius) + 1.0;
             prop_assert!((f64::from(event.wait_ticks) - ticks).abs() <= ripple);
@@ -438,8 +443,8 @@ proptest! {
         }
     }
 
-    /// A DDA line ends exactly after round(L) events, each axis within half a step of its share all
-    /// the way; back it visits the same points.
+    /// A DDA line ends exactly after round(L) events, each axis always within half a step of its
+    /// share. The return path visits the same points.
     #[test]
     fn dda_lines_share_the_length(delta in [-3000_i32..3000, -300_i32..300, -30_i32..30]) {
         let line = LineDda::new(delta).unwrap();
@@ -469,13 +474,24 @@ proptest! {
         prop_assert_eq!(points, back);
     }
 
-    /// No input panics; what is refused is refused at once.
+    /// No input panics; an arc is refused before it is walked.
     #[test]
     fn any_arc_is_accepted_or_refused(
-        from in any::<[i32; 2]>(), to in any::<[i32; 2]>(), near in [-9_i32..9, -9_i32..9], centre in any::<[i64; 2]>(),
-        fraction_bits in any::<u8>(), direction in direction(), turns in 0_u32..9, start in any::<i64>(),
+        from in any::<[i32; 2]>(),
+        to in any::<[i32; 2]>(),
+        near in [-9_i32..9, -9_i32..9],
+        centre in any::<[i64; 2]>(),
+        fraction_bits in any::<u8>(),
+        direction in direction(),
+        turns in 0_u32..9,
+        start in any::<i64>(),
     ) {
-        for rim in [Rim::Spiral, Rim::Nominal { start, end: 0 }, Rim::Nominal { start: start >> 58, end: 0 }] {
+        let rims = [
+            Rim::Spiral,
+            Rim::Nominal { start, end: 0 },
+            Rim::Nominal { start: start >> 58, end: 0 },
+        ];
+        for rim in rims {
             let arc = ArcMove { from, to, centre, fraction_bits, direction, turns, rim };
             let small = ArcMove { from: near, to: to.map(|at| at >> 28), centre: [0, 0], ..arc };
             for method in METHODS {
@@ -488,9 +504,9 @@ proptest! {
     }
 }
 
-/// All arcs about the origin with radii up to 4 and ends up to two BLU beside them, one turn more
-/// or not: every method ends exactly, and direct search makes the general arc's events with the
-/// same sweeps.
+/// All arcs about the origin with radii up to 4 and ends up to two BLU off them, with and without
+/// one more turn. Every method ends exactly, and direct search makes the events of the general arc
+/// with the same sweeps.
 #[test]
 fn tiny_arcs_end() {
     let near = |radius: i64| -> Vec<[i32; 2]> {
@@ -527,7 +543,7 @@ fn tiny_arcs_end() {
     }
 }
 
-/// Every line up to 120 steps in both axes by the printed methods: floor(L) + 1 passes, the end
+/// Every line up to 120 steps in both axes by the printed methods: floor(L) + 1 passes, the end is
 /// met, less than 1 BLU from the line.
 #[test]
 fn printed_lines_end_after_their_length() {
@@ -556,7 +572,7 @@ fn printed_lines_end_after_their_length() {
     }
 }
 
-/// Lines as long as there can be, without overflow.
+/// The longest possible lines, without overflow.
 #[test]
 fn longest_lines() {
     assert_eq!(LineDda::new([i32::MIN, 0]), None);
@@ -576,7 +592,7 @@ fn longest_lines() {
     assert_eq!(LineDda::new([0; 3]).unwrap().next(), None);
 }
 
-/// Arcs that would be none, do not fit, or need the general method.
+/// Refused arcs: no motion, out of range, or only for the general method.
 #[test]
 fn refusals() {
     let fine = circle([5, 0], Direction::Clockwise);
@@ -596,7 +612,7 @@ fn refusals() {
             ..fine
         };
         assert_eq!(error(&half), Some(ArcError::Centre));
-        // A whole step, whatever the unit.
+        // A whole step, in any unit.
         assert_eq!(
             error(&ArcMove {
                 centre: [1 << 20, 0],
@@ -622,7 +638,7 @@ fn refusals() {
     }
 }
 
-/// The state of the kernels: 64 bytes, and the times that go along.
+/// Size of the state of the kernels: 64 bytes, plus the times where they are updated too.
 #[test]
 fn sizes() {
     assert!(

@@ -1,4 +1,4 @@
-//! What holds for every arc of an ellipse, a parabola or a hyperbola.
+//! Properties of every arc of an ellipse, a parabola or a hyperbola.
 
 use husillo_interp::{
     Arc, ArcMove, Conic, ConicError, ConicMove, Direction, EllipseMove, Interpolator, Rim, Step,
@@ -52,7 +52,7 @@ fn distance_from_ellipse(at: [f64; 2], a: f64, b: f64) -> f64 {
     (ratio * x / (s + ratio) - x).hypot(y / (s + 1.0) - y)
 }
 
-/// Perimeter share from angle to angle of the parameter, by many chords.
+/// Length of a piece of the perimeter between two angles of the parameter, by many chords.
 fn length_of_ellipse(a: f64, b: f64, from: f64, to: f64) -> f64 {
     let pieces = 20_000;
     let at = |k: i32| {
@@ -64,8 +64,8 @@ fn length_of_ellipse(a: f64, b: f64, from: f64, to: f64) -> f64 {
         .sum()
 }
 
-/// What holds for any arc: counts and sums of the dry pass are those of the walk, every event moves
-/// and takes time, the end is met exactly.
+/// Checks any arc: counts and sums of the dry pass are those of the walk, every event moves and
+/// takes time, the end is met exactly.
 fn check(conic: &Conic, from: [i32; 2], to: [i32; 2]) -> Result<Vec<Step>, TestCaseError> {
     let steps: Vec<Step> = conic.clone().collect();
     prop_assert_eq!(steps.len(), conic.events() as usize);
@@ -128,8 +128,8 @@ prop_compose! {
     }
 }
 
-/// Largest distance of the points from the ellipse; the first and last ones are rounded and
-/// excepted.
+/// Largest distance of the points from the ellipse, without the first and the last ones, which are
+/// rounded.
 fn largest_error(ellipse: &EllipseMove, points: &[[i32; 2]]) -> f64 {
     let one = f64::from(1_u32 << ellipse.fraction_bits);
     let [a, b] = ellipse.semi_axes.map(|semi| f64::from(semi) / one);
@@ -146,7 +146,8 @@ fn largest_error(ellipse: &EllipseMove, points: &[[i32; 2]]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Any ellipse of semi-axes from a BLU is walked, keeps to its curve and ends exactly.
+    /// Any ellipse with semi-axes of at least one BLU is walked, stays on its curve and ends
+    /// exactly.
     #[test]
     fn upright_ellipses_keep_to_their_curve(ellipse in upright()) {
         let conic = Conic::ellipse(&ellipse);
@@ -155,13 +156,14 @@ proptest! {
         let steps = check(&conic, ellipse.from, ellipse.to)?;
         let points = points(ellipse.from, &steps);
         let error = largest_error(&ellipse, &points);
-        let [a, b] = ellipse.semi_axes.map(|semi| f64::from(semi) / f64::from(1_u32 << ellipse.fraction_bits));
+        let one = f64::from(1_u32 << ellipse.fraction_bits);
+        let [a, b] = ellipse.semi_axes.map(|semi| f64::from(semi) / one);
         let bound = 0.5 + 0.1 / a.min(b);
         prop_assert!(error <= bound, "{error} {bound}");
     }
 
-    /// The sweeps add up to the ellipse's length, and each is its step's way along the curve:
-    /// constant time a sweep is constant path speed.
+    /// The sweeps add up to the length of the ellipse, and each is the distance of its step along
+    /// the curve. Constant time per sweep is therefore constant path speed.
     #[test]
     fn sweep_is_length(semi_axes in [30_u32..1000, 30_u32..1000], direction in direction()) {
         let [a, b] = semi_axes.map(f64::from);
@@ -186,19 +188,20 @@ proptest! {
         let worst = steps.iter().map(|step| {
             let [x, y] = before.next().unwrap().map(f64::from);
             let [to_x, to_y] = [x + f64::from(step.delta(0)), y + f64::from(step.delta(1))];
-            // How far the nearest point of the ellipse goes: the parameter's angle, refined at the
-            // middle.
+            // The distance that the nearest point of the ellipse moves: the angle of the parameter,
+            // refined at the middle.
             let (middle_x, middle_y) = ((x + to_x) / 2.0 / a, (y + to_y) / 2.0 / b);
             let tangent = [-middle_y * a, middle_x * b];
-            let way = ((to_x - x) * tangent[0] + (to_y - y) * tangent[1]) / tangent[0].hypot(tangent[1]);
+            let dot = (to_x - x) * tangent[0] + (to_y - y) * tangent[1];
+            let way = dot / tangent[0].hypot(tangent[1]);
             (way.abs() * unit / f64::from(step.sweep) - 1.0).abs()
         }).fold(0.0, f64::max);
         prop_assert!(worst < 1.0 / sharpest + 0.0005, "{worst} {sharpest}");
     }
 }
 
-/// A curve of the second degree from its principal frame: p (x')^2 + q (y')^2 + r x' + s, turned by
-/// `angle` about `centre`, as integer coefficients.
+/// A curve of the second degree from its principal frame: p (x')^2 + q (y')^2 + r x' + s, rotated
+/// by `angle` about `centre`, as integer coefficients.
 fn turned(form: [f64; 4], angle: f64, centre: [f64; 2]) -> [i64; 6] {
     let [p, q, r, s] = form;
     let (sin, cos) = angle.sin_cos();
@@ -226,7 +229,7 @@ fn place(at: [f64; 2], angle: f64, centre: [f64; 2]) -> [i32; 2] {
     ]
 }
 
-/// Distance from F = 0 by Newton's steps along the gradient; good where the curve is not sharp.
+/// Distance from F = 0 by Newton steps along the gradient; accurate where the curve is not sharp.
 fn distance_from_conic(coefficients: [i64; 6], at: [i32; 2]) -> f64 {
     let [a, b, c, d, e, g] = coefficients.map(|coefficient| coefficient as f64);
     let start = at.map(f64::from);
@@ -235,7 +238,7 @@ fn distance_from_conic(coefficients: [i64; 6], at: [i32; 2]) -> f64 {
         let value = a * x * x + b * x * y + c * y * y + d * x + e * y + g;
         let (along_x, along_y) = (2.0 * a * x + b * y + d, 2.0 * c * y + b * x + e);
         let square = along_x * along_x + along_y * along_y;
-        // Onto the tangent line of the level set, then back along it to the foot of the
+        // Projects onto the tangent line of the level set, then moves along it to the foot of the
         // perpendicular.
         let tangent = ((start[0] - x) * -along_y + (start[1] - y) * along_x) / square;
         x += -value * along_x / square + tangent * -along_y * 0.5;
@@ -247,7 +250,8 @@ fn distance_from_conic(coefficients: [i64; 6], at: [i32; 2]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Rotated ellipses whose sharpest radius b^2 / a is 2 BLU or more are walked and kept to.
+    /// Rotated ellipses whose sharpest radius b^2 / a is at least 2 BLU are walked and stay on the
+    /// curve.
     #[test]
     fn turned_ellipses_keep_to_their_curve(
         a in 3.0_f64..600.0,
@@ -276,8 +280,8 @@ proptest! {
         prop_assert!(error <= 0.5 + 0.25 * a / (b * b), "{error}");
     }
 
-    /// Parabolas (m y - n x)^2 = q (m x + n y): an axis in any whole-number direction, so that
-    /// B^2 = 4 A C exactly.
+    /// Parabolas (m y - n x)^2 = q (m x + n y): an axis in any whole-number direction, so that B^2
+    /// = 4 A C exactly.
     #[test]
     fn parabolas_keep_to_their_curve(
         [m, n] in [-9_i32..=9, -9_i32..=9],
@@ -287,26 +291,31 @@ proptest! {
         let length = f64::from(m).hypot(f64::from(n));
         prop_assume!(length > 0.0 && (ends[0] - ends[1]).abs() > 3.0);
         let q = (2.0 * p * length).round();
-        let coefficients = [n * n, -2 * m * n, m * m, -(q as i32) * m, -(q as i32) * n, 0].map(i64::from);
+        let k = q as i32;
+        let coefficients = [n * n, -2 * m * n, m * m, -k * m, -k * n, 0].map(i64::from);
         let angle = f64::from(n).atan2(f64::from(m));
         let [from, to] = ends.map(|y| place([y * y * length / q, y], angle, [0.0; 2]));
-        // Its inside is +x': downwards it turns left.
+        // The inside is +x': the path turns left when it runs downwards.
         let (onwards, backwards) = if ends[1] < ends[0] {
             (Direction::CounterClockwise, Direction::Clockwise)
         } else {
             (Direction::Clockwise, Direction::CounterClockwise)
         };
         let arc = |direction| ConicMove { from, to, coefficients, direction, turns: 0 };
-        let conic = Conic::new(&arc(onwards)).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let conic = Conic::new(&arc(onwards))
+            .map_err(|error| TestCaseError::fail(error.to_string()))?;
         let steps = check(&conic, from, to)?;
         let points = points(from, &steps);
         let inner = points.get(2..points.len().saturating_sub(2)).unwrap_or(&[]);
-        let error = inner.iter().map(|&at| distance_from_conic(coefficients, at)).fold(0.0, f64::max);
+        let error = inner
+            .iter()
+            .map(|&at| distance_from_conic(coefficients, at))
+            .fold(0.0, f64::max);
         prop_assert!(error <= 0.5 + 0.25 / p, "{error}");
         prop_assert_eq!(Conic::new(&arc(backwards)).err(), Some(ConicError::Astray));
     }
 
-    /// Hyperbolas: (x'/a)^2 - (y'/b)^2 = 1, the branch on the right, turned.
+    /// Hyperbolas: (x'/a)^2 - (y'/b)^2 = 1, the right branch, rotated.
     #[test]
     fn hyperbolas_keep_to_their_curve(
         a in 2.0_f64..200.0,
@@ -326,20 +335,31 @@ proptest! {
             (Direction::Clockwise, Direction::CounterClockwise)
         };
         let arc = |direction| ConicMove { from, to, coefficients, direction, turns: 0 };
-        let conic = Conic::new(&arc(onwards)).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let conic = Conic::new(&arc(onwards))
+            .map_err(|error| TestCaseError::fail(error.to_string()))?;
         let steps = check(&conic, from, to)?;
         let points = points(from, &steps);
         let inner = points.get(2..points.len().saturating_sub(2)).unwrap_or(&[]);
-        let error = inner.iter().map(|&at| distance_from_conic(coefficients, at)).fold(0.0, f64::max);
-        // Beside the curvature, F itself bends: at the vertex by 1/a of its slope.
+        let error = inner
+            .iter()
+            .map(|&at| distance_from_conic(coefficients, at))
+            .fold(0.0, f64::max);
+        // In addition to the curvature, F itself bends: at the vertex by 1/a of its slope.
         prop_assert!(error <= 0.5 + 0.25 / sharpness.min(a), "{error}");
         prop_assert!(Conic::new(&arc(backwards)).is_err());
     }
 
-    /// Nothing that can be asked for hangs or panics, and what is accepted ends exactly.
+    /// No input hangs or panics, and every accepted arc ends exactly.
     #[test]
     fn any_coefficients_end_or_are_refused(
-        coefficients in [-40_i64..40, -40_i64..40, -40_i64..40, -900_i64..900, -900_i64..900, -9000_i64..9000],
+        coefficients in [
+            -40_i64..40,
+            -40_i64..40,
+            -40_i64..40,
+            -900_i64..900,
+            -900_i64..900,
+            -9000_i64..9000,
+        ],
         from in [-60_i32..60, -60_i32..60],
         to in [-60_i32..60, -60_i32..60],
         direction in direction(),
@@ -349,7 +369,7 @@ proptest! {
         }
     }
 
-    /// A circle's events are those of `Arc`, sweeps included.
+    /// The events of a circle are those of `Arc`, sweeps included.
     #[test]
     fn equal_axes_make_the_same_steps_as_an_arc(
         radius in 2_i32..400,
@@ -365,7 +385,8 @@ proptest! {
         };
         let [from, to] = ends.map(at);
         let residue = |at: [i32; 2]| {
-            at.map(|at| i64::from(at) * i64::from(at)).iter().sum::<i64>() - i64::from(radius).pow(2)
+            at.map(|at| i64::from(at) * i64::from(at)).iter().sum::<i64>()
+                - i64::from(radius).pow(2)
         };
         let arc = Arc::new(&ArcMove {
             from,
@@ -389,7 +410,7 @@ proptest! {
         prop_assert!(conic.eq(arc));
     }
 
-    /// Large ellipses, up to the largest semi-axes: a few thousand events from anywhere.
+    /// Large ellipses, up to the largest semi-axes: a few thousand events from any start.
     #[test]
     fn large_ellipses_keep_to_their_curve(
         semi_axes in [500_000_u32..=1 << 20, 500_000_u32..=1 << 20],
@@ -411,14 +432,15 @@ proptest! {
             direction: Direction::CounterClockwise,
             turns: 0,
         };
-        let conic = Conic::ellipse(&ellipse).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let conic = Conic::ellipse(&ellipse)
+            .map_err(|error| TestCaseError::fail(error.to_string()))?;
         let steps = check(&conic, ellipse.from, ellipse.to)?;
         let error = largest_error(&ellipse, &points(ellipse.from, &steps));
         prop_assert!(error <= 0.5001, "{error}");
     }
 }
 
-/// The largest ellipse there is goes all the way round.
+/// The largest possible ellipse makes a full turn.
 #[test]
 fn the_largest_ellipse_fits() {
     let ellipse = EllipseMove {

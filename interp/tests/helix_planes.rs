@@ -1,4 +1,4 @@
-//! A helix is the same in any plane, with any number of turns.
+//! A helix is the same in any plane and with any number of turns.
 
 use husillo_interp::{ArcMove, Direction, Helix, Interpolator, Rim, Step};
 use proptest::prelude::*;
@@ -29,7 +29,11 @@ proptest! {
     ) {
         prop_assume!(first != second);
         let others: Vec<usize> = (0..4).filter(|axis| *axis != first && *axis != second).collect();
-        let direction = if is_clockwise { Direction::Clockwise } else { Direction::CounterClockwise };
+        let direction = if is_clockwise {
+            Direction::Clockwise
+        } else {
+            Direction::CounterClockwise
+        };
         let arc = circle(radius, turns, direction);
         let plain = Helix::<4>::new(&arc, [0, 1], [0, 0, along[0], along[1]]).unwrap();
         let mut renamed = [0; 4];
@@ -47,7 +51,7 @@ proptest! {
         prop_assert_eq!(plain, helix);
     }
 
-    /// Several turns rise evenly: a turn of a full circle is as long as any other and rises its
+    /// Several turns rise evenly: each turn of a full circle has the same length and rises by its
     /// share, within a step.
     #[test]
     fn each_turn_rises_its_share(radius in 3_i32..200, turns in 1_u32..6, rise in -2000_i32..2000) {

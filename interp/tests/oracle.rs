@@ -1,4 +1,4 @@
-//! The recorded lines and arcs, step by step.
+//! Comparison with the recorded lines and arcs, step by step.
 
 use husillo_interp::{Arc, ArcMove, Direction, Line, Rim};
 use serde_json::Value;
@@ -131,7 +131,7 @@ fn plane_lines_step_as_recorded() {
     }
 }
 
-/// A record of fewer axes moves the first ones of six.
+/// A record with fewer axes moves the first ones of six.
 #[test]
 fn lines_of_many_axes_step_as_recorded() {
     let oracle = json(include_str!("data/lines.json"));

@@ -1,4 +1,4 @@
-//! The recorded lines and circles of the classic methods, step by step.
+//! Comparison with the recorded lines and circles of the classic methods, step by step.
 
 use husillo_interp::{
     Arc, ArcDda, ArcMove, DdaRegisters, DirectSearch, DirectSearchPrinted, Direction, Interpolator,
@@ -46,7 +46,7 @@ fn direction(record: &Value) -> Direction {
     }
 }
 
-/// Every method by its name in the records.
+/// Makes every method by its name in the records.
 fn method(name: &str, arc: &ArcMove) -> Vec<Step> {
     fn all(arc: impl Interpolator + ExactSizeIterator) -> Vec<Step> {
         let events = arc.len();
@@ -127,7 +127,7 @@ fn radius_30_takes_240_188_and_168() {
     }
 }
 
-/// The other ways to run the registers: first quadrant recorded, counts of the whole circle.
+/// The other variants of the registers: first quadrant recorded, counts of the whole circle.
 #[test]
 fn dda_variants_step_as_recorded() {
     let oracle = json(include_str!("data/circles.json"));
@@ -178,8 +178,8 @@ fn arcs_between_lattice_points_step_as_recorded() {
 fn counts_are_as_recorded() {
     let table = include_str!("data/counts_R1_2000.csv");
     let mut lines = table.lines();
-    let header = "R,stair_iters,stair_Dmin,stair_Dmax,stairopt_Dmin,stairopt_Dmax,dda_iters,dda_moving,\
-                  dda_Dmin,dda_Dmax,dsm_iters,dsm_Dmin,dsm_Dmax,nmin8_iters";
+    let header = "R,stair_iters,stair_Dmin,stair_Dmax,stairopt_Dmin,stairopt_Dmax,dda_iters,\
+                  dda_moving,dda_Dmin,dda_Dmax,dsm_iters,dsm_Dmin,dsm_Dmax,nmin8_iters";
     assert_eq!(lines.next(), Some(header));
     let mut count = 0;
     for line in lines {
@@ -200,8 +200,8 @@ fn counts_are_as_recorded() {
         let (dda, dda_least, dda_most) = steps(&mut ArcDda::printed(&arc).unwrap());
         let (dsm, dsm_least, dsm_most) = steps(&mut DirectSearch::new(&arc).unwrap());
         let moving = dda.iter().filter(|step| step.axes != 0).count();
-        // The least s with a point of an octant's end within half a step: four times it is the
-        // least count.
+        // The least s for which a point at the end of an octant is within half a step; four times
+        // it is the least count.
         let fewest = (0..).map(|s: i64| [s, (s / 2).pow(2) + (s - s / 2).pow(2)]);
         let near = squared - radius + 1..=squared + radius;
         let fewest = fewest.into_iter().find(|[_, sum]| near.contains(sum));
@@ -223,7 +223,7 @@ fn counts_are_as_recorded() {
         ];
         assert_eq!(found[..], record[..], "R = {radius}");
         assert_eq!(best.len(), stair.len());
-        // The fewest events, or one more in each quadrant.
+        // The fewest events, or one more per quadrant.
         assert!([0, 4].contains(&(found[10] - found[13])));
         count += 1;
     }
@@ -249,7 +249,7 @@ fn dda_lines_step_as_recorded() {
     }
 }
 
-/// Vector-feed times of whole circles, tick by tick.
+/// Constant-speed times of whole circles, tick by tick.
 #[test]
 fn waits_are_as_recorded() {
     let oracle = json(include_str!("data/timing.json"));
@@ -268,7 +268,7 @@ fn waits_are_as_recorded() {
             assert_eq!(ticks[..recorded.len()], recorded[..], "{record}");
         }
         assert_eq!(ticks.iter().sum::<i64>(), number(&record["total"]));
-        // With the factor worked out from the ticks of a BLU: within a tick.
+        // With the factor computed from the ticks per BLU: within a tick.
         let own = TimedDirectSearch::new(search, number(&record["T0"]) as u32);
         let sum: i64 = own.map(|event| i64::from(event.wait_ticks)).sum();
         assert!(

@@ -1,17 +1,18 @@
-//! Arcs from nanometres to steps, against the recorded arcs and against the exact circle.
+//! Arcs from nanometres to steps, compared with the recorded arcs and with the exact circle.
 
 use husillo_interp::{Arc, ArcError, Direction, ProgrammedArc, Scale};
 use proptest::prelude::*;
 use serde_json::Value;
 
-/// A step of 2^16 nm: a centre of the record, which has up to 16 bits after the point, is whole.
+/// A step of 2^16 nm: the centre of a record, with up to 16 bits after the point, is then a whole
+/// number.
 const NM: i64 = 1 << 16;
 
 fn pair(value: &Value) -> [i64; 2] {
     [0, 1].map(|index| value[index].as_i64().expect("an integer"))
 }
 
-/// -4 to 4 for the nine steps, as the record has them: (x + 1) * 3 + y + 1.
+/// -4 to 4 for the nine steps, as in the record: (x + 1) * 3 + y + 1.
 fn digit([x, y]: [i8; 2]) -> char {
     char::from(b'0' + ((x + 1) * 3 + y + 1) as u8)
 }
@@ -22,7 +23,7 @@ fn recorded_arcs_come_from_nanometres() {
     let scale = Scale::new(NM as u32, 1).unwrap();
     let (mut circles, mut spirals) = (0, 0);
     for record in oracle["arcs"].as_array().unwrap() {
-        // A nominal radius of its own is no programmed arc: there the ends are exact.
+        // A record with its own nominal radius is not a programmed arc, whose ends are exact.
         if !record["R2"].is_null() {
             continue;
         }
@@ -46,7 +47,8 @@ fn recorded_arcs_come_from_nanometres() {
             centre,
             direction: Direction::from_clockwise(record["dir"] == "cw"),
             turns: record["turns"].as_u64().unwrap() as u32,
-            // Of a step the path goes through both ends, as that of the record does.
+            // With a mismatch of a step the path passes through both ends, as that of the record
+            // does.
             mismatch_nm: if is_spiral { NM as u64 } else { 0 },
         };
         let steps = steps.map(|at| at.map(|step| step as i32));
@@ -87,7 +89,7 @@ fn what_cannot_go_round_says_so() {
         let steps = [arc.from, arc.to].map(|at| at.map(|nm| scale.nearest(nm).unwrap()));
         arc.on_grid(scale, steps)
     };
-    // Both ends round to one step: a short arc is none, the long way round is a whole turn.
+    // Both ends round to one step. A short arc has no motion; the long one is a whole turn.
     let tiny = arc([10_000, 0], [10_000, 10], [0, 0], false);
     assert_eq!(on_grid(tiny), Err(ArcError::Degenerate));
     let long = ProgrammedArc {
@@ -128,8 +130,8 @@ fn any_integers_are_answered() {
 }
 
 proptest! {
-    /// All of the path is on the exact circle within half a step and the rounding of the centre,
-    /// its first and last steps within the rounding of the ends; and within the extent.
+    /// The whole path is on the exact circle within half a step and the rounding of the centre. Its
+    /// first and last steps are within the rounding of the ends. The path stays within the extent.
     #[test]
     fn the_path_follows_the_exact_circle(
         (nm, per) in prop_oneof![Just((1_000_000, 107)), Just((140, 1)), Just((3_000_000, 1_001))],

@@ -1,4 +1,4 @@
-//! What holds for every line, arc and helix.
+//! Properties of every line, arc and helix.
 
 use husillo_interp::{
     Arc, ArcError, ArcMove, Direction, Helix, Interpolator, Line, Moves, NarrowArc, Path, Rim,
@@ -26,7 +26,7 @@ fn direction() -> impl Strategy<Value = Direction> {
     ]
 }
 
-/// The lattice point nearest to where `angle` meets the circle.
+/// The lattice point nearest to the point of the circle at `angle`.
 fn on_circle(centre: [i64; 2], bits: u8, radius: f64, angle: f64) -> [i32; 2] {
     let one = f64::from(1_u32 << bits);
     [
@@ -40,7 +40,7 @@ fn square(at: [i64; 2], arc: &ArcMove) -> i128 {
     scaled(at[0], arc.centre[0]).pow(2) + scaled(at[1], arc.centre[1]).pow(2)
 }
 
-/// A nominal arc: the residues are rounded once, to nearest, as the caller is to do.
+/// A nominal arc; each residue is rounded once, to nearest, as the caller has to do.
 fn nominal(mut arc: ArcMove, radius_squared: i128) -> ArcMove {
     let half = (1_i128 << arc.fraction_bits) / 2;
     let residue = |at: [i32; 2]| {
@@ -105,8 +105,8 @@ prop_compose! {
     }
 }
 
-/// A shift of a lattice point by rounding may put the end a little behind the start: then the arc
-/// is a whole turn, which a test of a huge one cannot walk.
+/// Rounding of a lattice point may place the end slightly behind the start. The arc is then a whole
+/// turn, which is too long to walk for huge radii.
 fn is_short(arc: &ArcMove) -> bool {
     let [x, y] =
         [0, 1].map(|axis| i64::from(arc.from[axis]) - (arc.centre[axis] >> arc.fraction_bits));
@@ -120,7 +120,7 @@ fn is_short(arc: &ArcMove) -> bool {
     ahead > 2 * (x.abs() + y.abs())
 }
 
-/// Everything that holds for any arc; `None` where there is no arc to make.
+/// Checks all properties of an arc; returns `None` where there is no arc.
 fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError> {
     let arc = match Arc::new(arc_move) {
         Ok(arc) => arc,
@@ -128,7 +128,7 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
         Err(error) => return Err(TestCaseError::fail(error.to_string())),
     };
     let wide = Arc::wide(arc_move).unwrap();
-    // The one of 32 bits is the same arc, where it is one.
+    // The arc with 32-bit state is the same arc where it is accepted.
     match NarrowArc::new(arc_move) {
         Ok(narrow) => prop_assert!(arc.is_narrow() && narrow.eq(arc.clone())),
         Err(error) => prop_assert!(!arc.is_narrow() && error == ArcError::Wide),
@@ -146,10 +146,10 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
         steps.iter().map(|step| step.sweep).max(),
         Some(arc.largest_sweep())
     );
-    // Every event moves, and takes time; nothing is announced that does not come.
+    // Every event moves and takes time, and the announced number of events comes.
     prop_assert!(steps.iter().all(|step| step.axes != 0 && step.sweep > 0));
     let points = points(arc_move.from, steps.iter().copied());
-    // Always ends exactly.
+    // The arc always ends exactly.
     prop_assert_eq!(points.last(), Some(&arc_move.to.map(i64::from)));
     // The sweep is |P x d|, or half the radius where that is more.
     let one = 1_i128 << arc_move.fraction_bits;
@@ -173,8 +173,8 @@ fn check_arc(arc_move: &ArcMove) -> Result<Option<Vec<[i64; 2]>>, TestCaseError>
     Ok(Some(points))
 }
 
-/// Last point that counts for the error bound: after it the path runs off to a rounded end, which
-/// it does as soon as it is level with it.
+/// Index of the last point to which the error bound applies. After it the path runs off to a
+/// rounded end, as soon as it is level with it.
 fn before_run_off(points: &[[i64; 2]], arc: &ArcMove) -> usize {
     let to = arc.to.map(i64::from);
     let is_near = |at: &[i64; 2]| (at[0] - to[0]).abs() <= 1 && (at[1] - to[1]).abs() <= 1;
@@ -197,7 +197,7 @@ proptest! {
         let points = points([0; 4], line);
         prop_assert_eq!(points.len(), events as usize + 1);
         prop_assert_eq!(points.last(), Some(&delta.map(i64::from)));
-        // And it is never more than half a step off in any axis.
+        // It is never more than half a step off in any axis.
         for (k, point) in points.iter().enumerate() {
             for (at, d) in point.iter().zip(delta) {
                 let twice_error = 2 * (at * i64::from(events) - k as i64 * i64::from(d));
@@ -206,7 +206,7 @@ proptest! {
         }
     }
 
-    /// The way back visits the same points.
+    /// The return path visits the same points.
     #[test]
     fn line_reverses(delta in [-500_i32..500, -500_i32..500, -500_i32..500]) {
         let there = points([0; 3], Line::new(delta));
@@ -215,20 +215,21 @@ proptest! {
         prop_assert_eq!(there, back);
     }
 
-    /// Lines of any length start as the formula says (the end cannot be waited for).
+    /// Lines of any length start according to the formula (the end would take too long).
     #[test]
     fn long_line_follows_the_formula(delta in any::<[i32; 3]>()) {
         let events = delta.iter().map(|d| i64::from(d.unsigned_abs())).max().unwrap();
         for (k, point) in points([0; 3], Line::new(delta).take(300)).iter().enumerate() {
             for (at, d) in point.iter().zip(delta) {
                 let twice = 2 * k as i128 * i128::from(d) + i128::from(events);
-                prop_assert!(events == 0 || i128::from(*at) == twice.div_euclid(2 * i128::from(events)));
+                let exact = || twice.div_euclid(2 * i128::from(events));
+                prop_assert!(events == 0 || i128::from(*at) == exact());
             }
         }
     }
 
-    /// Small arcs, spiral and several turns: end, sums, widths; the distance outside the band of
-    /// the two radii is small.
+    /// Small arcs, spirals and several turns: end, sums, widths; the distance outside the band
+    /// between the two radii is small.
     #[test]
     fn small_arcs_hold(arc in small_arc()) {
         let Some(points) = check_arc(&arc)? else { return Ok(()) };
@@ -250,8 +251,8 @@ proptest! {
         check_arc(&arc)?;
     }
 
-    /// Whole-step centre, integer R^2: strictly less than half a step, decided in integers:
-    /// |rho - R| < 1/2 where (D - 1/4)^2 < R^2, that is (4 D - 1)^2 < 16 R^2, for D = rho^2 - R^2.
+    /// Whole-step centre, integer R^2: strictly less than half a step, decided in integers. |rho -
+    /// R| < 1/2 where (D - 1/4)^2 < R^2, that is (4 D - 1)^2 < 16 R^2, for D = rho^2 - R^2.
     #[test]
     fn integer_circles_stay_within_half_a_step(
         start in [-3000_i32..3000, -3000_i32..3000],
@@ -269,17 +270,19 @@ proptest! {
         }
     }
 
-    /// Any centre: at most 0.5 + 2^-f / (4 r) from the nominal circle, but for the first point
+    /// Any centre: at most 0.5 + 2^-f / (4 r) from the nominal circle, except for the first point
     /// and the run-off.
     #[test]
     fn nominal_arcs_stay_within_the_bound(arc in small_arc(), square_offset in 0.0_f64..1.0) {
-        // The end belongs on the same circle here.
+        // The end has to be on the same circle here.
         let one = f64::from(1_u32 << arc.fraction_bits);
-        let radius = (square(arc.from.map(i64::from), &arc) as f64).sqrt() / one + 0.3 * (square_offset - 0.5);
+        let start = (square(arc.from.map(i64::from), &arc) as f64).sqrt() / one;
+        let radius = start + 0.3 * (square_offset - 0.5);
         prop_assume!(radius > 2.0);
         let from_centre = |axis: usize| f64::from(arc.to[axis]) - arc.centre[axis] as f64 / one;
         let mut arc = arc;
-        arc.to = on_circle(arc.centre, arc.fraction_bits, radius, from_centre(1).atan2(from_centre(0)));
+        let angle = from_centre(1).atan2(from_centre(0));
+        arc.to = on_circle(arc.centre, arc.fraction_bits, radius, angle);
         let squared = (radius * one).powi(2) as i128;
         let arc = nominal(arc, squared);
         let Some(points) = check_arc(&arc)? else { return Ok(()) };
@@ -292,10 +295,13 @@ proptest! {
         }
     }
 
-    /// The other axes of a helix end exactly and are within one step of their share of the sweep;
-    /// events with them alone take time too, and sums are those announced.
+    /// The other axes of a helix end exactly and stay within one step of their share of the sweep.
+    /// Events with these axes alone take time too, and the sums are those announced.
     #[test]
-    fn helix_is_in_proportion(arc in small_arc(), along in [-20_000_i32..20_000, -2_000_i32..2_000]) {
+    fn helix_is_in_proportion(
+        arc in small_arc(),
+        along in [-20_000_i32..20_000, -2_000_i32..2_000],
+    ) {
         let along = [along[0], 7, along[1], 9];
         let helix = match Path::<4>::arc(&arc, [3, 1], along) {
             Ok(Path::Arc(helix)) => helix,
@@ -304,9 +310,10 @@ proptest! {
         };
         let steps: Vec<Step> = helix.clone().collect();
         prop_assert_eq!(steps.len(), helix.events() as usize);
-        prop_assert_eq!(steps.iter().map(|step| u64::from(step.sweep)).sum::<u64>(), helix.total_sweep());
+        let sweep = steps.iter().map(|step| u64::from(step.sweep)).sum::<u64>();
+        prop_assert_eq!(sweep, helix.total_sweep());
         prop_assert_eq!(steps.iter().map(|step| step.sweep).max(), Some(helix.largest_sweep()));
-        // Half a step of rounding at the plane's events and another half within bursts; and the
+        // Half a step of rounding at the events of the plane and another half within bursts. The
         // shares of a burst are whole units of sweep.
         let one_step = u128::from(helix.total_sweep()) * 65537 / 65536;
         let mut at = [0_i64; 4];
@@ -330,7 +337,7 @@ proptest! {
         prop_assert!(alone.into_iter().eq(Arc::new(&arc).unwrap().map(Step::deltas)));
     }
 
-    /// No input panics, and what is accepted has its bounds.
+    /// No input panics, and every accepted arc is within its bounds.
     #[test]
     fn any_arc_is_accepted_or_refused(
         from in any::<[i32; 2]>(), to in any::<[i32; 2]>(), centre in any::<[i64; 2]>(),
@@ -339,13 +346,21 @@ proptest! {
     ) {
         let [start, end] = residues;
         for rim in [Rim::Spiral, Rim::Nominal { start, end }] {
-            let result = Arc::new(&ArcMove { from, to, centre, fraction_bits, direction, turns, rim });
+            let result = Arc::new(&ArcMove {
+                from,
+                to,
+                centre,
+                fraction_bits,
+                direction,
+                turns,
+                rim,
+            });
             prop_assert!(result.is_err() || fraction_bits <= 30);
         }
     }
 }
 
-/// A line as long as there can be, without overflow.
+/// The longest possible line, without overflow.
 #[test]
 fn longest_line() {
     let line = Line::new([i32::MIN, i32::MAX, 0]);
@@ -354,7 +369,7 @@ fn longest_line() {
     assert_eq!(first, [[-1, 1, 0]; 3]);
 }
 
-/// Fraction bits: as the decision says, at its edges.
+/// Fraction bits at the edges of the rule.
 #[test]
 fn fraction_bits() {
     assert_eq!(fraction_bits_for(0), 16);
@@ -365,7 +380,7 @@ fn fraction_bits() {
     assert_eq!(fraction_bits_for(u64::MAX), 16);
 }
 
-/// An arc that would be none, and one without end.
+/// Refused arcs: one without motion, and one that would be too long.
 #[test]
 fn refusals() {
     let arc = ArcMove {
