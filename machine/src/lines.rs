@@ -1,4 +1,4 @@
-//! Lines of a program in, events out: what needs `gcode`.
+//! G-code lines in, events out: the part of the crate that needs `gcode`.
 
 mod axis;
 mod event;

@@ -1,34 +1,36 @@
-//! Events to the levels of the motors' drivers: the last stage before the pins.
+//! Conversion of events to driver levels: the last stage before the pins.
 
 use husillo_stepper::{CoilDriver, Levels, PulseTiming};
 
 use crate::pulses::Pulses;
 
-/// What the motors do when nothing moves.
+/// State of the motors at rest.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
 pub enum Idle {
-    /// Keep the current on.
+    /// Keeps the current on.
     #[default]
     Hold,
-    /// Reduce the current after this many timer ticks of rest, where the driver can; the next step has all of it.
+    /// Reduces the current after this many timer ticks of rest, where the driver can. The next step
+    /// has full current.
     Reduced {
-        /// Timer ticks from the last step.
+        /// Timer ticks since the last step.
         after_ticks: u64,
     },
-    /// Turn all currents off after this many timer ticks of rest. The next step first restores the
-    /// phase that was held.
+    /// Turns all currents off after this many timer ticks of rest. The next step first restores the
+    /// held phase.
     Off {
-        /// Timer ticks from the last step.
+        /// Timer ticks since the last step.
         after_ticks: u64,
     },
 }
 
-/// The motors of a machine, one driver an axis.
+/// The motors of a machine, with one driver per axis.
 ///
-/// What a step event is at the pins is theirs: one change of levels for coils; for step and
-/// direction drivers DIR, the rising edge at the step's time, and the falling edge, with the times
-/// of each driver ([`CoilDriver::timing`]).
+/// The drivers determine the levels of a step event. For coils it is one change of levels. For step
+/// and direction drivers it is DIR, the rising edge at the time of the step, and the falling edge,
+/// with the times of each driver ([`CoilDriver::timing`]).
 ///
+/// # Examples
 /// ```
 /// use husillo_machine::{Idle, Motors};
 /// use husillo_stepper::{Levels, PulseNanoseconds, StepDirection};
@@ -56,12 +58,12 @@ pub struct Motors<const N: usize, D> {
     rested_ticks: u64,
     is_resting: bool,
     was_released: bool,
-    /// Where a step is more than one change of levels.
+    /// Pulses in progress; `None` where a step is one change of levels.
     pulses: Option<Pulses<N>>,
 }
 
 impl<const N: usize, D: CoilDriver> Motors<N, D> {
-    /// Enabled motors, holding the phase their drivers start with.
+    /// Creates enabled motors that hold the initial phase of their drivers.
     pub fn new(drivers: [D; N], idle: Idle) -> Self {
         Self {
             levels: drivers.each_ref().map(CoilDriver::levels),
@@ -78,12 +80,12 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         }
     }
 
-    /// A step event: calls `present` with the levels to show at each change, and the ticks since
-    /// the last one.
+    /// Makes a step event: calls `present` at each change with the ticks since the last change and
+    /// the levels.
     ///
-    /// One call for coils, up to `2 N + 1` for step and direction drivers. The step itself is the
-    /// last one. It comes `wait_ticks` after the last event, or where a driver is not ready by then
-    /// as soon as it is; later steps make up for it.
+    /// There is one call for coils and up to `2 N + 1` calls for step and direction drivers. The
+    /// last one is the step. It comes `wait_ticks` after the last event. If a driver is not ready
+    /// then, the step comes as soon as it is, and later steps catch up.
     #[inline]
     pub fn step<F: FnMut(u32, &[Levels; N])>(
         &mut self,
@@ -109,13 +111,14 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
             );
         }
         for ((driver, levels), delta) in self.drivers.iter_mut().zip(&mut self.levels).zip(delta) {
-            // Which axes step is anybody's guess on an arc: a step by 0 is cheaper than a branch.
+            // On an arc it is unpredictable which axes step, so a step by 0 is cheaper than a
+            // branch.
             *levels = driver.step(*delta);
         }
         present(wait_ticks, &self.levels);
     }
 
-    /// A time without a step: the last pulses end, and at its end the idle policy acts. Calls
+    /// Waits without a step. Pulses in progress end, and at the end the idle policy acts. Calls
     /// `present` as [`step`](Motors::step) does.
     pub fn rest<F: FnMut(u32, &[Levels; N])>(&mut self, wait_ticks: u32, mut present: F) {
         self.rested_ticks = self.rested_ticks.saturating_add(wait_ticks.into());
@@ -124,7 +127,7 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
             let mut before = None;
             let (drivers, levels) = (&mut self.drivers, &mut self.levels);
             pulses.run(drivers, levels, wait_ticks, &[0; N], |ticks, levels| {
-                // The last one is this rest's own, below.
+                // The last change is that of this rest, below.
                 if let Some((ticks, levels)) = before.replace((ticks, *levels)) {
                     present(ticks, &levels);
                 }
@@ -145,7 +148,7 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         present(left, &self.levels);
     }
 
-    /// The pulses that are under way end: at the end of a program, before nothing comes any more.
+    /// Ends the pulses in progress, at the end of a program.
     pub fn end_pulses<F: FnMut(u32, &[Levels; N])>(&mut self, mut present: F) {
         if let Some(pulses) = &mut self.pulses {
             if let Some(ticks) = pulses.last_fall() {
@@ -160,7 +163,8 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         }
     }
 
-    /// The shortest time between two steps of an axis that its driver takes, in ticks; 0 for coils.
+    /// Shortest interval between two steps of an axis that its driver allows, in ticks; 0 for
+    /// coils.
     pub fn shortest_interval_ticks(&self, axis: usize) -> u32 {
         let driver = self.drivers.get(axis).and_then(CoilDriver::timing);
         driver.map_or(0, PulseTiming::shortest_interval_ticks)
@@ -178,20 +182,21 @@ impl<const N: usize, D: CoilDriver> Motors<N, D> {
         }
     }
 
-    /// Turns the currents of all motors off, or on in the phase that was held last.
+    /// Turns the currents of all motors off, or on in the last held phase.
     pub fn set_enabled(&mut self, on: bool) {
         self.is_resting = !on;
         self.was_released |= !on;
         self.update(|driver| driver.set_enabled(on));
     }
 
-    /// The levels now.
+    /// The present levels.
     pub fn levels(&self) -> &[Levels; N] {
         &self.levels
     }
 
-    /// Whether the motors were without current since the last call: a hand or a load may have turned
-    /// them, by a whole electrical cycle unnoticed. Home the machine, or know that it cannot happen.
+    /// Whether the motors were without current since the last call. A hand or a load may then have
+    /// turned them by whole electrical cycles unnoticed. Home the machine, unless this is known to
+    /// be impossible.
     pub fn was_released(&mut self) -> bool {
         core::mem::take(&mut self.was_released)
     }

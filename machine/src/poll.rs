@@ -1,4 +1,4 @@
-//! For programs that wait with `nb::block!`: an axis that searches.
+//! Result of a search, for programs that wait with `nb::block!`.
 
 use core::fmt;
 
@@ -6,20 +6,20 @@ use husillo_pid::Regulator;
 
 use crate::ServoAxis;
 
-/// Why a search of [`ServoAxis::poll_search`] is over without its event.
+/// Reason why a search by [`ServoAxis::poll_search`] ended without its event.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum NotFound {
-    /// The motion has come to its goal before.
+    /// The motion reached its goal first.
     AtGoal,
-    /// The servo is off: no power, or the position error went beyond its limit.
+    /// The servo is off: there is no power, or the position error exceeded its limit.
     Off,
 }
 
 impl fmt::Display for NotFound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            NotFound::AtGoal => "not found on the way",
-            NotFound::Off => "the servo went off",
+            NotFound::AtGoal => "the motion reached its goal without the event",
+            NotFound::Off => "the servo switched off during the search",
         })
     }
 }
@@ -27,11 +27,13 @@ impl fmt::Display for NotFound {
 impl core::error::Error for NotFound {}
 
 impl<R: Regulator> ServoAxis<R> {
-    /// Whether a search ([`search`](ServoAxis::search), then a motion) has found its event and has come to a stand: the position of the
-    /// event, counts. For homing and for touches, asked after each [`tick`](ServoAxis::tick).
+    /// Polls a search ([`search`](ServoAxis::search), then a motion), for homing and for touches.
+    /// Call it after each [`tick`](ServoAxis::tick). Returns the position of the event in counts
+    /// once the axis stands.
     ///
     /// # Errors
-    /// `WouldBlock` while it searches or moves; [`NotFound`] where neither will end with the event.
+    /// `WouldBlock` while it searches or moves; [`NotFound`] when the search ended without the
+    /// event.
     pub fn poll_search(&self) -> nb::Result<i32, NotFound> {
         let status = self.status();
         match (status.is_searching, status.is_done) {

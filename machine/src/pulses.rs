@@ -1,27 +1,26 @@
-//! The pulses of step and direction drivers on one stream of events.
+//! Pulses of several step and direction drivers on one stream of events.
 
 use husillo_stepper::{CoilDriver, Levels, PulseTiming};
 
-/// Where the pulses of `N` drivers are, in timer ticks from the last change of levels.
+/// State of the pulses of `N` drivers, in timer ticks from the last change of levels.
 ///
-/// Each axis has its own pulse, so the pulses of two axes may overlap. A step that comes before its
-/// driver is ready for it (DIR was not stable long enough, STEP not low long enough) comes when it
-/// is; the steps behind it make up for that time.
+/// Each axis has its own pulse, so the pulses of two axes may overlap. A step is delayed until its
+/// driver is ready for it (DIR stable and STEP low for long enough). Later steps catch up.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Pulses<const N: usize> {
-    /// `None`: a step of this driver is one change of levels.
+    /// Timing of each driver; `None` if a step of this driver is one change of levels.
     timing: [Option<PulseTiming>; N],
     axes: [Pulse; N],
-    /// Ticks until every DIR that was changed is stable.
+    /// Ticks until every changed DIR is stable.
     setup_left: u32,
-    /// How late the last step was.
+    /// Delay of the last step in ticks.
     late: u32,
 }
 
-/// The pulse of one axis: ticks that are left of each of its times.
+/// Pulse of one axis: remaining ticks of each of its times.
 #[derive(Copy, Clone, Debug, Default)]
 struct Pulse {
-    /// Until STEP falls; 0: it is low.
+    /// Until STEP falls; 0 if it is low.
     high_left: u32,
     /// Until STEP may rise.
     low_left: u32,
@@ -30,7 +29,7 @@ struct Pulse {
 }
 
 impl<const N: usize> Pulses<N> {
-    /// `None` where no driver needs pulses.
+    /// Returns `None` where no driver needs pulses.
     pub(crate) fn of<D: CoilDriver>(drivers: &[D; N]) -> Option<Self> {
         let timing = drivers.each_ref().map(CoilDriver::timing);
         timing.iter().any(Option::is_some).then_some(Self {
@@ -41,8 +40,8 @@ impl<const N: usize> Pulses<N> {
         })
     }
 
-    /// Everything that happens in a wait and at its end, the step by `delta`, which may be none:
-    /// calls `present` for each change of levels with the ticks since the one before.
+    /// Runs everything within a wait, and the step by `delta` at its end (`delta` may be all zero).
+    /// Calls `present` for each change of levels with the ticks since the previous one.
     pub(crate) fn run<D: CoilDriver>(
         &mut self,
         drivers: &mut [D; N],
@@ -51,7 +50,7 @@ impl<const N: usize> Pulses<N> {
         delta: &[i8; N],
         mut present: impl FnMut(u32, &[Levels; N]),
     ) {
-        // What is left of the wait when the lateness of the last step is made up for.
+        // The rest of the wait after the delay of the last step is caught up.
         let made_up = self.late.min(wait_ticks);
         self.late = self.late.wrapping_sub(made_up);
         let mut left = wait_ticks.wrapping_sub(made_up);
@@ -75,7 +74,7 @@ impl<const N: usize> Pulses<N> {
         present(wait, levels);
     }
 
-    /// Ticks until the last pulse under way ends; `None` where none is.
+    /// Ticks until the last pulse in progress ends; `None` without a pulse.
     pub(crate) fn last_fall(&self) -> Option<u32> {
         let falls = self.axes.iter().map(|pulse| pulse.high_left);
         falls.max().filter(|left| *left > 0)
@@ -119,7 +118,7 @@ impl<const N: usize> Pulses<N> {
             .unwrap_or(0)
     }
 
-    /// Ticks until STEP of an axis falls, or DIR of one may change.
+    /// Ticks until STEP of an axis falls, or DIR of an axis may change.
     fn next_change(&self, turns: &[bool; N]) -> Option<u32> {
         let falls = self.axes.iter().map(|pulse| pulse.high_left);
         let falls = falls.filter(|left| *left > 0).min();
@@ -131,8 +130,8 @@ impl<const N: usize> Pulses<N> {
         }
     }
 
-    /// Time passes; STEP of an axis that falls now keeps its 0 until [`change`](Pulses::change) is
-    /// called.
+    /// Lets time pass. For an axis whose STEP falls now, the remaining time stays 0 until
+    /// [`change`](Pulses::change) is called.
     fn pass(&mut self, ticks: u32) {
         self.setup_left = self.setup_left.saturating_sub(ticks);
         for pulse in &mut self.axes {
@@ -142,8 +141,8 @@ impl<const N: usize> Pulses<N> {
         }
     }
 
-    /// STEP of the axes whose pulse has ended falls, and DIR of those that turn changes where it
-    /// may.
+    /// Lets STEP fall for axes whose pulse has ended, and changes DIR of reversing axes where
+    /// permitted.
     fn change<D: CoilDriver>(
         &mut self,
         drivers: &mut [D; N],
@@ -167,7 +166,7 @@ impl<const N: usize> Pulses<N> {
         }
     }
 
-    /// The step itself.
+    /// Makes the step.
     fn step<D: CoilDriver>(
         &mut self,
         drivers: &mut [D; N],
@@ -181,7 +180,7 @@ impl<const N: usize> Pulses<N> {
                 *levels = driver.step(*delta);
                 continue;
             };
-            // The pulse of the axis before this step has ended: its fall was due.
+            // The previous pulse of this axis has ended, because its fall was due.
             if *delta != 0 {
                 *levels = driver.step(*delta);
                 if levels.contains(Levels::STEP) {

@@ -1,26 +1,26 @@
-//! An axis under closed-loop control: a profile, the law that follows it, and the events that end a search.
+//! Closed-loop axis: a profile, the control law that follows it, and the events that end a search.
 
 use husillo_pid::{Drive, Regulator, ServoLaw};
 use husillo_planner::{ServoMotion, ServoProfile};
 
-/// What the axis reads once a servo period.
+/// Inputs of the axis, read once per servo period.
 #[derive(Copy, Clone, Debug, Default, Eq, PartialEq)]
 pub struct ServoInputs {
-    /// The encoder, counts, modulo 2^32.
+    /// Encoder counts modulo 2^32.
     pub counts: i32,
-    /// Limit switch or probe contact 1, as a level.
+    /// Level of limit switch or probe contact 1.
     pub limit_1: bool,
-    /// Limit switch or probe contact 2, as a level.
+    /// Level of limit switch or probe contact 2.
     pub limit_2: bool,
-    /// The index of the encoder, as a level.
+    /// Level of the encoder index.
     pub index: bool,
-    /// Motor current, in units of its converter.
+    /// Motor current in units of its converter.
     pub current: u8,
-    /// Whether the motor has its supply.
+    /// Whether the motor has supply power.
     pub has_power: bool,
 }
 
-/// What ends a search and stores the home position: any of these.
+/// Events that end a search and store the home position; any one of them suffices.
 #[derive(Copy, Clone, Debug, Default, Eq, PartialEq)]
 pub struct ServoEvents {
     /// A change of limit 1.
@@ -35,68 +35,73 @@ pub struct ServoEvents {
     pub over_current: bool,
 }
 
-/// How an axis is stopped.
+/// Ways to stop an axis.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
 pub enum ServoStop {
-    /// The servo off and the motor without drive.
+    /// Switches the servo off, with no drive of the motor.
     Off,
-    /// The present position is held, at once.
+    /// Holds the present position at once.
     Abrupt,
-    /// By the acceleration in force.
+    /// Decelerates with the present acceleration.
     Smooth,
-    /// This position is held, at once and without a profile; counts.
+    /// Holds this position in counts at once, without a profile.
     At(i32),
 }
 
-/// What an axis has to say of itself.
+/// Status of an axis.
 #[derive(Copy, Clone, Debug, Default, Eq, PartialEq)]
 pub struct ServoStatus {
-    /// No motion goes on.
+    /// No motion is in progress.
     pub is_done: bool,
     /// The servo holds or follows a position.
     pub is_on: bool,
-    /// A search for an event goes on.
+    /// A search for an event is in progress.
     pub is_searching: bool,
-    /// The motor has its supply.
+    /// The motor has supply power.
     pub has_power: bool,
-    /// The current was beyond its limit; stays until [`ServoAxis::clear`].
+    /// The current exceeded its limit; stays set until [`ServoAxis::clear`].
     pub over_current: bool,
-    /// The position error was beyond its limit, or the servo off; stays until [`ServoAxis::clear`].
+    /// The position error exceeded its limit, or the servo is off; stays set until
+    /// [`ServoAxis::clear`].
     pub position_error: bool,
-    /// The position went round 2^32; stays until [`ServoAxis::clear`].
+    /// The position wrapped modulo 2^32; stays set until [`ServoAxis::clear`].
     pub wrapped: bool,
-    /// The motion started last has stopped to accelerate.
+    /// The last motion has stopped accelerating.
     pub is_acceleration_done: bool,
-    /// The motion started last has begun to decelerate towards its goal.
+    /// The last motion has begun to decelerate towards its goal.
     pub is_slew_done: bool,
 }
 
-/// A position-controlled axis, the peer of a stepping one: [`tick`](Self::tick) once a servo period with what was read, and out
-/// comes the drive of the motor. It does what a PIC-SERVO module does with its commands (J. R. Kerr, data sheet, 1999).
+/// A position-controlled axis with an encoder. Call [`tick`](Self::tick) once per servo period with
+/// the inputs; it returns the drive of the motor. The axis reacts to commands as a PIC-SERVO module
+/// does (J. R. Kerr, data sheet, 1999).
 ///
-/// `R` is its law: [`ServoLaw`] of such a module unless another is chosen, a
-/// [`Pid`](husillo_pid::Pid) for one.
+/// `R` is the control law: by default the [`ServoLaw`] of such a module; a
+/// [`Pid`](husillo_pid::Pid) is another choice.
 ///
-/// Positions are counts of the encoder less the zero of [`set_position`](Self::set_position), modulo 2^32.
-/// Cost: a division or three a period on ramps, see [`ServoProfile`], and three products.
+/// Positions are encoder counts relative to the zero of [`set_position`](Self::set_position),
+/// modulo 2^32.
+///
+/// # Cost
+/// Per period one to three divisions on ramps, see [`ServoProfile`], and three products.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
 pub struct ServoAxis<R: Regulator = ServoLaw> {
     law: R,
     state: R::State,
-    /// The error of the last sample, commanded less actual position, saturated.
+    /// Position error of the last sample, commanded minus actual position, saturated.
     error_counts: i16,
     profile: ServoProfile,
     loaded: Option<ServoMotion>,
     /// Encoder counts at position 0.
     zero: i32,
     position: i32,
-    /// Counts of the last period.
+    /// Velocity in counts per period.
     velocity: i32,
     home: i32,
     search: Option<(ServoEvents, Option<ServoStop>)>,
-    /// What was read last: events are changes.
+    /// Inputs of the last period; events are changes of these.
     before: ServoInputs,
-    /// Nothing has been read yet.
+    /// Whether no input has been read yet.
     is_new: bool,
     over_current: bool,
     position_error: bool,
@@ -104,7 +109,8 @@ pub struct ServoAxis<R: Regulator = ServoLaw> {
 }
 
 impl<R: Regulator> ServoAxis<R> {
-    /// After power-up: position 0, servo off, no search; [`ServoStatus::position_error`] is set, as the servo is off.
+    /// State after power-up: position 0, servo off, no search. [`ServoStatus::position_error`] is
+    /// set, because the servo is off.
     pub fn new(law: R) -> Self {
         let mut profile = ServoProfile::new(0);
         profile.switch_off();
@@ -127,13 +133,14 @@ impl<R: Regulator> ServoAxis<R> {
         }
     }
 
-    /// Gains and limits from the next period on.
+    /// Sets the control law with its gains and limits from the next period on.
     pub fn set_law(&mut self, law: R) {
         self.law = law;
     }
 
-    /// Calls the present position `position`, in counts; what is commanded moves with it, without a jump. `false`, and nothing
-    /// done, while a motion has not come to its goal or its velocity.
+    /// Sets the present position to `position` in counts. The commanded position moves with it,
+    /// without a jump. Returns `false`, with no effect, while a motion has not reached its goal or
+    /// its velocity.
     pub fn set_position(&mut self, position: i32) -> bool {
         let status = self.status();
         if status.is_on && !status.is_done {
@@ -147,7 +154,7 @@ impl<R: Regulator> ServoAxis<R> {
         true
     }
 
-    /// Keeps a motion for [`start`](Self::start).
+    /// Stores a motion for [`start`](Self::start).
     pub fn load(&mut self, motion: ServoMotion) {
         self.loaded = Some(motion);
     }
@@ -157,12 +164,13 @@ impl<R: Regulator> ServoAxis<R> {
         self.loaded
     }
 
-    /// Whether the command moves: a profile that is not at rest.
+    /// Whether the commanded position moves.
     pub const fn is_moving(&self) -> bool {
         self.profile.velocity() != 0
     }
 
-    /// Starts the motion that was loaded; `false` where there is none. A servo that was off holds the present position first.
+    /// Starts the loaded motion; returns `false` if there is none. If the servo was off, it first
+    /// holds the present position.
     pub fn start(&mut self) -> bool {
         let Some(motion) = self.loaded.take() else {
             return false;
@@ -176,7 +184,7 @@ impl<R: Regulator> ServoAxis<R> {
         true
     }
 
-    /// Stops. Abrupt and at a position switch the servo on; smooth does not.
+    /// Stops. `Abrupt` and `At` switch the servo on; `Smooth` does not.
     pub fn stop(&mut self, how: ServoStop) {
         match how {
             ServoStop::Off => self.switch_off(),
@@ -186,32 +194,34 @@ impl<R: Regulator> ServoAxis<R> {
         }
     }
 
-    /// Searches: the first of these events stores the home position, ends the search and stops as given. Without any event a
-    /// search is given up.
+    /// Starts a search: the first of these events stores the home position, ends the search and
+    /// stops the axis as given by `stop`. A search without any event cancels the present search.
     pub fn search(&mut self, events: ServoEvents, stop: Option<ServoStop>) {
         self.search = (events != ServoEvents::default()).then_some((events, stop));
     }
 
-    /// Forgets over-current, position error and wrap. A servo that is off has its position error again in the next period.
+    /// Clears over-current, position error and wrap. If the servo is off, the position error is set
+    /// again in the next period.
     pub fn clear(&mut self) {
         (self.over_current, self.position_error, self.wrapped) = (false, false, false);
     }
 
-    /// The present position becomes the home position.
+    /// Stores the present position as the home position.
     pub fn save_home(&mut self) {
         self.home = self.position;
     }
 
-    /// The next period: reads, searches, moves the profile on and gives the drive.
+    /// Runs the next period: evaluates the inputs and the search, advances the profile and returns
+    /// the drive.
     pub fn tick(&mut self, inputs: &ServoInputs) -> Drive {
         if self.is_new {
-            // Position 0 is where it was switched on, or what it was called since.
+            // Position 0 is the position at power-up, unless `set_position` has changed it.
             self.zero = inputs.counts.wrapping_sub(self.position);
         }
         let position = inputs.counts.wrapping_sub(self.zero);
         if !self.is_new {
             self.velocity = position.wrapping_sub(self.position);
-            // Less than half a turn of 2^32 a period: the sum overflows where the sign lies.
+            // Less than half of 2^32 per period: the sum overflows where the position wraps.
             self.wrapped |= self.position.checked_add(self.velocity).is_none();
         }
         self.position = position;
@@ -231,7 +241,7 @@ impl<R: Regulator> ServoAxis<R> {
         if !self.profile.is_servo_on() {
             let duty = self.profile.duty();
             let drive = Drive {
-                // A duty is 0 to 255 with its sign.
+                // A duty is from 0 to 255 with a sign.
                 pwm: duty.unsigned_abs() as u8,
                 is_reverse: duty < 0,
             };
@@ -250,13 +260,13 @@ impl<R: Regulator> ServoAxis<R> {
             .law
             .regulate(&mut self.state, command, self.position, current);
         if self.law.has_given_up(&self.state) {
-            // The error was beyond its limit.
+            // The error exceeded its limit.
             self.profile.switch_off();
         }
         drive
     }
 
-    /// What changed since the last period, and what is beyond its limit.
+    /// Inputs that changed since the last period, and values beyond their limits.
     fn changes(&self, inputs: &ServoInputs) -> ServoEvents {
         let changed = |now, before| !self.is_new && now != before;
         ServoEvents {
@@ -303,37 +313,37 @@ impl<R: Regulator> ServoAxis<R> {
         self.error_counts = 0;
     }
 
-    /// Where it is, counts.
+    /// Actual position in counts.
     pub const fn position(&self) -> i32 {
         self.position
     }
 
-    /// Where it is commanded to be, counts.
+    /// Commanded position in counts.
     pub const fn commanded(&self) -> i32 {
         self.profile.position()
     }
 
-    /// Counts of the last period.
+    /// Velocity in counts per period.
     pub const fn velocity(&self) -> i32 {
         self.velocity
     }
 
-    /// The error of the last sample, commanded less actual position, counts, saturated.
+    /// Position error of the last sample, commanded minus actual position, in counts, saturated.
     pub const fn error_counts(&self) -> i16 {
         self.error_counts
     }
 
-    /// The position of the last event, or the last that was saved; counts.
+    /// Home position in counts: that of the last event, or the last one saved.
     pub const fn home(&self) -> i32 {
         self.home
     }
 
-    /// What was read in the last period.
+    /// Inputs of the last period.
     pub const fn inputs(&self) -> &ServoInputs {
         &self.before
     }
 
-    /// What there is to know besides numbers.
+    /// Status flags.
     pub const fn status(&self) -> ServoStatus {
         ServoStatus {
             is_done: self.profile.is_done(),

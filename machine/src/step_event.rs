@@ -1,13 +1,13 @@
-//! The events that move motors.
+//! Events that move motors.
 
-/// Longest wait of one event, in timer ticks; longer ones come in several events.
+/// Longest wait of one event in timer ticks; longer waits are split into several events.
 pub const MAX_WAIT_TICKS: u32 = 1 << 31;
 
 /// Wait `wait_ticks`, then step every axis by its delta.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct StepEvent<const N: usize> {
-    /// Timer ticks from the event before this one.
+    /// Timer ticks since the previous event.
     pub wait_ticks: u32,
-    /// -1, 0 or +1 motor step of every axis.
+    /// Motor step of every axis: -1, 0 or +1.
     pub delta: [i8; N],
 }

@@ -1,4 +1,4 @@
-//! Steps that are given again cross the lash that the motion has: that of a map where there is one.
+//! Re-emitted steps cross the same backlash as the motion, including one that a map describes.
 
 mod common;
 
@@ -12,7 +12,8 @@ use proptest::prelude::*;
 
 type Mapped = MappedBacklash<Vec<i32>, Vec<u32>>;
 
-/// X on a screw whose play is the map's where the load is, and pushes of its motor.
+/// X on a screw whose backlash at the load position is that of the map, and disturbances of its
+/// motor.
 struct Screw {
     map: LashMap<Vec<i32>, Vec<u32>>,
     motor: i32,
@@ -27,8 +28,9 @@ impl Screw {
     }
 }
 
-/// Play of X that grows from 40 to 80 steps over 400 steps of Y, while the machine file says 5; each push is one of the motor of X so many
-/// events from the start. Where motor and tool are in the end, and how often a loss was told and put right.
+/// The backlash of X grows from 40 to 80 steps over 400 steps of Y, while the machine file says 5.
+/// Each disturbance moves the motor of X after the given number of events. Returns the final
+/// positions of motor and tool, and how often a loss was reported and corrected.
 fn run(lines: &[&str], pushes: &[(u32, i32)]) -> (i32, i32, [u32; 2]) {
     let map = LashMap::new([0, 1], [vec![0], vec![0, 400]], vec![40, 80]).unwrap();
     let none = LashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
@@ -81,15 +83,17 @@ fn run(lines: &[&str], pushes: &[(u32, i32)]) -> (i32, i32, [u32; 2]) {
 
 #[test]
 fn across_the_lash_of_the_map_and_back() {
-    // To 100, and back to 50 at Y 200, where the play is 60.
+    // To 100, and back to 50 at Y 200, where the backlash is 60.
     let lines = ["G1 X0.014 Y0.028 F1.2", "G1 X0.007"];
     let (motor, tool, told) = run(&lines, &[]);
     assert_eq!((motor, tool, told), (50 - 60, 50, [0, 0]));
-    // At its end it is pushed on by 8: the tool went with it, and comes back only from beyond the whole play.
+    // At its end it is pushed by 8. The tool went with it and returns only from beyond the whole
+    // backlash.
     assert_eq!(run(&lines, &[(310, -8)]), (motor, tool, [1, 1]));
 }
 
-/// On the negative flank, along Y, X gives up a step now and then for less play: that is no turn of X.
+/// On the negative flank, along Y, X gives up a step now and then because of less backlash. This is
+/// no reversal of X.
 #[test]
 fn what_the_map_owes_is_no_turn() {
     let lines = ["G1 X0.014 Y0.056 F1.2", "G1 X0.007", "G1 Y0.014"];
@@ -100,7 +104,8 @@ fn what_the_map_owes_is_no_turn() {
     }
 }
 
-/// A count of three steps and a tolerance of one: nothing is lost, nothing told, and it ends.
+/// With counts of three steps and a tolerance of one step: no loss is reported, and the motion
+/// ends.
 #[test]
 fn a_tolerance_finer_than_a_count_is_a_count() {
     let machine: Machine<3> = Machine::new(config());
@@ -131,7 +136,8 @@ fn a_tolerance_finer_than_a_count_is_a_count() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Pushed anywhere and either way, the motor ends where it would have been, and a tool that was carried along as well.
+    /// Pushed at any event in either direction, the motor ends at its expected position, and so
+    /// does a tool that was carried along.
     #[test]
     fn pushed_anywhere(at in 1u32..900, push in prop_oneof![-30i32..-3, 4i32..30]) {
         let lines = ["G1 X0.014 Y0.056 F1.2", "G1 X0.007", "G1 Y0.014", "G1 X0.021 Y0.028"];

@@ -1,4 +1,4 @@
-//! Foreign implementations of every seam work in the machine without a change to it.
+//! External implementations of every trait work in the machine without changes to it.
 
 mod common;
 
@@ -10,7 +10,7 @@ use husillo_pid::{Drive, Gains, Integration, Limits, Pid, Regulator};
 use husillo_planner::ServoMotion;
 use husillo_stepper::{CoilDriver, Levels};
 
-/// One axis after the other, as an old drilling machine moves; arcs are its chords.
+/// Moves one axis after the other, as an old drilling machine does; arcs are replaced by chords.
 #[derive(Clone)]
 struct AxisByAxis {
     left: [i32; 3],
@@ -138,7 +138,8 @@ fn interpolator_lash_and_driver_of_others() {
         }
     }
     assert_eq!(trace, "x+x+x+x+x+y+y+x-x-x-x-x-");
-    // Five steps forth and five back, three of them take-up: the ring is home again.
+    // Five steps forward and five back, three of them take-up: the ring counter is at its start
+    // again.
     assert_eq!(motors.levels(), &[Levels(1), Levels(4), Levels(1)]);
     assert_eq!(rested(&mut motors, 10), [Levels(0); 3]);
     assert!(motors.was_released());
@@ -163,7 +164,8 @@ fn resting_motors_hold_with_less_current_and_step_with_all_of_it() {
     assert_eq!(stepped(&mut motors, [1]), [again.step(1)]);
 }
 
-/// Friction alone: full force towards the set point, and it gives up beyond a thousand counts.
+/// Two-point control: full force towards the set point; switches off beyond an error of a thousand
+/// counts.
 struct BangBang;
 
 impl Regulator for BangBang {
@@ -186,7 +188,7 @@ impl Regulator for BangBang {
     }
 }
 
-/// Ticks until the axis holds; its motor goes as many counts a period as a 16th of its PWM.
+/// Ticks until the axis holds. The motor moves 1/16 of its PWM in counts per period.
 fn settle<R: Regulator>(axis: &mut ServoAxis<R>, inputs: &mut ServoInputs) -> Option<usize> {
     (1..1000).find(|_| {
         let drive = axis.tick(inputs);
@@ -204,7 +206,7 @@ fn law_of_others_moves_an_axis() {
     let mut inputs = powered;
     let mut axis = ServoAxis::new(BangBang);
     axis.tick(&inputs);
-    // Ten times what the motor goes in a period, so that it comes to rest.
+    // Ten times the motion per period, so that it comes to rest.
     axis.stop(ServoStop::At(150));
     assert!(settle(&mut axis, &mut inputs).is_some());
     assert_eq!((axis.position(), axis.error_counts()), (150, 0));

@@ -1,4 +1,4 @@
-//! No axis is stepped faster than its highest rate, over all borders of moves.
+//! No axis exceeds its highest step rate across the boundaries of moves.
 
 mod common;
 
@@ -9,10 +9,10 @@ use husillo_interp::Path;
 use husillo_machine::{AxisRamp, Config, Event, Machine, Segment};
 use proptest::prelude::*;
 
-/// Least ticks between two steps of each axis, and the ticks of the whole.
+/// Least ticks between two steps of each axis, and the total ticks.
 struct Intervals<const N: usize> {
     clock: u64,
-    /// Tick of each axis' last step, and the number of its move.
+    /// Tick of the last step of each axis, and the index of its move.
     last: [Option<(u64, u32)>; N],
     least: [u64; N],
     /// Between two steps of the same arc.
@@ -59,11 +59,11 @@ impl<const N: usize> Intervals<N> {
     }
 }
 
-/// What is done beside the lines.
+/// An action between the lines.
 #[derive(Clone, Debug)]
 enum Act {
     Line(String),
-    /// So many events are asked for.
+    /// Requests this many events.
     Events(u16),
     Hold,
     Resume,
@@ -114,14 +114,15 @@ fn lines(text: &str) -> Vec<Act> {
 fn assert_allowed(config: &Config<3>, seen: &Intervals<3>) {
     for (number, axis) in config.axes.iter().enumerate() {
         let interval = u64::from(config.timer_hz / axis.max_rate_hz);
-        // Ends lie between steps: a move of 64 steps or more may have a part of one too many.
+        // Ends lie between steps, so a move of 64 steps or more may have a fraction of a step too
+        // many.
         let allowed = interval - interval / 64;
         let least = seen.least[number];
         assert!(
             least >= allowed,
             "axis {number}: {least} ticks, {allowed} are the least"
         );
-        // At 45 degrees two steps share the way of the diagonal.
+        // At 45 degrees two steps share the length of the diagonal.
         let (least, allowed) = (seen.least_in_arc[number], allowed * 70 / 100);
         assert!(
             least >= allowed,
@@ -130,7 +131,7 @@ fn assert_allowed(config: &Config<3>, seen: &Intervals<3>) {
     }
 }
 
-/// X, Y and Z with ramps, as a small router has them.
+/// X, Y and Z with ramps, as on a small router.
 fn with_ramps(lash_steps: u32) -> Config<3> {
     let config = config();
     let axes = config.axes.map(|_| husillo_machine::Axis {

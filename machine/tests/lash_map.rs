@@ -1,4 +1,5 @@
-//! Machines whose lash is another at every place: a screw that has that lash stands where it was sent.
+//! Machines with position-dependent backlash: a screw with that backlash is at its programmed
+//! position.
 
 mod common;
 
@@ -11,7 +12,7 @@ use proptest::prelude::*;
 type Map = LashMap<Vec<i32>, Vec<u32>>;
 type Micromill = Machine<3, Path<3>, MappedBacklash<Vec<i32>, Vec<u32>>, 8>;
 
-/// Nuts on screws whose play is the map's at the place where the load is.
+/// Nuts on screws whose backlash at the load position is that of the map.
 struct Screws {
     maps: [Map; 3],
     motor: [i32; 3],
@@ -37,7 +38,7 @@ impl Screws {
     }
 }
 
-/// Three by three places 300 steps apart, with up to 75 steps between them.
+/// Three by three points 300 steps apart, with differences of up to 75 steps.
 fn map() -> impl Strategy<Value = Map> {
     (
         proptest::collection::vec(0u32..=75, 9),
@@ -58,7 +59,7 @@ fn mill(config: Config<3>, maps: &[Map; 3]) -> Micromill {
     Micromill::with_lash(config, lash)
 }
 
-/// Lines and arcs within some hundred steps of 140 nm.
+/// Lines and arcs within a few hundred steps of 140 nm.
 fn block() -> impl Strategy<Value = String> {
     let place = || (-500i32..500).prop_map(|steps| format!("{:.5}", f64::from(steps) * 0.00014));
     prop_oneof![
@@ -73,14 +74,14 @@ fn block() -> impl Strategy<Value = String> {
     ]
 }
 
-/// How events are looked at.
+/// Observer of the events.
 struct Watch {
     screws: Screws,
     load: [i32; 3],
     ticks: u64,
-    /// When every motor stepped last.
+    /// Time of the last step of every motor.
     stepped: [Option<u64>; 3],
-    /// Steps a tool may be off: after an abort in a take-up, until that axis moves.
+    /// Largest deviation of a tool in steps: after an abort during take-up, until that axis moves.
     most_off: i32,
 }
 
@@ -103,7 +104,7 @@ impl Watch {
         for axis in 0..3 {
             let off = self.screws.tool[axis] - load[axis];
             if load == self.load {
-                // Of two steps that an event owes, or of a take-up, the first.
+                // The first of two steps that an event needs, or of a take-up.
                 assert!(off.abs() <= self.most_off.max(1), "{off} at {load:?}");
             } else {
                 assert!(off.abs() <= self.most_off, "{off} at {load:?}");
@@ -130,8 +131,8 @@ impl Watch {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 200 }))]
 
-    /// The tool stands where the machine says, after every step of every path, and no motor is driven faster than its highest
-    /// rate.
+    /// The tool is at the reported position after every step of every path, and no motor exceeds
+    /// its highest rate.
     #[test]
     fn the_tool_is_where_it_was_sent(
         maps in [map(), map(), map()], blocks in proptest::collection::vec(block(), 1..8),
@@ -145,10 +146,12 @@ proptest! {
         prop_assert_eq!(watch.screws.tool, machine.position_steps());
     }
 
-    /// The same with ramps, and with an abort anywhere: in a take-up, or between two steps that an event owes.
+    /// The same with ramps, and with an abort at any event: during a take-up, or between the two
+    /// steps of an event.
     #[test]
     fn an_abort_forgets_nothing(
-        maps in [map(), map(), map()], blocks in proptest::collection::vec((block(), 0usize..900), 1..8),
+        maps in [map(), map(), map()],
+        blocks in proptest::collection::vec((block(), 0usize..900), 1..8),
     ) {
         let mut config = config();
         for axis in &mut config.axes {
@@ -173,13 +176,14 @@ proptest! {
             machine.line(line.as_bytes()).unwrap();
             watch.drain(&mut machine, usize::MAX, 0);
         }
-        // All that moved is right again.
+        // Every axis that moved is at its position again.
         let [x, y, _] = watch.screws.tool;
         prop_assert_eq!([x, y], [71, 71]);
     }
 }
 
-/// Along X the lash of both axes grows by a step in ten: X steps twice there, Y follows while it stands.
+/// Along X the backlash of both axes grows by one step in ten. X makes two steps there, and Y makes
+/// a step while it stands.
 #[test]
 fn lash_that_grows_on_the_way() {
     let map = |steps: [u32; 2]| {
@@ -207,7 +211,7 @@ fn lash_that_grows_on_the_way() {
     assert_eq!(doubled, 20);
 }
 
-/// A lash that jumps by more than a step owes it with the path standing, as where an axis turns round.
+/// Backlash that jumps by more than a step is taken up while the path stands, as at a reversal.
 #[test]
 fn lash_that_jumps() {
     struct Stair {

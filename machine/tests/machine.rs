@@ -1,4 +1,4 @@
-//! Lines in, events out: the behaviour a firmware author relies on.
+//! Lines in, events out: behaviour that a firmware author relies on.
 
 mod common;
 
@@ -37,7 +37,8 @@ fn circle_closes_at_the_programmed_speed_with_its_take_up() {
         }
     }
     assert_eq!(machine.position_steps(), start);
-    // Clockwise from the right: Y turns round at once, at the bottom and at the top, X at once and at the left.
+    // Clockwise from the right: Y reverses at once, at the bottom and at the top; X reverses at
+    // once and at the left.
     assert_eq!(take_up_steps, 3 * 1271 + 2 * 1457);
     let radius = 3e6 / 140.0;
     assert!(path_steps.abs_diff((4.0 * 2f64.sqrt() * radius).round() as u64) <= 4);
@@ -97,7 +98,7 @@ fn an_arc_that_bulges_out_of_the_travel_is_refused_though_its_ends_are_inside() 
 fn a_full_queue_gives_the_line_back() {
     let mut machine: Machine<3, Path<3>, Backlash, 1> = Machine::new(config());
     machine.line(b"G0 X0.0014").unwrap();
-    // One is in the queue, one waits for its place, the next comes back.
+    // One is in the queue, one waits for room, the next is returned.
     machine.line(b"G0 X0").unwrap();
     assert_eq!(machine.line(b"G0 X1"), Err(Refused::Busy));
     machine.next_event().unwrap();
@@ -122,7 +123,7 @@ fn moves_shorter_than_a_step_give_their_time_to_the_next() {
         machine.line(line.as_bytes()).unwrap();
         ticks += drain(&mut machine, &mut screw).0;
     }
-    // 70 x 20 nm are 10 steps and 70 ms, of which 3 moves after the last step are still owed.
+    // 70 x 20 nm are 10 steps and 70 ms; the time of 3 moves after the last step is still carried.
     assert_eq!(machine.position_steps(), [10, 0, 0]);
     assert_eq!(ticks, 67_000);
 }
@@ -207,7 +208,7 @@ fn arcs_whose_ends_fall_on_one_step_are_short_or_whole_as_programmed() {
     machine.line(b"G3 X0 Y0.0001 I-1 J0 F1").unwrap();
     let (_, steps) = drain(&mut machine, &mut Screw::new());
     assert!(steps <= 1, "{steps}");
-    // The same end the other way is all but a whole turn.
+    // The same end in the other direction is nearly a whole turn.
     let mut machine: Machine<3> = Machine::new(config());
     machine.line(b"G2 X0 Y0.0001 I-1 J0 F1").unwrap();
     let (_, steps) = drain(&mut machine, &mut Screw::new());
@@ -289,7 +290,7 @@ fn a_command_without_an_event_makes_room() {
     machine.line(b"G4 P0").unwrap();
     machine.line(b"M3 S1").unwrap();
     assert!(!machine.has_room());
-    // The dwell takes no time and gives no event; the spindle does.
+    // The dwell takes no time and makes no event; the spindle makes one.
     assert!(matches!(machine.next_event(), Some(Event::Output(_))));
     assert!(machine.has_room());
     machine.line(b"G4 P0").unwrap();
@@ -301,7 +302,8 @@ fn a_command_without_an_event_makes_room() {
 
 #[test]
 fn an_arc_whose_ends_differ_in_radius_alone_is_no_whole_turn() {
-    // A radius of 5 m, its ends 0.45 mm further out and 0.02 mm along: on a grid of 0.1 mm they are on one spoke.
+    // A radius of 5 m whose ends are 0.45 mm further out and 0.02 mm along. On a grid of 0.1 mm
+    // they are on one spoke.
     let mut config = config();
     for axis in &mut config.axes {
         axis.scale = husillo_machine::Scale::new(100_000, 1).unwrap();

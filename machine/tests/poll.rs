@@ -7,7 +7,7 @@ use husillo_machine::{Machine, NotFound, Refused, ServoAxis, ServoEvents, ServoI
 use husillo_pid::{RateRule, ServoGains, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
 
-/// A machine with a queue of two moves: lines wait for events to be taken, and all of them are made.
+/// A machine with a queue of two moves: lines wait until events are taken, and all moves are made.
 #[test]
 fn lines_wait_for_room() {
     let mut machine =
@@ -48,7 +48,7 @@ fn axis() -> ServoAxis {
     ))
 }
 
-/// Searches the index, which lies at 250 counts, as far as `goal`, with an encoder that stops for good at `stuck`.
+/// Searches the index, at 250 counts, on the way to `goal`, with an encoder that stops at `stuck`.
 fn search(goal: i32, stuck: i32) -> Result<i32, NotFound> {
     let mut axis = axis();
     let mut inputs = ServoInputs {
@@ -70,7 +70,7 @@ fn search(goal: i32, stuck: i32) -> Result<i32, NotFound> {
     });
     assert!(axis.start());
     nb::block!({
-        // A motor that follows at once.
+        // A motor that follows without delay.
         inputs.counts = axis.commanded().min(stuck);
         inputs.index = inputs.counts >= 250;
         axis.tick(&inputs);

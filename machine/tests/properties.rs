@@ -1,4 +1,4 @@
-//! What holds for every line.
+//! Properties of every line.
 
 mod common;
 
@@ -7,7 +7,7 @@ use husillo_machine::{Machine, Scale};
 use proptest::prelude::*;
 
 fn coordinate() -> std::ops::Range<i64> {
-    // Within 30 um, in nanometres: some 200 steps.
+    // Within 30 um, in nanometres: about 200 steps.
     -30_000i64..30_000
 }
 
@@ -45,7 +45,7 @@ fn line() -> impl Strategy<Value = String> {
                 word('R', r)
             )
         }),
-        // A whole turn wherever it stands.
+        // A whole turn from any position.
         (2..4, coordinate(), coordinate()).prop_map(|(g, i, j)| format!(
             "G91 G{g} X0 {} {} P2\nG90",
             word('I', i),
@@ -55,8 +55,9 @@ fn line() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// The tool, behind a screw with play, is where the machine believes after every step of the path;
-    /// every accepted move ends on the nearest step of its target; a refused line moves nothing.
+    /// The tool, behind a screw with backlash, is at the reported position after every step of the
+    /// path. Every accepted move ends on the step nearest to its target. A refused line moves
+    /// nothing.
     #[test]
     fn tool_follows_the_machine(lines in prop::collection::vec(line(), 1..12)) {
         let mut machine: Machine<3> = Machine::new(config());
@@ -80,7 +81,7 @@ proptest! {
         }
     }
 
-    /// No bytes whatever make the machine panic, and a refused line moves nothing.
+    /// No input makes the machine panic, and a refused line moves nothing.
     #[test]
     fn any_bytes(lines in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..40), 1..8)) {
         let mut machine: Machine<3> = Machine::new(config());
@@ -98,7 +99,8 @@ proptest! {
         }
     }
 
-    /// Nearest step of the position of a step is that step, for any scale of at least a nanometre a step.
+    /// The step nearest to the position of a step is that step, for any scale of at least 1 nm per
+    /// step.
     #[test]
     fn scales_invert(nm in 1u32..2_000_000, steps in 1u32..2000, step in -1_000_000i32..1_000_000) {
         prop_assume!(nm >= 2 * steps);

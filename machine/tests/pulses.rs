@@ -1,4 +1,4 @@
-//! Motors behind step and direction drivers: what comes at the pins for any stream of events.
+//! Motors with step and direction drivers: the pin levels for any stream of events.
 
 use husillo_machine::{Idle, Motors};
 use husillo_stepper::{Drive, Driver, Levels, Mode, PulseTiming, Sequencer, StepDirection};
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const AXES: usize = 3;
 
-/// The pins of a driver, watched.
+/// The observed pins of a driver.
 #[derive(Clone, Copy, Debug)]
 struct Pins {
     timing: PulseTiming,
@@ -14,12 +14,12 @@ struct Pins {
     rose: u64,
     fell: u64,
     turned: u64,
-    /// Rising edges with DIR high less those with DIR low.
+    /// Rising edges with DIR high minus those with DIR low.
     at: i64,
 }
 
 impl Pins {
-    /// Other levels at a time: the driver's times are kept.
+    /// Takes new levels at a time and checks the times of the driver.
     fn change(&mut self, levels: Levels, now: u64) {
         let changed = levels.0 ^ self.levels.0;
         self.levels = levels;
@@ -55,16 +55,16 @@ fn timing() -> impl Strategy<Value = PulseTiming> {
     )
 }
 
-/// Waits, steps, and whether it is a rest instead.
+/// Waits, steps, and whether the event is a rest instead.
 fn events() -> impl Strategy<Value = Vec<(u32, [i8; AXES], bool)>> {
     let delta = prop::array::uniform3(-1_i8..=1);
     prop::collection::vec((0_u32..80, delta, prop::bool::weighted(0.1)), 1..200)
 }
 
 proptest! {
-    /// Whatever comes: one rising edge a step with the right DIR, and each driver's set-up, hold,
-    /// high and low are kept. Steps come late only where a driver is not ready, and what is late is
-    /// made up for.
+    /// For any events: one rising edge per step with the right DIR, and the set-up, hold, high and
+    /// low times of each driver are kept. Steps are late only where a driver is not ready, and
+    /// delays are caught up.
     #[test]
     fn a_step_is_one_rising_edge_with_its_times(
         timings in prop::array::uniform3(timing()), events in events(),
@@ -101,7 +101,7 @@ proptest! {
             prop_assert!(now >= asked, "never early");
             prop_assert_eq!(pins.map(|pins| pins.at), at);
         }
-        // Time enough makes up for everything.
+        // Enough time to catch up with everything.
         let rest = 100_000;
         motors.rest(rest, |ticks, levels| {
             now += u64::from(ticks);
@@ -113,10 +113,13 @@ proptest! {
         prop_assert!(pins.iter().all(|pins| !pins.levels.contains(Levels::STEP)), "all pulses end");
     }
 
-    /// Steps of an axis that are no closer than its driver takes come in time, whatever the others
-    /// do between them.
+    /// Steps of an axis that are no closer than its driver allows come in time, whatever the other
+    /// axes do between them.
     #[test]
-    fn what_a_driver_takes_comes_in_time(timing in timing(), deltas in prop::collection::vec(prop::bool::ANY, 1..100)) {
+    fn what_a_driver_takes_comes_in_time(
+        timing in timing(),
+        deltas in prop::collection::vec(prop::bool::ANY, 1..100),
+    ) {
         let driver = StepDirection::new(timing);
         let mut motors = Motors::new([driver], Idle::Hold);
         let interval = motors.shortest_interval_ticks(0);
@@ -150,7 +153,7 @@ fn the_last_pulse_ends() {
     motors.end_pulses(|_, _| panic!("no pulse is under way"));
 }
 
-/// Coils beside step and direction: each has its own.
+/// Coils and step/direction drivers together: each gets its own signals.
 #[test]
 fn coils_need_no_pulse() {
     let coils = Drive::Coils(Sequencer::new(Driver::Unipolar, Mode::Full).unwrap());

@@ -1,4 +1,4 @@
-//! Machines whose axes have to speed up and slow down: a checker that knows nothing of planning looks at the events.
+//! Machines with acceleration ramps: an independent checker examines the events.
 
 mod common;
 
@@ -43,7 +43,7 @@ fn config(lash_steps: [u32; 3]) -> Config<3> {
     }
 }
 
-/// The steps of a run: time in seconds, and where the load stands after it.
+/// The steps of a run: the time in seconds, and the load position after each step.
 #[derive(Default)]
 struct Trace {
     ticks: u64,
@@ -72,7 +72,7 @@ impl Trace {
         self.ticks as f64 / f64::from(TIMER_HZ)
     }
 
-    /// Where an axis is at a time, between two steps in proportion.
+    /// Position of an axis at a time, interpolated between two steps.
     fn at(&self, axis: usize, time: f64) -> f64 {
         let after = self.points.partition_point(|(at, _)| *at <= time);
         let after_point = self.points.get(after);
@@ -91,8 +91,9 @@ impl Trace {
         }
     }
 
-    /// No axis changes its speed faster than it may, nor by more than `jump` (steps/s) at once. Positions are known to
-    /// a step, so a second difference over 20 ms is known to 4 steps: a tenth of what the acceleration makes in it.
+    /// No axis changes its speed faster than permitted, nor by more than `jump` (steps/s) at once.
+    /// Positions are known to a step, so a second difference over 20 ms is known to 4 steps: a
+    /// tenth of the change due to the acceleration.
     fn check_acceleration(&self, jump: f64) {
         let span = 0.02;
         let samples = (self.seconds() / span * 4.0) as usize;
@@ -118,7 +119,8 @@ impl Trace {
     }
 }
 
-/// Feeds the lines as far ahead as there is room and pulls everything; `each` may act on the machine before each event.
+/// Takes the lines as far ahead as there is room and pulls all events. `each` may act on the
+/// machine before each event.
 fn run(
     machine: &mut Micromill,
     lines: &[String],
@@ -204,7 +206,7 @@ fn corners_are_stops_slower_or_faster_by_mode() {
         wide < narrow && narrow < stop - 0.01,
         "{wide} {narrow} {stop}"
     );
-    // A straight line in pieces is no corner in any but the strictest mode.
+    // A straight line in pieces has no corner, except in the strictest mode.
     let pieces = "G1 X5 F1200\nG1 X10\nG1 X20\n";
     let mut machine = Micromill::new(config([0; 3]));
     let trace = run(&mut machine, &lines(&format!("G61\n{pieces}")), |_, _| {});
@@ -227,8 +229,9 @@ fn a_corner_jumps_by_no_more_than_it_may() {
 #[test]
 fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
     let mut machine = Micromill::new(config(LASH_STEPS));
-    // The last arc turns Y round at its first step, at a corner that would be passed.
-    let program = "G64 P0.2\nG1 X5 Y2 F1200\nG3 X5 Y2 I-3 J0 P2\nG2 X6 Y3 I1 J0\nG1 X9 Y3.5\nG2 X9 Y2.5 I-0.5 J-0.5\nG1 X0 Y0";
+    // The last arc reverses Y at its first step, at a corner that would be passed otherwise.
+    let program = "G64 P0.2\nG1 X5 Y2 F1200\nG3 X5 Y2 I-3 J0 P2\nG2 X6 Y3 I1 J0\nG1 X9 Y3.5\n\
+                   G2 X9 Y2.5 I-0.5 J-0.5\nG1 X0 Y0";
     let mut screw = Screw::new();
     let mut trace = Trace::default();
     for line in program.lines() {
@@ -247,7 +250,8 @@ fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
         trace.event(&machine, &event);
     }
     assert!(trace.take_ups.len() > 1457);
-    // From rest a step takes sqrt(2 / a) = 4.5 ms; the path stands before and after each take-up, which has ramps itself.
+    // From rest a step takes sqrt(2 / a) = 4.5 ms. The path stands before and after each take-up,
+    // which has ramps itself.
     for (k, (is_take_up, was_take_up, wait)) in waits.iter().enumerate() {
         if is_take_up != was_take_up {
             assert!(*wait > 4000, "event {k}: {wait} after the change");
@@ -273,7 +277,7 @@ fn moves_to_the_same_place_do_not_undo_stops() {
         let mut machine = Micromill::new(config([0; 3]));
         run(&mut machine, &lines(program), |_, _| {}).check_acceleration(0.0);
     }
-    // Straight on they do not matter.
+    // On a straight line they do not matter.
     let program = lines("G61\nG1 X10 F1200\nG1 X10\nG1 X20");
     let trace = run(&mut Micromill::new(config([0; 3])), &program, |_, _| {});
     assert!((trace.seconds() - 1.2).abs() < 2e-3);
@@ -341,7 +345,7 @@ fn an_abort_ends_a_hold_and_keeps_the_mode() {
     machine.line(b"G1 X10 F600").unwrap();
     machine.next_event();
     machine.next_event();
-    // The mode waits behind the move.
+    // The mode takes effect after the move.
     machine.line(b"G61.1 G1 X11").unwrap();
     machine.hold();
     while machine.next_event().is_some() {}
@@ -423,14 +427,14 @@ fn an_override_changes_the_time_of_feeds_alone() {
     assert!((time(200).0 - 1.2).abs() < 2e-3);
     assert!((time(10).0 - 20.01).abs() < 2e-3);
     assert_eq!(time(10).1, time(200).1);
-    // Without ramps it holds from the next move on.
+    // Without ramps the override acts from the next move on.
     let mut steady: Machine<3> = Machine::new(common::config());
     steady.set_feed_override(50);
     steady.line(b"G1 X0.14 F1").unwrap();
     let mut screw = Screw::new();
     let (ticks, _) = common::drain(&mut steady, &mut screw);
     assert_eq!(ticks, 2 * 8_400_000);
-    // Not above the rate of the axes.
+    // It does not exceed the rate of the axes.
     steady.set_feed_override(200);
     steady.line(b"G1 X0.28 F1.2").unwrap();
     let (ticks, _) = common::drain(&mut steady, &mut screw);
@@ -440,12 +444,14 @@ fn an_override_changes_the_time_of_feeds_alone() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// A hold at any event brakes within the acceleration and loses nothing: after a resume the same steps are made in the
-    /// same order as without.
+    /// A hold at any event brakes within the acceleration and loses no step. After a resume the
+    /// same steps are made in the same order as without it.
     #[test]
     fn holds_lose_no_step(holds in prop::collection::vec(0_usize..9000, 1..4), has_lash: bool) {
         let lash = if has_lash { [20, 30, 0] } else { [0; 3] };
-        let program = lines("G64 P0.02 F900\nG1 X3\nG1 X4 Y0.3\nG3 X4 Y4.3 I0 J2\nG1 X2 Y1 Z1\nG0 X0 Y0\nG1 Z0");
+        let program = lines(
+            "G64 P0.02 F900\nG1 X3\nG1 X4 Y0.3\nG3 X4 Y4.3 I0 J2\nG1 X2 Y1 Z1\nG0 X0 Y0\nG1 Z0",
+        );
         let without = run(&mut Micromill::new(config(lash)), &program, |_, _| {});
         let mut machine = Micromill::new(config(lash));
         let with = run(&mut machine, &program, |machine, number| {
@@ -455,7 +461,8 @@ proptest! {
         });
         let steps = |trace: &Trace| trace.points.iter().map(|(_, at)| *at).collect::<Vec<_>>();
         prop_assert_eq!(steps(&with), steps(&without));
-        // At a corner it goes fast enough for the tolerance of 20 um: v^2 = a d s / (1 - s), s < 0.92.
+        // At a corner it is fast enough for the tolerance of 20 um: v^2 = a d s / (1 - s), s <
+        // 0.92.
         with.check_acceleration(8000.0);
         prop_assert!(with.seconds() >= without.seconds() - 1e-3);
     }

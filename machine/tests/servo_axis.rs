@@ -1,4 +1,4 @@
-//! The closed-loop axis without a motor: what it does with what it reads.
+//! The closed-loop axis without a motor: its reaction to inputs.
 
 use husillo_machine::{ServoAxis, ServoEvents, ServoInputs, ServoStop};
 use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
@@ -73,7 +73,7 @@ fn without_power_or_far_off_it_lets_go_until_it_is_told() {
         let mut axis = holding(0);
         axis.clear();
         assert_eq!(axis.tick(&lost), Drive::default());
-        // Back again, it stays off.
+        // It stays off after the position returns.
         assert_eq!(
             axis.tick(&ServoInputs {
                 counts: 50,
@@ -98,7 +98,7 @@ fn a_search_ends_at_the_first_change_it_waits_for() {
     };
     let mut axis = holding(0);
     axis.search(events, Some(ServoStop::Off));
-    // Another input changes: nothing.
+    // A change of another input has no effect.
     axis.tick(&ServoInputs {
         counts: 3,
         index: true,
@@ -108,13 +108,13 @@ fn a_search_ends_at_the_first_change_it_waits_for() {
     axis.tick(&touched(5));
     assert_eq!(axis.home(), 5);
     assert!(!axis.status().is_searching && !axis.status().is_on);
-    // It is over: the next change stores nothing.
+    // The search has ended: the next change stores nothing.
     axis.tick(&ServoInputs {
         counts: 9,
         ..POWERED
     });
     assert_eq!(axis.home(), 5);
-    // Without events a search is given up.
+    // A search without events cancels the search.
     axis.search(events, None);
     axis.search(ServoEvents::default(), None);
     assert!(!axis.status().is_searching);
@@ -136,7 +136,7 @@ fn a_position_is_not_renamed_during_a_move() {
     assert_eq!((axis.position(), axis.commanded()), (1_000_000, 1_000_000));
 }
 
-/// What it is called before the first period is what it is called in it, wherever the counter stands.
+/// A position set before the first period holds in it, whatever the counter reads.
 #[test]
 fn a_name_given_before_the_first_period_counts() {
     let mut axis = ServoAxis::new(law());
@@ -168,7 +168,7 @@ fn going_round_the_counter_is_told() {
 }
 
 proptest! {
-    /// Wherever the counter began and however the place is called, the drive is the same.
+    /// Whatever the counter and the position were at the start, the drive is the same.
     #[test]
     fn names_of_places_do_not_matter(
         begin in any::<i32>(),
@@ -179,7 +179,11 @@ proptest! {
         let mut plain = holding(0);
         let mut named = holding(begin);
         prop_assert!(named.set_position(name));
-        let motion = |goal| ServoMotion::Trapezoid { goal, velocity: 3 << 16, acceleration: 1 << 13 };
+        let motion = |goal| ServoMotion::Trapezoid {
+            goal,
+            velocity: 3 << 16,
+            acceleration: 1 << 13,
+        };
         plain.load(motion(goal));
         named.load(motion(name.wrapping_add(goal)));
         prop_assert!(plain.start() && named.start());

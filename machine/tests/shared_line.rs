@@ -1,4 +1,5 @@
-//! Three machines on one half-duplex line: their queues are filled through `transports::link`, a broadcast starts them together.
+//! Three machines on one half-duplex line. Their queues are filled through `transports::link`, and
+//! a broadcast starts them together.
 
 mod common;
 
@@ -7,13 +8,14 @@ use std::iter;
 use husillo_machine::{Config, Event, Machine, Refused};
 use husillo_transports::link::{Event as Told, Master, Received, Station, Timing};
 
-/// More tries than usual: three damaged exchanges in a row do happen on a line as bad as that of the test below.
+/// More retries than usual: three damaged exchanges in a row do occur on a line as bad as that of
+/// the test below.
 const TIMING: Timing = Timing {
     tries: 8,
     ..Timing::of(115_200)
 };
 
-/// A machine without lash, fast enough for tests.
+/// A machine without backlash, fast enough for tests.
 fn config() -> Config<3> {
     let mut config = common::config();
     for axis in &mut config.axes {
@@ -22,11 +24,12 @@ fn config() -> Config<3> {
     config
 }
 
-/// One controller: a line of G-code a payload; answers `k` taken, `b` busy, `r` refused. `~` starts, `!` holds.
+/// One controller. A payload is a line of G-code; answers are `k` taken, `b` busy, `r` refused. `~`
+/// starts, `!` holds.
 struct Controller {
     station: Station,
     machine: Machine<3>,
-    /// When the event that came last is over.
+    /// End of the last event.
     free_us: u64,
     steps: Vec<[i8; 3]>,
     started_us: Option<u64>,
@@ -48,7 +51,7 @@ impl Controller {
     fn push(&mut self, byte: u8, now_us: u64) {
         let answer = match self.station.push(byte, now_us as u32) {
             None => return,
-            // Whatever the master meant before: it has to say it again.
+            // The master has restarted; it has to repeat its commands.
             Some(Received::Up) => return self.machine.hold(),
             Some(Received::Broadcast(b"~")) => {
                 self.free_us = now_us;
@@ -62,7 +65,7 @@ impl Controller {
                 Err(_) => b"r",
             },
         };
-        // One question, one answer: there is room.
+        // One answer per question, so there is room.
         self.station.send(answer).unwrap();
     }
 
@@ -83,7 +86,7 @@ impl Controller {
     }
 }
 
-/// The steps of a program without a line.
+/// The steps of a program run without the serial line.
 fn alone(lines: &[String]) -> Vec<[i8; 3]> {
     let mut machine: Machine<3> = Machine::new(config());
     let mut steps = Vec::new();
@@ -99,14 +102,14 @@ fn alone(lines: &[String]) -> Vec<[i8; 3]> {
     steps
 }
 
-/// A program of short moves for the n-th machine, too many for its queue.
+/// A program of short moves for the n-th machine, more than its queue holds.
 fn program(n: usize) -> Vec<String> {
     let at = |k: usize| format!("G1 X{}.{:03} Y0.0{:02} F30", 0, 2 * k + n, (k * 7) % 40);
     (0..40).map(at).collect()
 }
 
-/// Runs the three programs over a line that does this to each byte on its way to a receiver; the controllers, and the broadcasts
-/// that had to be said.
+/// Runs the three programs over a line that applies `fault` to each byte on its way to a receiver.
+/// Returns the controllers and the number of broadcasts that were needed.
 fn run(mut fault: impl FnMut(u8) -> Vec<u8>) -> ([Controller; 3], Vec<usize>) {
     let mut master = Master::new(TIMING, [1, 2, 3]);
     let mut controllers = [1, 2, 3].map(Controller::new);
@@ -191,12 +194,13 @@ fn three_machines_are_fed_and_started_together() {
             "machine {place}"
         );
     }
-    // All heard the last byte of the broadcast at the same time.
+    // All of them received the last byte of the broadcast at the same time.
     let started = controllers.map(|controller| controller.started_us.unwrap());
     assert_eq!(started, [started[0]; 3]);
 }
 
-/// One byte in two thousand is lost, doubled or changed at each receiver: no line is executed twice, none is left out.
+/// One byte in two thousand is lost, doubled or changed at each receiver. Every line is executed
+/// exactly once.
 #[test]
 fn a_bad_line_makes_them_slower_and_nothing_else() {
     let mut random = 0x9E37_79B9_7F4A_7C15_u64;

@@ -5,7 +5,7 @@ mod common;
 use common::config;
 use husillo_machine::{Event, Machine, Means, MoveError, Origin, Refused};
 
-/// Counts of a whole event stream, its Follow events, and where index pulses are waited for.
+/// Counts of a whole event stream, its Follow events, and the positions of the waits for the index.
 fn turn(program: &str) -> (u64, usize, Vec<usize>, Machine<3>) {
     let mut config = config();
     config.spindle_counts = Some(4096);
@@ -37,7 +37,7 @@ fn turn(program: &str) -> (u64, usize, Vec<usize>, Machine<3>) {
 
 #[test]
 fn a_thread_has_its_pitch_and_waits_for_the_index_once() {
-    // 3 mm of 1.5 mm lead are two turns; two moves of one thread go on.
+    // 3 mm of 1.5 mm lead are two turns; the two moves form one thread.
     let (counts, steps, indices, machine) = turn("M3 S100\nG33 Z-1.4 K1.5\nG33 Z-3 K1.5\nG0 Z0");
     // Each move rounds down to 2^-16 of a count.
     assert!(counts.abs_diff((2 * 4096) << 16) <= 2, "{counts}");
@@ -54,7 +54,7 @@ fn a_thread_goes_on_only_where_nothing_came_between() {
     let (_, steps, indices, _) =
         turn("M3 S100\nG33 Z-1.4 K1.5\nM5\nG4 P0\nM4 S100\nG33 Z-2.8 K1.5");
     assert_eq!(indices, [0, steps / 2]);
-    // After an abort, too; and a hold does not stop between two moves of one thread.
+    // The same after an abort; a hold does not stop between two moves of one thread.
     let mut config = config();
     config.spindle_counts = Some(4096);
     let mut machine: Machine<3> = Machine::new(config);
@@ -88,7 +88,7 @@ fn a_feed_a_revolution_is_one_on_lines_and_arcs() {
     let (counts, _, indices, _) = turn("M3 S100\nG95 G1 X0.3 F0.1");
     assert_eq!(counts, (3 * 4096) << 16);
     assert!(indices.is_empty());
-    // A turn of radius 1 mm at 1 mm a turn: 2 pi turns.
+    // A turn of radius 1 mm at 1 mm per revolution: 2 pi revolutions.
     let (counts, ..) = turn("M3 S100\nG95 G2 I1 J0 F1");
     let ideal = core::f64::consts::TAU * 4096.0 * 65536.0;
     assert!((counts as f64 / ideal - 1.0).abs() < 1e-4);

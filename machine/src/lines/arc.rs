@@ -1,9 +1,9 @@
-//! A programmed arc for the interpolator.
+//! Conversion of a programmed arc for the interpolator.
 
 use husillo_gcode::{Arc, Nm};
 use husillo_interp::{Direction, ProgrammedArc};
 
-/// The arc in its plane; `from` is the position before it.
+/// Returns the arc in its plane; `from` is the position before it.
 pub(crate) fn in_plane<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> ProgrammedArc {
     let [from, to, centre] = arc.in_plane(from);
     ProgrammedArc {

@@ -1,4 +1,4 @@
-//! Stepping axes with encoders: what was lost is told, and given again.
+//! Stepping axes with encoders: lost steps are reported and re-emitted.
 
 use husillo_backlash::{Backlash, Lash};
 use husillo_interp::{Moves, Path};
@@ -10,73 +10,81 @@ use crate::{AxisEncoder, Event, MAX_WAIT_TICKS, Machine, OnLoss, StepEvent};
 /// One entry of the stream of a machine with encoders.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Followed<const N: usize> {
-    /// To be carried out. Steps that are given again are events like any other.
+    /// An event to be carried out. Re-emitted steps are ordinary events.
     Event(Event<N>),
-    /// The motor of an axis is not where it should be.
+    /// The motor of an axis is not at its expected position.
     Lost {
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
-        /// Steps it is behind, signed: what it would have to make. Under [`OnLoss::Report`] since the last report.
+        /// Signed number of steps that the axis still has to make. With [`OnLoss::Report`], the
+        /// steps lost since the last report.
         steps: i32,
     },
-    /// The axis is where it should be again, and the path goes on.
+    /// The axis is at its expected position again, and the path continues.
     Corrected {
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
     },
-    /// Steps were given again as often as allowed, and the motor is still behind: it is blocked. Nothing moves any more.
+    /// Steps were re-emitted as often as permitted, and the motor is still behind: it is blocked.
+    /// All motion has stopped.
     Stalled {
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
-        /// Steps it is behind, signed.
+        /// Signed number of steps by which the axis is behind.
         steps: i32,
     },
 }
 
-/// What goes on.
+/// Current activity.
 #[derive(Copy, Clone, Debug)]
 enum State {
-    /// The path is made.
+    /// The path is executed.
     Path,
-    /// Outputs after an abort; then the axes are looked at.
+    /// The outputs of an abort are made; the axes are checked afterwards.
     Aborted,
-    /// The path comes to a stop.
+    /// The path brakes to a stop.
     Braking,
-    /// Motors have come to rest: it is seen what they lack.
+    /// The motors are at rest and are checked.
     Settled,
-    /// An axis is given steps again.
+    /// Steps of this axis are re-emitted.
     Correcting(usize),
-    /// Until the operator decides.
+    /// All motion waits for the operator.
     Stopped,
 }
 
-/// A [`Machine`] some of whose axes have an encoder on their motor: every event is compared with what the motors did.
+/// A [`Machine`] with motor encoders on some axes. Every event is compared with the motion of the
+/// motors.
 ///
-/// Losses come in the stream as [`Followed::Lost`], at the latest when a motor is more than `tolerance_steps` away, and whatever is
-/// less when nothing is left to do. [`AxisEncoder::on_loss`] says what follows. Steps are given again one axis at a time, at its
-/// `correction_rate_hz`, the path standing; against the direction of travel across its lash and back, so that the nut comes from where it
-/// was. Every axis has its `attempts`, so one that is blocked ends with [`Followed::Stalled`].
+/// Losses appear in the stream as [`Followed::Lost`], at the latest when a motor is more than
+/// `tolerance_steps` off; smaller losses appear when the motion ends. [`AxisEncoder::on_loss`]
+/// selects the reaction. Steps are re-emitted one axis at a time at its `correction_rate_hz` while
+/// the path stands. Steps against the direction of travel cross the backlash and return, so that
+/// the nut approaches from the same side as before. Every axis has a number of `attempts`; a
+/// blocked axis ends with [`Followed::Stalled`].
 ///
-/// A machine without encoders does not need this, and pays nothing for it. With them an event costs three multiplications of 64 bits an axis that has
-/// one (where it is, where it should be, how far it may be off), and an axis takes 64 bytes at most.
+/// # Cost
+/// None for a machine without encoders, which does not use this type. With them, an event takes
+/// three 64-bit multiplications per axis with an encoder (actual position, expected position,
+/// tolerance). An axis takes at most 64 bytes.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
     machine: Machine<N, P, L, QUEUE>,
     axes: [Option<Watch>; N],
     state: State,
-    /// The operator's hold, beside the one for braking.
+    /// Hold by the operator, independent of the hold for braking.
     is_held: bool,
-    /// The operator has said to go on.
+    /// Whether the operator has permitted the correction.
     is_allowed: bool,
-    /// The first step after an abort: it waits until all axes are right.
+    /// First step after an abort; it waits until all axes are at their expected positions.
     pending: Option<Event<N>>,
-    /// Steps to give again: there, then back.
+    /// Steps to re-emit: the first leg, then the return leg.
     legs: [i32; 2],
     timer: Timer,
 }
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, P, L, QUEUE> {
-    /// A machine that stands, with the encoders its axes have. Where they are at the first event is where they should be.
+    /// Wraps a machine at standstill with the encoders of its axes. The encoder positions at the
+    /// first event are the expected ones.
     pub fn new(machine: Machine<N, P, L, QUEUE>, encoders: [Option<AxisEncoder>; N]) -> Self {
         Self {
             machine,
@@ -95,18 +103,19 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         &self.machine
     }
 
-    /// The machine, for lines and overrides. Its hold, resume and abort are this one's.
+    /// The machine, for lines and overrides. For hold, resume and abort use the methods of this
+    /// type.
     pub const fn machine_mut(&mut self) -> &mut Machine<N, P, L, QUEUE> {
         &mut self.machine
     }
 
-    /// Feed hold, as [`Machine::hold`]. Steps that are being given again are finished first.
+    /// Feed hold, as [`Machine::hold`]. Steps that are being re-emitted are finished first.
     pub fn hold(&mut self) {
         self.is_held = true;
         self.machine.hold();
     }
 
-    /// Ends a hold, or a stop: then what is missing is given again first.
+    /// Ends a hold or a stop. After a stop the missing steps are re-emitted first.
     pub fn resume(&mut self) {
         self.is_held = false;
         match self.state {
@@ -116,7 +125,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         }
     }
 
-    /// Drops all that was taken and not yet given out, as [`Machine::abort`]. What is missing is given again before anything moves.
+    /// Drops all lines and events that were not yet returned, as [`Machine::abort`]. Missing steps
+    /// are re-emitted before the next motion.
     pub fn abort(&mut self) {
         self.machine.abort();
         self.is_held = false;
@@ -124,17 +134,18 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         self.restart(State::Aborted);
     }
 
-    /// Whether it stands because of a loss, until [`resume`](Self::resume) or [`abort`](Self::abort).
+    /// Whether motion has stopped because of a loss, until [`resume`](Self::resume) or
+    /// [`abort`](Self::abort).
     pub const fn is_stopped(&self) -> bool {
         matches!(self.state, State::Stopped)
     }
 
-    /// Whether the step given last was one that is given again.
+    /// Whether the last step was a re-emitted one.
     pub const fn is_correcting(&self) -> bool {
         matches!(self.state, State::Correcting(_))
     }
 
-    /// Goes on by the operator's word: what is missing is given again.
+    /// Continues on request of the operator and permits the correction.
     fn restart(&mut self, state: State) {
         for watch in self.axes.iter_mut().flatten() {
             watch.attempts = 0;
@@ -144,11 +155,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         self.state = state;
     }
 
-    /// The next entry, when the events before it have been carried out and the encoders are at `counts`
-    /// (`husillo_encoder::Extended::position`; of an axis without one it is not looked at). `None` when all has been given out, under a
-    /// hold, or when it [stopped](Self::is_stopped).
+    /// Returns the next entry. Call it after the previous events were carried out, with the
+    /// encoders at `counts` (`husillo_encoder::Extended::position`); the entry of an axis without
+    /// encoder is ignored. Returns `None` when all events were returned, under a hold, or when
+    /// [stopped](Self::is_stopped).
     ///
-    /// Constant time as [`Machine::next_event`].
+    /// # Cost
+    /// Constant time, as [`Machine::next_event`].
     pub fn next_event(&mut self, counts: &[i64; N]) -> Option<Followed<N>> {
         match self.state {
             State::Path => self.path(counts),
@@ -160,7 +173,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         }
     }
 
-    /// An event of the path, unless something is lost.
+    /// Returns an event of the path, unless steps are lost.
     fn path(&mut self, counts: &[i64; N]) -> Option<Followed<N>> {
         if let Some(lost) = self.find(counts, Watch::is_tolerable) {
             return Some(lost);
@@ -169,7 +182,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         if let Some(event) = event {
             return Some(self.give(event));
         }
-        // What is less than the tolerance counts at rest.
+        // At rest, losses below the tolerance count as well.
         let is_there = |(watch, counts): (&mut Watch, i64)| {
             let behind = watch.behind(counts);
             watch.is_there(behind)
@@ -180,13 +193,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         Some(self.settle())
     }
 
-    /// The axes with encoders, and where these are.
+    /// The axes with encoders, and the counts of these.
     fn watched(&mut self, counts: &[i64; N]) -> impl Iterator<Item = (&mut Watch, i64)> {
         let axes = self.axes.iter_mut().zip(counts);
         axes.filter_map(|(watch, counts)| Some((watch.as_mut()?, *counts)))
     }
 
-    /// An event of the machine.
+    /// Passes on an event of the machine.
     fn give(&mut self, event: Event<N>) -> Followed<N> {
         let delta = match event {
             Event::Step(step) => step.delta,
@@ -201,7 +214,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         Followed::Event(event)
     }
 
-    /// What an abort leaves to do: switching off. A step waits.
+    /// Returns the outputs that an abort switches off. A step has to wait.
     fn outputs(&mut self) -> Followed<N> {
         match self.machine.next_event() {
             Some(event @ (Event::Step(_) | Event::Follow(_) | Event::Index)) => {
@@ -214,7 +227,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         }
     }
 
-    /// The path comes to a stop.
+    /// Brakes the path to a stop.
     fn brake(&mut self, counts: &[i64; N]) -> Followed<N> {
         if let Some(lost) = self.find(counts, Watch::is_tolerable) {
             return lost;
@@ -225,7 +238,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         }
     }
 
-    /// A rest, after which the motors are looked at.
+    /// Waits for the motors to come to rest; they are checked afterwards.
     fn settle(&mut self) -> Followed<N> {
         self.state = State::Settled;
         let axes = self.axes.iter().flatten();
@@ -234,7 +247,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         Followed::Event(Event::Dwell { wait_ticks })
     }
 
-    /// The first axis that is told as lost now. The path brakes, unless it is only to be told.
+    /// Finds the first axis with a loss to report. The path brakes, unless losses are only
+    /// reported.
     fn find(
         &mut self,
         counts: &[i64; N],
@@ -262,7 +276,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         None
     }
 
-    /// The motors rest: what is lost, what is right again, what is given again, and then the path.
+    /// With the motors at rest: reports losses and corrections, re-emits steps, and then continues
+    /// the path.
     fn settled(&mut self, counts: &[i64; N]) -> Option<Followed<N>> {
         if let Some(lost) = self.find(counts, Watch::is_there) {
             return Some(lost);
@@ -292,7 +307,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
             watch.attempts = watch.attempts.saturating_add(1);
             self.legs = match self.machine.play(axis) {
                 Some((heading, lash)) => watch.legs(behind, heading, lash),
-                // Not taken up: the lash is there all the same.
+                // Without take-up the screw still has its backlash.
                 None => {
                     let facts = self.machine.config().axes.get(axis);
                     let lash = facts.map_or(0, |facts| facts.lash_steps);
@@ -313,7 +328,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
         self.path(counts)
     }
 
-    /// A step that is given again.
+    /// Re-emits one step.
     fn correct(&mut self, axis: usize) -> Followed<N> {
         let Some(leg) = self.legs.iter_mut().find(|leg| **leg != 0) else {
             return self.settle();

@@ -1,9 +1,9 @@
-//! The ticks that lengths take, in 64-bit integers.
+//! Conversion of lengths to ticks in 64-bit integers.
 
 /// `a * b / c`, rounded to nearest; saturates, and is `u64::MAX` for `c = 0`.
 ///
-/// Exact while `(a mod c) * b < 2^64`; beyond that `a mod c` and `c` lose low bits together, which costs
-/// a relative error below 2^-25 (`b < 2^38` in every use: 60 times a timer's frequency at most).
+/// Exact while `(a mod c) * b < 2^64`. Beyond that `a mod c` and `c` lose low bits together, with a
+/// relative error below 2^-25 (`b < 2^38` in every use: at most 60 times the frequency of a timer).
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     let (Some(quotient), Some(mut rest)) = (a.checked_div(c), a.checked_rem(c)) else {
@@ -32,7 +32,7 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
 
 /// `a * b / c` times 2^16, rounded down; saturates, and is `u64::MAX` for `c = 0`.
 ///
-/// Without a fraction where `a * b` does not fit 64 bits.
+/// There is no fraction where `a * b` does not fit in 64 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     let Some(product) = times(a, b) else {
@@ -41,7 +41,7 @@ pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     let (Some(quotient), Some(mut rest)) = (product.checked_div(c), product.checked_rem(c)) else {
         return u64::MAX;
     };
-    // rest < c: both lose low bits together, until 16 more fit.
+    // rest < c: both lose low bits together until 16 more bits fit.
     let spare = rest.leading_zeros();
     let shift = 16_u32.saturating_sub(spare);
     rest >>= shift;
@@ -52,7 +52,7 @@ pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     quotient.saturating_mul(1 << 16).saturating_add(fraction)
 }
 
-/// [`u64::checked_mul`], once in the code of a small chip: it takes 100 bytes of it.
+/// [`u64::checked_mul`] as one function: it takes 100 bytes of code on a Cortex-M0.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn times(a: u64, b: u64) -> Option<u64> {
     a.checked_mul(b)
@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(mul_div(1, 1, 3), 0);
         assert_eq!(mul_div(u64::MAX, 1, 1), u64::MAX);
         assert_eq!(mul_div(1, 1, 0), u64::MAX);
-        // A metre at a millimetre a minute and 32 MHz.
+        // One metre at 1 mm/min with a timer of 32 MHz.
         assert_eq!(
             mul_div(1_000_000_000, 60 * 32_000_000, 1_000_000),
             1_920_000_000_000

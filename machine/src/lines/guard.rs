@@ -1,23 +1,23 @@
-//! No axis steps sooner after its last step than its highest rate allows, however short a move is.
+//! Minimum interval between the steps of an axis, across all moves however short.
 
 use husillo_interp::Moves;
 
 use crate::lines::tempo::Tempo;
 use crate::{Axis, Config, Segment};
 
-/// So many steps of each axis are watched in a move. In a longer one the time of the whole move
-/// keeps them apart: its ends lie between steps, so it has less than one step too many.
+/// Number of steps of each axis that are checked per move. In a longer move its total time keeps
+/// the steps apart: its ends lie between steps, so it has less than one step too many.
 const WATCHED_STEPS: u8 = 64;
 
-/// Keeps the time of each axis' last step, over all moves, take-ups and dwells.
+/// Keeps the time of the last step of each axis, across all moves, take-ups and dwells.
 ///
-/// A move's time is that of its programmed way, and its steps are those between two places of the
-/// grid: a way shorter than a step may have a step all the same. Where a step would come too soon
-/// after the last one of its axis, it waits, and what follows with it. Later moves make up for the
-/// delay, as far as the rates allow, so programmed times still add up.
+/// The time of a move is that of its programmed length. Its steps are those between two points of
+/// the grid, so a move shorter than a step may still contain a step. A step that would follow the
+/// last one of its axis too soon waits, and so do all later ones. Later moves catch up as far as
+/// the rates allow, so programmed times still add up.
 ///
-/// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may wait too, for
-/// an interval at most.
+/// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may also wait,
+/// for at most one interval.
 #[derive(Clone, Debug)]
 pub struct StepGuard<const N: usize> {
     now: u32,
@@ -25,9 +25,9 @@ pub struct StepGuard<const N: usize> {
     last: [u32; N],
     /// Ticks by which the path is behind its programmed time.
     late: u32,
-    /// Axes whose next step is compared with their last one: bit 0 is the first.
+    /// Axes whose next step is compared with their last one, as a bit mask from the first axis on.
     watched: u8,
-    /// How many more of its steps are.
+    /// Number of steps still to check per axis.
     left: [u8; N],
 }
 
@@ -38,7 +38,7 @@ impl<const N: usize> Default for StepGuard<N> {
 }
 
 impl<const N: usize> StepGuard<N> {
-    /// As if every axis had just made a step.
+    /// Creates a guard as if every axis had just made a step.
     pub const fn new() -> Self {
         StepGuard {
             now: 0,
@@ -49,13 +49,13 @@ impl<const N: usize> StepGuard<N> {
         }
     }
 
-    /// The path stands: it makes up for no delay from before.
+    /// The path stands: earlier delays are no longer caught up.
     pub const fn rest(&mut self) {
         self.late = 0;
     }
 
-    /// A move at constant speed begins, with the path that is laid for it: the ticks that it takes,
-    /// those of its feed on its programmed length.
+    /// Begins a move at constant speed and returns its ticks: those of its feed over its programmed
+    /// length. `path` is the path of the move.
     ///
     /// `segment` has passed [`Config::check`](crate::Config::check).
     pub fn begin<P: Moves<N>>(
@@ -69,28 +69,28 @@ impl<const N: usize> StepGuard<N> {
         ticks
     }
 
-    /// The ticks of a move of so many steps, less what it makes up for.
+    /// The ticks of a move of `events` steps, minus the delay that it catches up.
     pub(crate) fn ticks(&mut self, tempo: &Tempo, percent: u8, events: u32) -> u64 {
         let programmed = tempo.ticks(percent);
         if events >= u32::from(WATCHED_STEPS) {
             return programmed;
         }
-        // All its steps are watched: none comes too soon.
+        // All its steps are checked, so none comes too soon.
         let sooner = u32::try_from(programmed).map_or(self.late, |ticks| ticks.min(self.late));
         self.late = self.late.wrapping_sub(sooner);
         programmed.wrapping_sub(sooner.into())
     }
 
-    /// A move of so many steps begins: its first ones are watched.
+    /// Begins a move of `events` steps; its first steps are checked.
     pub(crate) const fn watch(&mut self, is_round: bool, events: u32) {
-        // Two steps at 45 degrees of a circle may be nearer.
+        // Two steps at 45 degrees of a circle may be closer.
         let is_long = is_round && events >= 2 * WATCHED_STEPS as u32;
         self.watched = u8::MAX;
         self.left = [if is_long { 1 } else { WATCHED_STEPS }; N];
     }
 
-    /// The wait of a step of the path that was to come after `wait` ticks; one of its axes or more
-    /// are watched.
+    /// Returns the wait of a path step that is due after `wait` ticks and has at least one checked
+    /// axis.
     #[cold]
     #[inline(never)]
     pub(crate) fn wait(&mut self, config: &Config<N>, wait: u32, axes: u8) -> u32 {
@@ -112,25 +112,25 @@ impl<const N: usize> StepGuard<N> {
         at
     }
 
-    /// Whether one of these axes is watched.
+    /// Whether one of these axes is checked.
     #[inline]
     pub(crate) const fn watches(&self, axes: u8) -> bool {
         self.watched & axes != 0
     }
 
-    /// Whether the time of a step of these axes has to be known, with so many steps of the move
-    /// behind it: it is compared with the last one of its axis, or the next move may begin soon
-    /// after it.
+    /// Whether the time of a step of these axes has to be recorded, with `remaining` steps of the
+    /// move after it. It does if the step is compared with the last one of its axis, or if the next
+    /// move may begin soon after it.
     ///
-    /// What steps earlier in a move is farther from the next one than any axis' shortest interval,
-    /// where all axes have the same rate.
+    /// Where all axes have the same rate, earlier steps of a move are farther from the next move
+    /// than the shortest interval of any axis.
     #[inline]
     pub const fn follows(&self, axes: u8, remaining: u32) -> bool {
         remaining < WATCHED_STEPS as u32 || self.watches(axes)
     }
 
-    /// A step of the path that [`follows`](StepGuard::follows): when it comes, instead of after `wait`
-    /// ticks.
+    /// Records a path step that [`follows`](StepGuard::follows). Returns the ticks to wait instead
+    /// of `wait`.
     #[cold]
     #[inline(never)]
     pub fn step(&mut self, config: &Config<N>, mut wait: u32, axes: u8) -> u32 {
@@ -141,13 +141,13 @@ impl<const N: usize> StepGuard<N> {
         wait
     }
 
-    /// A step of the path that need not be known of.
+    /// Records a path step whose time is not needed.
     #[inline]
     pub const fn pass(&mut self, wait: u32) {
         self.now = self.now.wrapping_add(wait);
     }
 
-    /// These axes of the path step after `wait` ticks.
+    /// Records path steps of these axes after `wait` ticks.
     #[inline]
     pub(crate) fn stepped(&mut self, wait: u32, axes: u8) {
         self.now = self.now.wrapping_add(wait);
@@ -160,7 +160,8 @@ impl<const N: usize> StepGuard<N> {
         }
     }
 
-    /// These axes step beside the path, of a take-up or by the spindle, whose time is not known.
+    /// Records steps of these axes outside the path: steps of a take-up, or spindle-synchronised
+    /// steps, whose time is unknown.
     #[inline(never)]
     pub fn stepped_aside(&mut self, wait: u32, axes: u8) {
         self.stepped(wait, axes);
@@ -168,7 +169,7 @@ impl<const N: usize> StepGuard<N> {
     }
 }
 
-/// Axes that move, as bits.
+/// Mask of the axes that move.
 #[inline]
 pub(crate) fn bits<const N: usize>(delta: &[i8; N]) -> u8 {
     let (mut axes, mut bit) = (0, 1_u8);
@@ -181,8 +182,8 @@ pub(crate) fn bits<const N: usize>(delta: &[i8; N]) -> u8 {
     axes
 }
 
-/// Ticks between two steps of an axis at its highest rate, less the part of a step that a longer
-/// move may have too many.
+/// Ticks between two steps of an axis at its highest rate, minus the fraction of a step by which a
+/// longer move may have too many.
 fn interval_ticks(axis: &Axis, timer_hz: u32) -> u32 {
     let interval = timer_hz.checked_div(axis.max_rate_hz).unwrap_or(0);
     interval.wrapping_sub(interval / u32::from(WATCHED_STEPS))

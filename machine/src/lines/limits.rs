@@ -1,4 +1,4 @@
-//! What the axes can do, in the planner's units.
+//! Limits of the axes in the units of the planner.
 
 use husillo_gcode::PathMode;
 use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed};
@@ -7,18 +7,19 @@ use crate::Config;
 use crate::lines::duration::mul_div_q16;
 use crate::lines::tempo::Tempo;
 
-/// The limits of all axes, speeds in nm/s.
+/// Limits of all axes, with speeds in nm/s.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Limits<const N: usize> {
     timer_hz: u32,
     start: [u32; N],
     acceleration: [u64; N],
-    /// Corners as the machine file has them.
+    /// Corner rules of the machine file.
     corner: Junction<N>,
 }
 
 impl<const N: usize> Limits<N> {
-    /// `None` when no axis has a ramp: then every move runs at its speed from the first step to the last.
+    /// `None` when no axis has a ramp. Every move then runs at its speed from the first step to the
+    /// last.
     pub(crate) fn of(config: &Config<N>) -> Option<Limits<N>> {
         if config.axes.iter().all(|axis| axis.ramp.is_none()) {
             return None;
@@ -38,7 +39,7 @@ impl<const N: usize> Limits<N> {
             Some(ramp) => match (ramp.junction_hz, deviation) {
                 (Some(rate), _) => narrow(axis.nm_per_s(rate)),
                 (None, Some(_)) => u32::MAX,
-                // Nothing else would stop it.
+                // Nothing else would limit it.
                 (None, None) => 0,
             },
         });
@@ -51,7 +52,7 @@ impl<const N: usize> Limits<N> {
             acceleration,
             corner: Junction {
                 jump_nm_per_s: has_jump.then_some(jump),
-                // With no rule at all a corner is a stop.
+                // Without any rule the path stops at corners.
                 deviation_nm: deviation.or(if has_jump { None } else { Some(0) }),
                 acceleration_nm_per_s2: acceleration,
             },
@@ -67,7 +68,7 @@ impl<const N: usize> Limits<N> {
     ) -> u32 {
         let corner = match mode {
             PathMode::ExactStop => return 0,
-            // Straight on and along tangents; a corner is a stop.
+            // Only straight continuations and tangents pass without a stop.
             PathMode::ExactPath => Junction {
                 deviation_nm: Some(0),
                 ..self.corner
@@ -83,10 +84,11 @@ impl<const N: usize> Limits<N> {
         corner.speed(before, after)
     }
 
-    /// The move for the look-ahead, without its junction. `along` is its direction, or that of its start.
+    /// The move for the look-ahead, without its junction. `along` is its direction, or the
+    /// direction of its start.
     pub(crate) fn stretch(&self, tempo: &Tempo, along: &Direction<N>) -> Stretch {
         let hz = u64::from(self.timer_hz);
-        // A speed of 2^32 nm/s is the planner's largest.
+        // 2^32 nm/s is the largest speed of the planner.
         let speed = |ticks_q16: u64| match ticks_q16 {
             0 => u32::MAX,
             ticks => {
@@ -99,7 +101,8 @@ impl<const N: usize> Limits<N> {
         let along = match &tempo.round {
             None => *along,
             Some(round) => {
-                // The plane turns: its slower axis counts, and half of what it can do goes into the turning.
+                // The direction rotates in the plane, so the slower axis counts, and half of its
+                // limit is used for the change of direction.
                 let [first, second] = round.plane;
                 let share = unrolled(along, first, second);
                 let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
@@ -136,11 +139,11 @@ impl<const N: usize> Limits<N> {
     }
 }
 
-/// A direction with what it has of a plane all in the first axis of it.
+/// A direction whose components in a plane are combined in the first axis of the plane.
 fn unrolled<const N: usize>(along: &Direction<N>, first: usize, second: usize) -> Direction<N> {
     let mut components = along.components();
     let of = |axis: usize| u64::from(components.get(axis).map_or(0, |of| of.unsigned_abs()));
-    // Each is at most 2^30: the sum of the squares is below 2^61.
+    // Each is at most 2^30, so the sum of the squares is below 2^61.
     let [x, y] = [of(first), of(second)];
     let size = x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)).isqrt();
     if let Some(component) = components.get_mut(second) {

@@ -13,12 +13,12 @@ use crate::lines::schedule::Schedule;
 use crate::lines::take_up::TakeUp;
 use crate::{Config, Event, MoveError, Refused, Segment};
 
-/// What the event given last belongs to.
+/// Kind of motion to which the last event belongs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Nothing has moved yet, or an output, a dwell or a pause.
+    /// No motion yet, or an output, a dwell or a pause.
     Rest,
-    /// Backlash of an axis that turns round; the load stands still.
+    /// Take-up of an axis that reverses; the load stands still.
     TakeUp,
     /// A rapid move.
     Rapid,
@@ -26,60 +26,63 @@ pub enum Origin {
     Feed,
 }
 
-/// A machine of `N` axes: takes lines, gives events, never blocks.
+/// A machine of `N` axes: takes lines, returns events, never blocks.
 ///
-/// `P` is the interpolator and `L` the lash model of each axis; the defaults are the toolkit's own. `QUEUE` moves are planned
-/// ahead, the executing one included; each takes 624 bytes on a 64-bit host (three axes, `Path`).
-/// It stands at machine zero when new, every axis engaged on its positive flank (it was pulled off its switch).
+/// `P` is the interpolator and `L` the backlash model of each axis; the defaults are those of
+/// husillo. `QUEUE` is the number of moves planned ahead, the executing one included; each takes
+/// 624 bytes on a 64-bit host (three axes, `Path`). A new machine is at machine zero, with every
+/// axis engaged on its positive flank (as pulled off its switch).
 ///
-/// Steps of events are the motors'. Where the lash is another at every place ([`Lash::follow`]), an axis owes a step now and then while it
-/// moves: a step of the path then carries one more, one less, or one of an axis that stands; a second step of an axis goes before it
-/// in half the time, or within the axis' highest rate.
+/// The steps of events are motor steps. Where the backlash varies with the position
+/// ([`Lash::follow`]), an axis occasionally needs a correction step while it moves. A path step
+/// then has one motor step more, one less, or one of an axis that otherwise stands. A second step
+/// of an axis is inserted before it after half the time, or after the interval of the highest rate
+/// of the axis.
 #[derive(Clone, Debug)]
 pub struct Machine<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
     config: Config<N>,
     modal: Modal<N>,
-    /// What is left of the block taken last.
+    /// Remaining commands of the last block.
     commands: Option<Commands<N>>,
-    /// Its next command: it waits for its place in the queue.
+    /// Its next command, which waits for room in the queue.
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
     waiting: Option<Command<N>>,
     schedule: Schedule<N, P, QUEUE>,
     run: Option<Run<P>>,
     ramp: Ramp,
-    /// How moves join after the line taken last.
+    /// Path mode after the last line.
     mode: PathMode,
     has_ended: bool,
     segment: Option<Segment<N>>,
     take_up: TakeUp<N, L>,
     guard: StepGuard<N>,
-    /// The step that waits for the take-up, or for the rest of a long wait.
+    /// The step that waits for a take-up or for the rest of a long wait.
     held: Option<([i8; N], u64)>,
     /// Outputs and pauses of the command begun last.
     signals: [Option<Event<N>>; 4],
-    /// Ticks of moves too short for a step: they belong to the next one.
+    /// Ticks of moves too short for a step, carried to the next move.
     carried_ticks: u64,
     load: [i32; N],
     origin: Origin,
 }
 
-/// The move that is being made.
+/// The executing move.
 #[derive(Clone, Debug)]
 struct Run<P> {
     path: P,
-    /// Its steps at constant speed; without one the ramp times them.
+    /// Timer of its steps at constant speed; `None` if the ramp times them.
     timer: Option<Timer>,
-    /// Events of this part of it.
+    /// Remaining events of this part of the move.
     left: u32,
-    /// A step that was not made: the hold came before it.
+    /// A step that was not made because of a hold.
     next: Option<Step>,
-    /// The timer counts the spindle's turning, not time.
+    /// Whether the timer counts the rotation of the spindle instead of time.
     follows: bool,
 }
 
 impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QUEUE> {
-    /// A machine with one lash value an axis.
+    /// Creates a machine with one backlash value per axis.
     pub fn new(config: Config<N>) -> Self {
         let lash = config
             .axes
@@ -89,7 +92,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QU
 }
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
-    /// A machine with a lash model of your own for every axis, and a queue of your own length.
+    /// Creates a machine with a custom backlash model per axis and a custom queue length.
     pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
         const { assert!(QUEUE > 0, "the move that is executed takes a place") };
         Self {
@@ -114,21 +117,21 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// Switches the take-up of backlash on (as it is at first) or off. While nothing is queued: moves are planned with
-    /// their stops for take-up or without them.
+    /// Switches the take-up of backlash on (the default) or off. Call it only while the queue is
+    /// empty: moves are planned with or without stops for take-up.
     pub fn set_compensation(&mut self, on: bool) {
         self.take_up.set_on(on);
     }
 
-    /// Says where the work zeros lie, of G54 to G59.3 alike, and where the axes stand: both in the
-    /// machine frame. Before the first line; programs that set a frame themselves do so later.
+    /// Sets the work zero of all coordinate systems, G54 to G59.3, and the positions of the axes,
+    /// both in the machine frame. Call it before the first line; a program may set a frame later.
     /// Nothing moves.
     ///
     /// # Errors
-    /// [`MoveError::Reach`]: the axes stand beyond 2^31 steps. Nothing has changed.
+    /// [`MoveError::Reach`] if an axis is beyond 2^31 steps; the state is unchanged.
     pub fn place(&mut self, work_zero: [Nm; N], at: [Nm; N]) -> Result<(), MoveError> {
         let load = self.config.nearest_steps(&at)?;
-        // Nine frames with all codes, six without.
+        // Nine coordinate systems with all codes, six without.
         for system in 0..9 {
             self.modal.set_work_zero(system, work_zero);
         }
@@ -140,13 +143,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
 
     /// Takes one block of text.
     ///
-    /// Everything is checked before anything moves: the words, the modal rules, the travel of every
-    /// axis along the whole path. Its moves join the queue as far as there is room: the more lines are taken before
-    /// events are asked for, the further ahead speeds are planned.
+    /// Everything is checked before anything moves: the words, the modal rules, and the travel of
+    /// every axis along the whole path. Its moves join the queue as far as there is room. The more
+    /// lines are taken before events are requested, the further ahead speeds are planned.
     ///
     /// # Errors
-    /// [`Refused::Busy`] while a command of the block before has not found its place in the queue; otherwise what is
-    /// wrong. In every case nothing has changed.
+    /// [`Refused::Busy`] while a command of the previous block waits for room in the queue;
+    /// otherwise the reason for the refusal. The state is unchanged in every case.
     pub fn line(&mut self, text: &[u8]) -> Result<(), Refused> {
         if !self.has_room() {
             return Err(Refused::Busy);
@@ -156,7 +159,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.block(&block)
     }
 
-    /// Takes one block, as [`Machine::line`] does: one of a program whose expressions were worked out before.
+    /// Takes one block, as [`Machine::line`] does, for programs whose expressions were evaluated
+    /// before.
     ///
     /// # Errors
     /// Those of [`Machine::line`].
@@ -184,12 +188,14 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         Ok(())
     }
 
-    /// Whether [`Machine::line`] takes a line now, if it is right; otherwise it answers [`Refused::Busy`].
+    /// Whether [`Machine::line`] would take a correct line now. Otherwise it returns
+    /// [`Refused::Busy`].
     pub const fn has_room(&self) -> bool {
         self.next.is_none()
     }
 
-    /// Whether the line taken last ended its program (M2, M30): what may follow in the file is no part of it.
+    /// Whether the last line ended its program (M2, M30). The rest of the file is not part of the
+    /// program.
     pub const fn has_ended(&self) -> bool {
         self.has_ended
     }
@@ -222,8 +228,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// Feed hold: brakes along the path within the acceleration of the axes and stops; nothing is lost. Without ramps it stops
-    /// at once, as it started. Events end (`None`) when it stands, until [`Machine::resume`]. A take-up with ramps is finished first.
+    /// Feed hold: brakes along the path within the acceleration of the axes and stops; no step is
+    /// lost. Without ramps it stops at once. After the stop, events end (`None`) until
+    /// [`Machine::resume`]. A take-up with ramps is finished first.
     pub fn hold(&mut self) {
         self.ramp.hold();
     }
@@ -233,25 +240,26 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.ramp.resume();
     }
 
-    /// Whether a hold is on.
+    /// Whether a hold is active.
     pub const fn is_held(&self) -> bool {
         self.ramp.is_held()
     }
 
-    /// Scales the programmed feeds, 10 to 200 percent (others are taken as the nearest of these), never above what the
-    /// axes can do. Rapids stay as they are.
+    /// Scales the programmed feeds by 10 to 200 percent (other values are taken as the nearest of
+    /// these), within the limits of the axes. Rapids are not scaled.
     ///
     /// Takes effect at the next event where there are ramps, otherwise with the next move.
     pub fn set_feed_override(&mut self, percent: u8) {
         self.schedule.moves.set_override(percent);
     }
 
-    /// Drops all that was taken and not yet given out; the outputs go to their safe state, in the modal state too.
-    /// Other modal words (units, distance mode, feed, ...) of the lines that were taken stay.
+    /// Drops all lines and events that were not yet returned. The outputs, and their modal state,
+    /// return to the safe state. Other modal words of the accepted lines (units, distance mode,
+    /// feed, ...) stay.
     ///
-    /// All axes stop at once, whatever their speed: a feed hold before it brakes. The hold ends with the abort. The next
-    /// block starts from where the axes stand. What was left of a take-up is made, or
-    /// given back, before that axis moves again.
+    /// All axes stop at once, whatever their speed; use a feed hold first to brake. The abort ends
+    /// the hold. The next block starts from the present positions of the axes. The rest of a
+    /// take-up is made, or reversed, before that axis moves again.
     pub fn abort(&mut self) {
         self.commands = None;
         self.next = None;
@@ -278,32 +286,32 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.signals = begin::safe();
     }
 
-    /// What the event given last belongs to.
+    /// Kind of motion to which the last event belongs.
     pub fn origin(&self) -> Origin {
         self.origin
     }
 
-    /// The command being executed.
+    /// The executing command.
     pub fn executing(&self) -> Option<&Segment<N>> {
         self.segment.as_ref()
     }
 
-    /// Direction and lash of an axis for steps that are given again: [`TakeUp::play`].
+    /// Direction and backlash of an axis for re-emitted steps: [`TakeUp::play`].
     pub(crate) fn play(&mut self, axis: usize) -> Option<(i8, u32)> {
         self.take_up.play(axis, &self.load)
     }
 
-    /// Where the load stands after the event given last, in steps from machine zero.
+    /// Position of the load after the last event, in steps from machine zero.
     pub fn position_steps(&self) -> [i32; N] {
         self.load
     }
 
-    /// The modal state after the line taken last.
+    /// The modal state after the last line.
     pub fn modal(&self) -> &Modal<N> {
         &self.modal
     }
 
-    /// The facts of this machine.
+    /// The configuration of this machine.
     pub fn config(&self) -> &Config<N> {
         &self.config
     }

@@ -1,4 +1,4 @@
-//! For programs that wait with `nb::block!`: room in the queue.
+//! Room in the queue, for programs that wait with `nb::block!`.
 
 use husillo_backlash::Lash;
 use husillo_interp::Moves;
@@ -6,11 +6,11 @@ use husillo_interp::Moves;
 use crate::{Machine, Refused};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
-    /// [`line`](Machine::line), for a loop that takes events meanwhile.
+    /// Takes a line as [`line`](Machine::line) does, for a loop that takes events meanwhile.
     ///
     /// # Errors
-    /// `WouldBlock` while the line before waits for room in the queue; otherwise what is wrong with
-    /// this one.
+    /// `WouldBlock` while the previous line waits for room in the queue; otherwise the reason for
+    /// the refusal of this line.
     pub fn poll_line(&mut self, text: &[u8]) -> nb::Result<(), Refused> {
         self.line(text).map_err(|refused| match refused {
             Refused::Busy => nb::Error::WouldBlock,

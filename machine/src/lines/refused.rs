@@ -1,60 +1,60 @@
-//! Why a line was not taken.
+//! Reasons for refusing a line.
 
 use core::fmt;
 
 use husillo_gcode::{Error, Nm};
 
-/// Why [`Machine::line`](crate::Machine::line) did not take a line. Nothing has changed.
+/// Reason why [`Machine::line`](crate::Machine::line) refused a line. The state is unchanged.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// The line before still has commands to begin: pull events, then offer this line again.
+    /// The previous line still has commands to begin. Pull events, then offer this line again.
     Busy,
-    /// The line is wrong, with the place in it.
+    /// The line is wrong; the error has its column.
     Program(Error),
-    /// The line means a move this machine cannot make.
+    /// The line requests a move that this machine cannot make.
     Move(MoveError),
 }
 
-/// Why a move cannot be made on this machine.
+/// Reason why this machine cannot make a move.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MoveError {
     /// The path leaves the travel of an axis.
     Travel {
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
-        /// The farthest position on the path, machine frame.
+        /// The farthest position on the path in the machine frame.
         position: Nm,
-        /// The limit it passes, machine frame.
+        /// The exceeded limit in the machine frame.
         limit: Nm,
     },
     /// A position of this axis is beyond 2^31 steps.
     Reach {
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
     },
-    /// An arc in a plane whose axes have different steps.
+    /// An arc in a plane whose axes have different step lengths.
     UnequalSteps,
-    /// An arc whose radii at start and end differ by more than the machine's arc tolerance.
+    /// An arc whose start and end radii differ by more than the arc tolerance of the machine.
     ArcTolerance {
         /// The difference.
         mismatch: Nm,
-        /// What the machine allows.
+        /// The tolerance of the machine.
         tolerance: Nm,
     },
     /// An arc with a radius of 2^28 steps or more.
     ArcTooLarge,
-    /// A command for which this machine has no means.
+    /// A command that needs a function this machine does not have.
     Unsupported(Means),
 }
 
-/// What a command would need.
+/// Function that a command needs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Means {
     /// G5, G5.1: an interpolator of splines.
     Splines,
-    /// G33, G76, G95: an encoder on the spindle.
+    /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
     /// G96: a spindle whose speed follows a diameter.
     SurfaceSpeed,
@@ -69,7 +69,7 @@ pub enum Means {
 }
 
 impl Means {
-    /// What it is, in words.
+    /// Name of the function.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Splines => "splines",

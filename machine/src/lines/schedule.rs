@@ -1,4 +1,4 @@
-//! Moves on their way from the lines to the motors: planned, and waiting for their turn.
+//! Planned moves on the way from the lines to the motors.
 
 use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
@@ -14,17 +14,18 @@ use crate::{Config, Segment};
 #[derive(Clone, Debug)]
 pub(crate) struct Work<const N: usize, P> {
     pub(crate) segment: Segment<N>,
-    /// `None`: the path of the part before goes on.
+    /// Path of the move; `None` continues the path of the previous part.
     pub(crate) path: Option<P>,
-    /// Step direction of each axis of a straight move, all of it.
+    /// Step direction of each axis over the whole of a straight move.
     pub(crate) heading: [i8; N],
     pub(crate) events: u32,
     pub(crate) sweep: u64,
     pub(crate) largest_sweep: u32,
-    /// Encoder counts, times 2^16, of a move that follows the spindle; and whether its first step waits for the index.
+    /// Encoder counts, times 2^16, of a move that follows the spindle, and whether its first step
+    /// waits for the index.
     pub(crate) counts_q16: Option<u64>,
     pub(crate) is_indexed: bool,
-    /// Time at the programmed speed, times 2^16.
+    /// Time at the programmed speed in ticks, times 2^16.
     pub(crate) ticks_q16: u64,
     pub(crate) tempo: Tempo,
 }
@@ -40,7 +41,7 @@ const STAND: Stretch = Stretch {
     entry_limit_nm_per_s: 0,
 };
 
-/// The queue of a machine, and what stands at its end.
+/// The queue of a machine, and the state at its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
     pub(crate) moves: LookAhead<Work<N, P>, QUEUE>,
@@ -49,14 +50,14 @@ pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
     programmed: [Nm; N],
     lattice: [i32; N],
     direction: Option<Direction<N>>,
-    /// Whether the last move is a thread's.
+    /// Whether the last move belongs to a thread.
     is_thread: bool,
-    /// Direction of each axis' last step; 0 where it is not known.
+    /// Direction of the last step of each axis; 0 where it is unknown.
     heading: [i8; N],
     arc: Option<Parts<N, P>>,
 }
 
-/// An arc that is cut where an axis with lash turns round: what is not in the queue yet.
+/// The parts, not yet in the queue, of an arc that is split where an axis with backlash reverses.
 #[derive(Clone, Debug)]
 struct Parts<const N: usize, P> {
     dry: P,
@@ -84,7 +85,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         }
     }
 
-    /// Whether speeds change along the path; otherwise every move has its own from its first step to its last.
+    /// Whether speeds change along the path. Otherwise every move has one speed from first to last
+    /// step.
     pub(crate) const fn has_ramps(&self) -> bool {
         self.limits.is_some()
     }
@@ -93,27 +95,27 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.moves.is_full()
     }
 
-    /// How the moves that follow join.
+    /// Sets the path mode of the following moves.
     pub(crate) fn set_mode(&mut self, mode: PathMode) {
         self.mode = mode;
     }
 
-    /// Something else than a move has come: the next thread waits for the index again.
+    /// A command other than a move has come: the next thread waits for the index again.
     pub(crate) const fn end_thread(&mut self) {
         self.is_thread = false;
     }
 
-    /// Where the last move in the queue ends.
+    /// End position of the last move in the queue.
     pub(crate) const fn programmed(&self) -> [Nm; N] {
         self.programmed
     }
 
-    /// Whether all of the last move is in the queue.
+    /// Whether the last move is completely in the queue.
     pub(crate) const fn is_whole(&self) -> bool {
         self.arc.is_none()
     }
 
-    /// Drops everything; the axes stand at `lattice`.
+    /// Drops everything; the axes are at `lattice`.
     pub(crate) fn clear(&mut self, programmed: [Nm; N], lattice: [i32; N]) {
         self.moves.clear();
         self.arc = None;
@@ -124,14 +126,15 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.lattice = lattice;
     }
 
-    /// Plans a move and appends it; the queue has room. `has_lash` names the axes that must not turn round while moving.
+    /// Plans a move and appends it; the queue has room. `has_lash` marks the axes that must not
+    /// reverse while moving.
     pub(crate) fn push(&mut self, config: &Config<N>, command: Command<N>, has_lash: [bool; N]) {
         let Some(to) = command.end() else { return };
         let segment = Segment {
             from: self.programmed,
             command,
         };
-        // `Config::check` has made sure that every position has its step.
+        // `Config::check` has verified that every position has a step.
         let end = config.nearest_steps(&to).unwrap_or(self.lattice);
         let path: P = config.path(&segment, self.lattice, end);
         let mut tempo = config.tempo(&segment, &path);
@@ -143,7 +146,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.lattice = end;
         let counts_q16 = config.counts_q16(&command, tempo.length_nm);
         let is_thread = matches!(command, Command::Thread { .. });
-        // One thread cut in several moves goes on where it was.
+        // A thread of several moves continues without waiting for the index.
         let is_indexed = is_thread && !self.is_thread;
         self.is_thread = is_thread;
         let ticks_q16 = match tempo.programmed_q16 {
@@ -151,12 +154,12 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             programmed => programmed,
         };
         if self.has_ramps() && tempo.length_nm == 0 && ticks_q16 == 0 && counts_q16.is_none() {
-            // Neither way nor time: the path does not know of it.
+            // Neither distance nor time: no effect on the path.
             return;
         }
         let mut stretch = match counts_q16 {
             None => self.join(&segment, &tempo),
-            // The spindle's speed is none of the path's: a stop before it and after it.
+            // The speed of the spindle is not planned, so the path stops before and after the move.
             Some(_) => {
                 self.direction = None;
                 STAND
@@ -198,11 +201,11 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             tempo,
             path: Some(path),
         };
-        // The caller has seen that there is room.
+        // The caller has checked that there is room.
         let _ = self.moves.push(stretch, work);
     }
 
-    /// The move with its junction to the one before, whose direction it takes the place of.
+    /// The move with its junction to the previous one; its end direction replaces the stored one.
     fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
         let Some(limits) = &self.limits else {
             return STAND;
@@ -222,7 +225,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         }
     }
 
-    /// Appends the next part of an arc: up to where an axis with lash turns round. The queue has room.
+    /// Appends the next part of an arc, up to where an axis with backlash reverses. The queue has
+    /// room.
     pub(crate) fn push_part(&mut self, path: Option<P>, has_lash: [bool; N]) {
         let Some(mut arc) = self.arc.take() else {
             return;
@@ -243,7 +247,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             for (heading, way) in self.heading.iter_mut().zip(ways) {
                 *heading = if way == 0 { *heading } else { way };
             }
-            // At most 2^31 events of less than 2^32.
+            // At most 2^31 events, each below 2^32.
             events = events.wrapping_add(1);
             sweep = sweep.wrapping_add(step.sweep.into());
             largest_sweep = largest_sweep.max(step.sweep);
@@ -273,9 +277,9 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     }
 }
 
-/// What a part of the sweep has of a whole, right to 2^-31 of it.
+/// The share `part / total` of `whole`, accurate to 2^-31 of it.
 fn share(whole: u64, part: u64, total: u64) -> u64 {
-    // Both to 32 bits: the product of a remainder and the part fits 64.
+    // Both are scaled to 32 bits, so the product of a remainder and the part fits in 64.
     let shift = 32_u32.saturating_sub(total.leading_zeros());
     mul_div(
         whole,
@@ -284,11 +288,11 @@ fn share(whole: u64, part: u64, total: u64) -> u64 {
     )
 }
 
-/// Sign of each axis' way.
+/// Sign of the distance of each axis.
 fn directions<const N: usize>(from: &[i32; N], to: &[i32; N]) -> [i8; N] {
     let mut signs = [0; N];
     for (sign, (from, to)) in signs.iter_mut().zip(from.iter().zip(to)) {
-        // Compared: the difference may not fit.
+        // Compared, because the difference may not fit.
         *sign = i8::from(to > from).wrapping_sub(i8::from(to < from));
     }
     signs

@@ -1,4 +1,4 @@
-//! One command that moves, as steps and ticks.
+//! One move command, and its conversion to steps.
 
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
@@ -6,19 +6,20 @@ use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
 use crate::lines::arc::in_plane;
 use crate::{Config, Means, MoveError};
 
-/// Events of one arc at most: what `i32` steps and the interpolator's `u32` counts hold.
+/// Largest number of events of one arc: the range of `i32` steps and of the `u32` counts of the
+/// interpolator.
 const MAX_EVENTS: u64 = 1 << 31;
 
-/// The move that is being executed, as it was programmed.
+/// A move as it was programmed.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Segment<const N: usize> {
-    /// Where it begins, machine frame.
+    /// Start position in the machine frame.
     pub from: [Nm; N],
-    /// What it is.
+    /// The command.
     pub command: Command<N>,
 }
 
-/// What a command needs that no machine here has.
+/// The function that a command needs and this machine does not have.
 const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Option<Means> {
     Some(match command {
         Command::Linear {
@@ -47,8 +48,8 @@ const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Opt
     })
 }
 
-/// Lowest and highest coordinate at which a move is on its way from `from`, machine frame: of a
-/// line that of its end, as it begins where another one ended. `None` of an axis that does not
+/// Lowest and highest coordinate of a move from `from` in the machine frame. For a line these are
+/// those of its end, because it begins at the end of another move. `None` for an axis that does not
 /// move.
 #[must_use]
 pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[Nm; 2]>; N] {
@@ -77,14 +78,14 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
 }
 
 impl<const N: usize> Config<N> {
-    /// The steps nearest to a position of the machine frame.
+    /// Returns the steps nearest to a position in the machine frame.
     ///
     /// # Errors
-    /// [`MoveError::Reach`]: the first axis that would be beyond 2^31 steps.
+    /// [`MoveError::Reach`] for the first axis that would be beyond 2^31 steps.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub fn nearest_steps(&self, at: &[Nm; N]) -> Result<[i32; N], MoveError> {
         let mut steps = [0; N];
-        // Not `enumerate`: its count could overflow for all the compiler knows.
+        // Not `enumerate`: the compiler would assume that its count may overflow.
         let axes = self.axes.iter().zip(at).zip(&mut steps);
         for (number, ((axis, at), step)) in (0..N).zip(axes) {
             *step = axis
@@ -95,7 +96,7 @@ impl<const N: usize> Config<N> {
         Ok(steps)
     }
 
-    /// Everything that can be wrong with a command on this machine.
+    /// Checks whether this machine can execute a command.
     ///
     /// # Errors
     /// See [`MoveError`].
@@ -103,10 +104,10 @@ impl<const N: usize> Config<N> {
         self.check_arcs(from, command, |_| true)
     }
 
-    /// [`Config::check`] for methods that cannot make every arc.
+    /// Does [`Config::check`] for methods that cannot make every arc.
     ///
     /// # Errors
-    /// [`MoveError::ArcTooLarge`] for an arc that does not fit, too.
+    /// In addition, [`MoveError::ArcTooLarge`] for an arc that does not fit.
     #[inline]
     pub fn check_arcs<F: Fn(&ArcMove) -> bool>(
         &self,
@@ -141,7 +142,8 @@ impl<const N: usize> Config<N> {
                     _ => {}
                 }
                 let [start, end] = [self.nearest_steps(from)?, self.nearest_steps(&arc.to)?];
-                // A turn has less than 6 (r + 4) events, a helix as many more as its longest axis has steps.
+                // A turn has fewer than 6 (r + 4) events; a helix has in addition as many as its
+                // longest axis has steps.
                 let events = match self.grid_arc(from, arc, start, end)? {
                     Some(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
                     Some(grid) => u64::from(grid.radius_steps)
@@ -159,7 +161,7 @@ impl<const N: usize> Config<N> {
         }
     }
 
-    /// The most steps of one axis.
+    /// The largest number of steps of one axis.
     fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
         let mut longest = 0;
         let ends = self
@@ -180,16 +182,16 @@ impl<const N: usize> Config<N> {
             .try_for_each(|(number, at)| self.check_travel(number, *at))
     }
 
-    /// Whether a position of an axis is within its travel, machine frame. An axis without travel
-    /// takes every one, and so does one that is not there.
+    /// Checks that a position of an axis is within its travel in the machine frame. An axis without
+    /// travel accepts every position, and so does an axis that does not exist.
     ///
     /// # Errors
-    /// [`MoveError::Travel`]: it is more than half a step beyond.
+    /// [`MoveError::Travel`] if the position is more than half a step beyond the travel.
     pub fn check_travel(&self, number: usize, position: Nm) -> Result<(), MoveError> {
         let Some([low, high]) = self.axes.get(number).and_then(|axis| axis.travel) else {
             return Ok(());
         };
-        // Half a step: a rim that touches the limit touches it by rounding, too.
+        // Half a step, because rounding can move an arc that touches the limit.
         let slack = self.axes.get(number).map_or(0, |axis| {
             let step = axis.scale.nm().div_ceil(axis.scale.steps().max(1));
             i64::from(step.div_ceil(2))
@@ -212,7 +214,7 @@ impl<const N: usize> Config<N> {
         Ok(())
     }
 
-    /// The arc on the grid; `None` where it is too short to go round anything: a line then.
+    /// The arc on the grid; `None` where it is too short for an arc and becomes a line.
     fn grid_arc(
         &self,
         from: &[Nm; N],
@@ -235,9 +237,9 @@ impl<const N: usize> Config<N> {
         }
     }
 
-    /// The path of a move that has passed [`Config::check`].
+    /// Returns the path of a move that has passed [`Config::check`].
     ///
-    /// `start` is where the axes stand, `end` where they shall stand; the path begins at `from` exactly.
+    /// `start` and `end` are the steps of the axes at both ends; the path begins exactly at `from`.
     pub fn path<P: Moves<N>>(&self, segment: &Segment<N>, start: [i32; N], end: [i32; N]) -> P {
         let mut delta = [0; N];
         for ((delta, start), end) in delta.iter_mut().zip(start).zip(end) {
@@ -245,14 +247,14 @@ impl<const N: usize> Config<N> {
         }
         if let Command::Arc { arc, .. } = &segment.command {
             if let Ok(Some(grid)) = self.grid_arc(&segment.from, arc, start, end) {
-                // Returned from here: each copy of a path is 264 bytes of a small chip's stack.
+                // Returned from here: each copy of a path takes 264 bytes of stack.
                 if let Ok(path) = P::arc(&grid.arc, arc.plane.axes(), delta) {
                     return path;
                 }
             }
         }
-        // What is too small to go round is a line: the interpolator says so. It has no other reason left after
-        // `check`: the radius, the events and the plane were looked at.
+        // The interpolator reports an arc that is too small, which becomes a line. After `check`
+        // there is no other reason: the radius, the events and the plane were verified.
         P::line(delta)
     }
 }

@@ -1,4 +1,5 @@
-//! What axes owe before they turn round, and for lash that is another where they go: each alone, as fast as it can.
+//! Take-up of axes before they reverse and where the backlash changes: one axis at a time, as fast
+//! as possible.
 
 use husillo_backlash::{Compensator, Lash};
 use husillo_interp::Step;
@@ -6,28 +7,29 @@ use husillo_planner::{Rates, SCurve, Timer, Trapezoid};
 
 use crate::{Axis, Config, MAX_WAIT_TICKS, StepEvent};
 
-/// What becomes of a step of the path where the lash is another.
+/// Result for a path step where the backlash changes.
 pub(crate) enum Followed<const N: usize> {
-    /// These motor steps.
+    /// Make these motor steps.
     One([i8; N]),
-    /// An axis makes two steps one way: these first, and the path's after them. An interval of that axis at its highest rate.
+    /// An axis makes two steps in one direction: `first`, then the step of the path.
+    /// `interval_ticks` is the interval of that axis at its highest rate.
     Two { first: [i8; N], interval_ticks: u32 },
-    /// More is owed than a step; it is on its way.
+    /// More than one step is due; a take-up has begun.
     Stop,
 }
 
-/// The take-up of all axes: what is owed, and on its way.
+/// Take-up of all axes: steps due and steps in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct TakeUp<const N: usize, L: Lash<N>> {
     compensator: Compensator<N, L>,
     is_on: bool,
     /// Motor steps still to make, signed.
     owed: [i32; N],
-    /// The tempo of the axis that makes them; `None` when nothing is owed.
+    /// Timing of the axis in take-up; `None` when none is due.
     pace: Option<Pace>,
-    /// What the step of the path that waits carries besides, signed.
+    /// Correction steps of the waiting path step, signed.
     with_step: [i8; N],
-    /// What an abort left: motor steps that an axis has not made, signed.
+    /// Motor steps that an abort left unmade, per axis, signed.
     unfinished: Option<[i32; N]>,
 }
 
@@ -47,27 +49,28 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         self.is_on = on;
     }
 
-    /// The axes that must not turn round while the path moves.
+    /// The axes that must not reverse while the path moves.
     pub(crate) fn stops(&self) -> [bool; N] {
         let lash = self.compensator.lash().each_ref();
         lash.map(|lash| self.is_on && !lash.is_free())
     }
 
-    /// Whether an axis is being taken up.
+    /// Whether a take-up is in progress.
     #[inline]
     pub(crate) const fn is_under_way(&self) -> bool {
         self.pace.is_some()
     }
 
-    /// Whether something may be owed before this step.
+    /// Whether a take-up may be due before this step.
     #[inline]
     pub(crate) const fn may_owe(&self, step: Step) -> bool {
         let turns = !self.compensator.is_straight_on(step.axes, step.negative);
         self.is_on && (turns || self.unfinished.is_some())
     }
 
-    /// Direction and lash of an axis, for steps beside the path that end where they began: 0 and 0 before it has moved, and while its nut lies
-    /// between the flanks. `None` where nothing is taken up.
+    /// Direction and backlash of an axis, for steps outside the path that return to their start.
+    /// Both are 0 before the axis has moved and while its nut is between the flanks. `None` without
+    /// take-up.
     #[cold]
     pub(crate) fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
         if !self.is_on {
@@ -82,7 +85,7 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         Some(play.filter(|_| !is_between).unwrap_or((0, 0)))
     }
 
-    /// Before the axes of `delta` move that way, with the load at `load`: they owe their take-up from now on.
+    /// Determines the take-up that is due before the axes of `delta` move, with the load at `load`.
     #[cold]
     pub(crate) fn turn(&mut self, delta: &[i8; N], load: [i32; N], config: &Config<N>) {
         if !self.is_on {
@@ -98,8 +101,8 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         for ((owed, rest), (delta, lash)) in axes {
             let direction = i32::from(*delta);
             if direction != 0 {
-                // Back again from a take-up cut short owes only what that one had made: the rest has
-                // the other sign. Lash and rest are below 2^31.
+                // A reversal after an interrupted take-up needs only the steps that were made: the
+                // rest has the other sign. Backlash and rest are below 2^31.
                 let lash = i32::try_from(lash).unwrap_or(i32::MAX);
                 *owed = direction.wrapping_mul(lash).saturating_add(*rest);
                 *rest = 0;
@@ -112,7 +115,8 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         self.next_axis(config);
     }
 
-    /// The motor steps of a step of the path by `delta`, to `load`: with what it owes for the lash there.
+    /// Returns the motor steps of a path step by `delta` to `load`, including corrections for the
+    /// backlash there.
     #[inline]
     pub(crate) fn follow(
         &mut self,
@@ -122,7 +126,8 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
     ) -> Followed<N> {
         let mut owed = self.compensator.follow(load).filter(|_| self.is_on);
         if let (Some(owed), Some(unfinished)) = (&mut owed, &mut self.unfinished) {
-            // The nut of a take-up that was cut short lies on no flank: the screw stays until that axis moves.
+            // After an interrupted take-up the nut is between the flanks: the screw stays until
+            // that axis moves.
             for (owed, rest) in owed.iter_mut().zip(unfinished) {
                 if *rest != 0 {
                     *rest = rest.saturating_add(core::mem::take(owed));
@@ -135,7 +140,7 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
                 owed.map(|owed| owed as i8)
             }
             Some(owed) => {
-                // The take-up before this step has been made, so nothing else is owed.
+                // The take-up before this step is complete, so nothing else is due.
                 self.owed = owed;
                 self.next_axis(config);
                 return Followed::Stop;
@@ -160,13 +165,13 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
             };
         }
         for (delta, owed) in delta.iter_mut().zip(owed) {
-            // One of them is 0, or they make 0 together.
+            // One of them is 0, or their sum is 0.
             *delta = delta.wrapping_add(owed);
         }
         Followed::One(delta)
     }
 
-    /// One motor step: X before Y before Z. `None` when nothing is owed.
+    /// Makes one motor step: X before Y before Z. Returns `None` when none is due.
     pub(crate) fn step(&mut self, config: &Config<N>) -> Option<StepEvent<N>> {
         let wait = self.pace.as_mut()?.wait().min(MAX_WAIT_TICKS.into());
         let axes = (0..N).zip(&mut self.owed);
@@ -186,7 +191,7 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         })
     }
 
-    /// Drops what is owed; it is made, or given back, before that axis moves again.
+    /// Interrupts the take-up; it is completed or reversed before that axis moves again.
     pub(crate) fn abort(&mut self) {
         if self.is_under_way() || self.with_step.iter().any(|owed| *owed != 0) {
             let mut unfinished = self.unfinished.unwrap_or([0; N]);
@@ -201,7 +206,7 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         self.pace = None;
     }
 
-    /// Readies the next axis that owes.
+    /// Prepares the next axis with steps due.
     fn next_axis(&mut self, config: &Config<N>) {
         let axes = self.owed.iter().zip(&config.axes);
         self.pace = axes
@@ -211,19 +216,19 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
     }
 }
 
-/// Times the steps of one axis from standstill to standstill.
+/// Timing of the steps of one axis from standstill to standstill.
 #[derive(Clone, Debug)]
 enum Pace {
-    /// At its highest rate from the first step on.
+    /// At the highest rate from the first step on.
     Steady(Timer),
-    /// Up to its highest rate and down again.
+    /// Ramps up to the highest rate and down again.
     Ramp(Trapezoid),
-    /// The same with a limited jerk.
+    /// The same with limited jerk.
     Smooth(SCurve),
 }
 
 impl Pace {
-    /// For so many steps.
+    /// Creates the timing of `steps` steps.
     fn new(axis: &Axis, timer_hz: u32, steps: u32) -> Pace {
         let profile = axis.ramp.and_then(|ramp| {
             let rates = Rates {
@@ -233,8 +238,8 @@ impl Pace {
                 end_rate_hz: ramp.start_rate_hz,
                 acceleration_hz_per_s: ramp.acceleration_hz_per_s,
             };
-            // Refused are a jerk that the timer is too slow for, and ramps of a quarter of an hour: such an axis starts
-            // as it did without.
+            // A jerk that the timer cannot resolve and ramps of a quarter of an hour are refused:
+            // such an axis starts as one without them.
             let smooth = ramp
                 .jerk_hz_per_s2
                 .and_then(|jerk| SCurve::new(&rates, jerk, steps).ok());

@@ -1,4 +1,4 @@
-//! Which way a move begins and ends.
+//! Direction of a move at its start and at its end.
 
 use husillo_gcode::{Command, Direction as Turning};
 use husillo_planner::Direction;
@@ -8,7 +8,8 @@ use crate::lines::arc::in_plane;
 use crate::lines::duration::mul_div;
 use crate::lines::tempo::Tempo;
 
-/// The directions of the path at the start and at the end of a move; `None` where it goes nowhere.
+/// The directions of the path at the start and at the end of a move; `None` for a move without
+/// distance.
 pub(crate) fn tangents<const N: usize>(
     segment: &Segment<N>,
     tempo: &Tempo,
@@ -33,7 +34,8 @@ pub(crate) fn tangents<const N: usize>(
         };
         let mut way = straight;
         for (axis, component) in round.plane.into_iter().zip([across, up]) {
-            // As long as the way round, so that the other axes have their share of the direction.
+            // Scaled to the length of the arc, so that the other axes keep their share of the
+            // direction.
             let part = mul_div(component.unsigned_abs(), round.around_nm, size);
             let part = i64::try_from(part).unwrap_or(i64::MAX);
             if let Some(way) = way.get_mut(axis) {

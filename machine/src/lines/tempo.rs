@@ -1,4 +1,4 @@
-//! How long a move is and takes.
+//! Length and duration of a move.
 
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{Moves, length};
@@ -7,17 +7,17 @@ use crate::lines::arc::in_plane;
 use crate::lines::duration::{mul_div, mul_div_q16, times};
 use crate::{Axis, Config, Segment};
 
-/// Length and time of a move: of the way as programmed, not of the steps it rounds to, so that many moves shorter than a
-/// step take the time of their sum.
+/// Length and time of a move. They are those of the programmed path, not of the rounded steps, so
+/// many moves shorter than a step take the time of their sum.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Tempo {
     /// Length of the whole path.
     pub(crate) length_nm: u64,
-    /// The part of it that goes round in the plane of an arc, and its radius.
+    /// Length of the part of it in the plane of an arc, and the radius.
     pub(crate) round: Option<Round>,
     /// Ticks at the programmed feed, times 2^16; 0 for a rapid.
     pub(crate) programmed_q16: u64,
-    /// Ticks that it takes at least, by the rates of the axes and the top speeds of the machine, times 2^16.
+    /// Least ticks allowed by the rates of the axes and the top speeds of the machine, times 2^16.
     pub(crate) least_q16: u64,
 }
 
@@ -30,8 +30,7 @@ pub(crate) struct Round {
 }
 
 impl Tempo {
-    /// With the time that the planner's fastest speed takes, 2^32 - 1 nm/s, as the least: what is programmed faster is as
-    /// fast as that.
+    /// Limits the speed to the fastest of the planner, 2^32 - 1 nm/s.
     pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
         let fastest = mul_div_q16(self.length_nm, timer_hz.into(), u32::MAX.into());
         self.least_q16 = self.least_q16.max(fastest);
@@ -48,7 +47,7 @@ impl Tempo {
         least_q16: 0,
     };
 
-    /// Ticks at constant speed, to the nearest, at so many percent of the programmed feed.
+    /// Ticks at constant speed, rounded to nearest, at `percent` of the programmed feed.
     pub(crate) fn ticks(&self, percent: u8) -> u64 {
         let programmed_q16 = mul_div(self.programmed_q16, 100, percent.into());
         programmed_q16.max(self.least_q16).saturating_add(1 << 15) >> 16
@@ -56,7 +55,7 @@ impl Tempo {
 }
 
 impl<const N: usize> Config<N> {
-    /// The tempo of a move and the path it is made on.
+    /// Returns the tempo of a move on this path.
     pub(crate) fn tempo<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Tempo {
         let hz = u64::from(self.timer_hz);
         let (feed, to) = match &segment.command {
@@ -66,16 +65,16 @@ impl<const N: usize> Config<N> {
             Command::Arc { arc, feed } => (Some(feed), &arc.to),
             _ => return Tempo::NONE,
         };
-        // What the circle of an arc does; one too small to go round is the line between its ends.
+        // The circle of an arc; an arc that is too small is the line between its ends.
         let round = self.round(segment, path);
         let is_round = |number: usize| round.is_some_and(|round| round.plane.contains(&number));
-        // No axis steps faster than it can, on the average of the move.
+        // No axis exceeds its step rate on average over the move.
         let mut least_q16 = 0;
         let mut ways = [0; N];
         let axes = segment.from.iter().zip(to).zip(&self.axes);
         for ((number, straight), ((from, to), axis)) in (0..N).zip(&mut ways).zip(axes) {
             let way = match &round {
-                // Somewhere on a quarter turn one axis makes the whole speed.
+                // Somewhere on a quarter turn one axis has the full path speed.
                 Some(round) if is_round(number) => round.around_nm,
                 _ => {
                     *straight = to.0.abs_diff(from.0);
@@ -86,7 +85,7 @@ impl<const N: usize> Config<N> {
         }
         let mut around = round.map_or(0, |round| round.around_nm);
         if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {
-            // Whole turns that are too small for the grid take their time all the same; pi is 355 / 113.
+            // Whole turns that are too small for the grid still take their time; pi is 355 / 113.
             let flat = in_plane(&segment.from, arc);
             let turns = u64::from(arc.turns).saturating_add(u64::from(flat.from == flat.to));
             let [rim, _] = flat.radii();
@@ -116,7 +115,7 @@ impl<const N: usize> Config<N> {
         let [radius_nm, _] = in_plane(&segment.from, arc).radii();
         Some(Round {
             plane,
-            // The area swept, divided by the radius, is the length of the arc in steps.
+            // The swept area divided by the radius is the length of the arc in steps.
             around_nm: mul_div(
                 path.total_sweep(),
                 u64::from(scale.nm()),
@@ -148,14 +147,14 @@ impl<const N: usize> Config<N> {
 }
 
 impl Axis {
-    /// Ticks of a timer of `hz` that this axis needs at least for a way in nanometres, times 2^16.
+    /// Least ticks of a timer of `hz` for this axis to cover a distance in nanometres, times 2^16.
     fn least_q16(&self, way_nm: u64, hz: u64) -> u64 {
         // nm and rate are below 2^32 each.
         let nm_per_s = u64::from(self.scale.nm()).wrapping_mul(u64::from(self.max_rate_hz));
         let way = times(way_nm, self.scale.steps().into()).unwrap_or(u64::MAX);
         match mul_div_q16(way, hz, nm_per_s) {
             0 => 0,
-            // Up: a short move must not exceed the rate by rounding.
+            // Rounded up: a short move must not exceed the rate by rounding.
             ticks => ticks.saturating_add(1),
         }
     }
@@ -167,7 +166,7 @@ fn ticks_q16(feed: &Feed, length_nm: u64, hz: u64) -> u64 {
         // 60 hz < 2^38.
         Feed::PerMinute(Nm(nm)) => mul_div_q16(length_nm, hz.wrapping_mul(60), nm.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => mul_div_q16(60_000_000, hz, *micro_per_minute),
-        // The spindle says when.
+        // The spindle determines the time.
         Feed::PerRevolution(_) => 0,
     }
 }

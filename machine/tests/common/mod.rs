@@ -1,4 +1,4 @@
-//! Machines and a screw with play, shared by the tests.
+//! Machines and a screw with backlash, shared by the tests.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use husillo_backlash::Backlash;
@@ -32,7 +32,7 @@ pub fn config() -> Config<3> {
     }
 }
 
-/// Its X and Y limited to the work area.
+/// The micro mill with X and Y limited to the work area.
 pub fn limited() -> Config<3> {
     let mut config = config();
     config.axes[0].travel = Some([Nm(0), Nm(10_000_000)]);
@@ -40,7 +40,7 @@ pub fn limited() -> Config<3> {
     config
 }
 
-/// A nut on a screw with play, engaged on its positive flank at zero.
+/// A nut on a screw with backlash, engaged on its positive flank at zero.
 #[derive(Clone, Debug)]
 pub struct Screw {
     pub motor: [i64; 3],
@@ -65,7 +65,7 @@ impl Screw {
     }
 }
 
-/// Pulls everything; the tool must stand where the machine believes after every step of the path.
+/// Pulls all events. The tool must be where the machine reports it after every step of the path.
 pub fn drain<const QUEUE: usize>(
     machine: &mut Machine<3, Path<3>, Backlash, QUEUE>,
     screw: &mut Screw,

@@ -1,4 +1,4 @@
-//! What begins when all before it has been made: a move of the queue, an output, a pause.
+//! Start of a command after all previous motion: a move of the queue, an output, a pause.
 
 use husillo_backlash::Lash;
 use husillo_gcode::{Command, SpindleDirection};
@@ -9,7 +9,8 @@ use super::{Machine, Run};
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
-    /// Begins the first move of the queue. `None` under a hold, when it is too short for a step.
+    /// Begins the first move of the queue. Returns `None` under a hold, if the move is too short
+    /// for a step.
     pub(super) fn begin_move(&mut self) -> Option<()> {
         let (stretch, work) = self.schedule.moves.front()?;
         let (stretch, events) = (*stretch, work.events);
@@ -50,7 +51,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         Some(())
     }
 
-    /// A command that is no move; all moves before it have been made.
+    /// Begins a command that is not a move; all moves before it have been made.
     pub(super) fn begin(&mut self, command: Command<N>) {
         let from = self.schedule.programmed();
         self.segment = Some(Segment { from, command });
@@ -59,7 +60,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.schedule.end_thread();
         match command {
             Command::Dwell { micros } => {
-                // A dwell of 2^64 us lasts half a million years: saturating is long enough.
+                // A dwell of 2^64 us lasts half a million years, so saturating is acceptable.
                 let ticks = crate::lines::duration::mul_div(
                     micros,
                     u64::from(self.config.timer_hz),
@@ -105,13 +106,14 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// Signals act when all time before them has passed.
+    /// Queues signals, which act when all preceding time has passed.
     fn signal(&mut self, [first, second]: [Option<Event<N>>; 2]) {
         self.signals = [None, first, second, None];
         self.flush_wait();
     }
 
-    /// Turns carried time, which is below [`MAX_WAIT_TICKS`] or a dwell's, into a wait of its own.
+    /// Turns carried time into a separate wait. It is below [`MAX_WAIT_TICKS`], or the time of a
+    /// dwell.
     fn flush_wait(&mut self) {
         let short = self.carried_ticks % u64::from(MAX_WAIT_TICKS);
         match self.signals.first_mut() {

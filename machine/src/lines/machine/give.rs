@@ -1,4 +1,4 @@
-//! Events, one at a time: steps of a move, of the take-up before it, and the time between them.
+//! Generation of events: steps of a move, of the take-up before it, and the time between them.
 
 use husillo_backlash::Lash;
 use husillo_gcode::Command;
@@ -10,10 +10,12 @@ use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
-    /// The next event, or `None` when all that was taken has been given out, or under a hold.
+    /// Returns the next event, or `None` when all events were returned or under a hold.
     ///
-    /// Constant time, except where a move ends and its place is taken: then an arc is walked once, 9 ns an event on a
-    /// desktop, 73 instructions on a Cortex-M4F.
+    /// # Cost
+    /// Constant time, except where a move ends and another one takes its place in the queue. If
+    /// that is an arc it is walked once: 9 ns per event on a desktop, 73 instructions on a
+    /// Cortex-M4F.
     #[inline]
     pub fn next_event(&mut self) -> Option<Event<N>> {
         match &mut self.run {
@@ -42,7 +44,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// A step of the path, unless an axis turns round and must be taken up first.
+    /// Makes a path step, unless an axis reverses and must be taken up first.
     #[inline]
     fn path_step(&mut self, step: Step, wait: u64) -> Event<N> {
         let delta = step.deltas();
@@ -56,7 +58,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.give(delta, wait)
     }
 
-    /// A step of the path that nothing stands before any more.
+    /// Makes a path step that needs no take-up before it.
     #[inline]
     fn give(&mut self, delta: [i8; N], wait: u64) -> Event<N> {
         let follows = self.is_following();
@@ -86,7 +88,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.give_followed(delta, to, wait, follows)
     }
 
-    /// The step, with those that the lash at its end owes.
+    /// Makes the step together with the correction steps for the backlash at its end.
     fn give_followed(
         &mut self,
         delta: [i8; N],
@@ -103,7 +105,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                 first,
                 interval_ticks,
             } => {
-                // Half of the time each. Where that would be too fast the path waits; a spindle's turns cannot wait.
+                // Each takes half the time. Where that is too fast the path waits; a spindle cannot
+                // wait.
                 let least = if follows {
                     0
                 } else {
@@ -122,7 +125,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// Motor steps of the path, after a wait of [`MAX_WAIT_TICKS`] at most.
+    /// Makes motor steps of the path, after a wait of at most [`MAX_WAIT_TICKS`].
     #[inline]
     fn timed(&mut self, delta: [i8; N], wait: u64, follows: bool) -> Event<N> {
         self.origin = match &self.segment {
@@ -148,7 +151,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         Event::Step(StepEvent { wait_ticks, delta })
     }
 
-    /// One motor step of take-up, while any is owed.
+    /// Makes one motor step of take-up, while any remains.
     fn take_up_step(&mut self) -> Option<Event<N>> {
         let step = self.take_up.step(&self.config)?;
         self.guard.stepped_aside(step.wait_ticks, bits(&step.delta));
@@ -156,13 +159,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         Some(Event::Step(step))
     }
 
-    /// Everything but the next step of a path at constant speed.
+    /// Handles everything except the next step of a path at constant speed.
     #[cold]
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
-            // An axis with a ramp that is taken up cannot stop at once.
+            // A take-up of an axis with a ramp cannot stop at once.
             let stops_at_once = !self.take_up.is_under_way() || !self.schedule.has_ramps();
-            // What follows the spindle cannot stop without it.
+            // A move that follows the spindle cannot stop without it.
             let stops_at_once = stops_at_once && !self.is_following() && !self.goes_on_threading();
             if self.ramp.is_held() && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
                 return None;
@@ -206,7 +209,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         }
     }
 
-    /// The next step of the path: `None` under a hold, `Some(None)` when the move has ended.
+    /// Returns the next step of the path: `None` under a hold, `Some(None)` when the move has
+    /// ended.
     fn run_step(&mut self) -> Option<Option<Event<N>>> {
         let Some(run) = &mut self.run else {
             return Some(None);
@@ -241,12 +245,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         Some(Some(self.path_step(step, wait)))
     }
 
-    /// Whether the move under way follows the spindle.
+    /// Whether the executing move follows the spindle.
     pub(super) fn is_following(&self) -> bool {
         self.run.as_ref().is_some_and(|run| run.follows)
     }
 
-    /// Whether the next move is another one of the thread that is being cut.
+    /// Whether the next move belongs to the thread in progress.
     fn goes_on_threading(&self) -> bool {
         let next = self.schedule.moves.front();
         next.is_some_and(|(_, work)| {
@@ -255,7 +259,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         })
     }
 
-    /// The move, or the part of an arc, has ended: its place is free.
+    /// The move, or the part of an arc, has ended: frees its entry in the queue.
     pub(super) fn finish(&mut self) {
         self.schedule.moves.pop();
         self.fill();
