@@ -1,4 +1,5 @@
-//! A screw with three steps of play, driven there and back: the flat that every reversal leaves.
+//! Drives a screw with three steps of backlash forward and back, and prints the dead band of every
+//! reversal.
 
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer, Unsupported};

@@ -1,7 +1,7 @@
 //! One axis: field, rotor, screw and nut.
 //!
-//! Angles are 65536ths of an electrical cycle ("turns" of the field); a full step is a quarter of it, 16384. The rotor's
-//! position is such an angle continued over all cycles, so `i64` holds 2^47 cycles.
+//! Angles are in 1/65536 of an electrical cycle. A full step is a quarter of a cycle, 16384. The
+//! rotor position is such an angle continued over all cycles, so `i64` holds 2^47 cycles.
 
 use husillo_stepper::{Driver, Levels, PulseTiming};
 
@@ -11,27 +11,27 @@ use crate::model::{AxisModel, Stage};
 /// A full step.
 const FULL_STEP: i64 = 16384;
 
-/// Table entry for levels that leave both coils without current; angles are below it.
+/// Table entry for levels that leave both coils without current; valid angles are below it.
 const NO_CURRENT: u32 = 1 << 16;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
-    /// Equilibrium angle by levels; 8 bits of levels are 256 entries.
+    /// Equilibrium angle for every byte of levels.
     equilibrium: Box<[u32; 256]>,
     levels: u8,
     reversed: bool,
     stage: Stage,
     pull_out_ticks: u64,
-    /// When the levels changed last.
+    /// Time of the last change of levels.
     changed_at: u64,
     rotor: i64,
-    /// Field less rotor, continued: 0 while the rotor follows.
+    /// Field minus rotor, continued over cycles; 0 while the rotor follows.
     slip: i64,
-    /// The last jump of the field, for the sense of the next ambiguous one.
+    /// Last jump of the field. It gives the direction of the next ambiguous jump.
     last_jump: i16,
     nut: i64,
     lash: i64,
-    /// Where the drive counts 0: the nominal angle of the first levels.
+    /// Zero of the step count: the nominal angle of the first levels.
     zero: i64,
     step: i64,
     is_blocked: bool,
@@ -39,25 +39,27 @@ pub(crate) struct Axis {
     pub(crate) lost_steps: u64,
 }
 
-/// When the inputs of a step and direction driver changed last.
+/// Times of the last changes at the inputs of a step and direction driver.
 #[derive(Copy, Clone, Debug, Default)]
 struct Pulse {
     turned_at: u64,
     rose_at: u64,
     fell_at: u64,
-    /// The way of the rotor at the last rising edge; 0 where none was made.
+    /// Angle that the rotor moved at the last rising edge; 0 if it made no step.
     made: i64,
 }
 
 impl Axis {
-    /// The rotor rests at the equilibrium of `levels`, the nut on its positive flank, both at 0.
+    /// Creates an axis whose rotor rests at the equilibrium of `levels` and whose nut is on its
+    /// positive flank, both at 0.
     pub(crate) fn new(model: AxisModel, levels: Levels) -> Axis {
         let equilibrium = match model.stage {
             Stage::Coils(driver) => equilibria(driver, model.reversed),
             Stage::StepDirection(_) | Stage::StepToggle => Box::new([NO_CURRENT; 256]),
         };
         let start = i64::from(equilibrium[usize::from(levels.0)] & 0xFFFF);
-        // Nominal angles are quarter steps; currents come near them only (PBL3717A: 59.0 degrees for 67.5).
+        // Nominal angles are quarter steps. The currents only come near them (PBL3717A: 59.0
+        // degrees instead of 67.5).
         let quarter = FULL_STEP / 4;
         let step = FULL_STEP / i64::from(model.steps_per_full);
         Axis {
@@ -80,20 +82,21 @@ impl Axis {
         }
     }
 
-    /// The drive counts so many steps where the axis is now.
+    /// Sets the step count of the present position.
     pub(crate) fn call(&mut self, steps: i32) {
         self.zero -= i64::from(steps) * self.step;
     }
 
-    /// Whether something holds the rotor: then no change of the field turns it.
+    /// Blocks or releases the rotor. A blocked rotor does not follow the field.
     pub(crate) const fn block(&mut self, is_blocked: bool) {
         self.is_blocked = is_blocked;
     }
 
-    /// Turns the rotor by about so many steps, as the load may when it is stronger: to where it stays. How many.
+    /// Turns the rotor by about `steps`, to the nearest equilibrium, as a stronger load does.
+    /// Returns the steps it turned.
     pub(crate) fn push(&mut self, steps: i32) -> i32 {
         let way = match self.stage {
-            // Equilibria are a cycle apart.
+            // Equilibria are one cycle apart.
             Stage::Coils(_) => {
                 let cycles = (i64::from(steps) * self.step + 32768).div_euclid(65536);
                 self.slip -= cycles * 65536;
@@ -104,28 +107,29 @@ impl Axis {
         self.turn(way);
         let made = way / self.step;
         self.lost_steps += made.unsigned_abs();
-        // As near as a cycle to what was asked.
+        // The nearest multiple of a cycle.
         made as i32
     }
 
-    /// Another play, in steps: where there is less of it, a flank pushes the nut.
+    /// Sets another backlash in steps. If it shrinks, a flank pushes the nut.
     pub(crate) fn set_lash(&mut self, steps: f64) {
         self.lash = (steps * self.step as f64).round() as i64;
         self.turn(0);
     }
 
-    /// The nut in steps, with fractions.
+    /// Nut position in steps, with a fraction.
     pub(crate) fn nut_steps(&self) -> f64 {
         (self.nut - self.zero) as f64 / self.step as f64
     }
 
-    /// The levels the driver sees.
+    /// The present levels at the driver.
     #[inline]
     pub(crate) fn levels(&self) -> u8 {
         self.levels
     }
 
-    /// New levels at time `now`, different from the old ones. What was lost, if anything.
+    /// Applies levels at time `now` that differ from the old ones. Returns lost steps and their
+    /// cause.
     #[inline]
     pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
         let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
@@ -146,23 +150,24 @@ impl Axis {
         }
     }
 
-    /// The screw turns by `jump`, the nut follows outside its play.
+    /// Turns the screw by `jump`; the nut follows outside its backlash.
     #[inline]
     fn turn(&mut self, jump: i64) {
         self.rotor += jump;
         self.nut = self.nut.max(self.rotor).min(self.rotor + self.lash);
     }
 
-    /// A change the rotor cannot simply follow.
+    /// Handles a change that the rotor cannot simply follow.
     #[cold]
     fn stray(&mut self, before: u8, angle: u32, in_time: bool, now: u64) -> Option<(u32, Cause)> {
         let from = self.equilibrium[usize::from(before)];
         if angle >= NO_CURRENT {
-            // Going off is no step; changing while off is one that nobody made.
+            // Switching off is not a step. A change while off is a step that no motor makes.
             return (from >= NO_CURRENT).then(|| self.lose(self.step, Cause::NoCurrent));
         }
         let off_before = from >= NO_CURRENT;
-        // From rest without current the field has no past: the rotor goes to the nearest equilibrium.
+        // After a rest without current the field has no history: the rotor goes to the nearest
+        // equilibrium.
         let field = if off_before {
             self.rotor
         } else {
@@ -170,7 +175,8 @@ impl Axis {
         };
         let mut field_jump = i64::from((angle as u16).wrapping_sub(field as u16) as i16);
         if field_jump == i64::from(i16::MIN) && self.last_jump > 0 {
-            field_jump = -field_jump; // as near either way; it went on the way it went before
+            // Both directions are equally near; the field keeps its last direction.
+            field_jump = -field_jump;
         }
         let in_time = in_time || (off_before && !self.is_blocked);
         self.changed_at = now;
@@ -191,7 +197,7 @@ impl Axis {
         (worse > 0).then(|| self.lose(worse, cause))
     }
 
-    /// A change at the inputs of a driver that counts rising edges.
+    /// Handles a change at the inputs of a driver that counts rising edges.
     fn pulse(&mut self, before: u8, timing: PulseTiming, now: u64) -> Option<(u32, Cause)> {
         let changed = before ^ self.levels;
         let is_high = self.levels & Levels::STEP.0 != 0;
@@ -225,7 +231,7 @@ impl Axis {
         lost
     }
 
-    /// The last step was none: its pulse was too short, or DIR changed too early.
+    /// Cancels the last step: its pulse was too short, or DIR changed too early.
     fn take_back(&mut self) -> Option<(u32, Cause)> {
         let made = std::mem::take(&mut self.pulse.made);
         if made == 0 {
@@ -235,13 +241,13 @@ impl Axis {
         Some(self.lose(self.step, Cause::Pulse))
     }
 
-    /// A change at the inputs of a driver that counts both edges.
+    /// Handles a change at the inputs of a driver that counts both edges.
     fn toggle(&mut self, before: u8, now: u64) -> Option<(u32, Cause)> {
         let is_edge = (before ^ self.levels) & Levels::STEP.0 != 0;
         is_edge.then(|| self.count(now)).flatten()
     }
 
-    /// An edge of STEP that counts.
+    /// Handles an edge of STEP that counts.
     fn count(&mut self, now: u64) -> Option<(u32, Cause)> {
         let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
         self.changed_at = now;
@@ -268,19 +274,19 @@ impl Axis {
         (steps, cause)
     }
 
-    /// Nut position in steps of the drive.
+    /// Nut position in drive steps.
     #[inline]
     pub(crate) fn tool(&self) -> i32 {
         self.steps(self.nut)
     }
 
-    /// Rotor position in steps of the drive.
+    /// Rotor position in drive steps.
     #[inline]
     pub(crate) fn motor(&self) -> i32 {
         self.steps(self.rotor)
     }
 
-    /// The nearest whole step; `i32` steps are what the programs have.
+    /// The nearest whole step. Programs have `i32` steps.
     #[inline]
     fn steps(&self, at: i64) -> i32 {
         // A power of two, so a shift.
@@ -288,7 +294,7 @@ impl Axis {
     }
 }
 
-/// The angle at which the rotor rests, for every byte of levels.
+/// Table of the rest angle of the rotor for every byte of levels.
 fn equilibria(driver: Driver, reversed: bool) -> Box<[u32; 256]> {
     let mut table = Box::new([NO_CURRENT; 256]);
     for (bits, entry) in (0..=255).zip(table.iter_mut()) {

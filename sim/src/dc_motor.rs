@@ -1,33 +1,36 @@
-//! A DC motor with its gear, load and friction: voltage in, angle out.
+//! DC motor with gear, load and friction: voltage in, angle out.
 
-/// What a motor, seen at the shaft behind its gear, is made of.
+/// Parameters of a motor, referred to the output shaft of its gear.
 ///
-/// Source: the two equations of a brushed motor, `u = R i + L di/dt + k w` and `J dw/dt = k i - friction - load`.
+/// # Source
+/// The two equations of a brushed motor, `u = R i + L di/dt + k w` and
+/// `J dw/dt = k i - friction - load`.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct DcMotorModel {
-    /// Voltage of the supply at full duty, V.
+    /// Supply voltage at full duty, V.
     pub supply_v: f64,
-    /// Resistance of the winding, ohm.
+    /// Winding resistance, ohm.
     pub resistance_ohm: f64,
-    /// Inductance of the winding, H.
+    /// Winding inductance, H.
     pub inductance_h: f64,
-    /// Torque a unit of current, N m/A; the same number in V s is the voltage a unit of speed.
+    /// Torque constant, N m/A; the same number is the voltage constant in V s/rad.
     pub constant_nm_per_a: f64,
     /// Moment of inertia of rotor and load, kg m^2.
     pub inertia_kg_m2: f64,
-    /// Friction that grows with speed, N m s.
+    /// Viscous friction, N m s.
     pub viscous_nm_s: f64,
-    /// Friction of any speed, N m.
+    /// Coulomb friction, N m.
     pub coulomb_nm: f64,
-    /// What it takes to break loose, N m; at least `coulomb_nm`.
+    /// Breakaway torque, N m; at least `coulomb_nm`.
     pub stiction_nm: f64,
-    /// Encoder counts a revolution, all edges.
+    /// Encoder counts per revolution, all edges.
     pub counts_per_revolution: u32,
 }
 
 impl DcMotorModel {
-    /// The prototype of the measuring machine: 12 V, about 300 turns a minute without a load, 400 counts a revolution. The
-    /// voltage, speed and counts are the machine's; the rest is assumed, of a usual geared motor with that speed.
+    /// Motor of the prototype of the measuring machine: 12 V, about 300 rpm without load, 400
+    /// counts per revolution. Voltage, speed and counts are those of the machine. The other values
+    /// are assumed, typical of a geared motor with that speed.
     pub const PROTOTYPE: DcMotorModel = DcMotorModel {
         supply_v: 12.0,
         resistance_ohm: 8.0,
@@ -40,7 +43,7 @@ impl DcMotorModel {
         counts_per_revolution: 400,
     };
 
-    /// Speed without a load at full voltage, revolutions a second.
+    /// Speed without load at full voltage, revolutions/s.
     pub fn free_speed_hz(&self) -> f64 {
         let torque = self.supply_v / self.resistance_ohm * self.constant_nm_per_a - self.coulomb_nm;
         let slope = self.constant_nm_per_a.powi(2) / self.resistance_ohm + self.viscous_nm_s;
@@ -48,11 +51,12 @@ impl DcMotorModel {
     }
 }
 
-/// The longest time a step of the integration takes, s: a twentieth of the time constant `L / R` of the prototype.
+/// Longest integration step, s: a twentieth of the time constant `L / R` of the prototype.
 const LONGEST_STEP_S: f64 = 25e-6;
 
-/// A motor in motion.
+/// A simulated DC motor.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::{DcMotor, DcMotorModel};
 ///
@@ -69,7 +73,7 @@ pub struct DcMotor {
 }
 
 impl DcMotor {
-    /// At rest, at count 0.
+    /// Creates a motor at rest at count 0.
     pub fn new(model: DcMotorModel) -> DcMotor {
         DcMotor {
             model,
@@ -79,8 +83,9 @@ impl DcMotor {
         }
     }
 
-    /// Turns for some seconds at a duty of -1 to 1 of the supply (the mean of a fast PWM), with a torque in N m that holds
-    /// against positive turning. Semi-implicit Euler in steps of at most 25 us.
+    /// Runs the motor for `seconds` at a duty of -1 to 1 of the supply (the mean of a fast PWM),
+    /// with a load torque in N m against positive rotation. Uses semi-implicit Euler integration in
+    /// steps of at most 25 us.
     pub fn advance(&mut self, duty: f64, load_nm: f64, seconds: f64) {
         let steps = (seconds / LONGEST_STEP_S).ceil().max(1.0);
         let step_s = seconds / steps;
@@ -91,7 +96,7 @@ impl DcMotor {
 
     fn step(&mut self, voltage: f64, load_nm: f64, step_s: f64) {
         let m = &self.model;
-        // The current implicitly: stable for any step.
+        // The current is integrated implicitly, which is stable for any step.
         let back = m.constant_nm_per_a * self.speed_rad_s;
         self.current_a = (self.current_a + step_s / m.inductance_h * (voltage - back))
             / (1.0 + step_s * m.resistance_ohm / m.inductance_h);
@@ -106,33 +111,33 @@ impl DcMotor {
         };
         let torque = drive - sense * m.coulomb_nm - m.viscous_nm_s * self.speed_rad_s;
         let speed = self.speed_rad_s + step_s / m.inertia_kg_m2 * torque;
-        // Friction stops; it does not turn back.
+        // Friction stops the motor but does not reverse it.
         self.speed_rad_s = if speed * sense < 0.0 { 0.0 } else { speed };
         self.angle_rad += step_s * self.speed_rad_s;
     }
 
-    /// Stops at once, as against something hard; it stays where it is.
+    /// Stops the motor at once at its present position, as a hard stop does.
     pub fn stall(&mut self) {
         self.speed_rad_s = 0.0;
     }
 
-    /// Angle in encoder counts, whole edges below it.
+    /// Angle in encoder counts, rounded down to whole edges.
     pub fn counts(&self) -> i64 {
         self.position_counts().floor() as i64
     }
 
-    /// Angle in encoder counts, between the edges too: what the encoder does not tell.
+    /// Angle in encoder counts with a fraction, which the encoder does not report.
     pub fn position_counts(&self) -> f64 {
         let turns = self.angle_rad / std::f64::consts::TAU;
         turns * f64::from(self.model.counts_per_revolution)
     }
 
-    /// Speed in encoder counts a second.
+    /// Speed in encoder counts/s.
     pub fn counts_per_s(&self) -> f64 {
         self.speed_rad_s / std::f64::consts::TAU * f64::from(self.model.counts_per_revolution)
     }
 
-    /// Current of the winding, A.
+    /// Winding current, A.
     pub fn current_a(&self) -> f64 {
         self.current_a
     }

@@ -1,4 +1,5 @@
-//! The circuit-board drill's mechanics: three unipolar motors, switches of X and Y, two sensors of Z, a board under the drill.
+//! Mechanics of the circuit-board drill: three unipolar motors, switches of X and Y, two sensors of
+//! Z, and a board.
 
 use husillo_controllers::{DrillEvent, DrillInputs};
 use husillo_machine::StepEvent;
@@ -9,41 +10,42 @@ use crate::{AxisModel, Rig};
 /// A hole in the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DrilledHole {
-    /// Steps of X and Y from where their switches close.
+    /// Position in steps of X and Y from the points where their switches close.
     pub at: [i32; 2],
-    /// The deepest the drill was, in steps below the upper sensor.
+    /// Deepest position of the drill in steps below the upper sensor.
     pub depth: i32,
-    /// The spindle turned all the time.
+    /// Whether the spindle turned all the time.
     pub is_clean: bool,
 }
 
-/// Where things are, in steps.
+/// Simulated mechanics of the drill, in steps.
 ///
-/// X and Y count from where their switches close, Z from the upper sensor down.
+/// X and Y count from the points where their switches close, Z from the upper sensor downwards.
 #[derive(Clone, Debug)]
 pub struct DrillRig {
     motors: [Sequencer; 3],
     rig: Rig<3>,
-    /// Where the axes stood when the rig was made.
+    /// Initial positions of the axes.
     begin: [i32; 3],
-    /// From the upper sensor to the lower one.
+    /// Distance from the upper sensor to the lower one.
     stroke: i32,
-    /// From the upper sensor to the board.
+    /// Distance from the upper sensor to the board.
     board: i32,
     spindle: bool,
-    /// The hole that is being drilled.
+    /// The hole in progress.
     open: Option<DrilledHole>,
     holes: Vec<DrilledHole>,
     dragged_steps: u64,
-    /// Switches and sensors held closed, or open, by hand.
+    /// Switches and sensors held closed or open by hand.
     held: [Option<bool>; 4],
     ticks: u64,
 }
 
 impl DrillRig {
-    /// Axes at these steps, sensors of Z so far apart, the board so far below the upper one.
+    /// Creates a rig with the axes at `begin`. `stroke` is the distance between the sensors of Z,
+    /// `board` the distance of the board below the upper sensor.
     ///
-    /// Motors lose steps above `pull_out_ticks` of a timer, the shortest time of a step.
+    /// Motors lose steps that are shorter than `pull_out_ticks` timer ticks.
     #[must_use]
     pub fn new(begin: [i32; 3], stroke: u16, board: u16, pull_out_ticks: u32) -> DrillRig {
         let motor = Sequencer::new(Driver::Unipolar, Mode::Full).unwrap_or_else(|_| unreachable!());
@@ -64,7 +66,7 @@ impl DrillRig {
         }
     }
 
-    /// The switches as they are.
+    /// The present state of the switches and sensors.
     #[must_use]
     pub fn inputs(&self) -> DrillInputs {
         let [x, y, z] = self.place();
@@ -76,19 +78,21 @@ impl DrillRig {
         }
     }
 
-    /// Holds a switch closed or open, or lets go of it: 0 of X, 1 of Y, 2 the upper sensor, 3 the lower one.
+    /// Holds a switch closed or open, or releases it: 0 is X, 1 is Y, 2 the upper sensor, 3 the
+    /// lower sensor.
     pub fn hold(&mut self, switch: usize, closed: Option<bool>) {
         if let Some(held) = self.held.get_mut(switch) {
             *held = closed;
         }
     }
 
-    /// Turns the rotor of X, Y or Z by about so many steps against its field, as a load that is stronger does: by how many.
+    /// Turns the rotor of X, Y or Z by about `steps` against its field, as a stronger load does.
+    /// Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         self.rig.push(axis, steps)
     }
 
-    /// Makes an event happen.
+    /// Carries out an event.
     pub fn apply(&mut self, event: &DrillEvent) {
         match event {
             DrillEvent::Step(step) => self.step(step),
@@ -128,26 +132,26 @@ impl DrillRig {
         self.dragged_steps += u64::from(hole.at != [x, y]);
     }
 
-    /// The wires of the motors of X, Y and Z.
+    /// Levels of the wires of the motors of X, Y and Z.
     #[must_use]
     pub fn levels(&self) -> [Levels; 3] {
         self.motors.each_ref().map(CoilDriver::levels)
     }
 
-    /// Steps of X and Y from their switches, of Z from its upper sensor.
+    /// Position in steps: X and Y from their switches, Z from its upper sensor.
     #[must_use]
     pub fn place(&self) -> [i32; 3] {
         let mut tool = self.rig.tool().into_iter();
         self.begin.map(|begin| begin + tool.next().unwrap_or(0))
     }
 
-    /// The holes in the order they were drilled; not the one the drill is in.
+    /// The finished holes in the order of drilling.
     #[must_use]
     pub fn holes(&self) -> &[DrilledHole] {
         &self.holes
     }
 
-    /// Takes the board away and puts a whole one there.
+    /// Replaces the board by one without holes.
     pub fn change_board(&mut self) {
         self.holes.clear();
     }
@@ -158,19 +162,19 @@ impl DrillRig {
         self.spindle
     }
 
-    /// Steps that X and Y made while the drill was in the board: each may break it.
+    /// Steps of X and Y while the drill was in the board; each of them may break it.
     #[must_use]
     pub const fn dragged_steps(&self) -> u64 {
         self.dragged_steps
     }
 
-    /// Steps that the motors lost, by motor.
+    /// Steps lost by each motor.
     #[must_use]
     pub fn lost_steps(&self) -> [u64; 3] {
         self.rig.lost_steps()
     }
 
-    /// Timer ticks since the beginning.
+    /// Timer ticks since the start.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks

@@ -1,10 +1,10 @@
-//! The play of screws by place.
+//! Position-dependent backlash of screws.
 
-/// What play each axis has where the tools are, all in steps of the drives.
+/// Backlash of each axis as a function of the tool position, all in drive steps.
 ///
-/// Play that changes by a step or more from one step of the tool to the next is no screw's.
+/// It has to change by less than a step from one tool step to the next, as on a real screw.
 pub trait LashField<const N: usize>: Send + Sync {
-    /// Play of each axis, not negative, with the tools at `tool`.
+    /// Backlash of each axis, not negative, with the tool at `tool`.
     fn lash_steps(&self, tool: [f64; N]) -> [f64; N];
 }
 

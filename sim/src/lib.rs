@@ -1,19 +1,22 @@
-//! Coil levels in, tool position out: a machine that knows nothing of the commanded path.
+//! Coil levels in, tool position out: a simulated machine that does not know the commanded path.
 //!
 //! ```text
 //!  Levels ──► coil currents ──► electrical angle ──► rotor ──► screw ──► nut = tool
-//!             Driver::currents   a table an axis      nearest    lash
-//!                                                     equilibrium
+//!             Driver::currents   a table per axis    nearest    backlash
+//!                                                    equilibrium
 //! ```
 //!
-//! Too fast, or half an electrical cycle at once, and the rotor stays behind: [`Rig::lost_steps`] counts it.
+//! The rotor loses steps that are too fast, and steps of half an electrical cycle at once.
+//! [`Rig::lost_steps`] counts them.
 //!
 //! ```
 //! use husillo_sim::{AxisModel, Rig};
 //! use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
 //!
 //! let mut motor = Sequencer::new(Driver::Pbl3717a, Mode::Full)?;
-//! let axis = AxisModel::coils(Driver::Pbl3717a, Mode::Full).with_lash(3).with_pull_out_ticks(2564);
+//! let axis = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
+//!     .with_lash(3)
+//!     .with_pull_out_ticks(2564);
 //! let mut rig = Rig::new([axis], [motor.levels()]);
 //! for _ in 0..5 {
 //!     rig.apply(&[motor.step(1)], 5882);
@@ -22,7 +25,7 @@
 //! for _ in 0..5 {
 //!     rig.apply(&[motor.step(-1)], 5882);
 //! }
-//! assert_eq!((rig.motor(), rig.tool()), ([0], [3])); // the screw's play
+//! assert_eq!((rig.motor(), rig.tool()), ([0], [3])); // the backlash of the screw
 //! assert_eq!(rig.lost_steps(), [0]);
 //! # Ok::<(), husillo_stepper::Unsupported>(())
 //! ```
@@ -61,7 +64,7 @@ pub use winding::{Chopper, Current, Rotor, Winding};
 pub use wire::{Noise, Wire};
 pub use work_piece::{Bore, PointMm, Shape, Solid, WorkPiece};
 
-/// The README's example, as a doctest.
+/// The example of the README as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,5 @@
-//! The desktop microfactory's mechanics: four motors behind L297 sequencers, home switches, a work piece before the tool.
+//! Mechanics of the desktop microfactory: four motors with L297 sequencers, home switches, and a
+//! work piece in front of the tool.
 
 use husillo_controllers::{
     MICROFACTORY_MOTORS, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
@@ -8,24 +9,25 @@ use husillo_stepper::{Driver, L297, L297Inputs, Levels, Mode};
 
 use crate::{AxisModel, Rig};
 
-/// The microfactory, in events.
+/// Simulated microfactory, driven by events.
 ///
-/// Every motor has a chip of its own; RESET, ENABLE and CLOCK are driven as the events say, in full step with two phases on.
+/// Every motor has its own chip. RESET, ENABLE and CLOCK follow the events, in full step with two
+/// phases on.
 #[derive(Clone, Debug)]
 pub struct MicrofactoryRig {
     chips: [L297; MICROFACTORY_MOTORS],
     inputs: L297Inputs,
     rig: Rig<MICROFACTORY_MOTORS>,
-    /// Load steps at which the home switches close, from where the axes were at first.
+    /// Positions where the home switches close, in load steps from the initial positions.
     switches: [i32; 3],
-    /// Load steps of Y at which the tool touches.
+    /// Position of Y in load steps where the tool touches.
     face: i32,
-    /// Switches held by hand.
+    /// Switches held closed by hand.
     held: MicrofactoryInputs,
     ticks: u64,
 }
 
-/// No current and no edge: what RESET and ENABLE change.
+/// Inputs without current and without an edge; RESET and ENABLE are changed from these.
 const REST: L297Inputs = L297Inputs {
     clock: false,
     clockwise: true,
@@ -35,9 +37,9 @@ const REST: L297Inputs = L297Inputs {
 };
 
 impl MicrofactoryRig {
-    /// Axes so many load steps above their home switches, the work piece so many steps of Y above
-    /// where the axis is. The motors lose steps that come closer than `pull_out_ticks` of the
-    /// timer; 0: none.
+    /// Creates a rig with the axes the given load steps above their home switches, and the work
+    /// piece the given steps of Y above the axis. The motors lose steps closer than
+    /// `pull_out_ticks` timer ticks; with 0 they lose none.
     #[must_use]
     pub fn new(
         config: &MicrofactoryConfig,
@@ -53,7 +55,7 @@ impl MicrofactoryRig {
         };
         let mut chip = L297::new();
         chip.set(REST);
-        // The rotors rest where state 1 holds them.
+        // The rotors rest at state 1.
         let home = L297::new().outputs();
         MicrofactoryRig {
             chips: [chip; MICROFACTORY_MOTORS],
@@ -69,7 +71,7 @@ impl MicrofactoryRig {
         }
     }
 
-    /// The switches as they are.
+    /// The present state of the switches.
     #[must_use]
     pub fn inputs(&self) -> MicrofactoryInputs {
         let [x, y, z, _] = self.rig.tool();
@@ -83,12 +85,12 @@ impl MicrofactoryRig {
         }
     }
 
-    /// Holds switches closed by hand, or lets go of them.
+    /// Holds switches closed by hand, or releases them.
     pub fn hold(&mut self, held: MicrofactoryInputs) {
         self.held = held;
     }
 
-    /// Makes an event happen.
+    /// Carries out an event.
     pub fn apply(&mut self, event: &MicrofactoryEvent) {
         match event {
             MicrofactoryEvent::Step(step) => self.step(step),
@@ -111,7 +113,7 @@ impl MicrofactoryRig {
     fn step(&mut self, step: &StepEvent<MICROFACTORY_MOTORS>) {
         self.ticks += u64::from(step.wait_ticks);
         let levels = self.outputs();
-        // CLOCK of the motors that step rises, with CW/CCW beside it, and falls again at once.
+        // CLOCK of the stepping motors rises, together with CW/CCW, and falls again at once.
         for (chip, delta) in self.chips.iter_mut().zip(step.delta) {
             chip.set(L297Inputs {
                 clock: delta != 0,
@@ -132,7 +134,7 @@ impl MicrofactoryRig {
         self.rig.wait(ticks.into());
     }
 
-    /// The inputs to all chips, and their outputs to the motors.
+    /// Passes the inputs to all chips, and their outputs to the motors.
     fn present(&mut self, wait_ticks: u32) {
         for chip in &mut self.chips {
             chip.set(self.inputs);
@@ -144,19 +146,19 @@ impl MicrofactoryRig {
         self.chips.map(|chip| chip.outputs())
     }
 
-    /// Load steps of X, Y, Z and steps of the spindle, from where they were at first.
+    /// Load steps of X, Y and Z and steps of the spindle, relative to the initial positions.
     #[must_use]
     pub fn tool(&self) -> [i32; MICROFACTORY_MOTORS] {
         self.rig.tool()
     }
 
-    /// Steps that the motors lost, by motor.
+    /// Steps lost by each motor.
     #[must_use]
     pub fn lost_steps(&self) -> [u64; MICROFACTORY_MOTORS] {
         self.rig.lost_steps()
     }
 
-    /// Timer ticks since the beginning.
+    /// Timer ticks since the start.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks

@@ -1,10 +1,10 @@
-//! What one axis is made of.
+//! Model of one axis.
 
 use husillo_stepper::{Driver, Mode, PulseTiming};
 
 /// Motor, drive and screw of one simulated axis.
 ///
-/// The mode only says what one step of the drive is, for the counts; the rotor is moved by currents.
+/// The mode only defines the size of a drive step for the counts. The rotor is moved by currents.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub struct AxisModel {
     pub(crate) stage: Stage,
@@ -14,33 +14,34 @@ pub struct AxisModel {
     pub(crate) reversed: bool,
 }
 
-/// What turns levels into rotor angle.
+/// Conversion of levels to a rotor angle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Stage {
     Coils(Driver),
-    /// Rising edges of STEP count, where the times are kept.
+    /// Rising edges of STEP count if the times are kept.
     StepDirection(PulseTiming),
     /// Both edges of STEP count.
     StepToggle,
 }
 
 impl AxisModel {
-    /// A two-phase motor on `driver`, counted in steps of `mode`; no lash, no speed limit.
+    /// A two-phase motor on `driver`, counted in steps of `mode`; without backlash and without a
+    /// speed limit.
     #[must_use]
     pub const fn coils(driver: Driver, mode: Mode) -> AxisModel {
         AxisModel::new(Stage::Coils(driver), mode.steps_per_full())
     }
 
-    /// A step and direction driver like the A4988: it counts rising edges of STEP alone. A step is
-    /// lost where STEP is high or low too shortly, DIR not stable around the edge, or ENABLE off.
-    /// What [`StepDirection`](husillo_stepper::StepDirection) drives.
+    /// A step and direction driver like the A4988, which counts rising edges of STEP only. A step
+    /// is lost where STEP is high or low for too short a time, DIR is not stable around the edge,
+    /// or ENABLE is off. Matches [`StepDirection`](husillo_stepper::StepDirection).
     #[must_use]
     pub const fn step_direction(timing: PulseTiming) -> AxisModel {
         AxisModel::new(Stage::StepDirection(timing), 1)
     }
 
-    /// A step and direction driver that counts both edges of STEP: what
-    /// [`StepToggle`](husillo_stepper::StepToggle) drives.
+    /// A step and direction driver that counts both edges of STEP. Matches
+    /// [`StepToggle`](husillo_stepper::StepToggle).
     #[must_use]
     pub const fn step_toggle() -> AxisModel {
         AxisModel::new(Stage::StepToggle, 1)
@@ -56,14 +57,14 @@ impl AxisModel {
         }
     }
 
-    /// Play of the screw in steps of the drive.
+    /// Sets the backlash of the screw in drive steps.
     #[must_use]
     pub const fn with_lash(self, lash_steps: u32) -> AxisModel {
         AxisModel { lash_steps, ..self }
     }
 
-    /// The shortest interval between two steps (changes of levels, or counted edges of STEP) that
-    /// the rotor still follows, in timer ticks.
+    /// Sets the shortest interval between two steps (changes of levels, or counted edges of STEP)
+    /// that the rotor can follow, in timer ticks.
     #[must_use]
     pub const fn with_pull_out_ticks(self, pull_out_ticks: u32) -> AxisModel {
         AxisModel {
@@ -72,7 +73,7 @@ impl AxisModel {
         }
     }
 
-    /// Screw or motor mounted the other way round: the tool moves negative where the field turns positive.
+    /// Reverses the screw or the motor: the tool moves negative where the field turns positive.
     #[must_use]
     pub const fn reversed(self) -> AxisModel {
         AxisModel {

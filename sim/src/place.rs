@@ -1,9 +1,10 @@
-//! Where a work piece lies on the table.
+//! Position and orientation of a work piece on the table.
 
 use crate::work_piece::PointMm;
 
-/// Where the origin of a work piece lies on the machine, and how it is turned.
+/// Origin of a work piece on the machine, and its orientation.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::Place;
 ///
@@ -14,12 +15,12 @@ use crate::work_piece::PointMm;
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Place {
     at_mm: PointMm,
-    /// The directions of the piece's X, Y and Z on the machine.
+    /// Directions of X, Y and Z of the piece in machine coordinates.
     axes: [PointMm; 3],
 }
 
 impl Default for Place {
-    /// Where it is drawn.
+    /// The identity: piece coordinates are machine coordinates.
     fn default() -> Place {
         Place {
             at_mm: [0.0; 3],
@@ -29,7 +30,8 @@ impl Default for Place {
 }
 
 impl Place {
-    /// A piece that is tilted about X, then turned about Z, by degrees from X to Y and from Y to Z, and then moved by `at_mm`.
+    /// Creates a placement: the piece is tilted about X, then turned about Z, then moved by
+    /// `at_mm`. Angles are in degrees, from Y to Z and from X to Y.
     pub fn new(at_mm: PointMm, turn_deg: f64, tilt_deg: f64) -> Place {
         let (sin_turn, cos_turn) = turn_deg.to_radians().sin_cos();
         let (sin_tilt, cos_tilt) = tilt_deg.to_radians().sin_cos();
@@ -46,7 +48,7 @@ impl Place {
         }
     }
 
-    /// A point of the machine as the drawing of the piece has it.
+    /// Converts a point from machine to piece coordinates.
     pub fn to_piece(&self, point: PointMm) -> PointMm {
         let off = [0, 1, 2].map(|axis| point[axis] - self.at_mm[axis]);
         self.axes

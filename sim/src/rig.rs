@@ -1,4 +1,4 @@
-//! The machine: axes and a clock.
+//! Simulated machine: axes and a clock.
 
 use husillo_stepper::Levels;
 
@@ -8,13 +8,16 @@ use std::sync::Arc;
 use crate::axis::Axis;
 use crate::{AxisModel, LashField, Loss};
 
-/// How many losses are kept with their place; all are counted.
+/// Number of losses that are recorded in detail; all are counted.
 const KEPT: usize = 16;
 
 /// A simulated machine of `N` axes.
 ///
-/// Starts homed: rotors at rest in the equilibrium of the first levels, every nut on the flank of positive motion, the
-/// tool at zero. Costs a comparison an axis and event, and a table look-up where the levels changed.
+/// It starts homed: rotors at rest in the equilibrium of the first levels, every nut on the flank
+/// of positive motion, the tool at zero.
+///
+/// # Cost
+/// One comparison per axis and event, and a table look-up where the levels changed.
 #[derive(Clone)]
 pub struct Rig<const N: usize> {
     axes: [Axis; N],
@@ -36,12 +39,12 @@ impl<const N: usize> fmt::Debug for Rig<N> {
 }
 
 impl<const N: usize> Rig<N> {
-    /// Axes as modelled, with the levels that hold them at home.
+    /// Creates a rig with these axes; `levels` hold them at home.
     #[must_use]
     pub fn new(models: [AxisModel; N], levels: [Levels; N]) -> Rig<N> {
         let mut levels = levels.into_iter();
         let axes = models.map(|model| Axis::new(model, levels.next().unwrap_or_default()));
-        // The rotors have rested for ever: the first step is never too early.
+        // The rotors have rested indefinitely, so the first step is never too early.
         Rig {
             axes,
             now: 1 << 32,
@@ -51,8 +54,8 @@ impl<const N: usize> Rig<N> {
         }
     }
 
-    /// A machine that was moved before: its tool is at these steps of the drives, still on the
-    /// flanks of positive motion.
+    /// Sets the tool to these drive steps, as after earlier motion; every nut is on the flank of
+    /// positive motion.
     #[must_use]
     pub fn with_tool_at(mut self, steps: [i32; N]) -> Rig<N> {
         for (axis, steps) in self.axes.iter_mut().zip(steps) {
@@ -62,7 +65,8 @@ impl<const N: usize> Rig<N> {
         self
     }
 
-    /// Screws whose play is another at every place, instead of the models' one value. Costs a look-up an event.
+    /// Uses position-dependent backlash instead of the single value of each model. Costs a look-up
+    /// per event.
     #[must_use]
     pub fn with_lash_field(mut self, field: Arc<dyn LashField<N>>) -> Rig<N> {
         self.field = Some(field);
@@ -70,7 +74,7 @@ impl<const N: usize> Rig<N> {
         self
     }
 
-    /// The play where the tools are now.
+    /// Applies the backlash at the present tool position.
     fn follow_field(&mut self) {
         if let Some(field) = &self.field {
             let lash = field.lash_steps(self.axes.each_ref().map(Axis::nut_steps));
@@ -80,7 +84,7 @@ impl<const N: usize> Rig<N> {
         }
     }
 
-    /// Waits `wait_ticks` timer ticks, then presents `levels` to all drivers at once.
+    /// Waits `wait_ticks` timer ticks, then applies `levels` to all drivers at once.
     #[inline]
     pub fn apply(&mut self, levels: &[Levels; N], wait_ticks: u32) {
         self.now += u64::from(wait_ticks);
@@ -102,16 +106,16 @@ impl<const N: usize> Rig<N> {
         self.follow_field();
     }
 
-    /// Holds the rotor of an axis where it is, or lets it go: a chip in the guide, an end stop. While it is held every change of
-    /// its field is lost.
+    /// Blocks the rotor of an axis, or releases it, as a chip in the guide or an end stop does.
+    /// While it is blocked, every change of its field is lost.
     pub fn block(&mut self, axis: usize, is_blocked: bool) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.block(is_blocked);
         }
     }
 
-    /// Turns the rotor of an axis by about so many steps against its field, as a load that is stronger does, and returns by how many:
-    /// with coils by whole electrical cycles, where it rests again.
+    /// Turns the rotor of an axis by about `steps` against its field, as a stronger load does. With
+    /// coils it turns by whole electrical cycles. Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         self.axes.get_mut(axis).map_or(0, |axis| axis.push(steps))
     }
@@ -121,14 +125,14 @@ impl<const N: usize> Rig<N> {
         self.now += wait_ticks;
     }
 
-    /// Where the tool is, in steps of the drives.
+    /// Tool position in drive steps.
     #[inline]
     #[must_use]
     pub fn tool(&self) -> [i32; N] {
         self.axes.each_ref().map(Axis::tool)
     }
 
-    /// Where the rotors are, in steps of the drives; before the lash.
+    /// Rotor positions in drive steps, before the backlash.
     #[inline]
     #[must_use]
     pub fn motor(&self) -> [i32; N] {
@@ -147,13 +151,13 @@ impl<const N: usize> Rig<N> {
         &self.losses
     }
 
-    /// Events applied so far.
+    /// Number of events applied so far.
     #[must_use]
     pub const fn events(&self) -> u64 {
         self.events
     }
 
-    /// Timer ticks passed since the start.
+    /// Timer ticks since the start.
     #[must_use]
     pub const fn elapsed_ticks(&self) -> u64 {
         self.now - (1 << 32)

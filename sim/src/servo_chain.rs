@@ -1,4 +1,4 @@
-//! Servo modules on one line, each with its motor: bytes in, bytes out, in steps of a servo period.
+//! Servo modules with motors on one line: bytes in, bytes out, in steps of a servo period.
 
 use std::collections::VecDeque;
 
@@ -8,40 +8,41 @@ use husillo_transports::nmc::{Baud, Frame, Receiver, Verdict, unseen_pairs_in_ha
 
 use crate::{DcMotor, DcMotorModel, Noise, Wire};
 
-/// A servo period, s.
+/// Servo period, s.
 pub const SERVO_PERIOD_S: f64 = 512e-6;
 
-/// Current at which the converter of a module reads 255, A: twice what the prototype's motor draws when it stands. Assumed; the original
-/// does not state it.
+/// Current at which the converter of a module reads 255, A: twice the stall current of the
+/// prototype motor. Assumed; the original does not state it.
 pub const FULL_CURRENT_A: f64 = 3.0;
 
-/// What is at the inputs of a module.
+/// External inputs and load of a module.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Surroundings {
     /// Limit switch or probe contact 1.
     pub limit_1: bool,
     /// Limit switch or probe contact 2.
     pub limit_2: bool,
-    /// What holds against positive turning, N m.
+    /// Load torque against positive rotation, N m.
     pub load_nm: f64,
-    /// The motor's supply is missing.
+    /// Whether the motor supply is missing.
     pub without_power: bool,
 }
 
-/// What noise did to the packets of a line.
+/// Effects of noise on the packets of a line.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Damage {
-    /// Wrong bits, those in silence too.
+    /// Wrong bits, including those in silence.
     pub wrong_bits: u64,
     /// Replies sent.
     pub replies: u64,
-    /// Pairs of wrong bits in them that their sums would not show, in halves: see `husillo_transports::nmc::unseen_pairs_in_halves`.
+    /// Pairs of wrong bits in replies, in halves, that the checksum does not detect: see
+    /// `husillo_transports::nmc::unseen_pairs_in_halves`.
     pub pairs_in_halves: u64,
-    /// Replies that arrived otherwise than they were sent.
+    /// Replies that arrived damaged.
     pub damaged_replies: u64,
-    /// Those of them that have the right length and sum: nothing shows it.
+    /// Damaged replies with the right length and checksum, which are undetectable.
     pub unseen_replies: u64,
-    /// Commands that modules took for sound and that were never sent so.
+    /// Commands that modules accepted although they were never sent in that form.
     pub unseen_commands: u64,
 }
 
@@ -49,7 +50,7 @@ pub struct Damage {
 #[derive(Clone, Debug)]
 struct Node {
     version: u8,
-    /// Neither hears nor answers, and the motor has no drive.
+    /// The module neither receives nor answers, and its motor has no drive.
     is_dead: bool,
     module: ServoModule,
     motor: DcMotor,
@@ -59,7 +60,7 @@ struct Node {
 }
 
 impl Node {
-    /// A servo period of motor and module.
+    /// Runs motor and module for one servo period.
     fn tick(&mut self) -> Option<Baud> {
         let duty = if self.around.without_power || self.is_dead {
             0.0
@@ -86,9 +87,11 @@ impl Node {
     }
 }
 
-/// A chain of servo modules behind one host: every byte takes its time on the line, every module hears what its ADDR_IN lets
-/// through, and two that answer at once spoil each other's bytes.
+/// A chain of servo modules behind one host. Every byte takes its time on the line. A module
+/// receives what its ADDR_IN permits. Two modules that answer at the same time corrupt each other's
+/// bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::{DcMotorModel, ServoChain};
 ///
@@ -103,23 +106,24 @@ impl Node {
 pub struct ServoChain {
     nodes: Vec<Node>,
     baud: Baud,
-    /// Bytes on their way to the modules, and from them.
+    /// Bytes on their way to the modules.
     to_modules: VecDeque<u8>,
-    /// Bytes that still fit the line in the period that goes on; the fraction is kept for the next.
+    /// Bytes that still fit on the line in the present period; the fraction is carried.
     room: f64,
-    /// To the modules, and from them.
+    /// Wire to the modules, and wire from them.
     wires: [Wire; 2],
-    /// Bits of silence that are less than one, on both.
+    /// Carried fractions of a bit of silence on both wires.
     silence: [f64; 2],
-    /// Packets as they were sent, and as they arrive.
+    /// Receivers of the packets as sent and as received.
     receivers: [Receiver; 2],
-    /// The last whole packet sent.
+    /// The last complete packet sent.
     sent: Option<Frame>,
     damage: Damage,
 }
 
 impl ServoChain {
-    /// Modules of these versions, the first of them next to the far end (it is addressed first), all with such a motor.
+    /// Creates modules of these versions, all with the same motor. The first module is at the far
+    /// end and is addressed first.
     pub fn new(versions: &[u8], motor: DcMotorModel) -> ServoChain {
         let nodes = versions
             .iter()
@@ -149,7 +153,7 @@ impl ServoChain {
         }
     }
 
-    /// With noise on both pairs of wires; the same seed gives the same noise.
+    /// Adds noise on both pairs of wires; the same seed gives the same noise.
     pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoChain {
         let seed = seed.wrapping_mul(2);
         self.wires = [
@@ -159,7 +163,7 @@ impl ServoChain {
         self
     }
 
-    /// What noise has done so far.
+    /// Effects of the noise so far.
     pub fn damage(&self) -> Damage {
         let [to, from] = &self.wires;
         Damage {
@@ -168,8 +172,9 @@ impl ServoChain {
         }
     }
 
-    /// Takes a module's supply away, or gives it back: then it is as after power-up, without an address, and those beyond it are
-    /// deaf until it gets one. From 0 on; nothing where there is none.
+    /// Switches the supply of a module off or on. After that it is in the state of power-up without
+    /// an address, and the modules beyond it are disabled until it gets one. Modules count from 0;
+    /// other numbers have no effect.
     pub fn set_dead(&mut self, module: usize, is_dead: bool) {
         if let Some(node) = self.nodes.get_mut(module) {
             node.is_dead = is_dead;
@@ -178,7 +183,7 @@ impl ServoChain {
         }
     }
 
-    /// How many modules there are.
+    /// Number of modules.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -188,12 +193,12 @@ impl ServoChain {
         self.nodes.is_empty()
     }
 
-    /// Puts a byte on the command line; it arrives in its turn.
+    /// Puts a byte on the command line; bytes arrive in order.
     pub fn send(&mut self, byte: u8) {
         self.to_modules.push_back(byte);
     }
 
-    /// Changes what is at the inputs of a module, from 0 on; nothing where there is none.
+    /// Changes the inputs of a module, counted from 0; other numbers have no effect.
     pub fn surround(&mut self, module: usize, around: Surroundings) {
         if let Some(node) = self.nodes.get_mut(module) {
             node.around = around;
@@ -210,16 +215,16 @@ impl ServoChain {
         self.nodes.get(module).map(|node| &node.motor)
     }
 
-    /// The rate of the line.
+    /// Baud rate of the line.
     pub fn baud(&self) -> Baud {
         self.baud
     }
 
-    /// A servo period: bytes that fit the line arrive, motors turn, modules act; the bytes they send come back, all of a
-    /// reply at once.
+    /// Runs one servo period: bytes that fit on the line arrive, motors turn, modules act. Returns
+    /// the bytes they send, all bytes of a reply at once.
     pub fn tick(&mut self) -> Vec<u8> {
         let bits = f64::from(self.baud.bits_per_s()) * SERVO_PERIOD_S;
-        // Ten bits a byte.
+        // Ten bits per byte.
         self.room += bits / 10.0;
         let mut carried = 0.0;
         while self.room >= 1.0 {
@@ -252,7 +257,7 @@ impl ServoChain {
         self.tell(&together(&replies), bits)
     }
 
-    /// The status line of a period.
+    /// Carries the reply line of a period.
     fn tell(&mut self, reply: &[u8], bits: f64) -> Vec<u8> {
         let silence = self.silence(1, bits - 10.0 * reply.len() as f64);
         let [_, wire] = &mut self.wires;
@@ -260,7 +265,7 @@ impl ServoChain {
         if reply.is_empty() {
             return wire.rest(silence);
         }
-        // A byte that began too late ends in the silence after it, which is a character at least.
+        // A byte that began too late ends in the following silence, which is at least a character.
         heard.extend(wire.rest(silence.max(10)));
         let has_its_sum = heard.split_last().is_some_and(|(sum, rest)| {
             *sum == rest.iter().fold(0, |sum: u8, byte| sum.wrapping_add(*byte))
@@ -273,7 +278,8 @@ impl ServoChain {
         heard
     }
 
-    /// Whole bits of silence on a wire; what is over is kept for the next period, and so is what is missing.
+    /// Whole bits of silence on a wire; the remainder, positive or negative, is carried to the next
+    /// period.
     fn silence(&mut self, wire: usize, bits: f64) -> u64 {
         let due = self.silence[wire] + bits;
         let whole = due.floor().max(0.0);
@@ -299,7 +305,7 @@ impl ServoChain {
         }
     }
 
-    /// ADDR_OUT of each is ADDR_IN of the next.
+    /// Connects ADDR_OUT of each module to ADDR_IN of the next.
     fn enable(&mut self) {
         let mut enabled = true;
         for node in &mut self.nodes {
@@ -314,7 +320,7 @@ fn frame(receiver: &Receiver) -> Frame {
     Frame::new(receiver.address(), receiver.code(), receiver.data())
 }
 
-/// What the line carries when several drive it: low wins.
+/// Bytes on the line when several modules drive it: low wins.
 fn together(replies: &[Vec<u8>]) -> Vec<u8> {
     let longest = replies.iter().map(Vec::len).max().unwrap_or(0);
     (0..longest)

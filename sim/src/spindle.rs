@@ -1,7 +1,9 @@
 //! A spindle with an encoder.
 
-/// A motor that turns a spindle: it takes its time to another speed, a cut slows it down, and an encoder counts.
+/// A simulated spindle with an encoder. It approaches its target speed gradually, and a cut slows
+/// it down.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::Spindle;
 ///
@@ -21,11 +23,12 @@ pub struct Spindle {
     turns: f64,
 }
 
-/// Time in which a motor comes within 1/e of another speed, in seconds.
+/// Time constant of a change of speed, s.
 const TIME_CONSTANT: f64 = 0.1;
 
 impl Spindle {
-    /// At rest at count 0. `timer_hz` is that of the ticks it is advanced by.
+    /// Creates a spindle at rest at count 0. `timer_hz` is the frequency of the ticks of
+    /// [`advance`](Self::advance).
     #[must_use]
     pub const fn new(counts_per_turn: u32, timer_hz: u32) -> Spindle {
         Spindle {
@@ -38,17 +41,17 @@ impl Spindle {
         }
     }
 
-    /// The speed it is to have, turns a minute; negative is backwards.
+    /// Sets the target speed in rpm; negative is reverse.
     pub const fn set_target_rpm(&mut self, rpm: f64) {
         self.target_rpm = rpm;
     }
 
-    /// By how much a cut slows it down in the end, turns a minute.
+    /// Sets the steady-state loss of speed due to a cut, in rpm.
     pub const fn set_load_rpm(&mut self, rpm: f64) {
         self.load_rpm = rpm;
     }
 
-    /// Lets so many ticks pass; short ones, as the speed changes from call to call.
+    /// Lets `ticks` pass. Use short times, because the speed only changes from call to call.
     pub fn advance(&mut self, ticks: u32) {
         let seconds = f64::from(ticks) / f64::from(self.timer_hz);
         let end = self.target_rpm - self.load_rpm;
@@ -56,19 +59,19 @@ impl Spindle {
         self.turns += self.rpm / 60.0 * seconds;
     }
 
-    /// Speed now, turns a minute.
+    /// Present speed in rpm.
     #[must_use]
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
 
-    /// Turns since the beginning.
+    /// Turns since the start.
     #[must_use]
     pub const fn turns(&self) -> f64 {
         self.turns
     }
 
-    /// What the encoder has counted; wraps.
+    /// Encoder count; wraps.
     #[must_use]
     pub fn count(&self) -> i32 {
         (self.turns * f64::from(self.counts_per_turn)).floor() as i64 as i32

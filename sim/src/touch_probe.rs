@@ -1,46 +1,58 @@
-//! A stylus that bends before its contact closes.
+//! Touch probe whose stylus bends before the contact closes.
 
 use crate::work_piece::{PointMm, WorkPiece};
 
-/// What a touch probe is made of.
+/// Parameters of a touch probe.
 ///
-/// The ball does not stick: the surface pushes it back along its normal, and the contact closes when it has been pushed so far that the
-/// trigger force is reached (force by stiffness of the stylus). The three supports of the usual probe make that way a function with three
-/// lobes of the direction in XY, and along Z the stylus is stiff (F. M. M. Chan, E. J. Davis, T. G. King, K. J. Stout, "Some performance
-/// characteristics of a multi-axis touch trigger probe", Measurement Science and Technology 8, 1997).
+/// The ball does not stick: the surface deflects it along its normal, and the contact closes at the
+/// trigger force. The deflection is the force divided by the stiffness of the stylus. The three
+/// supports of the usual probe make the deflection a function of the direction in XY with three
+/// lobes; along Z the stylus is stiff.
+///
+/// # Source
+/// F. M. M. Chan, E. J. Davis, T. G. King, K. J. Stout, "Some performance characteristics of a
+/// multi-axis touch trigger probe", Measurement Science and Technology 8, 1997.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct TouchProbeModel {
     /// Radius of the ball, mm.
     pub ball_radius_mm: f64,
-    /// Way from touch to signal across the stylus, mean of all directions, mm.
+    /// Deflection from touch to signal across the stylus, mean over all directions, mm.
     pub bend_mm: f64,
-    /// How much more it is in the three directions 0, 120 and 240 degrees from X, and less between them, mm.
+    /// Excess of the deflection in the directions 0, 120 and 240 degrees from X, and deficit
+    /// between them, mm.
     pub lobes_mm: f64,
-    /// The same way along the stylus, Z, mm.
+    /// Deflection along the stylus (Z), mm.
     pub axial_mm: f64,
     /// Standard deviation of one touch, mm.
     pub noise_mm: f64,
 }
 
 impl TouchProbeModel {
-    /// Way from touch to signal where the surface pushes along `normal`, of length 1, mm.
+    /// Deflection from touch to signal where the surface pushes along the unit vector `normal`, mm.
     pub fn pre_travel_mm(&self, normal: PointMm) -> f64 {
         let [x, y, z] = normal;
-        // The stylus goes the other way.
+        // The stylus is deflected in the opposite direction.
         let angle = (-y).atan2(-x);
         let across = self.bend_mm + self.lobes_mm * (3.0 * angle).cos();
         (x * x + y * y) * across + z * z * self.axial_mm
     }
 }
 
-/// A probe and the state of its contact.
+/// A simulated probe with its contact.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::{Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 ///
 /// let shape = Shape::Plane { point_mm: [10.0, 0.0, 0.0], outward: [-1.0, 0.0, 0.0] };
 /// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![] }], ..WorkPiece::default() };
-/// let model = TouchProbeModel { ball_radius_mm: 1.0, bend_mm: 0.008, lobes_mm: 0.002, axial_mm: 0.001, noise_mm: 0.0 };
+/// let model = TouchProbeModel {
+///     ball_radius_mm: 1.0,
+///     bend_mm: 0.008,
+///     lobes_mm: 0.002,
+///     axial_mm: 0.001,
+///     noise_mm: 0.0,
+/// };
 /// let mut probe = TouchProbe::new(model, 1);
 /// assert!(!probe.is_closed(&piece, [9.009, 0.0, 0.0])); // touching for 9 um
 /// assert!(probe.is_closed(&piece, [9.011, 0.0, 0.0])); // a lobe: 10 um
@@ -48,14 +60,14 @@ impl TouchProbeModel {
 #[derive(Clone, Debug)]
 pub struct TouchProbe {
     model: TouchProbeModel,
-    /// Of the touch that goes on, or comes next.
+    /// Noise of the present or the next touch.
     noise_mm: f64,
     has_touched: bool,
     random: u64,
 }
 
 impl TouchProbe {
-    /// A free probe. The same seed makes the same noise.
+    /// Creates a probe without contact. The same seed gives the same noise.
     pub fn new(model: TouchProbeModel, seed: u64) -> TouchProbe {
         let mut probe = TouchProbe {
             model,
@@ -67,12 +79,12 @@ impl TouchProbe {
         probe
     }
 
-    /// What it is made of.
+    /// The parameters of the probe.
     pub fn model(&self) -> &TouchProbeModel {
         &self.model
     }
 
-    /// Whether the contact is closed with the ball's centre, unbent, at a point of the piece.
+    /// Whether the contact is closed with the centre of the undeflected ball at `centre`.
     pub fn is_closed(&mut self, piece: &WorkPiece, centre: PointMm) -> bool {
         let bent_mm = self.model.ball_radius_mm - piece.distance_mm(centre);
         if bent_mm <= 0.0 {
@@ -87,15 +99,17 @@ impl TouchProbe {
         bent_mm >= pre_travel_mm + self.noise_mm
     }
 
-    /// Of mean 0 and standard deviation 1 (G. E. P. Box, M. E. Muller, "A note on the generation of random normal deviates", 1958).
+    /// A random number of mean 0 and standard deviation 1 (G. E. P. Box, M. E. Muller, "A note on
+    /// the generation of random normal deviates", 1958).
     fn normal_deviate(&mut self) -> f64 {
-        // Above 0, so that there is a logarithm.
+        // Above 0, so that the logarithm exists.
         let [radius, angle] =
             [0; 2].map(|_| ((self.next() >> 11) + 1) as f64 / (1_u64 << 53) as f64);
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
     }
 
-    /// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", 2014).
+    /// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number
+    /// generators", 2014).
     fn next(&mut self) -> u64 {
         self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.random;

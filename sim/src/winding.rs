@@ -1,11 +1,13 @@
-//! A winding of a stepping motor behind its bridge: current by rate, and the rate at which the rotor falls out of step.
+//! Winding of a stepping motor with its bridge: current as a function of the step rate, and the
+//! pull-out rate.
 
 use std::f64::consts::{PI, TAU};
 
-/// A winding, the voltage its bridge switches, and what limits the current.
+/// A winding, the supply of its bridge, and its current limit.
 ///
-/// The bridge gives a square wave of the supply, as full steps with two phases on do. The current is worked out from switch to
-/// switch, exactly; the voltage that the rotor induces counts in [`Winding::torque`] only.
+/// The bridge applies the supply as a square wave, as full steps with two phases on do. The current
+/// is computed exactly from one switching point to the next. The voltage induced by the rotor
+/// counts only in [`Winding::torque`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Winding {
     /// Resistance of winding and bridge, ohm; above 0.
@@ -14,53 +16,58 @@ pub struct Winding {
     pub inductance_h: f64,
     /// Supply of the bridge, V; above 0.
     pub supply_v: f64,
-    /// `None`: only the resistance limits the current.
+    /// Current limiter; `None` if only the resistance limits the current.
     pub chopper: Option<Chopper>,
 }
 
-/// A chopper with a constant time off, such as the PBL3717A: at the peak the winding is shorted by its diodes for a while.
+/// A chopper with a constant off time, such as the PBL3717A: at the peak current the winding is
+/// shorted by its diodes for a fixed time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Chopper {
     /// Current at which it switches off, A; above 0.
     pub peak_a: f64,
-    /// How long, s; above 0.
+    /// Off time, s; above 0.
     pub off_s: f64,
 }
 
-/// The current of a winding over one electrical cycle.
+/// Current of a winding over one electrical cycle.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Current {
     /// Largest magnitude, A.
     pub peak_a: f64,
-    /// Root of the mean square, A: what heats the winding.
+    /// RMS current, A; it heats the winding.
     pub rms_a: f64,
-    /// Mean of what the supply gives less what it gets back, A: what an ammeter in its lead shows.
+    /// Mean net current from the supply, A, as an ammeter in its lead shows it.
     pub supply_a: f64,
 }
 
-/// The rotor of a two-phase motor as its windings feel it.
+/// Rotor constants of a two-phase motor.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Rotor {
-    /// Torque a phase at its best angle, N m/A; the same number is the voltage induced in V s/rad of the shaft.
+    /// Torque constant per phase at its best angle, N m/A; the same number is the induced voltage
+    /// in V s/rad of the shaft.
     pub torque_nm_per_a: f64,
-    /// Electrical cycles a turn of the shaft: a quarter of the full steps.
+    /// Electrical cycles per turn of the shaft: a quarter of the full steps.
     pub cycles_per_turn: f64,
 }
 
-/// Half cycles tried until the current repeats. An error of the first turns to -e^(-h / tau) of it in the next, so that the
-/// mean of both is nearer by half at least; a chopper may not repeat at all.
+/// Half cycles until the current is taken as periodic. An error in one half cycle becomes -e^(-h /
+/// tau) of it in the next, so the mean of both at least halves it. With a chopper the current may
+/// never repeat.
 const SETTLING: usize = 60;
 
 impl Winding {
-    /// The time constant, s.
+    /// Time constant, s.
     #[must_use]
     pub fn time_constant_s(&self) -> f64 {
         self.inductance_h / self.resistance_ohm
     }
 
-    /// The current at so many electrical cycles a second (full steps by four), above 0.
+    /// The current at `cycle_hz` electrical cycles per second (full steps/s divided by four),
+    /// above 0.
     ///
-    /// Without a chopper the supply's mean is V/R (1 - tanh(x)/x) with x = R/(4 f L), the peak V/R tanh(x).
+    /// Without a chopper the mean of the supply is V/R (1 - tanh(x)/x) with x = R/(4 f L), and the
+    /// peak is V/R tanh(x).
     #[must_use]
     pub fn current(&self, cycle_hz: f64) -> Current {
         let half_s = 0.5 / cycle_hz;
@@ -81,12 +88,13 @@ impl Winding {
         cycle
     }
 
-    /// Half a cycle with the voltage forward, from a current: the current at its end and the means over it.
+    /// Half a cycle of forward voltage from an initial current. Returns the current at its end and
+    /// the means over it.
     fn half_cycle(&self, from_a: f64, half_s: f64) -> (f64, Current) {
         let (mut now_a, mut left_s) = (from_a, half_s);
         let (mut charge, mut squares, mut peak_a) = (0.0, 0.0, from_a.abs());
         while left_s > 0.0 {
-            // To the peak of the chopper, or to the end.
+            // Up to the peak of the chopper, or to the end.
             let limit_a = self.supply_v / self.resistance_ohm;
             let on_s = self.time_to(now_a).min(left_s);
             let (end_a, on_charge, on_squares) = self.towards(limit_a, now_a, on_s);
@@ -110,7 +118,8 @@ impl Winding {
         (now_a, current)
     }
 
-    /// Time from a current up to the chopper's peak, s; infinite without one and where it is never reached.
+    /// Time from a current to the peak of the chopper, s; infinite without a chopper or where the
+    /// peak is never reached.
     fn time_to(&self, from_a: f64) -> f64 {
         let limit_a = self.supply_v / self.resistance_ohm;
         match self.chopper {
@@ -122,7 +131,8 @@ impl Winding {
         }
     }
 
-    /// So long towards a final current: the current then, and the integrals of it and of its square.
+    /// Exponential approach to a final current for `time_s`. Returns the current then, and the
+    /// integrals of the current and of its square.
     fn towards(&self, final_a: f64, from_a: f64, time_s: f64) -> (f64, f64, f64) {
         let tau = self.time_constant_s();
         let decay = (-time_s / tau).exp();
@@ -136,12 +146,16 @@ impl Winding {
         )
     }
 
-    /// The largest torque at so many electrical cycles a second at which the rotor still follows, N m; it may be negative: then
-    /// the motor brakes.
+    /// The largest torque at `cycle_hz` electrical cycles per second that the rotor can follow, N
+    /// m. A negative torque means that the motor brakes.
     ///
-    /// Two phases with the first harmonic of the square wave, V = 4/pi of the supply, against impedance and induced voltage:
-    /// `T = K (V / Z - K w R / Z^2)` with `Z^2 = R^2 + (W L)^2`, W the electrical and w the shaft's angular speed, and no
-    /// more than the chopper's current gives. Source: P. Acarnley, Stepping Motors, 4th ed., section 5.3.
+    /// The first harmonic of the square wave in two phases, V = 4/pi of the supply, acts against
+    /// impedance and induced voltage: `T = K (V / Z - K w R / Z^2)` with `Z^2 = R^2 + (W L)^2`. W
+    /// is the electrical angular speed, w that of the shaft. The torque is limited by the current
+    /// of the chopper.
+    ///
+    /// # Source
+    /// P. Acarnley, Stepping Motors, 4th ed., section 5.3.
     #[must_use]
     pub fn torque(&self, rotor: &Rotor, cycle_hz: f64) -> f64 {
         let electrical = TAU * cycle_hz;
@@ -157,10 +171,11 @@ impl Winding {
         rotor.torque_nm_per_a * pulled_a.min(limited_a)
     }
 
-    /// The lowest rate in electrical cycles a second at which a load of so many N m is not turned any more; `None` where it is
-    /// not turned at all, infinite where it is at 1 MHz.
+    /// The lowest rate in electrical cycles per second at which the motor no longer turns a load of
+    /// `load_nm`. `None` where it never turns the load; infinite where it turns it at 1 MHz.
     ///
-    /// Looked for upward in steps of 1 %, as the torque may come back above it, then bisected to a part in 10^12.
+    /// The rate is searched upwards in steps of 1 %, because the torque may rise above the load
+    /// again. It is then bisected to 10^-12.
     #[must_use]
     pub fn pull_out_hz(&self, rotor: &Rotor, load_nm: f64) -> Option<f64> {
         let carries = |hz: f64| self.torque(rotor, hz) >= load_nm;
@@ -191,8 +206,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The microfactory's: 1 A through the resistance alone, 1.29 ms; supply and inductance are assumed, only their ratios to the
-    /// resistance show.
+    /// The winding of the microfactory: 1 A through the resistance alone, 1.29 ms. Supply and
+    /// inductance are assumed; only their ratios to the resistance matter.
     const MICROFACTORY: Winding = Winding {
         resistance_ohm: 12.0,
         inductance_h: 12.0 * 1.29e-3,
@@ -223,7 +238,8 @@ mod tests {
             assert!((current.peak_a - 0.9).abs() < 1e-9, "{hz}: {current:?}");
         }
         assert!(chopped.current(20_000.0).peak_a < 0.9);
-        // Standing almost: the peak less half a ripple of 30 us in 1.29 ms, of which the supply sees the losses.
+        // Nearly at standstill: the peak minus half a ripple of 30 us in 1.29 ms. The supply only
+        // covers the losses.
         let slow = chopped.current(1.0);
         assert!((slow.rms_a - 0.89).abs() < 0.005, "{slow:?}");
         assert!(
@@ -262,7 +278,8 @@ mod tests {
     }
 
     proptest! {
-        /// What the supply gives is what the resistance takes: the inductance keeps nothing over a cycle.
+        /// The supply delivers the power that the resistance dissipates: over a cycle the
+        /// inductance stores nothing.
         #[test]
         fn power_in_is_power_out(winding in winding(), hz in 1.0..3000.0_f64) {
             let current = winding.current(hz);
@@ -270,12 +287,12 @@ mod tests {
                 current.supply_a * winding.supply_v,
                 current.rms_a * current.rms_a * winding.resistance_ohm,
             );
-            // A chopper's phase need not repeat with the half cycle.
+            // The phase of a chopper need not repeat with the half cycle.
             let tolerance = if winding.chopper.is_some() { 0.15 } else { 1e-6 };
             prop_assert!((given - taken).abs() <= tolerance * taken.max(1e-3), "{given} {taken}");
         }
 
-        /// Without a chopper the current is the closed formula's.
+        /// Without a chopper the current is that of the closed formula.
         #[test]
         fn unlimited_is_the_formula(winding in winding(), hz in 1.0..3000.0_f64) {
             let winding = Winding { chopper: None, ..winding };

@@ -1,18 +1,18 @@
-//! A serial line with noise: bits, as a UART receives them.
+//! Serial line with noise: bits, as a UART receives them.
 
-/// How bad a line is.
+/// Error rates of a line.
 #[derive(Copy, Clone, PartialEq, Debug, Default)]
 pub struct Noise {
-    /// Chance of each bit to arrive wrong, those of silence too.
+    /// Probability that a bit arrives wrong, including the bits of silence.
     pub bit_errors: f64,
-    /// Chance of each byte to be lost where it was sent or taken.
+    /// Probability that a byte is lost at the sender or at the receiver.
     pub lost: f64,
-    /// Chance of each byte to come twice.
+    /// Probability that a byte arrives twice.
     pub doubled: f64,
 }
 
 impl Noise {
-    /// Wrong bits alone.
+    /// Noise with wrong bits only.
     pub fn of_bits(bit_errors: f64) -> Noise {
         Noise {
             bit_errors,
@@ -21,19 +21,21 @@ impl Noise {
     }
 }
 
-/// Bits of a character: start, eight of data from the lowest, stop.
+/// Bits of a character: start, eight data bits from the lowest, stop.
 const CHARACTER_BITS: u64 = 10;
 
-/// One direction of a line, 8N1: bytes or silence in, what a receiver makes of them out.
+/// One direction of a line, 8N1: bytes or silence in, the received bytes out.
 ///
 /// ```text
 ///  ‾‾‾|_start_| d0 d1 d2 d3 d4 d5 d6 d7 |‾stop‾|‾‾‾
 /// ```
 ///
-/// A wrong bit of data is a wrong bit of the byte. A wrong start bit loses the byte, and what follows is read from the next
-/// zero on, across the ends of bytes; a zero in silence is the start of a byte FF; where the stop bit is no one, the byte is thrown away and
-/// the receiver waits for a one.
+/// A wrong data bit gives a wrong bit of the byte. A wrong start bit loses the byte, and the
+/// following bits are read from the next zero on, across the ends of bytes. A zero in silence is
+/// the start of a byte FF. Where the stop bit is zero, the byte is discarded and the receiver waits
+/// for a one.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::{Noise, Wire};
 ///
@@ -45,7 +47,7 @@ const CHARACTER_BITS: u64 = 10;
 pub struct Wire {
     noise: Noise,
     random: u64,
-    /// Bits that come before the next wrong one.
+    /// Number of bits before the next wrong one.
     until_wrong: u64,
     receiver: Uart,
     wrong_bits: u64,
@@ -54,14 +56,14 @@ pub struct Wire {
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Uart {
     Idle,
-    /// Bits of data so far, and their number.
+    /// Data bits so far, and their number.
     Data(u8, u8),
-    /// After a missing stop bit, until the line is at rest.
+    /// After a missing stop bit, until the line is idle.
     Broken,
 }
 
 impl Wire {
-    /// With noise of this seed: the same seed gives the same noise.
+    /// Creates a wire with noise; the same seed gives the same noise.
     pub fn new(noise: Noise, seed: u64) -> Wire {
         let mut wire = Wire {
             noise,
@@ -75,7 +77,7 @@ impl Wire {
         wire
     }
 
-    /// Carries a byte; what arrives meanwhile.
+    /// Carries a byte; returns the bytes that arrive meanwhile.
     pub fn carry(&mut self, byte: u8) -> Vec<u8> {
         if self.noise.lost > 0.0 && self.chance() < self.noise.lost {
             return self.rest(CHARACTER_BITS);
@@ -87,13 +89,13 @@ impl Wire {
         heard
     }
 
-    /// Silence for some bits; what arrives meanwhile.
+    /// Carries silence for `bits` bits; returns the bytes that arrive meanwhile.
     pub fn rest(&mut self, bits: u64) -> Vec<u8> {
         let mut heard = Vec::new();
         let mut left = bits;
         while left > 0 {
             if self.receiver == Uart::Idle {
-                // Nothing happens up to the next wrong bit.
+                // Nothing happens until the next wrong bit.
                 let quiet = left.min(self.until_wrong);
                 self.until_wrong -= quiet;
                 left -= quiet;
@@ -107,7 +109,7 @@ impl Wire {
         heard
     }
 
-    /// Wrong bits so far.
+    /// Number of wrong bits so far.
     pub fn wrong_bits(&self) -> u64 {
         self.wrong_bits
     }
@@ -122,7 +124,7 @@ impl Wire {
         bits.filter_map(|bit| self.bit(bit)).collect()
     }
 
-    /// A bit on the line, as it was sent.
+    /// Carries one bit as it was sent.
     fn bit(&mut self, sent: bool) -> Option<u8> {
         let bit = if self.until_wrong == 0 {
             self.until_wrong = self.next_gap();
@@ -146,7 +148,7 @@ impl Wire {
         byte
     }
 
-    /// Right bits before the next wrong one: geometric.
+    /// Number of correct bits before the next wrong one, geometrically distributed.
     fn next_gap(&mut self) -> u64 {
         if self.noise.bit_errors <= 0.0 {
             return u64::MAX;
@@ -155,9 +157,9 @@ impl Wire {
         gap as u64 // saturates
     }
 
-    /// From 0 up to 1.
+    /// A random number from 0 up to 1.
     fn chance(&mut self) -> f64 {
-        // xorshift64*, Vigna 2016; its upper 53 bits.
+        // xorshift64*, Vigna 2016; the upper 53 bits.
         self.random ^= self.random >> 12;
         self.random ^= self.random << 25;
         self.random ^= self.random >> 27;
@@ -170,7 +172,7 @@ impl Wire {
 mod tests {
     use super::*;
 
-    /// A wire whose next wrong bit is that one, and no other after it.
+    /// A wire with exactly one wrong bit.
     fn one_wrong_bit(at: u64) -> Wire {
         Wire {
             until_wrong: at,
@@ -194,15 +196,17 @@ mod tests {
 
     #[test]
     fn a_wrong_stop_bit_loses_its_byte() {
-        // The line is at rest one bit later: what follows has its own start bit in the waiting, and is lost too where it stays low.
+        // The line is idle one bit later. The next byte has its start bit in that time, and is lost
+        // too where the line stays low.
         let mut wire = one_wrong_bit(19);
         assert_eq!(carried(&mut wire, &[0x12, 0x34]), [0x12]);
     }
 
     #[test]
     fn a_wrong_start_bit_shifts_what_follows() {
-        // 34 is 0 0 1 0 1 1 0 0 on the line: its first zero is taken for the start, so 0 1 0 1 1 0 0 and the stop bit are data; the
-        // start bit of the next byte stands where a stop bit should.
+        // 34 is 0 0 1 0 1 1 0 0 on the line. Its first zero is taken for the start bit, so 0 1 0 1
+        // 1 0 0 and the stop bit are data. The start bit of the next byte is then where a stop bit
+        // should be.
         let heard = carried(&mut one_wrong_bit(10), &[0x12, 0x34, 0xff]);
         assert_eq!(heard, [0x12]);
         let heard = carried(&mut one_wrong_bit(10), &[0x12, 0x34]);
@@ -226,8 +230,9 @@ mod tests {
             damaged += u32::from(wire.carry(0xa5) != [0xa5]);
             wire.rest(50);
         }
-        // 6000 wrong bits expected, deviation 77. A byte is damaged by its own ten bits and by those of the silence before it, where a
-        // zero begins a byte too early: once in 50 (the tenth bit before it does no harm), deviation 44.
+        // 6000 wrong bits are expected, deviation 77. A byte is damaged by its own ten bits and by
+        // those of the silence before it, where a zero starts a byte too early: once in 50 (the
+        // tenth bit before it does no harm), deviation 44.
         let wrong = wire.wrong_bits();
         assert!((5700..6300).contains(&wrong), "{wrong}");
         assert!((1700..2100).contains(&damaged), "{damaged}");
@@ -244,8 +249,9 @@ mod tests {
         assert_eq!(Wire::new(noise(0.0, 1.0), 1).carry(1), [1, 1]);
     }
 
-    /// Start and stop bits are under no sum: one wrong bit can shift what follows so that its sum is right again. Of a reply with position
-    /// and home that is one wrong bit of its 110 (a silent character before it counts) in some hundred replies.
+    /// No checksum covers start and stop bits: one wrong bit can shift the following bits so that
+    /// the checksum is right again. In a reply with position and home this is about one in a few
+    /// hundred of the single wrong bits in its 110 bits (including a silent character before it).
     #[test]
     fn a_single_wrong_bit_is_hardly_ever_unseen() {
         let (replies, mut unseen) = (20_000_i32, 0_u32);

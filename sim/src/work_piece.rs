@@ -1,21 +1,21 @@
-//! Simple solids to be touched.
+//! Simple solids for touch probing.
 
 use crate::place::Place;
 
 /// A point or a vector, mm.
 pub type PointMm = [f64; 3];
 
-/// A body without holes.
+/// A solid shape without holes.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum Shape {
-    /// Between two opposite corners, along the axes.
+    /// A box between two opposite corners, parallel to the axes.
     Box {
-        /// The lower corner in all axes, mm.
+        /// The corner with the lower coordinates, mm.
         from_mm: PointMm,
-        /// The upper one, mm.
+        /// The corner with the higher coordinates, mm.
         to_mm: PointMm,
     },
-    /// Around the line between the centres of its two faces.
+    /// A cylinder about the line between the centres of its two faces.
     Cylinder {
         /// Centre of one face, mm.
         from_mm: PointMm,
@@ -24,78 +24,81 @@ pub enum Shape {
         /// Radius, mm.
         radius_mm: f64,
     },
-    /// A ball.
+    /// A sphere.
     Sphere {
-        /// Its centre, mm.
+        /// Centre, mm.
         centre_mm: PointMm,
-        /// Its radius, mm.
+        /// Radius, mm.
         radius_mm: f64,
     },
-    /// All that is behind a plane.
+    /// The half space behind a plane.
     Plane {
         /// A point of the plane, mm.
         point_mm: PointMm,
-        /// Away from the material; any length above 0.
+        /// Direction away from the material; any length above 0.
         outward: PointMm,
     },
 }
 
-/// A cylindrical hole of one solid, open where it begins.
+/// A cylindrical hole in one solid, open at its beginning.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Bore {
-    /// Centre of the opening, in a face across the bore, mm.
+    /// Centre of the opening, in a face perpendicular to the bore, mm.
     pub from_mm: PointMm,
-    /// Centre of the flat bottom; beyond the solid where the bore goes through, mm.
+    /// Centre of the flat bottom, mm; beyond the solid for a through hole.
     pub to_mm: PointMm,
     /// Radius, mm.
     pub radius_mm: f64,
 }
 
-/// A shape less its bores.
+/// A shape minus its bores.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Solid {
-    /// What it is made from.
+    /// The shape.
     pub shape: Shape,
-    /// What was drilled.
+    /// The bores in it.
     pub bores: Vec<Bore>,
 }
 
-/// All that there is to touch: solids beside and into each other.
+/// A work piece for touch probing: solids that may be separate or overlap.
 ///
+/// # Examples
 /// ```
 /// use husillo_sim::{Bore, Shape, Solid, WorkPiece};
 ///
 /// let shape = Shape::Box { from_mm: [0.0; 3], to_mm: [20.0, 20.0, 10.0] };
 /// let bore = Bore { from_mm: [10.0, 10.0, 10.0], to_mm: [10.0, 10.0, 4.0], radius_mm: 5.0 };
-/// let piece = WorkPiece { solids: vec![Solid { shape, bores: vec![bore] }], ..WorkPiece::default() };
+/// let solid = Solid { shape, bores: vec![bore] };
+/// let piece = WorkPiece { solids: vec![solid], ..WorkPiece::default() };
 /// assert_eq!(piece.distance_mm([10.0, 10.0, 5.0]), 1.0); // the bottom of the bore
 /// assert_eq!(piece.normal([13.0, 10.0, 8.0]), [-1.0, 0.0, 0.0]); // its wall
 /// ```
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct WorkPiece {
-    /// The solids, as they are drawn.
+    /// The solids, in piece coordinates.
     pub solids: Vec<Solid>,
-    /// Where the drawing lies on the machine.
+    /// Placement on the machine.
     pub place: Place,
 }
 
 impl WorkPiece {
-    /// How far a point of the machine is from the surface, mm, negative inside. Outside it is exact for shapes, inside of bores, and at the rims of bores that
-    /// begin in a face across them.
+    /// Distance of a point in machine coordinates from the surface, mm; negative inside. It is
+    /// exact outside shapes, inside bores, and at the rims of bores that begin in a face
+    /// perpendicular to them.
     pub fn distance_mm(&self, point: PointMm) -> f64 {
         let point = self.place.to_piece(point);
         let distances = self.solids.iter().map(|solid| solid.distance_mm(point));
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// The direction away from the nearest surface, of length 1; rounded to what differences over 2 nm tell.
+    /// Unit vector away from the nearest surface, as accurate as differences over 2 nm allow.
     pub fn normal(&self, point: PointMm) -> PointMm {
         const STEP_MM: f64 = 1e-6;
         let slope = [0, 1, 2].map(|axis| {
             let [mut before, mut after] = [point; 2];
             before[axis] -= STEP_MM;
             after[axis] += STEP_MM;
-            // Distances below 1 m are known to 10^-13 mm: slopes to 10^-7.
+            // Distances below 1 m are accurate to 10^-13 mm, so slopes are accurate to 10^-7.
             let slope = (self.distance_mm(after) - self.distance_mm(before)) / (2.0 * STEP_MM);
             (slope * 1e6).round() / 1e6
         });
@@ -109,7 +112,7 @@ impl Solid {
         let holes = self.bores.iter().map(|bore| bore.depth_mm(point));
         let hole = holes.fold(f64::NEG_INFINITY, f64::max);
         if body > 0.0 && hole > 0.0 {
-            // Before the opening: to its rim.
+            // In front of the opening: distance to its rim.
             body.hypot(hole)
         } else {
             body.max(hole)
@@ -144,7 +147,8 @@ impl Shape {
 }
 
 impl Bore {
-    /// How far a point is inside of the hole, which has no end before its opening; negative in the material.
+    /// Depth of a point inside the hole, which extends without end in front of its opening;
+    /// negative in the material.
     fn depth_mm(&self, point: PointMm) -> f64 {
         let (along, across) = cylindrical(point, self.from_mm, self.to_mm);
         let length = length(minus(self.to_mm, self.from_mm));
@@ -152,14 +156,14 @@ impl Bore {
     }
 }
 
-/// Distance to a body whose faces are across each other, by how far a point is beyond each of them.
+/// Distance to a body with perpendicular faces, from the distances beyond each face.
 fn outside(beyond: &[f64]) -> f64 {
     let square: f64 = beyond.iter().map(|part| part.max(0.0).powi(2)).sum();
     let nearest = beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     square.sqrt() + nearest.min(0.0)
 }
 
-/// Way along the line between two points, from the first, and distance from it.
+/// Distance along the line between two points, from the first one, and distance from the line.
 fn cylindrical(point: PointMm, from: PointMm, to: PointMm) -> (f64, f64) {
     let axis = unit(minus(to, from));
     let off = minus(point, from);
@@ -180,7 +184,7 @@ fn length(vector: PointMm) -> f64 {
     dot(vector, vector).sqrt()
 }
 
-/// Of length 1; +Z for no direction at all.
+/// The unit vector in this direction; +Z for the zero vector.
 fn unit(vector: PointMm) -> PointMm {
     let length = length(vector);
     if length > 0.0 {

@@ -1,4 +1,5 @@
-//! Stepping axes with encoders on motors that lose steps: nothing is lost unreported, and what is corrected ends exactly.
+//! Stepping axes with encoders on motors that lose steps: every loss is reported, and corrected
+//! moves end exactly.
 
 use husillo_encoder::Extended;
 use husillo_gcode::Dialect;
@@ -12,14 +13,14 @@ use proptest::prelude::*;
 
 const LASH: u32 = 5;
 
-/// Two axes of 1 um a full step, with encoders, in simulated time.
+/// Two axes of 1 um per full step, with encoders, in simulated time.
 struct Cell {
     loop_: ClosedLoop<2>,
     motors: Motors<2, Drive>,
     rig: Rig<2>,
     counters: [Extended<16>; 2],
     ratio: [i64; 2],
-    /// Sum of what was told as lost.
+    /// Sum of the reported losses.
     lost: [i32; 2],
     seen: Vec<Followed<2>>,
     events: u32,
@@ -62,7 +63,7 @@ impl Cell {
         }
     }
 
-    /// What the encoders say: a 16-bit counter each.
+    /// The encoder counts, from a 16-bit counter each.
     fn counts(&mut self) -> [i64; 2] {
         let [counts, steps] = self.ratio;
         let motor = self.rig.motor();
@@ -72,7 +73,7 @@ impl Cell {
         self.counters.map(|counter| counter.position())
     }
 
-    /// Until there is nothing more, with `before` called before each event.
+    /// Runs until no event is left, with `before` called before each event.
     fn run(&mut self, mut before: impl FnMut(&mut Cell)) {
         loop {
             before(self);
@@ -101,7 +102,7 @@ impl Cell {
         }
     }
 
-    /// Takes lines and makes them.
+    /// Takes lines and executes them.
     fn program(&mut self, lines: &[String], mut before: impl FnMut(&mut Cell)) {
         for line in lines {
             while !self.loop_.machine().has_room() {
@@ -141,7 +142,7 @@ fn program() -> impl Strategy<Value = (Vec<String>, [i32; 2])> {
     })
 }
 
-/// Events before which an axis is pushed by some cycles.
+/// Events before which an axis is turned by several cycles.
 fn pushes() -> impl Strategy<Value = Vec<(u32, usize, i32)>> {
     proptest::collection::vec(
         (1u32..900, 0usize..2, prop_oneof![-2i32..=-1, 1i32..=2]),
@@ -161,7 +162,7 @@ fn ramp() -> impl Strategy<Value = Option<AxisRamp>> {
     ]
 }
 
-/// Encoders finer and coarser than a step, and odd ratios.
+/// Encoders finer and coarser than a step, and uneven ratios.
 fn ratio() -> impl Strategy<Value = (u32, u32)> {
     prop_oneof![
         Just((1, 1)),
@@ -188,13 +189,14 @@ fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Cell) + '_ {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(150))]
 
-    /// Whatever was lost is reported, to the step where a count is no longer than a step, and the program goes on to its end.
+    /// Every loss is reported, to the step where a count is no longer than a step, and the program
+    /// runs to its end.
     #[test]
     fn nothing_is_lost_unreported(
         (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
     ) {
         let mut cell = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
-        // Where the motors would be.
+        // The positions without disturbance.
         let mut ideal = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
         prop_assert_eq!(ideal.rig.tool(), end);
@@ -203,12 +205,14 @@ proptest! {
         let slack = steps.div_ceil(counts) as i32 - 1;
         for axis in 0..2 {
             let behind = ideal.rig.motor()[axis] - cell.rig.motor()[axis];
-            prop_assert!((cell.lost[axis] - behind).abs() <= slack, "{} of {behind}", cell.lost[axis]);
+            let lost = cell.lost[axis];
+            prop_assert!((lost - behind).abs() <= slack, "{lost} of {behind}");
         }
     }
 
-    /// Lost steps are given again: motors and tool end exactly where they should (within two counts, where a count is longer than a step), and
-    /// every loss is told, and told as right.
+    /// Lost steps are re-emitted: motors and tool end exactly at their expected positions (within
+    /// two counts, where a count is longer than a step). Every loss is reported as lost and as
+    /// corrected.
     #[test]
     fn corrected_moves_end_exactly(
         (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
@@ -218,24 +222,35 @@ proptest! {
         ideal.program(&lines, |_| {});
         cell.program(&lines, push_at(&pushes));
         let slack = 2 * (steps.div_ceil(counts) as i32 - 1);
-        // Pushed on, the nut stays within its play until the axis turns round.
+        // If the motor is pushed onwards, the nut stays within its backlash until the axis
+        // reverses.
         let is_pushed_on = |axis: usize| pushes.iter().any(|push| push.1 == axis);
         for (axis, end) in end.into_iter().enumerate() {
             let off = cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]);
             prop_assert!(off <= slack as u32, "motor {off}");
             let off = (cell.rig.tool()[axis] - end).abs();
-            prop_assert!(off <= slack || is_pushed_on(axis) && off <= slack + LASH as i32, "tool {off}");
+            let is_right = off <= slack || is_pushed_on(axis) && off <= slack + LASH as i32;
+            prop_assert!(is_right, "tool {off}");
         }
         let lost = cell.seen.iter().filter(|seen| matches!(seen, Followed::Lost { .. })).count();
-        let right = cell.seen.iter().filter(|seen| matches!(seen, Followed::Corrected { .. })).count();
+        let right = cell
+            .seen
+            .iter()
+            .filter(|seen| matches!(seen, Followed::Corrected { .. }))
+            .count();
         prop_assert_eq!(lost, right);
         prop_assert!(!cell.loop_.is_stopped());
     }
 
-    /// An axis that is blocked for good ends with a report, and nothing hangs; freed and resumed it ends exactly.
+    /// An axis that is blocked for good ends with a report, and nothing hangs. After it is released
+    /// and resumed it ends exactly.
     #[test]
     fn a_blocked_axis_is_reported(
-        (lines, _) in program(), at in 0u32..200, axis in 0usize..2, ramp in ramp(), (counts, steps) in ratio(),
+        (lines, _) in program(),
+        at in 0u32..200,
+        axis in 0usize..2,
+        ramp in ramp(),
+        (counts, steps) in ratio(),
     ) {
         let mut cell = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
         let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
@@ -245,9 +260,12 @@ proptest! {
         }
         cell.run(|cell| if cell.events >= at { cell.rig.block(axis, true) });
         let slack = steps.div_ceil(counts) - 1;
-        let is_behind = (0..2).any(|axis| cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]) > slack);
+        let (now, end) = (cell.rig.motor(), ideal.rig.motor());
+        let is_behind = (0..2).any(|axis| now[axis].abs_diff(end[axis]) > slack);
         if is_behind {
-            let stalled = matches!(cell.seen.last(), Some(Followed::Stalled { axis: there, .. }) if *there == axis);
+            let last = cell.seen.last();
+            let stalled =
+                matches!(last, Some(Followed::Stalled { axis: there, .. }) if *there == axis);
             prop_assert!(stalled && cell.loop_.is_stopped(), "{:?}", cell.seen);
         }
         cell.rig.block(axis, false);
@@ -258,7 +276,8 @@ proptest! {
         }
     }
 
-    /// A stop stands until the operator resumes; then what was lost is given again and the program ends exactly.
+    /// A stop lasts until the operator resumes. Then the lost steps are re-emitted and the program
+    /// ends exactly.
     #[test]
     fn a_stop_waits_for_the_operator((lines, _) in program(), pushes in pushes(), ramp in ramp()) {
         let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
@@ -282,13 +301,13 @@ proptest! {
     }
 }
 
-/// Steps that come too fast are lost in earnest: what is not made is told.
+/// Steps that come too fast are really lost, and they are reported.
 #[test]
 fn a_motor_that_is_too_slow_is_reported() {
     let lines = ["G0 X0.4".to_owned(), "G1 F6 X0.1 Y0.05".to_owned()];
     let mut ideal = Cell::new(encoder(OnLoss::Report, 4, 1), None, 0);
     ideal.program(&lines, |_| {});
-    // 1 kHz, for a motor that makes 800 Hz.
+    // 1 kHz, for a motor that follows up to 800 Hz.
     let mut cell = Cell::new(encoder(OnLoss::Report, 4, 1), None, 1250);
     cell.program(&lines, |_| {});
     assert!(
@@ -302,7 +321,7 @@ fn a_motor_that_is_too_slow_is_reported() {
         "{} of {behind}",
         cell.lost[0]
     );
-    // Never more than the tolerance and one event beyond it at once.
+    // At most the tolerance plus one event at a time.
     let most = cell.seen.iter().map(|seen| match seen {
         Followed::Lost { steps, .. } => steps.abs(),
         _ => 0,
@@ -310,7 +329,8 @@ fn a_motor_that_is_too_slow_is_reported() {
     assert!(most.max().unwrap() <= 3 + 4, "{:?}", cell.seen);
 }
 
-/// After an abort with steps missing they are given again before the next line moves, and outputs are switched off first.
+/// After an abort, missing steps are re-emitted before the next line moves; outputs are switched
+/// off first.
 #[test]
 fn an_abort_puts_the_axes_right() {
     let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), None, 0);

@@ -1,4 +1,4 @@
-//! The drill's controller against its mechanics, over its link, on good lines and bad ones.
+//! The controller of the drill with its mechanics, over its link, on good and bad lines.
 
 mod drilling;
 
@@ -7,7 +7,7 @@ use husillo_controllers::{DrillConfig, DrillFault, DrillReport};
 use husillo_sim::DrilledHole;
 use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
 
-/// The original controller of a machine that is quick and small.
+/// The original controller, of a fast and small machine.
 fn original() -> DrillConfig {
     let DrillConfig {
         rate_hz,
@@ -27,7 +27,7 @@ fn places(holes: &[[u16; 2]]) -> Vec<[i32; 2]> {
     holes.iter().map(|at| at.map(i32::from)).collect()
 }
 
-/// The example of the protocol at the machine's own rates: 1070 and 535 steps, 10 and 5 mm.
+/// The example of the protocol at the rates of the machine: 1070 and 535 steps, 10 and 5 mm.
 #[test]
 fn a_hole_is_where_it_should_be() {
     for config in [DrillConfig::ORIGINAL, DrillConfig::FIXED] {
@@ -43,7 +43,7 @@ fn a_hole_is_where_it_should_be() {
     }
 }
 
-/// The original turns its spindle for each hole, with Z up when it is switched, and not between two
+/// The original turns its spindle for each hole, switches it with Z up, and stops it between two
 /// holes.
 #[test]
 fn the_spindle_of_the_original_turns_for_each_hole() {
@@ -56,8 +56,8 @@ fn the_spindle_of_the_original_turns_for_each_hole() {
     assert!(bench.rig.holes().iter().all(|hole| hole.is_clean));
 }
 
-/// A hole stops the spindle of the original also where it was switched on by hand, as homing does:
-/// before Z goes up.
+/// In the original a hole and homing stop the spindle before Z goes up, also when it was switched
+/// on by hand.
 #[test]
 fn a_hole_and_homing_stop_the_spindle_of_the_original() {
     let mut bench = Bench::<64>::new(original());
@@ -76,7 +76,7 @@ fn a_hole_and_homing_stop_the_spindle_of_the_original() {
     assert_eq!(bench.drilled(), [[3, 2]]);
 }
 
-/// A sensor that does not come stops the spindle of the original in the hole.
+/// A missing sensor signal stops the spindle of the original in the hole.
 #[test]
 fn a_fault_stops_the_spindle_of_the_original() {
     let mut bench = Bench::<64>::new(original());
@@ -87,8 +87,8 @@ fn a_fault_stops_the_spindle_of_the_original() {
     assert_eq!(switched, [true, false]);
 }
 
-/// The modern one's spindle is switched by its host: it turns on from hole to hole, and stops with
-/// the program.
+/// In the modern mode the host switches the spindle: it keeps turning from hole to hole, and stops
+/// with the program.
 #[test]
 fn the_spindle_of_the_modern_one_turns_from_hole_to_hole() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
@@ -99,7 +99,8 @@ fn the_spindle_of_the_modern_one_turns_from_hole_to_hole() {
     assert!(bench.rig.holes().iter().all(|hole| hole.is_clean));
 }
 
-/// X or Y on its switch when homing begins goes off it by the back-off first; the others do not.
+/// If X or Y is on its switch when homing begins, it first moves off by the back-off; the other
+/// axes do not.
 #[test]
 fn homing_backs_off_a_closed_switch() {
     let config = DrillConfig {
@@ -114,7 +115,7 @@ fn homing_backs_off_a_closed_switch() {
     let steps = (bench.rig.ticks() - before) / 1000;
     assert!((4280..4300).contains(&steps), "{steps}");
     assert_eq!(bench.rig.place(), [0, 0, 0]);
-    // From elsewhere: straight to them.
+    // From any other position: straight to them.
     bench.program(&records(&[[30, 20]])).expect("a good line");
     let before = bench.rig.ticks();
     bench.all(&[Step::Home]);
@@ -140,7 +141,7 @@ fn a_switch_that_does_not_come_is_a_fault() {
         assert_eq!(bench.reports.last(), Some(&DrillReport::Fault(fault)));
         bench.rig.hold(switch, None);
         if switch > 0 {
-            // X has gone past its switch.
+            // X has passed its switch.
             bench.reset();
             bench.all(&[Step::AwaitBoot, Step::Test]);
         }
@@ -154,7 +155,8 @@ fn a_switch_that_does_not_come_is_a_fault() {
     );
 }
 
-/// A motor that was pushed finds its switch too early or too late, by a whole turn of its phases: that is told at zero at the latest, at once.
+/// A motor that was turned by whole cycles reaches its switch too early or too late. This is
+/// reported at zero at the latest.
 #[test]
 fn lost_steps_are_found_at_the_switch() {
     for push in [-100, -4, 4, 60] {
@@ -167,7 +169,7 @@ fn lost_steps_are_found_at_the_switch() {
             assert_eq!(bench.run(Step::Key(back)), failed, "{push}");
             let lost = DrillReport::Fault(DrillFault::LostSteps { axis: axis as u8 });
             assert_eq!(bench.reports.last(), Some(&lost), "{push}");
-            // It says nothing more until the button is pressed.
+            // There is no further report until the button is pressed.
             assert_eq!(
                 bench.run(Step::Resync),
                 Ok(Outcome::Failed(Failure::Silent))
@@ -178,7 +180,8 @@ fn lost_steps_are_found_at_the_switch() {
     }
 }
 
-/// Steps lost under way of a program: the records that lead to zero find it, and the host hears of it then, not after a program's longest time.
+/// Steps lost during a program are detected by the records that lead to zero. The host receives the
+/// report then, not after the longest time of a program.
 #[test]
 fn a_program_that_lost_steps_ends_at_zero_with_a_fault() {
     for push in [-8, 8] {
@@ -206,7 +209,8 @@ fn a_program_that_lost_steps_ends_at_zero_with_a_fault() {
     }
 }
 
-/// A motor that stands still leaves its switch closed: that is told after the way that opens it.
+/// A motor that stands still leaves its switch closed. This is reported after the distance that
+/// opens it.
 #[test]
 fn a_motor_that_stands_still_is_found_at_its_closed_switch() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
@@ -226,7 +230,7 @@ fn a_motor_that_stands_still_is_found_at_its_closed_switch() {
     assert_eq!(bench.reports.last(), Some(&fault));
 }
 
-/// A switch that closes up to three steps late is a switch: zero stays where it was.
+/// A switch that closes up to three steps late is accepted; zero does not change.
 #[test]
 fn a_switch_that_closes_a_little_late_is_no_fault() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
@@ -245,13 +249,13 @@ fn a_switch_that_closes_a_little_late_is_no_fault() {
         }
     };
     assert_eq!(outcome, Outcome::Done);
-    // A step that was decided already is made.
+    // A step that was already decided is made.
     assert!((-3..=-2).contains(&lowest), "{lowest}");
     assert_eq!(bench.rig.place()[0], 0);
     assert_eq!(bench.drill.position_steps()[0], 0);
 }
 
-/// The original drills beyond its table, or tries to.
+/// The original attempts to drill beyond its table.
 #[test]
 fn a_record_beyond_the_table_is_a_fault() {
     let config = DrillConfig {
@@ -263,7 +267,7 @@ fn a_record_beyond_the_table_is_a_fault() {
     assert_eq!(bench.drilled(), [[50, 40]]);
     let off = DrillReport::Fault(DrillFault::OffTable { axis: 1 });
     assert_eq!(bench.reports.last(), Some(&off));
-    // By hand it ends at the table's edge.
+    // Manual motion ends at the edge of the table.
     bench.reset();
     bench.all(&[Step::AwaitBoot, Step::Clear, Step::Manual(60)]);
     for key in [b'D', b'F'] {
@@ -271,7 +275,7 @@ fn a_record_beyond_the_table_is_a_fault() {
         assert_eq!(outcome, Ok(Outcome::Failed(Failure::NotAll)), "it says so");
     }
     assert_eq!(bench.rig.place(), [50, 40, 0]);
-    // `c` off home: the end of the table is where it was.
+    // `c` off home: the end of the table does not change.
     bench.all(&[Step::Advance(20), Step::Key(b'I'), Step::Key(b'c')]);
     assert_eq!(bench.drill.position_steps(), [0, 0]);
     bench.all(&[Step::Key(b'D')]);
@@ -280,7 +284,8 @@ fn a_record_beyond_the_table_is_a_fault() {
     assert_eq!(bench.rig.place(), [50, 40, 0]);
 }
 
-/// Jog, Z by hand between its sensors, the spindle, a new advance, and a program out of places that were taught.
+/// Jogging, manual motion of Z between its sensors, the spindle, a new advance, and a program of
+/// taught positions.
 #[test]
 fn places_are_taught_while_jogging() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
@@ -305,7 +310,7 @@ fn places_are_taught_while_jogging() {
     assert_eq!(bench.rig.place(), [0, 6, 0], "not below zero");
     bench.all(&[Step::Quit, Step::Spindle(true), Step::Execute]);
     assert!(!bench.rig.spindle_turns(), "the program has ended");
-    // The program is kept over another time by hand.
+    // The program is kept during another manual session.
     bench.all(&[Step::ManualKept(7), Step::Key(b'D'), Step::Teach]);
     bench.all(&[Step::Quit, Step::Spindle(true), Step::Execute]);
     let holes = &bench.rig.holes()[1..];
@@ -320,7 +325,7 @@ fn places_are_taught_while_jogging() {
     assert_eq!(holes, [hole([10, 10]), hole([20, 6])]);
 }
 
-/// A program that runs says so when it is asked, and at its end the spindle stops.
+/// A running program reports itself when queried, and the spindle stops at its end.
 #[test]
 fn a_program_that_runs_says_so() {
     for rules in [Rules::FIXED, Rules::FAITHFUL] {
@@ -358,7 +363,8 @@ fn a_program_that_runs_says_so() {
     }
 }
 
-/// The Z word as a depth; both sensors stay limits, and 0 is the whole way. The original does not look at it.
+/// The Z word as a depth. Both sensors remain limits, and 0 is the full stroke. The original
+/// ignores it.
 #[test]
 fn depths() {
     for (rules, depths) in [
@@ -374,7 +380,8 @@ fn depths() {
     }
 }
 
-/// The drill is in the board when a program begins: it is drawn out first. The original drags it through.
+/// If the drill is in the board when a program begins, it is raised first. The original drags it
+/// through the board.
 #[test]
 fn z_is_raised_before_a_move() {
     for raises_first in [true, false] {
@@ -392,7 +399,7 @@ fn z_is_raised_before_a_move() {
     }
 }
 
-/// The button in the middle of a drilling: spindle off at once, up, home, `B`; nothing of the program is left.
+/// The button during a drilling: spindle off at once, up, home, `B`; the program is discarded.
 #[test]
 fn the_emergency_stop() {
     let mut bench = Bench::<64>::new(quick(Rules::FIXED));
@@ -423,10 +430,11 @@ fn the_emergency_stop() {
     assert!(bench.drill.stored().is_empty());
 }
 
-/// The holes of the short program. Its bytes have letters of commands among them.
+/// The holes of the short program. Some of its bytes are command letters.
 const HOLES: [[u16; 2]; 4] = [[0x42, 0x65], [0x72, 0x66], [0x77, 0x42], [0x00, 0x6d]];
 
-/// Every event at every byte of a short program that crosses the border of a small memory three times.
+/// Every event at every byte of a short program that crosses the boundary of a small memory three
+/// times.
 #[test]
 fn any_event_at_any_byte_is_survived_or_reported() {
     for rules in [Rules::FIXED, Rules::FAITHFUL] {
@@ -452,7 +460,7 @@ fn any_event_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same anywhere in long programs.
+/// The same at any byte of long programs.
 #[test]
 fn events_in_long_programs_are_survived_or_reported() {
     let (mut state, mut reported) = (11_u64, 0);
@@ -477,9 +485,10 @@ fn events_in_long_programs_are_survived_or_reported() {
     assert!(reported > 20, "{reported}");
 }
 
-/// Drills these holes; `false` where an error was reported. Then the operator goes on: where the device can say how far it came, by
-/// that alone, otherwise by looking at the board, which has no more and no less than the host said. At the end every
-/// hole is there once, in its place.
+/// Drills these holes; returns `false` where an error was reported. The operator then continues.
+/// Where the device reports its progress, that alone is used; otherwise the board is inspected,
+/// which has exactly the holes that the host reported. At the end every hole exists once, at its
+/// position.
 fn survives<const N: usize>(
     bench: &mut Bench<N>,
     holes: &[[u16; 2]],
@@ -496,7 +505,7 @@ fn survives<const N: usize>(
     let [done, begun] = [bench.host.done_bytes(), bench.host.begun_bytes()]
         .map(|bytes| (bytes as usize / 9).min(holes.len()));
     bench.rest();
-    // The cable is in again. A full memory is run by the next byte.
+    // The cable is connected again. The next byte runs a full memory.
     (bench.event, bench.is_unplugged) = (None, false);
     for _ in 0..2 {
         let _ = bench.run(Step::Resync);
@@ -516,7 +525,8 @@ fn survives<const N: usize>(
         bench.all(&[Step::Read(COUNT)]);
         let [letter, low, high] = bench.host.record();
         let holes_done = usize::from(u16::from_le_bytes([low, high]));
-        // `c` may not have come yet: then nothing was run. After a reset the board has to be looked at.
+        // If `c` was not received yet, nothing was run. After a reset the board has to be
+        // inspected.
         if letter == b'c' {
             assert_eq!(holes_done, next, "{context}: it counts what it did");
             next = holes_done;

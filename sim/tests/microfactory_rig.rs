@@ -1,4 +1,4 @@
-//! The microfactory's controller against its mechanics, chips and coils among them.
+//! The controller of the microfactory with its mechanics, including chips and coils.
 
 use husillo_controllers::{
     Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryReport,
@@ -8,12 +8,12 @@ use husillo_sim::MicrofactoryRig;
 use husillo_transports::microfactory::{ByteTable, Device, Order};
 use proptest::prelude::*;
 
-/// The original's figure: right-angled, with a slope of two.
+/// The figure of the original: right-angled, with a slope of two.
 const TRIANGLE: [[i16; 2]; 3] = [[1000, 500], [0, -500], [-1000, 0]];
-/// 525 Hz: no step is lost at 524.8 Hz of CLOCK.
+/// 525 Hz: at 524.8 Hz of CLOCK no step is lost.
 const PULL_OUT_TICKS: u32 = 1904;
 
-/// Bytes to the link, and events until nothing is left to do: the reports.
+/// Sends bytes to the link and runs events until none is left; returns the reports.
 fn send(
     link: &mut Device,
     machine: &mut Microfactory<[[i16; 2]; 3]>,
@@ -66,19 +66,20 @@ fn run(config: MicrofactoryConfig) -> (MicrofactoryRig, [i32; 4]) {
     (rig, moved)
 }
 
-/// Every step arrives: X by 400, Z back by 5, a triangle that closes, Y to the work piece, and nothing lost.
+/// Every step arrives: X by 400, Z back by 5, a closed triangle, Y to the work piece; no step is
+/// lost.
 #[test]
 fn a_session_on_the_bytes() {
     let (rig, [x, y, z, spindle]) = run(MicrofactoryConfig::ORIGINAL);
     assert_eq!(rig.lost_steps(), [0; 4]);
     assert_eq!([x, z], [400, -5]);
-    // Home in Y is 180 below the start, where the work piece is 1200 above it.
+    // Home of Y is 180 below the start, where the work piece is 1200 above it.
     assert_eq!(y, 1380);
     assert!(spindle > 256 * 5);
 }
 
-/// RESET before every move, as the original did it: motors that stand elsewhere than in state 1 jump there, and the tool is not
-/// where it was told to be.
+/// RESET before every move, as in the original: motors that are not in state 1 jump there, so the
+/// tool is off its commanded position.
 #[test]
 fn the_originals_reset_costs_steps() {
     let (_, [x, _, z, _]) = run(MicrofactoryConfig {
@@ -89,7 +90,7 @@ fn the_originals_reset_costs_steps() {
     assert!((x - 400).abs() <= 8 && (z + 5).abs() <= 8, "{x} {z}");
 }
 
-/// Everything that a command leads to: the reports.
+/// Runs all consequences of a command; returns the reports.
 fn carry_out(
     machine: &mut Microfactory<[[i16; 2]; 3]>,
     rig: &mut MicrofactoryRig,
@@ -99,7 +100,8 @@ fn carry_out(
     send(&mut Device::new(ByteTable::DEFAULT), machine, rig, &[])
 }
 
-/// Axes so far above their switches, then turned by hand there and back: the nuts lie on either flank, or between.
+/// Axes the given distance above their switches, then turned by hand forward and back: the nuts are
+/// on either flank or between them.
 fn stood_anywhere(
     config: &MicrofactoryConfig,
     above: [u16; 3],
@@ -121,8 +123,8 @@ fn stood_anywhere(
     rig
 }
 
-/// An axis makes a full step with each pulse of CLOCK, up to 524.8 of them a second; faster ones
-/// are lost.
+/// An axis makes a full step with each pulse of CLOCK, up to 524.8 per second; faster ones are
+/// lost.
 #[test]
 fn a_pulse_of_clock_is_a_full_step_up_to_where_it_was_measured() {
     for (axis_rate_hz, is_lost) in [(400, false), (524, false), (530, true)] {
@@ -142,7 +144,7 @@ fn a_pulse_of_clock_is_a_full_step_up_to_where_it_was_measured() {
         assert_eq!(rig.lost_steps()[0] > 0, is_lost, "{axis_rate_hz}");
         if !is_lost {
             assert_eq!(rig.tool()[0] - from[0], 250);
-            // RESET and settling take 11 ms, the current is switched at once.
+            // RESET and settling take 11 ms; the current is switched at once.
             let ticks = rig.ticks() - begin - 11_000;
             assert_eq!(ticks, 250 * (1_000_000 / u64::from(axis_rate_hz)));
         }
@@ -152,8 +154,8 @@ fn a_pulse_of_clock_is_a_full_step_up_to_where_it_was_measured() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// From any flank, at any distance, with the switches closed or open: home is the same place, and from there the load goes as far as
-    /// it is told.
+    /// From any flank, at any distance, with the switches closed or open: home is the same
+    /// position, and from there the load moves as commanded.
     #[test]
     fn home_is_the_same_place_from_anywhere(
         above in [0..450_u16, 0..450_u16, 0..450_u16],
@@ -167,13 +169,14 @@ proptest! {
             let [over_x, over_y, over_z] = above.map(i32::from);
             [x + over_x, y + over_y, z + over_z]
         };
-        // Farther behind a switch than the way back off it is the operator's.
+        // An axis farther behind a switch than the back-off distance is left to the operator.
         prop_assume!(place(&rig).iter().all(|place| *place > -190));
         let mut machine = Microfactory::new(config, TRIANGLE);
         let reports = carry_out(&mut machine, &mut rig, Order::Home);
         prop_assert_eq!(reports, [MicrofactoryReport::Homed]);
         prop_assert_eq!(place(&rig), [200; 3]);
-        for (motor, forward, count) in [(0, true, 9), (2, false, 30), (0, false, 40), (1, false, 7), (2, true, 3)] {
+        let moves = [(0, true, 9), (2, false, 30), (0, false, 40), (1, false, 7), (2, true, 3)];
+        for (motor, forward, count) in moves {
             carry_out(&mut machine, &mut rig, Order::Steps { motor, forward, count });
         }
         prop_assert_eq!(place(&rig), [169, 193, 173]);

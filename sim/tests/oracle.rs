@@ -1,4 +1,4 @@
-//! The recorded lash traces through real levels: sequencer, simulated motors, screw, tool.
+//! The recorded backlash traces through real levels: sequencer, simulated motors, screw, tool.
 
 use husillo_backlash::{Backlash, Compensator, Flank};
 use husillo_sim::{AxisModel, Rig};
@@ -19,8 +19,9 @@ fn pair(value: &Value) -> [i32; 2] {
     [0, 1].map(|axis| value[axis].as_i64().unwrap() as i32)
 }
 
-/// Two motors and the rig they drive. The rig starts on the positive flank; where the trace starts on the negative one,
-/// the axis is first moved there: its play and one step away, then forgotten by measuring from there.
+/// Two motors and the rig that they drive. The rig starts on the positive flank. Where a trace
+/// starts on the negative flank, the axis is first moved there: by its backlash plus one step away;
+/// positions are then measured from there.
 struct Bench {
     motors: [Sequencer; 2],
     rig: Rig<2>,

@@ -1,4 +1,4 @@
-//! What holds for every motor, walk and mistake.
+//! Properties of every motor, walk and fault.
 
 use husillo_sim::{AxisModel, Cause, Rig};
 use husillo_stepper::{
@@ -28,7 +28,7 @@ fn walk() -> impl Strategy<Value = Vec<i8>> {
     proptest::collection::vec(-1i8..=1, 0..300)
 }
 
-/// A motor, and a rig that rests in its levels.
+/// A motor, and a rig at rest in its levels.
 fn bench(driver: Driver, mode: Mode, lash: u32, pull_out_ticks: u32) -> (Sequencer, Rig<1>) {
     let motor = Sequencer::new(driver, mode).unwrap();
     let model = AxisModel::coils(driver, mode)
@@ -38,10 +38,15 @@ fn bench(driver: Driver, mode: Mode, lash: u32, pull_out_ticks: u32) -> (Sequenc
 }
 
 proptest! {
-    /// A motor that is driven slowly enough makes every step, in every mode and whichever way it is mounted; its nut
-    /// follows as play does.
+    /// A motor that is driven slowly enough makes every step, in every mode and in either mounting
+    /// direction. Its nut follows with backlash.
     #[test]
-    fn the_rotor_makes_every_step(stage in 0..STAGES.len(), walk in walk(), lash in 0u32..9, mounted in any::<bool>()) {
+    fn the_rotor_makes_every_step(
+        stage in 0..STAGES.len(),
+        walk in walk(),
+        lash in 0u32..9,
+        mounted in any::<bool>(),
+    ) {
         let (driver, mode) = STAGES[stage];
         let mut motor = Sequencer::new(driver, mode).unwrap();
         let mut model = AxisModel::coils(driver, mode).with_lash(lash).with_pull_out_ticks(100);
@@ -61,18 +66,22 @@ proptest! {
         prop_assert_eq!(rig.lost_steps(), [0]);
     }
 
-    /// Both kinds of step and direction drive move as stepped; mounted the other way they move the other way.
+    /// Both kinds of step and direction drivers move as stepped; reversed mounting reverses the
+    /// motion.
     #[test]
     fn step_and_direction_moves_as_stepped(walk in walk()) {
         let mut toggle = StepToggle::new();
         let timing = PulseTiming { setup_ticks: 3, hold_ticks: 9, high_ticks: 2, low_ticks: 4 };
         let mut pulse = StepDirection::new(timing);
-        let models = [AxisModel::step_toggle().with_pull_out_ticks(6), AxisModel::step_direction(timing).reversed()];
+        let models = [
+            AxisModel::step_toggle().with_pull_out_ticks(6),
+            AxisModel::step_direction(timing).reversed(),
+        ];
         let mut rig = Rig::new(models, [toggle.levels(), pulse.levels()]);
         let mut at = 0;
         for delta in walk {
             let toggled = toggle.step(delta);
-            // Levels stay for their ticks: the next ones come then.
+            // Levels stay for their ticks, until the next ones.
             let (mut present, mut wait_ticks) = (pulse.start(delta).unwrap(), 10);
             while let Some(next) = present {
                 rig.apply(&[toggled, next.levels], wait_ticks);
@@ -86,7 +95,7 @@ proptest! {
         prop_assert_eq!(rig.lost_steps(), [0, 0]);
     }
 
-    /// Wherever a full-step sequence leaves out a phase, steps are lost and the place is reported.
+    /// Wherever a full-step sequence skips a phase, steps are lost and the event is reported.
     #[test]
     fn a_skipped_phase_is_reported(before in 1u32..50, after in 1u32..50) {
         let (mut motor, mut rig) = bench(Driver::Unipolar, Mode::Full, 0, 0);
@@ -99,13 +108,14 @@ proptest! {
         }
         prop_assert_eq!(rig.losses()[0].event, u64::from(before));
         prop_assert_eq!(rig.losses()[0].cause, Cause::HalfCycle);
-        // Half a cycle when it stops there, a whole one when the field goes on: the rotor falls back.
+        // Half a cycle if it stops there, a whole cycle if the field continues: the rotor falls
+        // back.
         prop_assert_eq!(rig.lost_steps(), [if after == 1 { 2 } else { 4 }]);
         let asked = before + after + 1;
         prop_assert_eq!(rig.motor(), [asked as i32 - if after == 1 { 2 } else { 4 }]);
     }
 
-    /// Steps in quicker succession than pull-out are lost, all of them and no other.
+    /// All steps faster than pull-out are lost, and no others.
     #[test]
     fn too_fast_is_lost(fast in 1u32..40, direction in prop_oneof![Just(1i8), Just(-1)]) {
         let (mut motor, mut rig) = bench(Driver::A3988, Mode::Full, 0, 100);
@@ -116,13 +126,18 @@ proptest! {
         prop_assert_eq!(rig.motor(), [i32::from(direction)]);
         prop_assert_eq!(rig.lost_steps(), [u64::from(fast)]);
         prop_assert_eq!(rig.losses().len(), fast.min(16) as usize);
-        prop_assert!(rig.losses().iter().all(|loss| loss.cause == Cause::TooFast && loss.axis == 0));
+        for loss in rig.losses() {
+            prop_assert!(loss.cause == Cause::TooFast && loss.axis == 0);
+        }
     }
 
-    /// Random levels at random times never panic, and a rig whose levels stand still does not move.
+    /// Random levels at random times never panic, and a rig with constant levels does not move.
     #[test]
-    fn any_levels_are_taken(levels in proptest::collection::vec((any::<u8>(), any::<u8>(), any::<u32>()), 0..200)) {
-        let models = [AxisModel::coils(Driver::Pbl3717a, Mode::Quarter).with_lash(7), AxisModel::step_toggle()];
+    fn any_levels_are_taken(
+        levels in proptest::collection::vec((any::<u8>(), any::<u8>(), any::<u32>()), 0..200),
+    ) {
+        let coils = AxisModel::coils(Driver::Pbl3717a, Mode::Quarter).with_lash(7);
+        let models = [coils, AxisModel::step_toggle()];
         let mut rig = Rig::new(models, [Levels(0), Levels(0)]);
         for (first, second, wait_ticks) in levels {
             let levels = [Levels(first), Levels(second)];
@@ -133,7 +148,8 @@ proptest! {
         }
     }
 
-    /// Current off and on again in the held phase moves nothing and loses nothing, at any speed.
+    /// Switching the current off and on again in the held phase moves nothing and loses nothing, at
+    /// any speed.
     #[test]
     fn off_and_on_again(stage in 0..STAGES.len(), walk in walk()) {
         let (driver, mode) = STAGES[stage];
@@ -149,7 +165,7 @@ proptest! {
     }
 }
 
-/// The field turns while the coils are off: nobody makes those steps.
+/// The field turns while the coils are off: these steps are lost.
 #[test]
 fn steps_without_current_are_lost() {
     let (_, mut rig) = bench(Driver::Pbl3717a, Mode::Full, 0, 0);
@@ -169,7 +185,7 @@ fn steps_without_current_are_lost() {
     assert_eq!((rig.lost_steps(), rig.tool()), ([1], [0]));
 }
 
-/// 200 steps are 200 rising edges; a driver for both edges makes half as many, and the chip sees
+/// 200 steps are 200 rising edges. A driver for both edges makes half as many, and the chip detects
 /// that.
 #[test]
 fn a_chip_that_counts_rising_edges_counts_no_others() {
@@ -187,7 +203,7 @@ fn a_chip_that_counts_rising_edges_counts_no_others() {
     assert_eq!(rig.lost_steps()[0], 0);
 }
 
-/// Each time of the chip that is not kept loses the step.
+/// Each violated time of the chip loses the step.
 #[test]
 fn a_pulse_without_its_times_is_no_step() {
     let timing = PulseTiming {
@@ -202,17 +218,17 @@ fn a_pulse_without_its_times_is_no_step() {
     let up = Levels(back.0 | Levels::STEP.0);
     let off = Levels(high.0 & !Levels::ENABLE.0);
     let good: &[_] = &[(high, 100), (low, 3)];
-    /// Levels after waits, where the rotor is then, and what was lost.
+    /// Levels after waits, the resulting rotor position, and the lost steps.
     type Case<'a> = (&'a [(Levels, u32)], i32, u64);
     let cases: [Case<'_>; 7] = [
         (good, 1, 0),
-        (&[(high, 100), (low, 2)], 0, 1), // high too shortly
-        (&[(high, 100), (low, 3), (high, 4), (low, 3)], 1, 1), // low too shortly
+        (&[(high, 100), (low, 2)], 0, 1), // high for too short a time
+        (&[(high, 100), (low, 3), (high, 4), (low, 3)], 1, 1), // low for too short a time
         (
             &[(high, 100), (low, 3), (back, 6), (up, 4), (back, 3)],
             0,
             0,
-        ), // all kept
+        ), // all times kept
         (
             &[(high, 100), (low, 3), (back, 5), (up, 4), (back, 3)],
             -1,
@@ -238,7 +254,7 @@ fn a_pulse_without_its_times_is_no_step() {
     }
 }
 
-/// Half steps skipped by one are a full step: the rotor follows.
+/// One skipped half step makes a full step: the rotor follows.
 #[test]
 fn a_skipped_half_step_is_followed() {
     let (mut motor, mut rig) = bench(Driver::L297, Mode::Half, 0, 0);
@@ -247,21 +263,22 @@ fn a_skipped_half_step_is_followed() {
     assert_eq!((rig.motor(), rig.lost_steps()), ([2], [0]));
 }
 
-/// The motor does not know what was asked: a swapped coil turns it the other way.
+/// The motor only sees currents: exchanged coils reverse its rotation.
 #[test]
 fn a_swapped_coil_turns_backwards() {
     let (mut motor, mut rig) = bench(Driver::Unipolar, Mode::Full, 0, 0);
     for _ in 0..8 {
-        // Coils 1 and 3 exchanged, at the levels 3 both ways round: 9 instead of 3.
+        // Coils 1 and 3 exchanged. The levels 3 are the same both ways; 9 appears instead of 3.
         let levels = motor.step(1).0;
         let swapped = levels & 0b0101 | (levels & 0b0010) << 2 | (levels & 0b1000) >> 2;
         rig.apply(&[Levels(swapped)], 10);
     }
-    // From 3 the first swapped level is 3 again, then backwards through 6, 12, 9.
+    // From 3 the first exchanged level is 3 again, then backwards through 6, 12, 9.
     assert_eq!(rig.motor(), [-7]);
 }
 
-/// Where the play shrinks the screw's flank carries the nut along, also of an axis that stands; where it grows the nut stays.
+/// Where the backlash shrinks, the flank of the screw carries the nut along, also on an axis that
+/// stands. Where it grows, the nut stays.
 #[test]
 fn play_by_place() {
     use std::sync::Arc;

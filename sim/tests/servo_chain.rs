@@ -12,7 +12,7 @@ fn run(chain: &mut ServoChain, periods: u32) {
     }
 }
 
-/// Addresses, gains that suit the prototype's motor, servo on.
+/// Sets addresses and gains that suit the prototype motor, and switches the servos on.
 fn started(modules: usize) -> ServoChain {
     started_with(&vec![4; modules])
 }
@@ -81,7 +81,7 @@ fn version_4_begins_a_trapezoid_from_standstill_only() {
         run(&mut chain, 10_000);
         let at = chain.axis(0).unwrap().commanded();
         assert_eq!(at, goes_to, "version {version}");
-        // It has waited in the buffer.
+        // The motion has waited in the buffer.
         ask(&mut chain, 1, Command::StartMotion);
         run(&mut chain, 10_000);
         assert_eq!(chain.axis(0).unwrap().commanded(), -1000);

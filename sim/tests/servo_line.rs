@@ -1,4 +1,5 @@
-//! Straight moves of three servo modules on one line: loaded one after the other, started by their group.
+//! Straight moves of three servo modules on one line: loaded one after the other, started as a
+//! group.
 
 mod common;
 
@@ -8,7 +9,7 @@ use husillo_sim::{DcMotorModel, SERVO_PERIOD_S, ServoChain};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Gains, Group, Mode, Trajectory};
 use proptest::prelude::*;
 
-/// The servos on, with the gains of the measuring machine, in one group.
+/// Servos on, with the gains of the measuring machine, in one group.
 fn started() -> ServoChain {
     let mut chain = ServoChain::new(&[4; 3], DcMotorModel::PROTOTYPE);
     for address in 1..=3 {
@@ -32,7 +33,7 @@ fn started() -> ServoChain {
     chain
 }
 
-/// How far from the line through `from` along `ways` a point is, counts.
+/// Distance of a point from the line through `from` along `ways`, counts.
 fn off_line(point: [f64; 3], from: [i32; 3], ways: [i32; 3]) -> f64 {
     let along = ways.map(f64::from);
     let off = [0, 1, 2].map(|axis| point[axis] - f64::from(from[axis]));
@@ -42,17 +43,17 @@ fn off_line(point: [f64; 3], from: [i32; 3], ways: [i32; 3]) -> f64 {
     dot(across, across).sqrt()
 }
 
-/// What was seen of a move.
+/// Observations of a move.
 struct Seen {
     line: ServoLine<3>,
-    /// Largest distance from the line of what was commanded, and of the motors.
+    /// Largest distance from the line of the commanded positions, and of the motors.
     commanded: f64,
     actual: f64,
     /// Last period of motion of each axis.
     ends: [u32; 3],
 }
 
-/// As fast as 1200 counts/s and 6000 counts/s^2 of each axis allow.
+/// As fast as 1200 counts/s and 6000 counts/s^2 per axis allow.
 fn go(chain: &mut ServoChain, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
     let ways = [0, 1, 2].map(|axis| goal[axis] - from[axis]);
     let direction = Direction::new(ways.map(i64::from))?;
@@ -97,7 +98,8 @@ fn go(chain: &mut ServoChain, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
     Some(seen)
 }
 
-/// Of all moves: commanded path within the bound of the line, ends within its skew, motors within 5 counts.
+/// For all moves: the commanded path within the bound of the line, the ends within its skew, the
+/// motors within 5 counts.
 fn check(seen: &Seen, ways: [i32; 3]) {
     // Each of two axes may be off by the bound.
     let bound = seen.line.deviation() as f64 / 65536.0 * 2_f64.sqrt();
@@ -134,7 +136,10 @@ fn long_and_short_axes_stay_together() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(24)
+    })]
 
     #[test]
     fn any_straight_move_stays_on_its_line(goal in prop::array::uniform3(-1500..1500_i32)) {

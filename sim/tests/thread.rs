@@ -1,4 +1,4 @@
-//! A thread is cut: an axis follows the encoder of a spindle whose speed is anything but constant.
+//! A thread is cut: an axis follows the encoder of a spindle with varying speed.
 
 use husillo_interp::Line;
 use husillo_planner::{Due, Follower};
@@ -7,11 +7,11 @@ use husillo_stepper::{CoilDriver, StepToggle};
 
 const TIMER_HZ: u32 = 1_000_000;
 const COUNTS_PER_TURN: u32 = 4096;
-/// Steps of 1 um, a pitch of 1.5 mm: more counts than steps a turn.
+/// Steps of 1 um and a pitch of 1.5 mm: more counts than steps per turn.
 const STEPS_PER_TURN: u32 = 1500;
 
-/// Cuts 20 turns of thread and returns the largest distance of the nut from the thread in steps, and the largest number
-/// of steps that were due at once.
+/// Cuts 20 turns of thread. Returns the largest distance of the nut from the thread in steps, and
+/// the largest number of steps due at once.
 fn cut(speed: impl Fn(f64) -> (f64, f64)) -> (f64, u32) {
     let turns = 20;
     let mut spindle = Spindle::new(COUNTS_PER_TURN, TIMER_HZ);
@@ -37,7 +37,7 @@ fn cut(speed: impl Fn(f64) -> (f64, f64)) -> (f64, u32) {
             at_once += 1;
         }
         most = most.max(at_once);
-        // Where the thread is; the first step is due as the thread begins.
+        // Position on the thread; the first step is due when the thread begins.
         let thread = (spindle.turns() - f64::from(start) / f64::from(COUNTS_PER_TURN))
             * f64::from(STEPS_PER_TURN);
         let nut = f64::from(rig.tool()[0]);
@@ -92,7 +92,8 @@ fn the_nut_stands_with_the_spindle_and_goes_on_where_it_was() {
 
 #[test]
 fn a_spindle_that_turns_back_finds_its_thread_again() {
-    // While it is behind, the nut waits: only ahead of the farthest point they go together.
+    // While the spindle is behind, the nut waits. They move together only ahead of the farthest
+    // point.
     let (_, most) = cut(|time| {
         (
             if (0.5..1.0).contains(&time) {

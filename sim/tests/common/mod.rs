@@ -1,6 +1,6 @@
 //! Commands to simulated modules.
 
-#![allow(dead_code)] // every test file uses what it needs of it
+#![allow(dead_code, reason = "every test file uses a part of it")]
 
 use husillo_sim::ServoChain;
 use husillo_transports::nmc::{Command, Gains, Stop, StopWay};
@@ -12,13 +12,13 @@ pub fn send(chain: &mut ServoChain, address: u8, command: Command) {
     }
 }
 
-/// Sends a packet and gives what comes back within 50 ms.
+/// Sends a packet and returns the bytes received within 50 ms.
 pub fn ask(chain: &mut ServoChain, address: u8, command: Command) -> Vec<u8> {
     send(chain, address, command);
     (0..100).flat_map(|_| chain.tick()).collect()
 }
 
-/// Gains, and the servo on: the last reply.
+/// Sets the gains and switches the servo on; returns the last reply.
 pub fn switch_on(chain: &mut ServoChain, address: u8, gains: Gains) -> Vec<u8> {
     ask(chain, address, Command::SetGain(gains));
     let on = Stop {

@@ -1,32 +1,33 @@
-//! A host, a line with faults, the drill's controller and its mechanics, in virtual time.
+//! A host, a line with faults, the controller of the drill and its mechanics, in virtual time.
 
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillReport};
 use husillo_sim::DrillRig;
 use husillo_transports::drill::{Host, Outcome, Progress, Refused, Rules, Step, Timing};
 
-/// A character at 2400 baud.
+/// Time of a character at 2400 baud.
 const CHARACTER_US: u32 = 4167;
-/// From one sensor of Z to the other, and to the board, in steps.
+/// Distance from one sensor of Z to the other, and to the board, in steps.
 pub const STROKE: u16 = 6;
 pub const BOARD: u16 = 3;
 
-/// What happens to one byte.
+/// A fault of one byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     Lost,
     Doubled,
     Flipped(u8),
-    /// By more than the host waits for an echo, by less than it waits for a late one; and by more than that.
+    /// Delayed by more than the host waits for an echo and less than it waits for a late one; also
+    /// by more than that.
     Late(u32),
 }
 
-/// When something happens: at this byte, counted in both directions.
+/// An event at the given byte, counted in both directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
     Byte(Fault),
-    /// The button, or power that goes away and comes back.
+    /// The button, or a power cycle.
     Reset,
-    /// From here on no byte gets through.
+    /// No byte gets through from here on.
     Unplugged,
 }
 
@@ -44,7 +45,7 @@ pub fn events() -> impl Iterator<Item = Event> {
         .chain([Event::Reset, Event::Unplugged])
 }
 
-/// A machine that is quick and small, so that many programs are run in little time.
+/// A fast and small machine, so that many programs run in little time.
 pub fn quick(rules: Rules) -> DrillConfig {
     DrillConfig {
         rate_hz: [1000; 3],
@@ -58,18 +59,18 @@ pub fn quick(rules: Rules) -> DrillConfig {
     }
 }
 
-/// All of it.
+/// The complete set-up.
 pub struct Bench<const N: usize> {
     pub host: Host,
     pub drill: Drill<N>,
     pub rig: DrillRig,
     pub reports: Vec<DrillReport>,
-    /// When the spindle was switched: on or off, and where the axes stood.
+    /// Every switching of the spindle: on or off, and the positions of the axes.
     pub switched: Vec<(bool, [i32; 3])>,
     now_us: u32,
     /// The event that waits for its time.
     due: Option<(u32, DrillEvent)>,
-    /// Of both directions: when it arrives, whether at the host, and what.
+    /// Bytes in flight in both directions: arrival time, whether to the host, and value.
     flying: Vec<(u32, bool, u8)>,
     pub carried: u64,
     pub event: Option<(u64, Event)>,
@@ -130,14 +131,14 @@ impl<const N: usize> Bench<N> {
         }
     }
 
-    /// In the middle of a step, or between two.
+    /// Resets the controller during a step or between two steps.
     pub fn reset(&mut self) {
         self.drill.reset();
         self.due = None;
         self.flying.clear();
     }
 
-    /// A millisecond of everything.
+    /// Runs everything for one millisecond.
     pub fn tick(&mut self) {
         self.now_us += 1000;
         let now_us = self.now_us;
@@ -182,12 +183,12 @@ impl<const N: usize> Bench<N> {
         }
     }
 
-    /// Begins a step that can begin.
+    /// Starts a step that can start.
     pub fn start(&mut self, step: Step) {
         self.host.start(step, self.now_us).expect("it can begin");
     }
 
-    /// A millisecond of it; what came of it at its end.
+    /// Runs one millisecond of it; returns the outcome at its end.
     pub fn advance(&mut self) -> Option<Outcome> {
         if let Some(byte) = self.host.transmit(self.now_us) {
             self.send(false, byte);
@@ -209,14 +210,14 @@ impl<const N: usize> Bench<N> {
         panic!("the host hangs in {step:?}");
     }
 
-    /// Steps that must all go well.
+    /// Runs steps that must all succeed.
     pub fn all(&mut self, steps: &[Step]) {
         for step in steps {
             assert_eq!(self.run(*step), Ok(Outcome::Done), "{step:?}");
         }
     }
 
-    /// Homes, clears, stores, runs; the first failure ends it.
+    /// Homes, clears, stores and runs; the first failure ends it.
     pub fn program(&mut self, bytes: &[u8]) -> Result<(), (Step, Outcome)> {
         let body = bytes.iter().map(|byte| Step::Store(*byte));
         let steps = [Step::Home, Step::Clear, Step::Begin]
@@ -233,7 +234,7 @@ impl<const N: usize> Bench<N> {
         Ok(())
     }
 
-    /// Until nothing is under way.
+    /// Runs until nothing is in progress.
     pub fn rest(&mut self) {
         for _ in 0..300 {
             self.tick();
@@ -247,7 +248,8 @@ impl<const N: usize> Bench<N> {
         matches!(self.reports.last(), Some(DrillReport::Fault(_)))
     }
 
-    /// Places of whole holes in their order; a hole that was begun and drilled again at the same place counts once.
+    /// Positions of finished holes in order. A hole that was interrupted and drilled again at the
+    /// same position counts once.
     pub fn drilled(&self) -> Vec<[i32; 2]> {
         let whole = self
             .rig
@@ -258,7 +260,7 @@ impl<const N: usize> Bench<N> {
     }
 }
 
-/// Records of holes at these places.
+/// Records of holes at these positions.
 pub fn records(holes: &[[u16; 2]]) -> Vec<u8> {
     let hole = |[x, y]: &[u16; 2]| {
         let ([x0, x1], [y0, y1]) = (x.to_le_bytes(), y.to_le_bytes());
