@@ -1,7 +1,7 @@
-//! Prints the commands of a program, one line each, and its errors with their place.
+//! Prints the commands of a program, one per line, and its errors with their columns.
 //!
-//! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` only counts,
-//! and times, them.
+//! `cargo run -p husillo-gcode --example commands -- FILE [DIALECT]`; with `--time` it only counts
+//! the commands and measures the time.
 
 use husillo_gcode::{Block, Commands, Dialect, Modal};
 use std::io::Write;

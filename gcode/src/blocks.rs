@@ -1,4 +1,4 @@
-//! From words to a checked block: modal groups, repeats, which words are given.
+//! From words to a checked block: modal groups, repeated letters, and the words that are given.
 
 pub(crate) mod block;
 pub(crate) mod fault;

@@ -1,4 +1,4 @@
-//! The letters and codes of the list, and which dialect has which.
+//! The letters and codes of the list, and the dialects that have them.
 
 pub(crate) mod code;
 pub(crate) mod dialect;

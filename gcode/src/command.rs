@@ -1,4 +1,4 @@
-//! Commands: what a block means, in the machine frame, with nothing left to look up.
+//! Commands: the meaning of a block in the machine frame, with nothing left to look up.
 
 pub(crate) mod arc;
 
@@ -8,23 +8,23 @@ use crate::command::arc::{Arc, Direction, Plane};
 use crate::values::nm::Nm;
 use core::fmt;
 
-/// How fast a move is.
+/// Feed of a move.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Feed {
-    /// G94: nanometres of path a minute, above zero.
+    /// G94: nanometres of path per minute, above zero.
     PerMinute(Nm),
-    /// G93: so many millionths of this move a minute, above zero (2 000 000: the move takes half a
+    /// G93: the inverse of the time of this move, above zero (2 000 000: the move takes half a
     /// minute).
     InverseTime {
-        /// Moves a minute times 10^6.
+        /// Moves per minute times 10^6.
         micro_per_minute: u64,
     },
-    /// G95: nanometres of path a revolution of the spindle, above zero.
+    /// G95: nanometres of path per spindle revolution, above zero.
     PerRevolution(Nm),
 }
 
-/// What the spindle does.
+/// Direction of the spindle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SpindleDirection {
@@ -47,7 +47,7 @@ impl SpindleDirection {
         }
     }
 
-    /// The other sense; off stays off.
+    /// The other direction; off stays off.
     #[cfg(feature = "extended")]
     pub(crate) const fn reversed(self) -> Self {
         match self {
@@ -58,11 +58,11 @@ impl SpindleDirection {
     }
 }
 
-/// How moves may be joined.
+/// Path mode: how moves may be joined.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathMode {
-    /// G61: on the path, slowing only where it must.
+    /// G61: on the path, slowing only where necessary.
     #[default]
     ExactPath,
     /// G61.1: a stop after each move.
@@ -85,7 +85,7 @@ pub struct Spline<const N: usize> {
     pub points: [[Nm; 2]; 4],
 }
 
-/// What M66 waits on.
+/// The input that M66 waits for.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Input {
@@ -95,11 +95,11 @@ pub enum Input {
     Analog(u8),
 }
 
-/// How M66 waits: its `L`.
+/// The condition that M66 waits for: its `L`.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitFor {
-    /// L0: only read it.
+    /// L0: only reads the input.
     #[default]
     Nothing,
     /// L1.
@@ -112,7 +112,7 @@ pub enum WaitFor {
     Low,
 }
 
-/// What M48 to M53 switch.
+/// The functions that M48 to M53 switch.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Switch {
@@ -128,12 +128,13 @@ pub enum Switch {
     FeedHold,
 }
 
-/// One command. Positions are machine frame; each prints as one line, lengths in millimetres.
+/// One command. Positions are in the machine frame. `Display` prints one line, with lengths in
+/// millimetres.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Command<const N: usize> {
-    /// As fast as the machine goes, in a straight line.
+    /// A straight move at the highest speed of the machine.
     Rapid {
         /// The end.
         to: [Nm; N],
@@ -164,19 +165,19 @@ pub enum Command<const N: usize> {
     Thread {
         /// The end.
         to: [Nm; N],
-        /// Distance along the move a revolution of the spindle.
+        /// Distance along the move per spindle revolution.
         lead: Nm,
     },
     /// A straight move that stops where the probe changes (G38.2 to G38.5).
     Probe {
-        /// The end if the probe does not change; the modal state stands there until it is told
-        /// otherwise.
+        /// The end if the probe does not change. The modal state assumes this position until
+        /// [`Modal::set_position`](crate::Modal::set_position).
         to: [Nm; N],
         /// Its speed.
         feed: Feed,
         /// G38.4, G38.5: until contact is lost.
         away: bool,
-        /// G38.2, G38.4: an error if it does not happen.
+        /// G38.2, G38.4: missing the contact is an error.
         must: bool,
     },
     /// A pause.
@@ -186,25 +187,25 @@ pub enum Command<const N: usize> {
     },
     /// Spindle on, off or at another speed.
     Spindle {
-        /// Its sense.
+        /// Its direction.
         direction: SpindleDirection,
-        /// Thousandths of a revolution a minute; 0 when off.
+        /// Thousandths of a revolution per minute; 0 when off.
         milli_rpm: u64,
     },
     /// A spindle at constant surface speed (G96).
     Surface {
-        /// Its sense; off when the spindle is.
+        /// Its direction; off when the spindle is off.
         direction: SpindleDirection,
-        /// Surface speed a minute.
+        /// Surface speed per minute.
         speed: Nm,
-        /// Thousandths of a revolution a minute it must not exceed (`D`).
+        /// Largest speed in thousandths of a revolution per minute (`D`).
         most_milli_rpm: Option<u64>,
     },
-    /// M19: the spindle stops at an angle, and stands there.
+    /// M19: the spindle stops at an angle.
     Orient {
         /// Millionths of a degree, below 360 degrees.
         micro_degrees: u64,
-        /// The direction it turns: 0 the shorter, 1 clockwise, 2 counter-clockwise (`P`).
+        /// Direction of rotation: 0 the shorter one, 1 clockwise, 2 counter-clockwise (`P`).
         way: u8,
     },
     /// Coolant: both states after the command.
@@ -219,7 +220,7 @@ pub enum Command<const N: usize> {
         /// Its number; 0 when none was selected.
         number: u32,
     },
-    /// M61: this tool is in the spindle already.
+    /// M61: this tool is already in the spindle.
     ToolIs {
         /// Its number.
         number: u32,
@@ -228,11 +229,11 @@ pub enum Command<const N: usize> {
     ToolLength {
         /// Number in the table; 0 for G43.1 and G49.
         number: u32,
-        /// What is added to the work frame. Zero also for a tool that the table has not.
+        /// Added to the work frame. Also zero for a tool that is not in the table.
         offset: [Nm; N],
     },
-    /// G40, G41, G42: radius compensation from the next move on. The moves of the stream are those
-    /// of the contour.
+    /// G40, G41, G42: radius compensation from the next move on. The moves in this stream are still
+    /// those of the contour.
     Compensation {
         /// The side; `None` for G40.
         side: Option<Side>,
@@ -245,7 +246,7 @@ pub enum Command<const N: usize> {
     Switch {
         /// What is switched.
         what: Switch,
-        /// Allowed, or not.
+        /// Whether it is permitted.
         on: bool,
     },
     /// M62 to M65: a digital output.
@@ -254,7 +255,7 @@ pub enum Command<const N: usize> {
         number: u8,
         /// Its level.
         on: bool,
-        /// M62, M63: when the next move begins, not before.
+        /// M62, M63: takes effect with the start of the next move.
         with_motion: bool,
     },
     /// M67, M68: an analogue output.
@@ -263,20 +264,20 @@ pub enum Command<const N: usize> {
         number: u8,
         /// Millionths of its unit.
         micro: i64,
-        /// M67: when the next move begins, not before.
+        /// M67: takes effect with the start of the next move.
         with_motion: bool,
     },
     /// M66: read an input, or wait for it.
     Wait {
-        /// Which.
+        /// The input.
         input: Input,
-        /// For what.
+        /// The condition.
         until: WaitFor,
-        /// Microseconds at most; 0 does not wait.
+        /// Longest time in microseconds; 0 does not wait.
         timeout_micros: u64,
     },
-    /// One drilling where the tool is: down to the lower end switch and up to the upper one
-    /// (dialect `drill`, whose Z has no coordinate).
+    /// One drilling cycle at the present position: down to the lower end switch and up to the upper
+    /// one (dialect `drill`, whose Z has no coordinate).
     Drill,
     /// M60: change the pallet and wait for the operator.
     Pallet,
@@ -285,12 +286,12 @@ pub enum Command<const N: usize> {
         /// M1.
         optional: bool,
     },
-    /// M2, or M30 when it rewinds. Spindle and coolant go off with it.
+    /// M2, or M30 when `rewind` is set. Spindle and coolant go off with it.
     End {
         /// M30.
         rewind: bool,
     },
-    /// G61, G61.1, G64, each time one is programmed.
+    /// G61, G61.1, G64, each time one of them is programmed.
     Path {
         /// The mode from here on.
         mode: PathMode,
@@ -298,7 +299,7 @@ pub enum Command<const N: usize> {
 }
 
 impl<const N: usize> Command<N> {
-    /// Where the command ends, if it moves.
+    /// The end of the command, if it moves.
     pub const fn end(&self) -> Option<[Nm; N]> {
         match self {
             Command::Rapid { to }

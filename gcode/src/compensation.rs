@@ -1,4 +1,4 @@
-//! Cutter compensation (G41, G42): commands of the contour in, commands of the tool's centre out.
+//! Cutter compensation (G41, G42): commands of the contour in, commands of the tool centre out.
 //!
 //! ```text
 //! Modal::plan ──► Commands ──► Compensation::plan ──► Compensated ──► machine
@@ -21,34 +21,35 @@ use crate::values::nm::{Measure, Nm};
 /// Commands between two moves of a contour that can wait for the corner.
 const WAITING: usize = 4;
 
-/// What one command can set free: the move before, what waited behind it, a corner of two, and
-/// itself.
+/// The number of commands that one command can release: the previous move, the commands that waited
+/// after it, a corner of two moves, and itself.
 const FREED: usize = WAITING + 5;
 
-/// Differences of points that are rounding.
+/// Differences of points up to this are due to rounding.
 const ROUNDING: i64 = 4;
 
-/// The stage between [`Modal`](crate::Modal) and a machine that turns a contour into the path of
-/// the tool's centre.
+/// Cutter compensation: the stage between [`Modal`](crate::Modal) and a machine that turns a
+/// contour into the path of the tool centre.
 ///
-/// It works in the plane that was active at G41 or G42. It looks one move ahead: a move is given
-/// out when the next one has shown where it ends.
+/// It works in the plane that was active at G41 or G42. It looks one move ahead: a move is returned
+/// when the next one has determined its end.
 ///
-/// - Outside corners get an arc of the tool's radius about the corner. Between rapids they get
+/// - Outside corners get an arc of the tool radius around the corner. Between rapids they get
 ///   straight lines clear of it.
 /// - Inside corners end at the common point of the two offset curves.
 /// - Every point is within 2 nm of its exact offset curve.
-/// - The first move must be straight and longer than the radius. It ends square to its own end.
-/// - Under G40 the next straight move goes from the tool's position to its programmed end.
+/// - The first move must be straight and longer than the radius. It ends perpendicular to its own
+///   end.
+/// - Under G40 the next straight move goes from the position of the tool to its programmed end.
 ///
-/// LinuxCNC takes arcs as first moves; they are refused here. It asks for a feed rate under G93 and
-/// converts it; here G93 is refused while a side is active.
+/// LinuxCNC accepts arcs as first moves; they are refused here. It requires a feed rate under G93
+/// and converts it; here G93 is refused while a side is active.
 #[derive(Clone, Debug)]
 pub struct Compensation<const N: usize> {
     active: Option<Active>,
-    /// The contour up to here is known.
+    /// End of the known part of the contour.
     at: [Nm; N],
-    /// Where the tool's centre will be behind everything given out, in the plane.
+    /// Position of the tool centre, in the plane, after all returned commands.
     tool: Vector,
     is_entering: bool,
     is_leaving: bool,
@@ -63,7 +64,7 @@ struct Active {
     plane: Plane,
 }
 
-/// A move whose end waits for the next one.
+/// A move whose end depends on the next one.
 #[derive(Clone, Debug)]
 struct Pending<const N: usize> {
     command: Command<N>,
@@ -128,7 +129,7 @@ impl<const N: usize> Freed<N> {
         }
     }
 
-    /// There is room: one command frees at most as many as there are places.
+    /// There is room: one command releases at most as many commands as there are entries.
     fn push(&mut self, command: Command<N>) {
         if let Some(place) = self.places.iter_mut().find(|place| place.is_none()) {
             *place = Some(command);
@@ -149,7 +150,7 @@ impl<const N: usize> Iterator for Compensated<N> {
                 return Some(command);
             }
             let command = self.commands.as_mut()?.next()?;
-            // `plan` went through all of them without an error.
+            // `plan` has processed all of them without an error.
             if self.stage.push(command, &mut self.freed).is_err() {
                 return None;
             }
@@ -160,7 +161,7 @@ impl<const N: usize> Iterator for Compensated<N> {
 impl<const N: usize> core::iter::FusedIterator for Compensated<N> {}
 
 impl<const N: usize> Compensation<N> {
-    /// Compensation off, at a position.
+    /// Creates the stage at a position, with compensation off.
     pub const fn new(at: [Nm; N]) -> Self {
         Compensation {
             active: None,
@@ -173,21 +174,21 @@ impl<const N: usize> Compensation<N> {
         }
     }
 
-    /// Whether moves are compensated, or one still waits for its end.
+    /// Whether moves are compensated, or a move still waits for its end.
     pub const fn is_active(&self) -> bool {
         self.active.is_some()
     }
 
-    /// What the commands of one block become: the stage after them, and the commands that are
-    /// decided now. All or nothing, as [`Modal::plan`](crate::Modal::plan): with an error nothing
-    /// has changed.
+    /// Processes the commands of one block. Returns the stage after them and the commands that are
+    /// now determined. All or nothing, as [`Modal::plan`](crate::Modal::plan): with an error
+    /// nothing changes.
+    ///
+    /// # Errors
+    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, and E0324 when more than four commands
+    /// that do not move in the plane stand between two moves that do.
     ///
     /// # Cost
     /// One pass over the commands here, and one when they are pulled.
-    ///
-    /// # Errors
-    /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, E0324 when more than four commands that
-    /// do not move in the plane stand between two moves that do.
     pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
         let mut next = self.clone();
         let mut freed = Freed::new();
@@ -203,8 +204,8 @@ impl<const N: usize> Compensation<N> {
         Ok((next, compensated))
     }
 
-    /// How many commands wait: a move for its end, and what stands behind it. When a later block
-    /// sets anything free, they come first, all of them, and then what is that block's own.
+    /// Number of commands that wait: a move for its end, and the commands after it. When a later
+    /// block releases any, all of them come first, followed by the commands of that block.
     pub fn held(&self) -> usize {
         let moves = self.pending.iter().map(|_| ());
         moves
@@ -212,7 +213,7 @@ impl<const N: usize> Compensation<N> {
             .fold(0, |held: usize, ()| held.saturating_add(1))
     }
 
-    /// What still waits, for a program that ends without G40, M2 or M30.
+    /// The commands that still wait, for a program that ends without G40, M2 or M30.
     pub fn finish(mut self) -> Compensated<N> {
         let mut freed = Freed::new();
         self.flush(None, &mut freed);
@@ -223,7 +224,7 @@ impl<const N: usize> Compensation<N> {
         }
     }
 
-    /// One command of the contour.
+    /// Processes one command of the contour.
     fn push(&mut self, command: Command<N>, out: &mut Freed<N>) -> Result<(), ErrorKind> {
         match command {
             Command::Compensation {
@@ -278,7 +279,8 @@ impl<const N: usize> Compensation<N> {
         Ok(())
     }
 
-    /// A command that does not move in the plane: behind the pending move, or at once.
+    /// Handles a command that does not move in the plane: it follows the pending move, or is
+    /// returned at once.
     fn wait(&mut self, command: Command<N>, out: &mut Freed<N>) -> Result<(), ErrorKind> {
         if self.pending.is_none() {
             let here = self.tool;
@@ -306,8 +308,8 @@ impl<const N: usize> Compensation<N> {
         }
     }
 
-    /// Gives out the pending move, to a point or to where it ends by itself, and what waits behind
-    /// it.
+    /// Returns the pending move, ending at a given point or at its own end, and the commands that
+    /// wait after it.
     fn flush(&mut self, end: Option<Vector>, out: &mut Freed<N>) {
         let (Some(pending), Some(active)) = (self.pending.take(), self.active) else {
             return;
@@ -340,7 +342,7 @@ impl<const N: usize> Compensation<N> {
         }
     }
 
-    /// A move of the contour: its offset, and the corner before it.
+    /// Processes a move of the contour: its offset, and the corner before it.
     fn contour(
         &mut self,
         active: Active,
@@ -370,7 +372,7 @@ impl<const N: usize> Compensation<N> {
         Ok(())
     }
 
-    /// Ends the move before where the next one begins; gives that point.
+    /// Ends the previous move where the next one begins, and returns that point.
     fn join(
         &mut self,
         active: &Active,
@@ -381,8 +383,8 @@ impl<const N: usize> Compensation<N> {
         out: &mut Freed<N>,
     ) -> Result<Vector, ErrorKind> {
         let (sine, cosine) = turn(before.course.last, course.first);
-        // How far the two offset points of the corner are apart: little in small turns, or with a
-        // tool of no size.
+        // Distance between the two offset points of the corner. It is small for small turns, and
+        // for a tool without a radius.
         let gap = length(minus(before.course.end, course.start));
         if gap <= 2 {
             self.flush(None, out);
@@ -423,7 +425,8 @@ impl<const N: usize> Compensation<N> {
                     feed,
                 });
             }
-            // Between rapids: round the corner on straight lines, square where it is sharp.
+            // Between rapids: around the corner on straight lines, square where the corner is
+            // sharp.
             None => {
                 let normals = [left(before.course.last), left(course.first)];
                 let sharp = mitre(normals[0], normals[1], active.by).filter(|_| cosine >= 0);
@@ -484,7 +487,7 @@ fn course<const N: usize>(
             let centre = flat(active.plane, &arc.centre);
             let counter_clockwise = arc.direction == Direction::CounterClockwise;
             let [begin, end] = [from, to].map(|point| minus(point, centre));
-            // To the left is inward for a counter-clockwise arc.
+            // For a counter-clockwise arc, left is inward.
             let inward = if counter_clockwise {
                 active.by
             } else {
@@ -520,7 +523,7 @@ fn course<const N: usize>(
     })
 }
 
-/// The common point of two offset curves next to their corner.
+/// The common point of two offset curves near their corner.
 fn common(active: &Active, before: &Course, after: &Course, corner: Vector) -> Option<Vector> {
     match (before.arc, after.arc) {
         (None, None) => {

@@ -1,4 +1,4 @@
-//! Canned cycles and threads as the moves that they stand for.
+//! Canned cycles and threads, expanded into moves.
 
 pub(crate) mod cycle;
 pub(crate) mod thread;

@@ -1,4 +1,4 @@
-//! Pages on what the crate reads and how: those of the folder `docs` of the package.
+//! The pages of the folder `docs` of the package.
 
 #[doc = include_str!("../docs/agreement.md")]
 pub mod agreement {}

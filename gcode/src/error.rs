@@ -1,4 +1,4 @@
-//! What can be wrong with a line, and where.
+//! Errors of a line, with their columns.
 
 pub(crate) mod framing;
 #[cfg(feature = "program")]
@@ -10,21 +10,21 @@ use crate::error::parameters::Fault;
 use crate::values::nm::Measure;
 use core::fmt;
 
-/// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the text
-/// given.
+/// An error of one line: its kind, and the bytes that it concerns, `at..end`, counted from 0 in the
+/// given text.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
-    /// What is wrong.
+    /// The kind of the error.
     pub kind: ErrorKind,
     /// First byte concerned, 0-based; at most the length of the text.
     pub at: usize,
-    /// One behind the last byte concerned; `at <= end`.
+    /// One past the last byte concerned; `at <= end`.
     pub end: usize,
 }
 
-/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's
-/// message.
+/// The kinds of errors. Letters are upper case. [`ErrorKind::code`] is the number of the message of
+/// the host.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -35,13 +35,13 @@ pub enum ErrorKind {
     MissingNumber(u8),
     /// A second sign or decimal point in a number.
     MalformedNumber,
-    /// A parameter `#` or an expression `[ ]`, which are not taken.
+    /// A parameter `#` or an expression `[ ]` where they are not supported.
     Expression,
-    /// A number, or a coordinate made with it, beyond what can be represented.
+    /// A number, or a coordinate computed from it, that is out of range.
     NumberTooLarge,
     /// A number with more digits than can be kept exactly.
     TooManyDigits,
-    /// A block longer than the dialect's buffer of so many characters.
+    /// A block longer than the buffer of the dialect, which has this many characters.
     BlockTooLong(u8),
     /// A comment `(` without its `)`.
     UnclosedComment,
@@ -49,10 +49,10 @@ pub enum ErrorKind {
     NestedComment,
     /// A word that needs a whole number and has a fraction, or is too large for one.
     NotWhole(u8),
-    /// A letter that is no axis and no parameter here.
+    /// A letter that is neither an axis nor a parameter here.
     UnknownWord(u8),
-    /// A code outside the list: its letter, and its number in tenths (`None` when it has more
-    /// places or is out of range).
+    /// A code that is not in the list: its letter, and its number in tenths (`None` when it has
+    /// more decimal places or is out of range).
     UnknownCode(u8, Option<u16>),
     /// A code of the list that this dialect lacks: its letter and its number in tenths.
     NotOfDialect(u8, u16),
@@ -60,26 +60,26 @@ pub enum ErrorKind {
     MissingWord(u8),
     /// A program number `O` with other words.
     NumberNotAlone,
-    /// A comma where a decimal point belongs.
+    /// A comma instead of a decimal point.
     DecimalComma,
-    /// A line that a link did not bring whole: see [`FramingError`].
+    /// A line that was received with a wrong checksum: see [`FramingError`].
     Checksum {
-        /// As given.
+        /// The checksum in the line.
         given: u8,
-        /// Of the bytes of the line.
+        /// The checksum of the bytes of the line.
         computed: u8,
     },
-    /// A line without a checksum, or one that is no number from 0 to 255.
+    /// A line without a checksum, or with one that is not a number from 0 to 255.
     NoChecksum,
-    /// The number of a line is not the one after the last.
+    /// The line number is not the successor of the last one.
     LineNumber(u32),
     /// A letter given twice.
     RepeatedWord(u8),
     /// A second code of the same modal group.
     TwoCodesOfOneGroup,
-    /// Two codes that both want the axis words, or the same parameter.
+    /// Two codes that both use the axis words, or the same parameter.
     TwoUsersOfWords,
-    /// Axis words, and no code in effect that moves.
+    /// Axis words without a motion code in effect.
     AxisWordsWithoutMotion,
     /// A code that needs axis words and has none.
     NoAxisWords,
@@ -93,10 +93,10 @@ pub enum ErrorKind {
     NotZero(u8),
     /// An arc without a centre and without a radius, or with its centre at its start.
     NoCentre,
-    /// One word of a centre given in absolute coordinates (G90.1, micromill dialect), which takes
+    /// Only one word of a centre in absolute coordinates (G90.1, micromill dialect), which needs
     /// both.
     HalfCentre,
-    /// An arc whose end is not on it: radii differ by so much.
+    /// An arc whose end is not on it; the radii differ by this much.
     EndOffArc(Measure),
     /// An arc with a radius and a centre.
     RadiusAndCentre,
@@ -108,39 +108,41 @@ pub enum ErrorKind {
     NoEnd,
     /// A feed move without a feed rate.
     NoFeed,
-    /// A feed move under G93 without an F word of its own.
+    /// A feed move under G93 without its own F word.
     NoInverseTime,
     /// A negative value of a word that must not be negative.
     Negative(u8),
     /// `G4` without `P`.
     NoDwellTime,
-    /// A value outside of what its code takes.
+    /// A value outside the range of its code.
     OutOfRange(u8),
     /// More tools than the table holds.
     ToolTableFull,
     /// A tool that is not in the table.
     UnknownTool,
-    /// A thread, a tapping cycle, a feed a revolution or a surface speed without a turning spindle.
+    /// A thread, a tapping cycle, a feed per revolution or a surface speed without a turning
+    /// spindle.
     SpindleStopped,
     /// A code that cannot be used under G93, or at all in this feed mode.
     WrongFeedMode,
     /// A canned cycle whose retract plane is not above the bottom.
     RetractBelowBottom,
-    /// A cycle with more passes or pecks than are ever made: 2^16.
+    /// A cycle with more than 2^16 passes or pecks.
     TooManyPasses,
-    /// A turning cycle along a contour of several blocks, where only one block is known.
+    /// A turning cycle along a contour of several blocks, where only one block is available.
     ContourOfBlocks,
-    /// No block with the number in `P` or `Q` where the contour of a turning cycle must be.
+    /// There is no block with the number in `P` or `Q` at the position of the contour of a turning
+    /// cycle.
     NoContour(u8),
-    /// Something else than straight moves and arcs of X and Z in the contour of a turning cycle.
+    /// Something other than straight moves and arcs of X and Z in the contour of a turning cycle.
     NotOfContour,
     /// The contour of a roughing cycle goes back along this axis.
     Pocket(u8),
     /// The contour of a roughing cycle has more moves than there is room for.
     ContourTooLong,
-    /// A roughing cycle whose contour does not lie beside and before its start.
+    /// A roughing cycle whose start is not beside and in front of its contour.
     ContourStart,
-    /// A thread whose crest and depth do not lie between its start and its end.
+    /// A thread whose crest and depth are not between its start and its end.
     ThreadStart,
     /// A rotary axis in a canned cycle.
     RotaryInCycle(u8),
@@ -152,15 +154,16 @@ pub enum ErrorKind {
     UnderCompensation,
     /// An arc or a rapid as the first or the last move of cutter compensation.
     CompensationEntry,
-    /// A first move of cutter compensation that is not longer than the tool's radius.
+    /// A first move of cutter compensation that is not longer than the tool radius.
     EntryTooShort(Measure),
     /// A corner of the contour that the tool cannot reach without cutting into it.
     Gouge,
     /// An inside arc of the contour smaller than the tool.
     ArcSmallerThanTool(Measure),
-    /// More commands between two moves of a compensated contour than can wait for the corner: four.
+    /// More commands between two moves of a compensated contour than can wait for the corner, which
+    /// are four.
     TooManyWaiting,
-    /// The commands of the block before have not been taken yet.
+    /// The commands of the previous block have not all been taken.
     CommandsWaiting,
     /// A fault of parameters, expressions or the flow of a program.
     #[cfg(feature = "program")]

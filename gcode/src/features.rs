@@ -1,8 +1,8 @@
-//! What this build has, as constants.
+//! Features of this build, as constants.
 
-/// Whether the codes beyond Grbl's list are there.
+/// Whether the codes beyond those of Grbl are compiled in.
 pub(crate) const EXTENDED: bool = cfg!(feature = "extended");
 
-/// Whether there is room for code that is faster and longer. Processors without compare-and-swap
-/// (Cortex-M0) have little.
+/// Whether there is room for faster, longer code. Processors without compare-and-swap (Cortex-M0)
+/// have little flash.
 pub(crate) const ROOMY: bool = cfg!(target_has_atomic = "32");

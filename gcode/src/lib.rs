@@ -1,7 +1,7 @@
 //! G-code text in, exact commands out.
 //!
-//! Nothing here knows a machine, a clock or a float: lengths are integer nanometres ([`Nm`]),
-//! numbers exact decimals ([`Decimal`]), and a line is `&[u8]`.
+//! The crate knows no machine, no clock and no floating point. Lengths are integer nanometres
+//! ([`Nm`]), numbers are exact decimals ([`Decimal`]), and a line is `&[u8]`.
 //!
 //! ```text
 //! bytes of a port ──► LineReader ──► Receiver ──► line      or   bytes ──► WordReader ──► Word

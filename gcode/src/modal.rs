@@ -27,25 +27,25 @@ use crate::modal::modes::{FeedMode, Modes, Units, initial};
 use crate::modal::tools::Tools;
 use crate::values::nm::{Measure, Nm};
 
-/// How many work frames there are: G54 to G59, with the extended codes to G59.3.
+/// The number of work frames: G54 to G59, with the extended codes up to G59.3.
 const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 
 /// The state that one block leaves to the next: modes, frames, eight tools and the programmed
 /// position. Cheap to clone.
 ///
-/// At the start: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49,
-/// G98, G97, G8, no motion mode (axis words before the first motion code are an error), no feed,
-/// spindle and coolant off. Micromill: micrometres, absolute centres. Grbl: G0. Lathes: G18 and G7.
+/// Initially: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49, G98,
+/// G97, G8, no motion mode (axis words before the first motion code are an error), no feed, spindle
+/// and coolant off. Micromill: micrometres, absolute centres. Grbl: G0. Lathes: G18 and G7.
 ///
-/// A, B and C are turned in degrees whatever the unit: a millionth of a degree is one [`Nm`].
+/// A, B and C are in degrees in any unit: a millionth of a degree is one [`Nm`].
 ///
-/// What is looked at most stands first: short instructions reach 32 bytes from its address.
+/// The fields used most come first: short instructions reach 32 bytes from the address.
 #[derive(Clone, Debug, Eq, PartialEq)]
 #[repr(C)]
 pub struct Modal<const N: usize> {
     pub(crate) modes: Modes<N>,
-    // What is below changes only as the last thing a block does: it need not be kept aside.
-    /// The positions G28 and G30 go to.
+    // The fields below change only as the last action of a block, so they need no backup.
+    /// Positions of G28 and G30.
     pub(crate) homes: [[Nm; N]; 2],
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
     pub(crate) tools: Tools<N>,
@@ -69,8 +69,8 @@ impl<const N: usize> Modal<N> {
         modal
     }
 
-    /// All bytes zero, as far as the extended codes add none: nothing that must be copied from a
-    /// constant.
+    /// All bytes are zero (unless the extended codes add others), so nothing has to be copied from
+    /// a constant.
     const ZERO: Self = Modal {
         modes: Modes::NONE,
         homes: [[Nm(0); N]; 2],
@@ -78,19 +78,20 @@ impl<const N: usize> Modal<N> {
         tools: Tools::new(),
     };
 
-    /// What a block means: the state after it and its commands, in the order of execution of
-    /// RS-274. All or nothing: `self` stays as it was, and with an error there is nothing else.
+    /// Returns the meaning of a block: the state after it, and its commands in the order of
+    /// execution of RS-274. All or nothing: `self` is unchanged, and with an error there is nothing
+    /// else.
     ///
     /// Order: feed mode, F, spindle mode, S, T, M62 to M68, M6, spindle, coolant, M48 to M53, G4,
     /// plane, units, cutter compensation, tool length, work frame, path mode, distance modes, G98,
-    /// then one of G10, G28, G30, G92 and the motion, stop. So an `F` beside `G20` still counts in
-    /// the unit before it.
+    /// then one of G10, G28, G30, G92 and the motion, stop. So an `F` next to `G20` still counts in
+    /// the previous unit.
     ///
     /// # Errors
-    /// What depends on the state: axis words without motion (E0206) or missing (E0207), unused
-    /// words (E0208), axes this machine has not (E0201), arcs, cycles and splines (E03xx), feed and
-    /// ranges (E05xx), words that a code misses (E0213), what compensation forbids (E0217),
-    /// coordinates beyond [`Nm::LIMIT`] (E0103).
+    /// Errors that depend on the state: axis words without motion (E0206) or missing (E0207),
+    /// unused words (E0208), axes that this machine does not have (E0201), arcs, cycles and splines
+    /// (E03xx), feed and ranges (E05xx), missing words (E0213), codes forbidden under compensation
+    /// (E0217), coordinates beyond [`Nm::LIMIT`] (E0103).
     pub fn plan(&self, block: &Block) -> Result<(Modal<N>, Commands<N>), Error> {
         let mut next = self.clone();
         let mut commands = Commands::new();
@@ -98,14 +99,14 @@ impl<const N: usize> Modal<N> {
         Ok((next, commands))
     }
 
-    /// As [`Modal::plan`], in place: nothing is moved, and nothing but the modes (or for G0 to G3
-    /// with axis words, `F` and `N` what these change) is kept aside, in `commands`. They have to
-    /// be taken until there are none before the next block, or dropped by [`Commands::clear`]. With
-    /// an error of the block there are none, and the state is as it was.
+    /// Does [`Modal::plan`] in place. Nothing is moved. Only the modes (or, for G0 to G3 with axis
+    /// words, `F` and `N`, the values that these change) are backed up, in `commands`. Take all
+    /// commands before the next block, or drop them with [`Commands::clear`]. After an error of the
+    /// block there are no commands, and the state is unchanged.
     ///
     /// # Errors
-    /// Those of [`Modal::plan`]; commands that have not been taken (E0509): they stay, and the
-    /// block has done nothing.
+    /// Those of [`Modal::plan`], and E0509 if commands have not been taken: they stay, and the
+    /// block has no effect.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub fn apply(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Error> {
         if !commands.is_empty() {
@@ -125,7 +126,7 @@ impl<const N: usize> Modal<N> {
         })
     }
 
-    /// The stages of [`Modal::execute`] that a block with nothing but a move has.
+    /// The stages of [`Modal::execute`] for a block that is only a move.
     #[inline(always)]
     fn apply_move(
         &mut self,
@@ -133,7 +134,7 @@ impl<const N: usize> Modal<N> {
         mode: Code,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        // The position and the mode change as the last things.
+        // Position and mode change last.
         let before = self.modes.feed;
         let done = self
             .check_axes(block)
@@ -162,13 +163,13 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The motion of a block with nothing else, if it is one of G0 to G3, and that before it too,
-    /// or none.
+    /// The motion of a block that is only a move, if it and the previous motion are one of G0 to
+    /// G3, or none.
     #[inline(always)]
     fn plain_move(&self, block: &Block) -> Option<Code> {
         let before = self.active(Group::Motion);
         let code = block.code(Group::Motion).unwrap_or(before);
-        // A cycle that ends here leaves words behind.
+        // A cycle that ends here leaves words that have to be cleared.
         let simple = before.is_plain_move() || before == Code::CancelMotion || !EXTENDED;
         Some(code).filter(|code| block.is_move() && code.is_plain_move() && simple)
     }
@@ -196,8 +197,8 @@ impl<const N: usize> Modal<N> {
         self.moves(block, commands)
     }
 
-    /// What G28.1, G30.1 and the micro mill's G54 keep of the position before the block, when it
-    /// can no longer fail.
+    /// Stores the position before the block for G28.1, G30.1 and the G54 of the micro mill, once
+    /// the block can no longer fail.
     fn store(&mut self, block: &Block, here: &[Nm; N]) {
         let [first, second] = &mut self.homes;
         match block.code(Group::NonModal) {
@@ -212,7 +213,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The axes of the block, as far as this machine has them.
+    /// Checks that this machine has the axes of the block.
     fn check_axes(&self, block: &Block) -> Result<(), Fault> {
         let mine = if N < 16 {
             1u16.wrapping_shl(N as u32).wrapping_sub(1)
@@ -239,8 +240,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// What M2 and M30 reset: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94, G1,
-    /// G40, M5, M9. Work zeros, tool length, units and the feed stay.
+    /// The reset of M2 and M30: G54, G92.1 (not in the grbl dialect), G17 (lathes G18), G90, G94,
+    /// G1, G40, M5, M9. Work zeros, tool length, units and the feed stay.
     fn end(&mut self) {
         if self.modes.dialect.flavour != Flavour::Grbl {
             self.modes.shift = [Nm(0); N];
@@ -288,7 +289,7 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         };
         if let Some(value) = word.scaled(i32::from(factor), exponent) {
-            // Both below 2^63 / 2 where it counts.
+            // Both are below 2^63 / 2 where it matters.
             let sum = Nm(to.0.wrapping_add(value));
             if Nm(value).within_limit().is_some() && sum.within_limit().is_some() {
                 *to = sum;
@@ -298,7 +299,7 @@ impl<const N: usize> Modal<N> {
         Err(Fault::at(Reason::NumberTooLarge, letter))
     }
 
-    /// The unit of a word: degrees, in millionths, or the unit of lengths, or half of it.
+    /// The unit of a word: millionths of a degree, the unit of length, or half of it.
     fn scale_of(&self, letter: u8) -> (u8, u8) {
         match letter {
             b'A' | b'B' | b'C' => Units::Millimetres.scale(false),

@@ -1,5 +1,5 @@
-//! What needs more of a program than the line at hand: the one entry for parameters, expressions
-//! and O-words, for contours, and for programs written back.
+//! Functions that need more of a program than the current line: parameters, expressions and
+//! O-words, contours, and rewritten programs.
 
 #[cfg(feature = "extended")]
 pub mod contour;

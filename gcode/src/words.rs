@@ -1,4 +1,4 @@
-//! From a line, or from bytes as they come, to words: letters with exact numbers.
+//! From a line, or from bytes as they arrive, to words: letters with exact numbers.
 
 mod numeral;
 mod scanner;

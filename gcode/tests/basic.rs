@@ -1,5 +1,5 @@
-//! Without the extended codes the list is Grbl's, whatever the dialect; the others are known and
-//! refused.
+//! Without the extended codes the list is that of Grbl in any dialect; the other codes are known
+//! and refused.
 #![cfg(not(feature = "extended"))]
 
 use husillo_gcode::{Block, Commands, Dialect, ErrorKind, Modal};
@@ -71,7 +71,7 @@ fn the_other_codes_are_known_and_refused() {
     );
 }
 
-/// No dialect has a code that Grbl has not, but M6, which the micro mill's has.
+/// No dialect has a code that Grbl does not have, except M6 of the micro mill.
 #[test]
 fn nothing_beyond_grbl_is_taken() {
     for line in ["G", "M"].into_iter().flat_map(|letter| {

@@ -1,9 +1,9 @@
-//! Blocks by themselves and in one place: what stands in them, what was there before, and which way
-//! they take.
+//! Blocks created anew and in place: their contents, earlier contents, and the code paths they
+//! take.
 
 use husillo_gcode::{Block, Command, Commands, Decimal, Dialect, ErrorKind, Modal};
 
-/// A block that is read into again keeps nothing of what it held, right or wrong.
+/// A block that is reused keeps none of its former contents, right or wrong.
 #[test]
 fn a_block_is_used_again() {
     let lines = [
@@ -57,7 +57,7 @@ fn a_block_is_used_again() {
     }
 }
 
-/// Every letter has a slot of its own; letters of codes have none.
+/// Every letter has its own slot; letters of codes have none.
 #[test]
 fn every_letter_keeps_its_value() {
     for letter in b'A'..=b'Z' {
@@ -92,8 +92,8 @@ fn lines_and_programs_have_numbers() {
     assert_eq!(block("G0 X1").line_number(), None);
 }
 
-/// Blocks that are nothing but moves go a shorter way: with anything else beside they must not. A
-/// `G94` that is in effect already sends every block the long way and changes nothing.
+/// Blocks that are only moves take a shorter code path, which they must not take with other words.
+/// A `G94` that is already in effect sends every block along the long path and changes nothing.
 #[test]
 fn the_short_way_of_moves_is_the_same() {
     let beside = [
@@ -151,7 +151,7 @@ fn the_short_way_of_moves_is_the_same() {
     }
 }
 
-/// Where letters U and W are known from contours only, a move has none.
+/// Where letters U and W are known only from contours, a move does not have them.
 #[test]
 fn moves_of_lathes_have_no_increments() {
     let modal = Modal::<3>::new(Dialect::LATHE);
@@ -178,8 +178,7 @@ fn negative_p() {
     assert_eq!(parse("G5 X2 I1 J1 P-1 Q1"), Ok(()));
 }
 
-/// A block asks for nothing when it has no code and no word but N; a stroke before it says nothing
-/// about that.
+/// A block is empty when it has no code and no word except N; a preceding slash does not matter.
 #[test]
 fn blocks_that_ask_for_nothing() {
     let dialect = Dialect::RS274.with_block_delete(false);
@@ -202,7 +201,7 @@ fn blocks_that_ask_for_nothing() {
     }
 }
 
-/// All the letters that need a code, without one: the first of them is refused.
+/// All the letters that need a code, without a code: the first of them is refused.
 #[test]
 fn all_letters_without_a_code() {
     let line = "I1 J1 K1 R1 P1 D1 E1 H1 L1 Q1";
@@ -215,7 +214,7 @@ fn all_letters_without_a_code() {
     );
 }
 
-/// Where the words at fault stand: the first of them in the line, whatever its letter, or all of
+/// Columns of the words at fault: of the first one in the line, whatever its letter, or of all of
 /// them.
 #[test]
 fn places_of_words_at_fault() {
@@ -254,7 +253,7 @@ fn increments() {
     assert_eq!(cycle, Err(ErrorKind::ContourOfBlocks));
 }
 
-/// In a line without a code of its own the first word tells where a motion is at fault.
+/// In a line without a code, the first word gives the columns of an error of the motion.
 #[test]
 fn places_of_motions_without_a_code() {
     fn place(line: &str) -> Option<&str> {
@@ -271,7 +270,7 @@ fn places_of_motions_without_a_code() {
     assert_eq!(place("Y2 Z1 X1"), Some("Y2"));
 }
 
-/// The dialects of mills differ in what stands around words: they know the same codes.
+/// The dialects of mills differ in the text around words; they have the same codes.
 #[test]
 fn mills_have_the_same_codes() {
     let mut known = 0;
@@ -288,8 +287,8 @@ fn mills_have_the_same_codes() {
     assert!(known > 30, "{known}");
 }
 
-/// Commands of a block that were not taken are never lost without a word: the next block is
-/// refused, nothing of it is done, and they are still to come.
+/// Commands of a block that were not taken are not lost silently: the next block is refused without
+/// effect, and they are still pending.
 #[test]
 fn commands_that_wait_are_not_lost() {
     let dialect = Dialect::RS274;

@@ -1,4 +1,4 @@
-//! Cutter compensation: the tool's path against LinuxCNC's, and invariants in words.
+//! Cutter compensation: the path of the tool compared with that of LinuxCNC, and invariants.
 #![cfg(feature = "extended")]
 
 use husillo_gcode::{
@@ -29,7 +29,7 @@ fn text(lines: &[&str]) -> Vec<String> {
     commands.iter().map(ToString::to_string).collect()
 }
 
-/// The tool, half an inch wide less a tenth, on the path of LinuxCNC's own test.
+/// The tool, half an inch wide minus a tenth, on the path of the LinuxCNC test.
 #[test]
 fn follows_linuxcnc() {
     let made = text(&[
@@ -92,7 +92,7 @@ fn follows_linuxcnc() {
 
 #[test]
 fn a_tool_of_no_size_follows_the_contour() {
-    // A square, a way back, and an arc at its corner: no arcs of radius zero are put between.
+    // A square, a way back, and an arc at its corner: no arcs of radius zero are inserted.
     let lines = ["G1 X5", "Y5", "X0", "X3", "G2 X5 Y3 J-2", "G1 X9"];
     for start in ["G21 F100 G41.1 D0", "G21 F100 G42.1 D0"] {
         let [plain, compensated] =
@@ -110,7 +110,7 @@ fn refuses_what_the_tool_cannot_do() {
         ErrorKind::EntryTooShort(Measure::of(Nm(125_000)))
     );
     assert_eq!(fault(&[start, "G2 X1 I0.5"]), ErrorKind::CompensationEntry);
-    // LinuxCNC's own example: a slot narrower than the tool.
+    // The example of LinuxCNC: a slot narrower than the tool.
     assert_eq!(
         fault(&[start, "G1 X1", "X2", "Y0.1", "X1"]),
         ErrorKind::Gouge
@@ -211,8 +211,8 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 256 }))]
 
-    /// Along any polygon that the stage takes, each straight move stays one radius from its own
-    /// side, each corner arc one radius from its corner, to 2 nm; and a refusal changes nothing.
+    /// Along any accepted polygon, each straight move stays one radius from its side, and each
+    /// corner arc one radius from its corner, to 2 nm. A refusal changes nothing.
     #[test]
     fn one_radius_from_the_contour(
         points in prop::collection::vec((-50_000i64..50_000, -50_000i64..50_000), 3..9),
@@ -269,7 +269,7 @@ proptest! {
         prop_assert_eq!(side, corners.len());
     }
 
-    /// Any contour of lines and arcs is taken or refused; nothing overflows.
+    /// Any contour of lines and arcs is accepted or refused; nothing overflows.
     #[test]
     fn any_contour_is_taken_or_refused(
         moves in prop::collection::vec(
@@ -292,8 +292,8 @@ proptest! {
     }
 }
 
-/// While a contour is compensated a move waits, with what stands behind it; the end of the program
-/// gives it out.
+/// While a contour is compensated a move waits, with the commands after it; the end of the program
+/// releases it.
 #[test]
 fn what_waits() {
     let mut modal = Modal::<3>::new(Dialect::RS274);
@@ -319,7 +319,7 @@ fn what_waits() {
             .last()
             .unwrap_or(Command::End { rewind: false })
         {
-            // The arc that fits has a radius of its own and no mismatch to speak of.
+            // The arc that fits has its own radius and almost no mismatch.
             assert_eq!(arc.radius, None);
             assert!(arc.mismatch.0 <= 2, "{arc:?}");
         }
@@ -336,8 +336,8 @@ fn what_waits() {
     assert_eq!(told, expected);
 }
 
-/// Every arc that is made ends as far off its circle as it says, whatever the line said, and has no
-/// radius of a word.
+/// Every generated arc ends as far off its circle as it reports, whatever the line said, and has no
+/// radius from a word.
 #[test]
 fn arcs_say_how_far_they_are_off() {
     let mut at = [Nm(0); 3];

@@ -1,4 +1,4 @@
-//! Contour cycles against a geometry of their own, in floats.
+//! Contour cycles compared with an independent geometry in floating point.
 
 #![cfg(all(feature = "program", feature = "extended"))]
 
@@ -62,7 +62,7 @@ fn contour(steps: &[(u8, i64, i64)]) -> Vec<Piece> {
     pieces
 }
 
-/// Where a case lies: the mapping from far and up (in units) to X (radius) and Z.
+/// Placement of a case: the mapping from far and up (in units) to X (radius) and Z.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     facing: bool,
@@ -95,7 +95,8 @@ fn number(units: i64, places: usize) -> String {
     format!("{sign}{}.{:0places$}", magnitude / scale, magnitude % scale)
 }
 
-/// How high the material begins at `far`, in nanometres: the lowest point of the contour there.
+/// The height where the material begins at `far`, in nanometres: the lowest point of the contour
+/// there.
 fn height(pieces: &[Piece], far: f64, unit: f64) -> f64 {
     let mut start = [0.0, 0.0];
     if far <= 0.0 {
@@ -165,7 +166,7 @@ struct Case {
     unit: f64,
     /// Height of the start above the bottom, allowances and depth in units.
     top: i64,
-    /// How far the start lies before the contour, in units.
+    /// Distance of the start from the contour, in units.
     before: i64,
     shift: [i64; 2],
     depth: i64,
@@ -250,19 +251,19 @@ prop_compose! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
-    /// No point of a roughing pass lies below the contour with its allowance, by another geometry;
-    /// cuts are at most as deep as said and the last one is at the bottom; the number of commands
-    /// is bounded; the tool ends where it began.
+    /// No point of a roughing pass is below the contour with its allowance, by an independent
+    /// geometry. Cuts are at most as deep as programmed, and the last one is at the bottom. The
+    /// number of commands is bounded. The tool ends at its start.
     #[test]
     fn roughing_keeps_off_the_contour(case in cases()) {
         let Case { text, pieces, frame, dialect, unit, top, before, shift, depth } = case;
         let far = pieces.last().map_or(0, |piece| piece.end[0]);
         let (commands, errors) = run(&text, dialect);
         if far == 0 || pieces.is_empty() {
-            // All of it a wall: nothing to cut along.
+            // A wall only: there is nothing to cut.
             return Ok(());
         }
-        // Where the start lies above the contour with its allowance, to three nanometres along it.
+        // Whether the start is above the contour with its allowance, to three nanometres along it.
         let [lowest, highest] = [-3.0, 3.0].map(|nm| {
             let far = (-before - shift[0]) as f64 * unit + nm;
             height(&pieces, far, unit) + shift[1] as f64 * unit
@@ -305,8 +306,8 @@ proptest! {
         let deep = top - shift[1];
         let passes = (deep + depth - 1) / depth;
         prop_assert!(count <= 5 * passes + pieces.len() as i64 + 9, "{count}\n{text}");
-        // From the start down, none deeper than said, down to the bottom where there is anything to
-        // cut.
+        // From the start down, none deeper than programmed, down to the bottom where there is
+        // material.
         let mut before = top as f64 * unit;
         let mut levels = cuts;
         levels.retain(|level| *level <= before);
@@ -315,7 +316,7 @@ proptest! {
             prop_assert!(step <= depth as f64 * unit + 0.1 || step < 0.1, "{step}\n{text}");
             before = before.min(*level);
         }
-        // What is left between the last cut and the bottom is a slope without length.
+        // The rest between the last cut and the bottom is a slope without length.
         let bottom = low_up;
         prop_assert!(before - bottom <= depth as f64 * unit + 0.1, "{before}\n{text}");
     }
@@ -348,7 +349,7 @@ proptest! {
         prop_assert_eq!(made, expected);
     }
 
-    /// Whatever stands in a program, it ends, and nothing overflows.
+    /// Any program ends, and nothing overflows.
     #[test]
     fn any_program_ends(
         lines in prop::collection::vec(
@@ -377,7 +378,7 @@ fn only_error(text: &str) -> (usize, ErrorKind) {
     errors[0]
 }
 
-/// A shaft: `lines` is its contour behind N1.
+/// A shaft: `lines` is its contour after N1.
 fn shaft(cycle: &str, lines: &str) -> String {
     format!("G0 X40 Z2\nF100\n{cycle}\nN1 G0 X10\n{lines}\n")
 }
@@ -421,7 +422,7 @@ fn what_cannot_be_cut_is_refused_at_its_line() {
             3,
             ErrorKind::MissingWord(b'Q'),
         ),
-        // The start lies under the contour with its allowance, seen along Z.
+        // The start is under the contour with its allowance, seen along Z.
         (
             shaft("G71 P1 Q9 D1 U1 W10", "G1 X30 Z-5\nN9 X39.8"),
             3,
@@ -514,7 +515,7 @@ fn two_lines_say_what_one_says() {
 
 #[test]
 fn a_numbered_contour_is_found_where_it_is() {
-    // Twice the same numbers: each G70 takes the ones before it.
+    // The same numbers twice: each G70 uses the ones before it.
     let text = "G0 X20 Z1\nF100\nG71 U1\nG71 P1 Q2\nN1 G0 X10\nN2 G1 Z-5\nG70 P1 Q2\n\
                 G71 P1 Q2\n(behind it)\nN1 G0 X8\nN2 G1 Z-9\nG70 P1 Q2\n";
     let (commands, errors) = run(text, Dialect::LATHE_A);
@@ -555,14 +556,14 @@ fn a_thread_is_told_in_two_lines() {
             assert_eq!((lead.0, to[2].0), (2_000_000, -20_000_000));
             let depth = 10_000_000 - to[0].0;
             depths.push(depth);
-            // Half the angle aside: the flank is the line of the thread's.
+            // Sideways by half the angle: the flank is on the line of the thread.
             let aside = (5_000_000 - at[2].0) as f64 - depth as f64 * 30f64.to_radians().tan();
             assert!(aside.abs() < 2.0, "{aside}");
         }
         at = command.end().unwrap_or(at);
     }
     assert_eq!(at[0], Nm(10_000_000));
-    // The root of the number, at least 0.1 mm more, 0.05 mm for the last, and that twice.
+    // By the root of the number, at least 0.1 mm more, 0.05 mm for the last, and that twice.
     let mut expected: Vec<i64> = Vec::new();
     let mut last = 0;
     for n in 1.. {
@@ -648,9 +649,9 @@ fn told(text: &str, dialect: Dialect) -> Vec<String> {
         .collect()
 }
 
-/// The moves of a cycle in their order: shifted by the allowance, in at the feed where the contour
-/// begins with G1, the last cut at the bottom, no lift longer than the cut, then once along the
-/// contour and home.
+/// The moves of a cycle in order: shifted by the allowance, in at the feed where the contour begins
+/// with G1, the last cut at the bottom, no retract longer than the cut, then once along the contour
+/// and back to the start.
 #[test]
 fn a_roughing_cycle_move_by_move() {
     let text = "G0 X20 Z1\nF100\nG71 P1 Q9 D3 R0.5 U1 W0.25 F80 S5\nN1 G1 X8\nS7 M8 G64\nZ-4\n\
@@ -682,7 +683,7 @@ fn a_roughing_cycle_move_by_move() {
             "8: rapid X10 Y0 Z1"
         ]
     );
-    // In rapid, and never back behind where a cut began.
+    // In rapid, and never beyond the start of a cut.
     let text = "G0 X12 Z0.125\nF100\nG72 P1 Q9 D1 R5\nN1 G0 Z-2\nG1 X9\nN9 X8 Z0.125\n";
     assert_eq!(
         told(text, Dialect::LATHE),
@@ -724,8 +725,8 @@ fn no_retract() {
     );
 }
 
-/// Along one axis in, along the same out: from a bore inwards first; where the way in is a slant,
-/// straight home.
+/// In and out along the same axis; from a bore inwards first. Where the way in is a slant, straight
+/// back.
 #[test]
 fn finishing_goes_home_out_of_the_material_first() {
     let home = |way_in: &str| {
@@ -741,7 +742,7 @@ fn finishing_goes_home_out_of_the_material_first() {
     );
 }
 
-/// The states a contour cannot be roughed in, and lines that are none of it.
+/// States in which a contour cannot be roughed, and lines that are not part of it.
 #[test]
 fn what_a_contour_is_not_made_of() {
     let cycle = "G71 P1 Q9 D1";
@@ -755,7 +756,7 @@ fn what_a_contour_is_not_made_of() {
             3,
             ErrorKind::UnderCompensation,
         ),
-        // The allowance takes all of the cuts.
+        // The allowance leaves nothing to cut.
         (
             shaft("G71 P1 Q9 D1 U30", "N9 G1 X40 Z-5"),
             3,
@@ -781,7 +782,7 @@ fn what_a_contour_is_not_made_of() {
     }
 }
 
-/// As many cuts as 2^16, one more is refused.
+/// 2^16 cuts are accepted, one more is refused.
 #[test]
 fn the_most_cuts() {
     let refused = |x: &str| {
@@ -801,7 +802,7 @@ fn the_most_cuts() {
     assert_eq!(refused("10.131074"), Some(ErrorKind::TooManyPasses));
 }
 
-/// A number behind the switch for block deletion is none, nor is that of the line of G70 itself.
+/// A number after a block delete does not count, nor does that of the line of G70 itself.
 #[test]
 fn numbers_that_are_none_of_the_contour() {
     let text = "G0 X20 Z1\nF100\nN1 G0 X10\nN2 G1 Z-5\nN1 G70 P1 Q2\n";
@@ -819,7 +820,7 @@ fn numbers_that_are_none_of_the_contour() {
     );
 }
 
-/// The last line of a contour is told by `N`, by no other letter, and by no line that is deleted.
+/// `N` marks the last line of a contour; another letter, or a deleted line, does not.
 #[test]
 fn other_numbers_than_those_of_lines() {
     let text = |lines: &str| format!("G0 X40 Z2\nF100\nG70 P1 Q9\nN1 G0 X4\n{lines}N9 X40 Z-9\n");
@@ -830,8 +831,8 @@ fn other_numbers_than_those_of_lines() {
     assert_eq!(plain.len(), 6);
 }
 
-/// Passes by the root of their number are counted where there are at most 255 by depth, else by the
-/// least step.
+/// Passes by the root of their number are counted where there are at most 255 by depth; otherwise
+/// by the least step.
 #[test]
 fn the_most_passes_of_a_thread() {
     let refused = |first: &str, second: &str| {
@@ -854,8 +855,8 @@ fn the_most_passes_of_a_thread() {
     assert_eq!(refused("Q0.000001", "X10 Z0 P0.065537 Q0.000001 F2"), many);
 }
 
-/// Threads inside and outside, to both sides, with tapers, in inches; the ends of the ranges of
-/// their words.
+/// Threads inside and outside, in both directions, with tapers, in inches; and the limits of the
+/// ranges of their words.
 #[test]
 fn threads_of_all_four_kinds() {
     let thread = |before: &str, first: &str, second: &str| {
@@ -892,7 +893,7 @@ fn threads_of_all_four_kinds() {
             "rapid X5 Y0 Z-20"
         ]
     );
-    // Counts of an inch's ten-thousandths.
+    // Counts of ten-thousandths of an inch.
     assert_eq!(
         moves("G20 G0 X1 Z1", "P010000", "X0.8 Z0 P100 Q60 F0.1"),
         [
@@ -922,7 +923,7 @@ fn threads_of_all_four_kinds() {
             "rapid X6 Y0 Z2"
         ]
     );
-    // Many small passes are few where each goes deeper by the least.
+    // Many small passes are few where each increases by the least step.
     assert_eq!(
         moves("G0 X12 Z2", "P010000 Q300", "X10 Z0 P1000 Q1 F2").len(),
         17
@@ -950,7 +951,7 @@ fn threads_of_all_four_kinds() {
             4,
             ErrorKind::ThreadStart,
         ),
-        // Outside at one end, inside at the other; and too little room at one.
+        // Outside at one end and inside at the other; and too little room at one end.
         (
             "P010000",
             "X10 Z0 P900 Q900 F1 R3",

@@ -1,8 +1,9 @@
-//! Programs from real CAM systems against the verdicts and end points of reference interpreters.
+//! Programs from real CAM systems compared with the results and end points of reference
+//! interpreters.
 //!
 //! The programs are not part of this repository. `HUSILLO_CORPUS` names their folder (with
-//! `programs/`, `reference/`, `MANIFEST.tsv` and `AGREE.txt`); without it `../shared/gcode` beside
-//! the workspace is tried, and without that the tests pass with a message.
+//! `programs/`, `reference/`, `MANIFEST.tsv` and `AGREE.txt`). Without it `../shared/gcode` next to
+//! the workspace is tried; if that is missing the tests pass with a message.
 
 #![cfg(all(feature = "program", feature = "extended"))]
 
@@ -33,7 +34,7 @@ struct Row {
     at: [f64; 3],
 }
 
-/// The rows of `reference/<program>.<name>.gz` by line number; empty when there is none.
+/// The rows of `reference/<program>.<name>.gz` by line number; empty when there are none.
 fn rows(folder: &Path, program: &str, name: &str) -> BTreeMap<usize, Row> {
     let path = folder
         .join("reference")
@@ -67,8 +68,8 @@ fn reference(folder: &Path, program: &str, name: &str) -> Option<String> {
     read.is_ok().then_some(text)
 }
 
-/// The ends of all moves that LinuxCNC makes of a program, in mm and degrees of the work frame;
-/// `None` for what it does not tell: probes and turned frames.
+/// The ends of all moves that LinuxCNC makes of a program, in mm and degrees of the work frame.
+/// `None` for probes and rotated frames, which it does not report.
 fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
     let (mut scale, mut plane) = (1.0, "XY");
     let mut ends = Vec::new();
@@ -110,7 +111,7 @@ fn canon(text: &str) -> Option<Vec<[f64; 6]>> {
     Some(ends)
 }
 
-/// The ends of all our moves, likewise; `None` when a block is refused, or a move has no
+/// The ends of all our moves in the same form. `None` when a block is refused, or a move has no
 /// counterpart there.
 fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
     let dialect = Dialect::RS274;
@@ -122,7 +123,7 @@ fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
         let (next, commands) = modal.plan(&line.block.ok()?).ok()?;
         let (after, commands) = stage.plan(commands).ok()?;
         stage = after;
-        // The frame of the moves: M2 forgets it.
+        // The frame of the moves, which M2 resets.
         let ended = commands
             .clone()
             .any(|command| matches!(command, Command::End { .. }));
@@ -157,9 +158,9 @@ fn apart(ours: &[f64; 6], theirs: &[f64; 6]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The largest difference between two lists of ends, or the place of the first beyond 0.002 mm:
-/// four printed places, of inches at worst. Moves that go nowhere are passed: LinuxCNC makes one of
-/// a G0 without axis words, we do not.
+/// The largest difference between two lists of ends, or the position of the first one beyond 0.002
+/// mm, which is four printed places, in inches at worst. Moves without distance are skipped:
+/// LinuxCNC makes one for a G0 without axis words.
 fn compare(ours: &[[f64; 6]], theirs: &[[f64; 6]]) -> Result<f64, (usize, usize)> {
     const TOLERANCE: f64 = 0.002;
     let (mut i, mut j, mut at, mut worst) = (0, 0, [0.0; 6], 0.0_f64);
@@ -177,16 +178,16 @@ fn compare(ours: &[[f64; 6]], theirs: &[[f64; 6]]) -> Result<f64, (usize, usize)
     }
 }
 
-/// Programs on which LinuxCNC is wrong: its G84 feeds along the wrong axes outside of G17 (the
-/// table of the README).
+/// Programs on which LinuxCNC is wrong: its G84 feeds along the wrong axes outside G17 (see
+/// docs/agreement.md).
 const LINUXCNC_IS_WRONG: [&str; 3] = [
     "linuxcnc-interp/tests/interp/g84/g18/g99/g18-g99-g84.ngc",
     "linuxcnc-interp/tests/interp/g84/g19/g98/g19-g98-g84.ngc",
     "nist-rs274ngc/references/c3.ngc",
 ];
 
-/// Every move of every program that LinuxCNC takes whole and we take whole: same number of moves,
-/// same ends.
+/// Every move of every program that both LinuxCNC and this crate accept completely: same number of
+/// moves, same ends.
 #[test]
 fn moves_agree_with_linuxcnc() {
     let Some(folder) = corpus() else { return };
@@ -226,19 +227,19 @@ fn moves_agree_with_linuxcnc() {
     assert!(programs >= 306, "too few programs compared: {programs}");
 }
 
-/// Whether an error says that the program goes beyond the codes of this crate.
+/// Whether an error means that the program uses codes beyond those of this crate.
 fn is_outside(kind: ErrorKind) -> bool {
     matches!(
         kind,
         ErrorKind::UnknownCode(..)
             | ErrorKind::NotOfDialect(..)
             | ErrorKind::UnknownWord(_)
-            // G10 L2 R turns the frame, which is not done.
+            // G10 L2 R rotates the frame, which is not supported.
             | ErrorKind::OutOfRange(b'R')
     )
 }
 
-/// Where the references saw lines end: after `\n`, or (two rows for CR LF) after `\r` as well.
+/// Line ends as counted by the references: after `\n`, or (two rows for CR LF) after `\r` as well.
 #[derive(Copy, Clone)]
 enum Ends {
     Newline,
@@ -380,7 +381,7 @@ fn every_refusal_has_a_reason() {
             }
             continue;
         }
-        // Two rows a line for CR LF.
+        // Two rows per line for CR LF.
         let refused = |reference| {
             let rows = rows(&folder, name, reference);
             [line, 2 * line - 1]
@@ -408,12 +409,11 @@ fn every_refusal_has_a_reason() {
     assert!(outside <= 82, "{outside} outside of the list");
 }
 
-/// What differs between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and ours as the code of an
-/// error.
+/// Differences between Grbl 1.1 and [`Dialect::GRBL`]: its answer, and our error code.
 const GRBL_DIFFERS: [(u32, u16); 7] = [
-    // `$` lines are for the controller itself, and its `/` may stand anywhere.
+    // `$` lines are for the controller itself, and its `/` may be anywhere.
     (0, 101),
-    // `%`: a mark of the file, which senders leave out.
+    // `%`: a mark of the file, which senders omit.
     (1, 0),
     // R0 of G10 L2.
     (20, 0),
@@ -421,14 +421,15 @@ const GRBL_DIFFERS: [(u32, u16); 7] = [
     (22, 0),
     // A full circle without axis words.
     (26, 0),
-    // A radius short by rounding.
+    // A radius that is too short because of rounding.
     (34, 0),
     // P, turns of an arc.
     (36, 0),
 ];
 
-/// Every program line by line as Grbl has it in check mode: the same lines refused, the same place
-/// behind each until the first line that is judged otherwise, a probe, or the end of the program.
+/// Every program line by line as in the check mode of Grbl: the same lines are refused, and the
+/// position after each line is the same, until the first line with a different result, a probe, or
+/// the end of the program.
 #[test]
 fn lines_agree_with_grbl() {
     let Some(folder) = corpus() else { return };
@@ -442,7 +443,7 @@ fn lines_agree_with_grbl() {
         let reference = rows(&folder, name, "grbl");
         let text = fs::read(folder.join("programs").join(name)).expect("a program of the manifest");
         let split: Vec<&[u8]> = text.split(|&byte| byte == b'\n').collect();
-        // Two rows a line for CR LF.
+        // Two rows per line for CR LF.
         if reference.is_empty() || reference.keys().last() > Some(&(split.len() + 1)) {
             continue;
         }
@@ -480,7 +481,7 @@ fn lines_agree_with_grbl() {
                 .zip(row.at)
                 .map(|(a, b)| (a - b).abs())
                 .fold(0.0, f64::max);
-            // Floats of 32 bits at large coordinates.
+            // 32-bit floating point at large coordinates.
             if off > 0.002 {
                 faults.push(format!("{name}:{number}: ours {at:?}, Grbl {:?}", row.at));
                 break;

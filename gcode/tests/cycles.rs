@@ -1,11 +1,11 @@
-//! Canned cycles and threads: the ends of what they take, and every move of the variants that
-//! differ in few.
+//! Canned cycles and threads: the limits of their words, and every move of variants that differ in
+//! few.
 
 #![cfg(feature = "extended")]
 
 use husillo_gcode::{Block, Command, Dialect, ErrorKind, Modal};
 
-/// The commands of the last of these lines, from zero; or what it is refused for.
+/// The commands of the last of these lines, from zero, or the reason for its refusal.
 fn last<const N: usize>(lines: &[&str], dialect: Dialect) -> Result<Vec<String>, ErrorKind> {
     let mut modal = Modal::<N>::new(dialect);
     let mut made = Ok(Vec::new());
@@ -28,8 +28,8 @@ fn mill(lines: &[&str]) -> Result<Vec<String>, ErrorKind> {
     last::<3>(lines, Dialect::RS274)
 }
 
-/// A cycle needs a place in the plane or a depth of its own; its axes are there in machines of
-/// three and of four.
+/// A cycle needs a position in the plane or its own depth. Its axes exist in machines of three and
+/// of four.
 #[test]
 fn axes_of_cycles() {
     let hole = "G81 X1 Z-1 R1 F1";
@@ -44,8 +44,8 @@ fn axes_of_cycles() {
     assert_eq!(four, mill(&[hole]).map(|commands| commands.len()));
 }
 
-/// A hole without depth is taken; a retract plane at the present height is not moved to again; what
-/// stands behind the cycle comes behind it.
+/// A hole without depth is accepted. There is no move to a retract plane at the present height. The
+/// commands after the cycle follow it.
 #[test]
 fn holes_move_by_move() {
     assert_eq!(
@@ -64,8 +64,7 @@ fn holes_move_by_move() {
     assert_eq!(mill(&["G81 Z2 R1 F60"]), Err(ErrorKind::RetractBelowBottom));
 }
 
-/// A cycle does not say how many commands it will be; everything else does, and what is left of it
-/// too.
+/// A cycle does not announce the number of its commands; everything else does, including the rest.
 #[test]
 fn as_many_commands_as_are_told() {
     for (line, is_known) in [
@@ -93,7 +92,7 @@ fn as_many_commands_as_are_told() {
     }
 }
 
-/// As many holes, and pecks of all of them together, as 2^16.
+/// 2^16 holes, and 2^16 pecks of all of them together.
 #[test]
 #[cfg_attr(miri, ignore = "many commands")]
 fn the_most_holes_and_pecks() {
@@ -107,7 +106,7 @@ fn the_most_holes_and_pecks() {
     assert_eq!(refused("G91 G83 X1 Z-1 R0 Q0.6 F1 L32769"), Some(most));
 }
 
-/// Taps turn their own way, bores that stop the spindle need one that turns.
+/// Taps need their own direction; bores that stop the spindle need one that turns.
 #[test]
 fn spindles_of_cycles() {
     let stopped = Some(ErrorKind::SpindleStopped);
@@ -128,7 +127,7 @@ fn spindles_of_cycles() {
     assert_eq!(mill(&["M3 S1", bore]).err(), None);
 }
 
-/// A lead stays for a series of G33, and no longer.
+/// A lead is kept for a series of G33, and no longer.
 #[test]
 fn a_lead_is_kept_for_a_series() {
     let lines = ["G18 M3 S1", "G33 Z-1 K1", "G33 Z-2"];
@@ -137,8 +136,8 @@ fn a_lead_is_kept_for_a_series() {
     assert_eq!(mill(&lines), Err(ErrorKind::MissingWord(b'K')));
 }
 
-/// G76 with a taper at no end, at the start, at the end and at both; outside and inside; to both
-/// sides.
+/// G76 without a taper, with one at the start, at the end and at both; outside and inside; in both
+/// directions.
 #[test]
 fn threads_with_tapers_at_their_ends() {
     let made = |line: &str| last::<3>(&["G18 M3 S1", line], Dialect::RS274);
@@ -205,7 +204,7 @@ fn threads_with_tapers_at_their_ends() {
     );
 }
 
-/// The ends of the ranges of G76's words.
+/// The limits of the ranges of the words of G76.
 #[test]
 fn words_of_threads() {
     let made = |words: &str| {
@@ -249,7 +248,7 @@ fn splines_of_two_axes() {
     );
 }
 
-/// Without a distance to the crests the passes go outwards; without a length they lie on one side
+/// Without a distance to the crests the passes go outwards; without a length they are on one side
 /// of their start.
 #[test]
 fn threads_without_depth_or_length() {

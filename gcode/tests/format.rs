@@ -1,4 +1,4 @@
-//! Lines written back in their one form: the same meaning, nothing lost, and the same again.
+//! Lines in normal form: the same meaning, nothing lost, and idempotent.
 #![cfg(all(feature = "program", feature = "extended"))]
 
 use husillo_gcode::{Block, Command, Compensation, Dialect, Error, Modal, formatted};
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A line in its form, or as it is where it has none.
+/// The normal form of a line, or the line itself where it has none.
 fn form(line: &[u8], dialect: &Dialect) -> Vec<u8> {
     match formatted(line, dialect) {
         Ok(pieces) => pieces.collect::<Vec<_>>().concat(),
@@ -20,10 +20,10 @@ fn form_program(program: &[u8], dialect: &Dialect) -> Vec<u8> {
     lines.collect::<Vec<_>>().join(&b'\n')
 }
 
-/// What a block is, without its places in the text.
+/// The meaning of a block, without its columns.
 type Meaning = Result<(Vec<String>, bool), u16>;
 
-/// All words of a block, in their order of letters, with their exact places of decimals.
+/// All words of a block in the order of their letters, with their exact decimal places.
 fn meaning(text: &[u8], dialect: &Dialect) -> Meaning {
     let block = Block::parse(text, dialect).map_err(|error| error.kind.code())?;
     let letters =
@@ -31,8 +31,8 @@ fn meaning(text: &[u8], dialect: &Dialect) -> Meaning {
     let mut words: Vec<_> = letters
         .map(|(letter, value)| format!("{}{value}", char::from(letter)))
         .collect();
-    // The codes have no accessor: what they do is compared by commands. Here their order in the
-    // text.
+    // Codes have no accessor; their effect is compared by commands. Here they are in the order of
+    // the text.
     words.extend(husillo_gcode::words(text).filter_map(|word| {
         let word = word
             .ok()
@@ -46,7 +46,7 @@ fn meaning(text: &[u8], dialect: &Dialect) -> Meaning {
     Ok((words, block.is_deleted()))
 }
 
-/// The bytes that are neither blanks nor of numbers and letters: comments and signs, all kept.
+/// The bytes of comments and signs, which are all kept.
 fn comments(line: &[u8]) -> Vec<u8> {
     let mut kept = Vec::new();
     let mut depth = 0;
@@ -66,7 +66,7 @@ fn comments(line: &[u8]) -> Vec<u8> {
     kept
 }
 
-/// Every command and error of a program; places of errors are not compared.
+/// Every command and error of a program; columns of errors are not compared.
 fn run(program: &[u8], dialect: Dialect) -> Vec<Result<Command<3>, (usize, u16)>> {
     if program
         .split(|&byte| byte == b'\n')
@@ -87,7 +87,7 @@ fn run_whole(program: &[u8], dialect: Dialect) -> Vec<Result<Command<3>, (usize,
     use husillo_gcode::parameters::Program;
     let mut state = State::new(dialect);
     let mut whole = Box::new(Program::<4096, 2048, 128>::new(program, dialect));
-    // Enough of a program that loops.
+    // Enough for a program that loops.
     for _ in 0..100_000 {
         let Some(line) = whole.next_line(&state.modal) else {
             break;
@@ -161,7 +161,7 @@ fn assert_kept(path: &Path, dialect: Dialect) {
     }
 }
 
-/// The files of a folder and its folders.
+/// The files of a folder and of its subfolders.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("folder");
     let mut paths = Vec::new();
@@ -200,7 +200,7 @@ fn programs_of_cam_systems_mean_the_same() {
         return;
     }
     for path in files(&folder.join("programs")) {
-        // The large ones repeat what the others have.
+        // The large ones only repeat the others.
         if fs::metadata(&path).expect("metadata").len() < 500_000 {
             assert_kept(&path, Dialect::RS274);
         }
@@ -224,8 +224,7 @@ fn line() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 3000 }))]
 
-    /// The form of a form is itself, a line has one or an error inside of it, and its block is the
-    /// same.
+    /// The normal form is idempotent. A line has one, or an error inside it; its block is the same.
     #[test]
     fn a_form_is_its_own_form(line in line(), dialect in 0..Dialect::ALL.len()) {
         let dialect = Dialect::ALL[dialect];
@@ -245,7 +244,7 @@ proptest! {
         }
     }
 
-    /// Any bytes are survived.
+    /// No input panics.
     #[test]
     fn any_bytes_are_survived(line in prop::collection::vec(any::<u8>(), 0..40)) {
         for dialect in Dialect::ALL {

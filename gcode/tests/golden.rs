@@ -1,8 +1,8 @@
-//! Golden programs: `good/*.ngc` beside the commands they mean, `bad/*.ngc` whose first line tells
-//! the only error.
+//! Golden programs: `good/*.ngc` with files of the expected commands, and `bad/*.ngc` whose first
+//! line states the only error.
 //!
-//! A name says its dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1` writes
-//! the `.commands` files anew.
+//! The name contains the dialect: `name.DIALECT.ngc`, or `.mm` for micromill. `UPDATE_GOLDEN=1`
+//! rewrites the `.commands` files.
 #![cfg(feature = "extended")]
 
 use husillo_gcode::{Block, Compensation, Dialect, Error, Modal};
@@ -21,7 +21,7 @@ fn programs(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// `name.mm` is of the micromill dialect, `name.DIALECT.ngc` of that one, `name.ngc` RS-274.
+/// `name.mm` is in the micromill dialect, `name.DIALECT.ngc` in that dialect, `name.ngc` in RS-274.
 fn dialect(path: &Path) -> Dialect {
     if path.extension().is_some_and(|name| name == "mm") {
         return Dialect::MICROMILL;
@@ -44,7 +44,7 @@ fn run(path: &Path) -> (Vec<String>, Vec<String>) {
         let number = index + 1;
         for (offset, text) in dialect.blocks(line) {
             let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
-            // The path of the tool; its faults belong to the whole block.
+            // The path of the tool; its errors concern the whole block.
             let compensated = planned.and_then(|(next, made)| {
                 let (after, made) = stage.plan(made).map_err(|kind| Error {
                     kind,
@@ -98,7 +98,7 @@ fn bad_programs_have_their_error() {
             .trim_end_matches(';')
             .to_owned();
         let (_, mut errors) = run(&path);
-        // In micromill strings the first line is no comment.
+        // In micromill strings the first line is not a comment.
         errors.retain(|error| !error.starts_with("1:"));
         if errors != [expected.clone()] {
             wrong.push(format!(

@@ -1,4 +1,4 @@
-//! Numbers at the ends of what they hold, each case against arithmetic of 128 bits.
+//! Numbers at the limits of their range, each case compared with 128-bit arithmetic.
 
 use fixed::traits::Fixed;
 use fixed::types::{I0F32, I16F16, I40F24, I64F64, U32F32};
@@ -37,8 +37,8 @@ fn scaled(digits: i64, factor: i64, power: i32) -> Option<i64> {
         .filter(|result| *result != i64::MIN)
 }
 
-/// Every power of ten, also those that no integer of 32 or 64 bits holds, on every way through the
-/// arithmetic.
+/// Every power of ten, including those that no integer of 32 or 64 bits holds, on every path
+/// through the arithmetic.
 #[test]
 fn numbers_are_scaled_by_every_power() {
     for digits in DIGITS {
@@ -60,7 +60,7 @@ fn numbers_are_scaled_by_every_power() {
     }
 }
 
-/// A number is whole when nothing but zeros stands behind its point, however many.
+/// A number is whole when only zeros follow its point, however many.
 #[test]
 fn whole_numbers_are_told_from_others() {
     for digits in [0, 10, -10, 1_000_000, 10_i64.pow(18), 5, -105]
@@ -76,12 +76,12 @@ fn whole_numbers_are_told_from_others() {
     }
 }
 
-/// The nearest value of a binary type, halves away from zero; `None` where the type ends before.
+/// The nearest value of a binary type, halves away from zero; `None` outside its range.
 fn nearest<F: Fixed>(digits: i64, places: u8) -> Option<F>
 where
     F::Bits: TryFrom<i128>,
 {
-    // 2^63 * 2^64 is as much as 128 bits hold.
+    // 2^63 * 2^64 is the most that 128 bits hold.
     let ten = 10u128.pow(u32::from(places));
     let magnitude = u128::from(digits.unsigned_abs()) << F::FRAC_NBITS;
     let (bits, rest) = (magnitude / ten, magnitude % ten);
@@ -90,7 +90,7 @@ where
     F::Bits::try_from(bits).ok().map(F::from_bits)
 }
 
-/// Conversions to binary types round once and give up where the type ends.
+/// Conversions to binary types round once and fail outside the range of the type.
 #[test]
 fn fixed_types_end_where_they_end() {
     let ends = [
@@ -135,7 +135,7 @@ fn fixed_types_end_where_they_end() {
     }
 }
 
-/// What a number says of itself, in numbers that are nothing, less and more.
+/// Sign, zero and places of numbers that are zero, negative and positive.
 #[test]
 fn signs_and_places_are_told() {
     for (digits, sign) in [(0, 0), (3, 1), (-3, -1)] {
@@ -166,8 +166,8 @@ fn number(text: &str) -> Result<Decimal, ErrorKind> {
     read.map(|word| word.value).map_err(|error| error.kind)
 }
 
-/// Digits and places end where they are said to; only zeros may stand behind the last place, and
-/// they are dropped.
+/// Digits and places end at their limits; only zeros may follow the last place, and they are
+/// dropped.
 #[test]
 fn written_numbers_end_where_they_end() {
     let number_of = |digits, places| Ok(Decimal::new(digits, places).expect("within range"));
@@ -195,7 +195,7 @@ fn written_numbers_end_where_they_end() {
     );
     assert_eq!(number(&format!("0.{}", zeros(30))), number_of(0, 30));
     assert_eq!(number(&format!("0.{}", zeros(31))), number_of(0, 30));
-    // Behind what was dropped nothing but zeros either.
+    // After dropped zeros only zeros may follow.
     assert_eq!(
         number(&format!("1.{}1", zeros(40))),
         Err(ErrorKind::TooManyDigits)
@@ -241,8 +241,8 @@ fn is_deleted(line: &[u8]) -> bool {
     words.is_deleted()
 }
 
-/// All lines of up to five bytes of those that matter read the same by all ways: near the end of
-/// the text and far from it, alone and in a text, whole and byte by byte.
+/// All lines of up to five relevant bytes read the same by all code paths: near the end of the text
+/// and far from it, alone and in a text, as a whole and byte by byte.
 #[test]
 fn every_short_line_is_read_the_same_in_every_way() {
     if cfg!(miri) {

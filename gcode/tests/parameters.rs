@@ -1,4 +1,4 @@
-//! Expressions and programs that steer themselves.
+//! Expressions, and programs with control flow.
 
 #![cfg(feature = "program")]
 
@@ -40,8 +40,8 @@ fn at_19(text: &str) -> i128 {
     sign * (whole * 10_i128.pow(19) + places.parse::<i128>().expect("digits"))
 }
 
-/// Every function stays within the error its documentation states, against 45 digits of another
-/// library (mpmath).
+/// Every function stays within its documented error, compared with 45 digits of another library
+/// (mpmath).
 #[test]
 fn functions_keep_their_bounds() {
     let mut worst = std::collections::BTreeMap::new();
@@ -228,8 +228,7 @@ fn programs(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// `good/*.ngc` mean their `.commands`, in the order of execution; `UPDATE_GOLDEN=1` writes them
-/// anew.
+/// `good/*.ngc` give their `.commands`, in the order of execution; `UPDATE_GOLDEN=1` rewrites them.
 #[test]
 fn good_programs_mean_their_commands() {
     for path in programs("good") {
@@ -245,7 +244,7 @@ fn good_programs_mean_their_commands() {
     }
 }
 
-/// The first line of `bad/*.ngc` is the only error; `name.DIALECT.ngc` are of that dialect.
+/// The first line of `bad/*.ngc` states the only error; `name.DIALECT.ngc` are in that dialect.
 #[test]
 fn bad_programs_have_their_error() {
     let mut wrong = Vec::new();
@@ -328,7 +327,7 @@ proptest! {
         if cn != 0 {
             let quotient = value(&format!("[{a}/{c}]")).expect("a value");
             let scale = 10_i128.pow(u32::from(quotient.places()));
-            // |q - a/c| <= 1/2 unit of the last place, without a rounding.
+            // |q - a/c| <= 1/2 unit of the last place, without rounding.
             let (n, d) = (an * cd, ad * cn);
             let off = (i128::from(quotient.digits()) * d - n * scale).abs();
             prop_assert!(2 * off <= d.abs(), "{} {}", quotient, off);
@@ -345,7 +344,7 @@ proptest! {
         }
     }
 
-    /// Lines without parameters mean the same with and without this module.
+    /// Lines without parameters have the same meaning with and without this module.
     #[test]
     fn plain_lines_are_what_they_were(line in "([GXYZFIJM] ?-?[0-9]{1,3}(\\.[0-9]{0,3})? ?){0,6}") {
         let direct = Block::parse(line.as_bytes(), &Dialect::RS274);
@@ -371,7 +370,7 @@ proptest! {
         }
     }
 
-    /// No text makes it panic; errors lie inside their lines; every program ends within its steps.
+    /// No text panics; errors are inside their lines; every program ends within its steps.
     #[test]
     fn any_program_ends(lines in prop::collection::vec(statement(), 0..24)) {
         let text = lines.join("\n");
@@ -465,7 +464,7 @@ fn statement() -> impl Strategy<Value = String> {
     prop_oneof![3 => flow, 1 => words]
 }
 
-/// A caller with a subroutine `probe` of its own, and what it found last.
+/// A caller with its own subroutine `probe`, and its last result.
 struct Outside(i32);
 
 impl System for Outside {
@@ -482,8 +481,8 @@ impl System for Outside {
     }
 }
 
-/// What `program` calls outside, each answered by the sum of its arguments, and the last line's
-/// error.
+/// The outside calls of `program`, each answered by the sum of its arguments, and the error of the
+/// last line.
 fn calls(text: &str) -> (Vec<String>, Option<u16>) {
     let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
     let (mut outside, mut called, mut code) = (Outside(0), Vec::new(), None);
@@ -505,8 +504,8 @@ fn calls(text: &str) -> (Vec<String>, Option<u16>) {
 
 #[test]
 fn subroutines_outside_of_the_text() {
-    // Arguments, results that later lines and conditions read, loops and subroutines around, the
-    // text's own `mine` first.
+    // Arguments; results that later lines and conditions read; loops and subroutines around; the
+    // subroutine `mine` of the text comes first.
     let text = "\
 #1 = 9
 o<probe> call [1] [2]
@@ -532,7 +531,7 @@ o<probe> call";
         "15: probe ",
     ];
     assert_eq!(calls(text), (wanted.map(String::from).to_vec(), None));
-    // Neither there nor here; numbers are never outside.
+    // In neither place; numbers are never outside.
     assert_eq!(calls("o<other> call"), (Vec::new(), Some(633)));
     assert_eq!(calls("o7 call"), (Vec::new(), Some(633)));
 }
@@ -564,8 +563,8 @@ fn every_kind_of_line_end_ends_one_line() {
     assert_eq!(run("\r"), expected);
 }
 
-/// Which lines take a program to be read: those with a parameter or a bracket outside of comments,
-/// and O-words.
+/// The lines that need a program: those with a parameter or a bracket outside comments, and
+/// O-words.
 #[test]
 fn lines_that_need_a_program() {
     use husillo_gcode::parameters::needs_program;
@@ -602,7 +601,7 @@ fn lines_that_need_a_program() {
     assert!(!needs_program(b"X#1", &Dialect::GRBL));
 }
 
-/// What a caller reads of a program and writes into it.
+/// Parameters that a caller reads from and writes into a program.
 #[test]
 fn a_program_from_outside() {
     let text = b"#<depth>=5\no1 sub\n#103=[#1+#<_top>]\no1 endsub\no1 call [2]\n#4=1\n#5=1\n";
@@ -650,7 +649,7 @@ fn a_program_from_outside() {
     assert_eq!(program.parameter(103).to_string(), "42");
 }
 
-/// Lines of words and parameters: what ends them and what has no place in them.
+/// Lines of words and parameters: what ends them, and what is not permitted in them.
 #[test]
 fn lines_of_words() {
     let executed = Dialect::RS274.with_block_delete(false);
@@ -670,7 +669,7 @@ fn lines_of_words() {
     }
 }
 
-/// Lines with `/` steer only where they are executed, also those that are looked at on the way.
+/// Lines with `/` control the flow only where they are executed, including those read in a search.
 #[test]
 fn deleted_lines_do_not_steer() {
     let [deleted, executed] = [true, false].map(|on| Dialect::RS274.with_block_delete(on));
@@ -683,7 +682,7 @@ fn deleted_lines_do_not_steer() {
             assert_eq!(run_in(dialect, text).0.len(), count, "{text}");
         }
     }
-    // Where an `O` is the number of a program.
+    // In a dialect where an `O` is a program number.
     for on in [true, false] {
         let dialect = Dialect::ISO.with_block_delete(on);
         let codes = ["/O1 sub", "O1 sub", "O1"].map(|line| {
@@ -696,7 +695,7 @@ fn deleted_lines_do_not_steer() {
     }
 }
 
-/// Whatever a machine answers, the parameters of the program are its own.
+/// Whatever a machine answers, the parameters of the program are separate.
 #[test]
 fn a_machine_that_answers_everything() {
     struct Seven;
@@ -716,7 +715,7 @@ fn a_machine_that_answers_everything() {
     }
     assert_eq!(codes, [None, None, None, Some(625)]);
     assert_eq!(program.parameter(6).to_string(), "721");
-    // And what a machine does not answer can be given.
+    // Numbers that a machine does not answer can be assigned.
     let mut program: Program = Program::new(b"#5001=3\n#6=#5001\n", Dialect::RS274);
     while let Some(line) = program.next_line(&NoMachine) {
         assert!(line.block.is_ok(), "{line:?}");
@@ -724,7 +723,7 @@ fn a_machine_that_answers_everything() {
     assert_eq!(program.parameter(6).to_string(), "3");
 }
 
-/// `break` and `continue` of an outer loop end the inner ones; rounds go on counting.
+/// `break` and `continue` of an outer loop end the inner ones; rounds keep counting.
 #[test]
 fn loops_are_left() {
     for (text, count) in [

@@ -1,11 +1,11 @@
-//! Properties, each in words.
+//! Properties of all programs.
 #![cfg(feature = "extended")]
 
 use fixed::types::{I16F16, I40F24};
 use husillo_gcode::{Block, Command, Decimal, Dialect, Error, Modal, Nm, words};
 use proptest::prelude::*;
 
-/// Digits of one number as a program writes it.
+/// Digits of one number as written in a program.
 fn number() -> impl Strategy<Value = String> {
     prop_oneof![
         "[+-]?[0-9]{1,6}(\\.[0-9]{0,6})?",
@@ -34,7 +34,7 @@ fn program_line() -> impl Strategy<Value = String> {
         .prop_map(|parts| parts.join(" "))
 }
 
-/// Runs lines; asserts that each error lies inside its text and leaves the state as it was.
+/// Runs lines; asserts that each error is inside its text and leaves the state unchanged.
 fn run(dialect: Dialect, lines: &[Vec<u8>]) -> (Modal<3>, Vec<Command<3>>) {
     let mut modal = Modal::<3>::new(dialect);
     let mut made = Vec::new();
@@ -98,7 +98,7 @@ fn scaled_wide(digits: i64, places: u8, factor: i32, exponent: u8) -> i128 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 512 }))]
 
-    /// No bytes make it panic; every error lies inside its block; an error changes nothing.
+    /// No input panics; every error is inside its block; an error changes nothing.
     #[test]
     fn any_bytes_are_read_or_refused(
         lines in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..60), 0..4),
@@ -119,7 +119,7 @@ proptest! {
         }
     }
 
-    /// The programmed position is where the last move ended.
+    /// The programmed position is the end of the last move.
     #[test]
     fn position_is_the_end_of_the_last_move(lines in prop::collection::vec(program_line(), 0..20)) {
         let bytes: Vec<_> = lines.iter().map(|line| line.clone().into_bytes()).collect();
@@ -155,7 +155,7 @@ proptest! {
         prop_assert_eq!(value(&text), value(&spaced));
     }
 
-    /// Scaling rounds once, halves away from zero, and gives up only where the result does not fit.
+    /// Scaling rounds once, halves away from zero, and fails only where the result does not fit.
     #[test]
     fn scaling_is_exact(
         digits in any::<i64>(),
@@ -216,7 +216,7 @@ proptest! {
         );
     }
 
-    /// G92 moves no axis, and afterwards the programmed coordinates are those it gave.
+    /// G92 moves no axis, and the programmed coordinates are then those of its words.
     #[test]
     fn shifts_rename_the_position(
         x in -9_999i64..9_999,
@@ -326,8 +326,8 @@ proptest! {
         }
     }
 
-    /// A drilling cycle goes down by feed only into what stands, by rapid only where it was, and
-    /// ends at its clear level.
+    /// A drilling cycle goes into new material only at the feed, goes in rapid only where it has
+    /// been, and ends at its clear level.
     #[test]
     fn cycles_do_not_ram(
         code in prop::sample::select(vec!["G73", "G81", "G82", "G83", "G85", "G86", "G89"]),
@@ -386,7 +386,7 @@ proptest! {
         prop_assert_eq!(modal.position()[0], Nm(count * 1_000_000));
     }
 
-    /// L repeats under G91 are as many blocks of the same cycle.
+    /// L repeats under G91 equal the same number of blocks of the same cycle.
     #[test]
     fn repeats_are_blocks(
         x in -9i64..9,
@@ -408,7 +408,7 @@ proptest! {
         prop_assert_eq!(plan(&once).1, plan(&often).1);
     }
 
-    /// After G10 L20 and after G92 the position reads what was given, in whatever frame, shift and
+    /// After G10 L20 and after G92 the position reads the given values, in any frame, shift and
     /// tool length.
     #[test]
     fn frames_read_what_they_were_told(

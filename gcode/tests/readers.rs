@@ -1,12 +1,11 @@
-//! The push forms against the forms over slices, each property in words.
+//! The byte-wise readers compared with the readers of slices.
 
 use husillo_gcode::{
     Error, Framing, LineReader, LineTooLong, Receiver, Rule, Token, Word, WordReader, tokens, words,
 };
 use proptest::prelude::*;
 
-/// Text of several lines in which much goes wrong: numbers of every length, blanks inside, all line
-/// ends.
+/// Text of several lines with many faults: numbers of every length, blanks inside, all line ends.
 fn text() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         4 => "[XYZGMNFxyn]",
@@ -36,20 +35,20 @@ fn lines(text: &[u8]) -> Vec<Vec<u8>> {
     lines
 }
 
-/// What every reader must find in a line, and whether it is deleted.
+/// The expected words of a line, and whether it is deleted.
 fn expected(line: &[u8]) -> (Vec<Result<Word, Error>>, bool) {
     let mut words = words(line);
     let found = words.by_ref().collect();
     (found, words.is_deleted())
 }
 
-/// NUL and form feed are passed over before a line by the push forms.
+/// The byte-wise readers skip NUL and form feed before a line.
 fn without_padding(line: &[u8]) -> &[u8] {
     let start = line.iter().position(|byte| !matches!(byte, 0 | 0x0c));
     start.map_or(&[], |start| &line[start..])
 }
 
-/// Each line with all that was read of it, byte by byte.
+/// Each line with all that was read from it, byte by byte.
 fn pushed(text: &[u8]) -> Vec<(Vec<Result<Word, Error>>, bool)> {
     let mut reader = WordReader::new();
     let (mut all, mut line, mut carriage, mut open) = (Vec::new(), Vec::new(), false, false);
@@ -76,7 +75,8 @@ fn pushed(text: &[u8]) -> Vec<(Vec<Result<Word, Error>>, bool)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 2 } else { 2000 }))]
 
-    /// Byte by byte the same words and errors come, at the same places, as from each line alone.
+    /// Byte by byte the same words and errors come, at the same positions, as from each single
+    /// line.
     #[test]
     fn words_of_a_stream_are_those_of_its_lines(text in text()) {
         let expected: Vec<_> = lines(&text)
@@ -113,7 +113,8 @@ proptest! {
         prop_assert_eq!(all, expected);
     }
 
-    /// Blanks change no word: with a blank behind every byte the same values come by another way.
+    /// Blanks change no word: with a blank after every byte the same values come by another code
+    /// path.
     #[test]
     fn blanks_change_no_word(line in "([XYZG][+-]?[0-9]{1,12}(\\.[0-9]{0,12})?){0,6}") {
         let wide: Vec<u8> = line.bytes().flat_map(|byte| [byte, b' ']).collect();
@@ -128,8 +129,8 @@ proptest! {
         prop_assert_eq!(values(line.as_bytes()), values(&wide));
     }
 
-    /// Where the stream is cut makes no difference; only lines that are too long are lost, and each
-    /// of them is told.
+    /// The boundaries of the chunks do not matter. Only lines that are too long are lost, and each
+    /// of them is reported.
     #[test]
     fn lines_of_a_stream_do_not_depend_on_its_cuts(
         text in text(),
@@ -175,7 +176,7 @@ proptest! {
         prop_assert_eq!(seen, lines);
     }
 
-    /// A numbered line with its checksum comes through; with any one byte changed it does not.
+    /// A numbered line with its checksum is accepted; with any one byte changed it is refused.
     #[test]
     fn one_wrong_byte_is_refused(
         number in 0..1000_u32,
@@ -283,9 +284,8 @@ proptest! {
     }
 }
 
-/// Every byte in every place of a line: within a number, behind one, before the first word, in
-/// comments and behind them. Words of a line, tokens of a text and a push of bytes find the same,
-/// and the next line is whole.
+/// Every byte at every position of a line: within a number, after one, before the first word, in
+/// comments and after them. All readers find the same, and the next line is intact.
 #[test]
 fn every_byte_in_every_place() {
     let heads = [
@@ -330,7 +330,7 @@ fn every_byte_in_every_place() {
             for tail in tails {
                 let line = [head.as_bytes(), &[byte], tail.as_bytes()].concat();
                 let text = [&line[..], b"\nG2 X3\n"].concat();
-                // A push form passes over what pads a line.
+                // A byte-wise reader skips padding of a line.
                 let found: Vec<_> = lines(&text)
                     .iter()
                     .map(|line| expected(without_padding(line)))
@@ -377,7 +377,7 @@ fn every_byte_in_every_place() {
     }
 }
 
-/// Bytes beside the letters of the alphabet are none, however the number behind them is read.
+/// Bytes next to the letters of the alphabet are not letters, however the following number is read.
 #[test]
 fn bytes_beside_letters() {
     for byte in *b"@[`{" {
@@ -405,7 +405,7 @@ fn bytes_beside_letters() {
     }
 }
 
-/// A number of too many digits is shown from its first one, whatever stands around it.
+/// A number of too many digits is reported from its first digit, whatever surrounds it.
 #[test]
 fn numbers_too_long_begin_at_their_digits() {
     let digits = "12345678901234567890123";
@@ -425,7 +425,7 @@ fn numbers_too_long_begin_at_their_digits() {
     }
 }
 
-/// A checksum stands behind comments and brackets, and before a comment at the end; its digits are
+/// A checksum comes after comments and brackets, and before a comment at the end; its digits are
 /// digits.
 #[test]
 fn where_a_checksum_stands() {
@@ -440,7 +440,7 @@ fn where_a_checksum_stands() {
         let line = format!("{text}*{sum};*12");
         assert_eq!(receiver.check(line.as_bytes()), Ok(text.as_bytes()));
     }
-    // A colon is no digit, though it is behind the nine. The sum of two equal bytes is 0.
+    // A colon is not a digit, although it follows the nine. The checksum of two equal bytes is 0.
     assert!(receiver.check(b"AA*0").is_ok());
     assert!(receiver.check(b"AA*:").is_err());
     assert!(receiver.check(b"U_*10").is_ok() && receiver.check(b"U_*:").is_err());

@@ -1,4 +1,4 @@
-//! The modal state: what it tells, and what is written into it from outside.
+//! The modal state: reading it, and changing it from outside.
 
 #![cfg(feature = "extended")]
 
@@ -17,7 +17,7 @@ fn after(lines: &[&str]) -> Modal<3> {
     modal
 }
 
-/// A program starts with nothing on, nothing set, and no motion.
+/// A program starts with everything off, nothing set, and no motion.
 #[test]
 fn the_state_at_the_start() {
     let modal = after(&[]);
@@ -45,7 +45,7 @@ fn the_state_at_the_start() {
     );
 }
 
-/// What a program sets can be read.
+/// The state that a program sets can be read.
 #[test]
 fn the_state_a_program_makes() {
     let modal = after(&[
@@ -79,7 +79,7 @@ fn the_state_a_program_makes() {
     assert_eq!(homes.second_home(), [2_000_000, 0, 0].map(Nm));
 }
 
-/// A feed is one in length per time, and not zero.
+/// A feed is reported under G94 only, and not when it is zero.
 #[test]
 fn a_feed_is_told_under_g94_only() {
     assert_eq!(after(&["F2"]).feed(), Some(Nm(2_000_000)));
@@ -99,7 +99,7 @@ fn an_abort_stops_the_outputs() {
     assert_eq!(modal.coolant(), (false, false));
 }
 
-/// Zeros of work frames, homes and the position are kept as they are written, each in its place.
+/// Zeros of work frames, homes and the position are kept as written, separately.
 #[test]
 fn places_are_written_from_outside() {
     let mut modal = after(&[]);
@@ -124,7 +124,7 @@ fn places_are_written_from_outside() {
     );
 }
 
-/// Eight tools have a place, tool 0 has none.
+/// The table holds eight tools; tool 0 has no entry.
 #[test]
 fn tools_are_written_from_outside() {
     let mut modal = after(&[]);
@@ -144,7 +144,7 @@ fn tools_are_written_from_outside() {
     }
 }
 
-/// On lathes X can be a diameter; elsewhere there is no such thing.
+/// On lathes X can be a diameter; elsewhere it cannot.
 #[test]
 fn diameters() {
     assert!(Modal::<3>::new(Dialect::LATHE).is_diameter());
@@ -153,7 +153,7 @@ fn diameters() {
     assert!(after(&["G7"]).is_diameter());
 }
 
-/// The end of a program takes back the mode of motion and a feed that is not one of G94.
+/// The end of a program resets the motion mode and a feed that is not of G94.
 #[test]
 fn the_state_after_the_end() {
     assert_eq!(after(&["G0 X1", "M2"]).motion(), Some(Motion::Linear));
@@ -180,7 +180,7 @@ fn axes_of_machines() {
     assert_eq!((home[0], home[1], home[16]), (Nm(0), Nm(5), Nm(5)));
 }
 
-/// Surface speeds are metres a minute, or feet; a spindle that stands has none.
+/// Surface speeds are metres per minute, or feet per minute; a spindle that stands has none.
 #[test]
 fn surface_speeds() {
     let made = |before: &[&str], line: &str| {
@@ -195,7 +195,7 @@ fn surface_speeds() {
     assert_eq!(made(&["G96 S100 M3"], "M5"), made(&["S100 M3"], "M5"));
 }
 
-/// Words at the ends of their ranges.
+/// Words at the limits of their ranges.
 #[test]
 fn ranges() {
     use husillo_gcode::ErrorKind;
@@ -211,7 +211,7 @@ fn ranges() {
     assert_eq!(verdict(&[], "M19 R0 P3"), refused);
     assert_eq!(verdict(&[], "G64 P0"), None);
     assert_eq!(verdict(&[], "G64 P-1"), Some(ErrorKind::Negative(b'P')));
-    // The frame in effect may be named while the contour is compensated, no other.
+    // While the contour is compensated, only the frame in effect may be programmed.
     assert_eq!(verdict(&["G41.1 D1"], "G54"), None);
     let refused = Some(ErrorKind::UnderCompensation);
     assert_eq!(verdict(&["G41.1 D1"], "G55"), refused);
@@ -221,8 +221,8 @@ fn ranges() {
     assert_eq!(error.map(|error| error.kind), refused);
 }
 
-/// Dialects with checksums say so, lines that are too long have their number, and bytes that cannot
-/// be shown are named by theirs.
+/// Dialects with checksums report it, lines that are too long have their number, and unprintable
+/// bytes are named by their value.
 #[test]
 fn what_is_told_besides() {
     use husillo_gcode::{ErrorKind, Framing, LineTooLong};
@@ -249,7 +249,7 @@ fn what_is_told_besides() {
     assert!(left.starts_with("compensation left xy") && right.starts_with("compensation right xy"));
 }
 
-/// Degrees are degrees also where lengths are inches.
+/// Degrees stay degrees where lengths are inches.
 #[test]
 fn rotary_axes_have_no_inches() {
     for line in ["G0 A10", "G53 G0 A10", "G0 X1 A10", "G91 G0 A10"] {

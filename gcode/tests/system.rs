@@ -1,4 +1,4 @@
-//! What a machine tells a program: system parameters by number and by name.
+//! State of a machine in a program: system parameters by number and by name.
 
 #![cfg(all(feature = "program", feature = "extended"))]
 
@@ -21,7 +21,7 @@ fn after(dialect: Dialect, lines: &[&str]) -> Modal<3> {
     modal
 }
 
-/// Every number of the table, the axes that a machine does not have, and the numbers beside those
+/// Every number of the table, the axes that a machine does not have, and the numbers next to those
 /// of the table.
 #[test]
 fn values_by_number() {
@@ -175,7 +175,7 @@ fn values_by_name() {
     ] {
         names(Dialect::RS274, &[line], &[("MOTION_MODE", mode)]);
     }
-    // Places, in the work frame and in the machine's.
+    // Positions, in the work frame and in the machine frame.
     let lines = ["G10 L2 P1 X10", "G0 X1 Y2 Z3"];
     let places = [
         ("X", "1.000000"),
@@ -192,7 +192,7 @@ fn values_by_name() {
     }
 }
 
-/// Without a machine there are no values, and a machine has no subroutines of its own.
+/// Without a machine there are no values, and a machine has no subroutines.
 #[test]
 fn no_machine() {
     assert!(NoMachine.numbered(5021).is_none() && NoMachine.named(b"X").is_none());

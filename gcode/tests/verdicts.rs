@@ -1,8 +1,8 @@
-//! Where a verdict turns: arcs and inputs just inside of what is taken, and just outside.
+//! Limits of acceptance: arcs and inputs just inside and just outside them.
 
 use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm};
 
-/// What a line is refused for, from zero in millimetres.
+/// The reason for refusing a line, from zero in millimetres.
 fn verdict(line: &str) -> Option<ErrorKind> {
     let modal = Modal::<3>::new(Dialect::RS274);
     Block::parse(line.as_bytes(), &Dialect::RS274)
@@ -61,8 +61,8 @@ fn arc(line: &str) -> Arc<3> {
     }
 }
 
-/// Centres by radius of arcs that are almost half circles: half the chord, the height and the
-/// radius are whole nanometres, and so is the centre.
+/// Centres from the radius of arcs that are almost half circles: half the chord, the height, the
+/// radius and the centre are whole nanometres.
 #[test]
 fn centres_close_to_the_chord() {
     for m in [1_i64, 10, 31, 32, 63, 64, 127, 128, 1000, 20_000] {
@@ -81,8 +81,8 @@ fn centres_close_to_the_chord() {
     }
 }
 
-/// The centre by a radius is rounded to a nanometre, and what the radii then differ by is told; so
-/// is by how much a radius was short, which counts as 1 nm where it is less.
+/// The centre from a radius is rounded to a nanometre, and the resulting difference of the radii is
+/// reported. So is the amount by which a radius was short, which counts as at least 1 nm.
 #[test]
 fn what_rounding_leaves_of_a_radius() {
     // The centre is at 1.5 nm and 1.32 nm.
@@ -112,7 +112,7 @@ fn resolutions_of_arcs() {
     }
 }
 
-/// In the mode of an arc the words of a centre need an axis word; and G92 takes that away.
+/// In the mode of an arc the words of a centre need an axis word, and G92 uses that one.
 #[test]
 fn centres_without_an_arc() {
     let mut modal = Modal::<3>::new(Dialect::RS274);
@@ -128,8 +128,7 @@ fn centres_without_an_arc() {
     }
 }
 
-/// Where a machine stands may be farther out than a program can say: a chord of 2^52 nm is still
-/// worked out.
+/// The machine may be farther out than a program can express: a chord of 2^52 nm is still computed.
 #[test]
 fn chords_beyond_all_coordinates() {
     let verdict = |x| {
@@ -144,9 +143,8 @@ fn chords_beyond_all_coordinates() {
     }
 }
 
-/// Grbl passes over the offset across the plane, zero or not, of an arc with a centre to a
-/// point in it.
-/// The others refuse it, as LinuxCNC does.
+/// Grbl ignores the offset perpendicular to the plane, zero or not, of an arc with a centre to a
+/// point in the plane. The other dialects refuse it, as LinuxCNC does.
 #[test]
 fn offsets_across_the_plane() {
     let commands = |dialect, line: &str| {
@@ -191,7 +189,7 @@ fn offsets_across_the_plane() {
     }
 }
 
-/// G10 turns no work frame, and writes no tools where the dialect has none.
+/// G10 rotates no work frame, and writes no tools where the dialect has none.
 #[test]
 fn data_that_cannot_be_set() {
     assert_eq!(verdict("G10 L2 P1 X1 R0"), None);
@@ -206,7 +204,8 @@ fn data_that_cannot_be_set() {
     }
 }
 
-/// G10 L10 measures a tool in the work frame, G10 L11 in that of G59.3, G10 L1 writes what is said.
+/// G10 L10 measures a tool in the work frame, G10 L11 in that of G59.3; G10 L1 writes the given
+/// values.
 #[test]
 #[cfg(feature = "extended")]
 fn tools_are_measured_in_frames() {
@@ -223,7 +222,8 @@ fn tools_are_measured_in_frames() {
     }
 }
 
-/// A tool with a negative radius cuts on the other side; one of no radius on the side of its code.
+/// A tool with a negative radius cuts on the other side, a tool without a radius on the side of its
+/// code.
 #[test]
 #[cfg(feature = "extended")]
 fn sides_of_the_contour() {
@@ -277,7 +277,7 @@ fn turns_and_words_of_arcs() {
     assert_eq!(verdict("G3 F1 R1"), Some(ErrorKind::NoEnd));
 }
 
-/// Two axes have arcs in their one plane, one axis has none.
+/// A machine of two axes has arcs in their plane, a machine of one axis has none.
 #[test]
 fn arcs_of_few_axes() {
     fn verdict<const N: usize>(line: &str) -> Option<ErrorKind> {
@@ -291,7 +291,7 @@ fn arcs_of_few_axes() {
     assert_eq!(verdict::<3>("G18 G2 X1 I.5 F1"), None);
 }
 
-/// A word and what it is added to are both within 2^50 nm, and so is their sum.
+/// A word and the position to which it is added are within 2^50 nm, and so is their sum.
 #[test]
 fn offsets_beyond_the_largest_coordinate() {
     let after = |line: &str| {
@@ -306,7 +306,7 @@ fn offsets_beyond_the_largest_coordinate() {
     assert_eq!(after("G2 I-1200000000 F1"), refused);
 }
 
-/// A probe needs a feed per minute, but for Grbl; it stays the motion in effect.
+/// A probe needs a feed per minute, except in Grbl; it stays the motion in effect.
 #[test]
 fn feeds_of_probes() {
     let verdict = |dialect: Dialect| {
@@ -328,7 +328,7 @@ fn feeds_of_probes() {
     assert_eq!(verdict(Dialect::GRBL), Ok(Some(probe)));
 }
 
-/// On the drill `G92` alone makes the present place zero, whatever the zero of the frame.
+/// On the drill `G92` alone makes the present position zero, whatever the zero of the frame.
 #[test]
 fn here_is_zero() {
     let mut modal = Modal::<3>::new(Dialect::DRILL);

@@ -1,4 +1,4 @@
-//! A block: the words of one line, checked as far as a line alone can tell.
+//! A block: the words of one line, checked as far as the line alone allows.
 
 mod given;
 
@@ -11,7 +11,7 @@ use crate::values::decimal::Decimal;
 use crate::values::nm::{Measure, Nm};
 use crate::words::word::{Word, words};
 
-/// The letters that are never negative, and those of them that are numbers of something.
+/// The letters that are never negative; `NUMBERS` are those that number something.
 const PLAIN: Letters = Letters::new(b"FSTHNO");
 const NUMBERS: Letters = Letters::new(b"THO");
 
@@ -22,7 +22,7 @@ struct Span {
 }
 
 impl Span {
-    /// Places beyond the 65535th are given as that one: a quarter of the size for all others.
+    /// Columns beyond 65535 are stored as 65535. This takes a quarter of the size.
     fn new(at: usize, end: usize) -> Self {
         let narrow = |place| u16::try_from(place).unwrap_or(u16::MAX);
         Span {
@@ -43,10 +43,10 @@ impl Span {
 /// A checked line: every letter at most once, at most one code of each modal group, only known
 /// codes and letters.
 ///
-/// Its size is fixed (about 0.6 kB) whatever the line's length. What depends on earlier lines is
-/// checked by [`Modal::plan`](crate::Modal::plan).
+/// Its size is fixed (about 0.6 kB), whatever the length of the line.
+/// [`Modal::plan`](crate::Modal::plan) checks everything that depends on earlier lines.
 ///
-/// What is looked at most stands first: short instructions reach 32 bytes from its address.
+/// The fields used most come first: short instructions reach 32 bytes from the address.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Block {
@@ -72,26 +72,29 @@ impl Block {
         code_spans: [Span { at: 0, end: 0 }; Group::COUNT],
     };
 
-    /// Reads one block; `text` comes from [`Dialect::blocks`]. Cost: one pass over the text.
+    /// Reads one block; `text` comes from [`Dialect::blocks`].
     ///
     /// # Errors
     /// The first fault of the line, from the left: its words (E01xx), unknown letters and codes
     /// (E0201, E0202), codes of other dialects (E0212), repeated letters (E0203), two codes of a
     /// modal group (E0204), negative F, S, T, H, P or N (E0502), a dwell without time (E0504). A
     /// deleted block (`/`) is empty and has no errors.
+    ///
+    /// # Cost
+    /// One pass over the text.
     pub fn parse(text: &[u8], dialect: &Dialect) -> Result<Block, Error> {
         let mut block = Block::EMPTY;
         block.take(text, dialect)?;
         Ok(block)
     }
 
-    /// An empty block, to read into.
+    /// Creates an empty block, to read into.
     pub const fn new() -> Block {
         Block::EMPTY
     }
 
-    /// As [`Block::parse`], into this block: nothing of it is moved or set to zero, which is most
-    /// of the cost on a small machine. Empty after an error.
+    /// Reads into this block as [`Block::parse`] does. Nothing is moved or set to zero, which is
+    /// most of the cost on a small machine. The block is empty after an error.
     ///
     /// # Errors
     /// Those of [`Block::parse`].
@@ -103,7 +106,7 @@ impl Block {
         taken
     }
 
-    /// Nothing given: what the arrays hold is no longer looked at.
+    /// Empties the block; the contents of the arrays are then ignored.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn clear(&mut self) {
         (self.present, self.groups, self.deleted) = (0, 0, false);
@@ -132,10 +135,11 @@ impl Block {
             .map_err(|fault| self.error(fault, Measure::of(Nm(0))))
     }
 
-    /// A block of words that were read elsewhere, in their order: those of a line with expressions.
+    /// Creates a block of words that were read elsewhere, in their order: those of a line with
+    /// expressions.
     ///
     /// # Errors
-    /// The first error among the words, otherwise as [`Block::parse`].
+    /// The first error among the words; otherwise as [`Block::parse`].
     pub fn from_words<W: IntoIterator<Item = Result<Word, Error>>>(
         words: W,
         dialect: &Dialect,
@@ -163,7 +167,7 @@ impl Block {
         }
     }
 
-    /// What can only be checked when all words are there.
+    /// Checks that need all words.
     #[inline(always)]
     fn check(&self) -> Result<(), Fault> {
         if self.present & (bit(b'P') | bit(b'O')) == 0 && self.code(Group::NonModal).is_none() {
@@ -221,8 +225,7 @@ impl Block {
         if let (Some(slot), Some(place)) =
             (self.codes.get_mut(group), self.code_spans.get_mut(group))
         {
-            // G80 beside another motion code is the preamble of many a program: the other one
-            // counts.
+            // Many programs start with G80 next to another motion code; the other one counts.
             let cancel = |code| code == Code::CancelMotion && dialect.joins_cancel();
             let bit = 1u32.wrapping_shl(group as u32);
             if let Some(before) = *slot {
@@ -284,7 +287,7 @@ fn check_length(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     let Some(limit) = dialect.buffer() else {
         return Ok(());
     };
-    // The `;` that ended the block takes one place.
+    // The `;` that ended the block takes one character.
     let room = usize::from(limit).saturating_sub(1);
     // Counted by a range: the sum of `enumerate` is checked for overflow where such checks are on.
     let mut used = (0..text.len())

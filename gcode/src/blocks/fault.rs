@@ -1,11 +1,11 @@
-//! Why a block is refused, before anybody looks up where its words stand.
+//! Reasons for refusing a block, before the columns of its words are looked up.
 
 use crate::codes::code::Group;
 use crate::error::ErrorKind;
 use crate::values::nm::Measure;
 use core::num::NonZeroU32;
 
-/// What is wrong: the kinds of [`ErrorKind`] that a whole block can have.
+/// The kinds of [`ErrorKind`] that a whole block can have.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[repr(u8)]
 pub(crate) enum Reason {
@@ -63,24 +63,24 @@ pub(crate) enum Reason {
     UnderCompensation,
 }
 
-/// Which words of a block are at fault.
+/// The words of a block that are at fault.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Place {
     /// The word of the letter.
     Word,
     /// All axis words: from the first to the last of them.
     Axes,
-    /// The motion code, or where it is modal the first axis word.
+    /// The motion code, or the first axis word where the motion is modal.
     Motion,
     /// The code of the group of this number.
     Code(u8),
 }
 
-/// An error before its columns and its measure are looked up, in a register: many functions hand it
-/// on, where an [`Error`](crate::Error) takes memory and a copy in each of them.
+/// An error in a register, before its columns and its measure are looked up. Many functions pass it
+/// on; an [`Error`](crate::Error) would take memory and a copy in each of them.
 ///
-/// From the lowest byte on: the reason, from 1; the letter of the word, or 0; the place, with
-/// groups from 3 on.
+/// From the lowest byte on: the reason, from 1; the letter of the word, or 0; the place of
+/// the words, with groups from 3 on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) struct Fault(NonZeroU32);
 
@@ -95,7 +95,7 @@ impl Fault {
         Fault(reason.saturating_add((letter as u32) << 8 | place << 16))
     }
 
-    /// At the word of a letter, and about it.
+    /// A fault at the word of a letter, and about that letter.
     #[inline(always)]
     pub(crate) const fn at(reason: Reason, letter: u8) -> Fault {
         Fault::new(reason, letter, 0)
@@ -116,7 +116,7 @@ impl Fault {
         Fault::new(reason, 0, MOTION)
     }
 
-    /// About the word of a letter, which need not be there.
+    /// A fault about the word of a letter, which may be absent.
     #[inline(always)]
     pub(crate) const fn of(self, letter: u8) -> Fault {
         Fault(self.0.saturating_add((letter as u32) << 8))

@@ -15,17 +15,18 @@ pub enum Side {
     Right,
 }
 
-/// One code of the list, by what it does: one byte, the place of its row in [`ROWS`] from 1.
+/// One code of the list, by its function. One byte: the index of its row in [`ROWS`], from 1.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 #[repr(u8)]
 pub(crate) enum Code {
-    // Of the basic list: Grbl's and the micro mill's. From 1 on: all bytes zero are no codes at
-    // all.
+    // The basic list, that of Grbl and the micro mill. It starts at 1, so that zero bytes are no
+    // codes.
     Rapid = 1,
     Linear,
     Clockwise,
     CounterClockwise,
-    /// G38.2 to G38.5: away from the contact or not, and an error to miss it or not.
+    /// G38.2 to G38.5: towards or away from the contact, and with or without an error if it is
+    /// missed.
     ProbeMust,
     Probe,
     ProbeAwayMust,
@@ -72,13 +73,13 @@ pub(crate) enum Code {
     Mist,
     Flood,
     CoolantOff,
-    // States that some dialect starts in, but no code of the basic list.
+    // Initial states of some dialects that are not codes of the basic list.
     AbsoluteCentres,
-    /// No code at all: the unit of the micro mill.
+    /// The unit of the micro mill, which has no code.
     Micrometres,
     ReturnToInitial,
     RadiusMode,
-    /// Known from other controllers, in no dialect here.
+    /// Known from other controllers, in no dialect of this crate.
     Foreign,
     // The extended ones.
     G59_1,
@@ -152,11 +153,11 @@ pub(crate) enum Code {
     Analog,
 }
 
-/// The modal groups: of each, a block has at most one code.
+/// The modal groups; a block has at most one code of each.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[repr(u8)]
 pub(crate) enum Group {
-    // Those whose codes do no more than stay in effect.
+    // Groups whose codes only stay in effect.
     Plane,
     Units,
     Diameter,
@@ -164,7 +165,7 @@ pub(crate) enum Group {
     Distance,
     CentreDistance,
     Return,
-    // Those that are checked or do more.
+    // Groups that are checked, or that do more.
     Path,
     FeedMode,
     Motion,
@@ -183,10 +184,10 @@ pub(crate) enum Group {
 impl Group {
     pub(crate) const COUNT: usize = 20;
 
-    /// How many of them, from the first, have a code in effect.
+    /// The number of groups, from the first, that have a code in effect.
     pub(crate) const MODAL: usize = Group::SpindleMode as usize + 1;
 
-    /// How many, from the first, a block sets by nothing but its code.
+    /// The number of groups, from the first, that a block sets only by its code.
     pub(crate) const PLAIN: usize = Group::Path as usize;
 }
 
@@ -199,11 +200,11 @@ const LATHES: u8 = 1 << Flavour::Lathe as u8 | 1 << Flavour::LatheA as u8;
 const MILLS: u8 = 1 << Flavour::Rs274 as u8 | 1 << Flavour::Iso as u8 | 1 << Flavour::Printer as u8;
 const BOTH: u8 = MILLS | LATHES;
 const MOST: u8 = BOTH | GRBL;
-/// Those of the micro mill too.
+/// Codes that the micro mill has as well.
 const LINK: u8 = MOST | MICROMILL;
 
-/// All codes in their order, with their group and the dialects that have them (Grbl's of 1.1, with
-/// M7 compiled in).
+/// All codes in order, with their group and the dialects that have them (for Grbl those of 1.1,
+/// with M7 compiled in).
 const ROWS: &[(Code, Group, u8)] = &[
     (Code::Rapid, Group::Motion, LINK),
     (Code::Linear, Group::Motion, LINK),
@@ -327,7 +328,7 @@ const KEPT: usize = if EXTENDED {
     Code::Foreign as usize
 };
 
-/// The columns of the rows, a byte each.
+/// The columns of the rows, one byte each.
 static COLUMNS: ([Group; KEPT], [u8; KEPT]) = {
     let (mut groups, mut dialects) = ([Group::NonModal; KEPT], [NONE; KEPT]);
     let mut place = 0;
@@ -371,12 +372,12 @@ impl Code {
         dialects.unwrap_or(NONE).wrapping_shr(flavour as u32) & 1 != 0
     }
 
-    /// Whether this code is there without the extended ones.
+    /// Whether this code exists without the extended ones.
     pub(crate) const fn is_basic(self) -> bool {
         (self as u8) < Code::AbsoluteCentres as u8
     }
 
-    /// How many codes behind another one of a series it is; large for one before it.
+    /// The distance of this code from an earlier one of a series; large for one before it.
     pub(crate) const fn since(self, first: Code) -> u8 {
         (self as u8).wrapping_sub(first as u8)
     }
@@ -396,14 +397,14 @@ impl Code {
         self.since(Code::ProbeMust) <= Code::ProbeAway.since(Code::ProbeMust)
     }
 
-    /// Of a probing code: whether it moves away from the contact, and whether missing it is an
+    /// For a probing code: whether it moves away from the contact, and whether missing it is an
     /// error.
     pub(crate) const fn probe(self) -> (bool, bool) {
         let way = self.since(Code::ProbeMust);
         (way & 2 != 0, way & 1 == 0)
     }
 
-    /// A cutting cycle along a contour: the tenths of its number above G70.
+    /// For a cutting cycle along a contour: its number above G70 in tenths.
     pub(crate) const fn contour_cycle(self) -> Option<u8> {
         Some(match self {
             Code::G70 => 0,
@@ -427,8 +428,8 @@ impl Code {
             .copied()
     }
 
-    /// Letters beside the axes that this code uses, without those of arcs; F, S, T and N need no
-    /// code.
+    /// Letters other than the axes that this code uses, without those of arcs. F, S, T and N need
+    /// no code.
     pub(crate) fn letters(self) -> Letters {
         match self {
             Code::Dwell => const { Letters::new(b"P") },
@@ -466,7 +467,7 @@ impl Code {
         }
     }
 
-    /// Whether the code wants the axis words of the block for itself.
+    /// Whether the code uses the axis words of the block.
     pub(crate) const fn covets_axes(self) -> bool {
         matches!(
             self,

@@ -1,10 +1,10 @@
-//! What differs between the programs of different machines.
+//! Differences between the programs of different machines.
 
 use crate::codes::letters::Letters;
 use crate::features::EXTENDED;
 use crate::text::framing::Framing;
 
-/// A dialect of G-code: plain data, compared and copied freely.
+/// A dialect of G-code: plain data that is freely compared and copied.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Dialect {
@@ -47,44 +47,49 @@ static WORDS: [Letters; 8] = {
 };
 
 impl Dialect {
-    /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block a line, `;` starts a
+    /// RS-274 as NIST and LinuxCNC read it: millimetres or inches, one block per line, `;` starts a
     /// comment.
     ///
-    /// Lines that start with `/` are skipped (block delete on, LinuxCNC's default); see
+    /// Lines that start with `/` are skipped (block delete on, the default of LinuxCNC); see
     /// [`Dialect::with_block_delete`].
     pub const RS274: Dialect = Dialect {
         flavour: Flavour::Rs274,
         block_delete: true,
     };
 
-    /// The strings of the micro mill's link: micrometres, absolute arc centres, `;` ends a block,
-    /// feed in 0.1 mm/min, `G04 P` in whole seconds, `G54` stores the present position as work
-    /// zero, `G28` goes straight to machine zero, each string has its own code (motion is not
-    /// modal), at most 64 characters with its `;`, and `Z` alone.
+    /// The strings of the link of the micro mill: micrometres and absolute arc centres; `;` ends a
+    /// block.
+    ///
+    /// F is in 0.1 mm/min, and `G04 P` is in whole seconds. `G54` stores the present position as
+    /// work zero, and `G28` goes straight to machine zero. Each string has its own code (motion is
+    /// not modal) and at most 64 characters including its `;`. `Z` moves alone.
     pub const MICROMILL: Dialect = Dialect {
         flavour: Flavour::Micromill,
         block_delete: true,
     };
 
-    /// What Grbl 1.1 takes: its list of codes, G0 as the motion mode at the start, and G92 kept at
-    /// the end of a program. It has no block delete: lines that start with `/` are executed.
+    /// Grbl 1.1: its list of codes, G0 as the initial motion mode, and G92 kept at the end of a
+    /// program. There is no block delete: lines that start with `/` are executed.
     pub const GRBL: Dialect = Dialect {
         flavour: Flavour::Grbl,
         block_delete: false,
     };
 
-    /// A turning machine with RS-274's numbers (code systems B and C of turning controls): X is a
-    /// diameter and G18 the plane at the start, `G90`/`G91` and `G94`/`G95` mean what they mean on
-    /// a mill, and the single turning, threading and facing cycles are `G77`, `G78`, `G79`.
+    /// A turning machine with the numbers of RS-274 (code systems B and C of turning controls).
+    ///
+    /// X is a diameter and G18 the plane at the start. `G90`/`G91` and `G94`/`G95` have the same
+    /// meaning as on a mill. The single turning, threading and facing cycles are `G77`, `G78`,
+    /// `G79`.
     pub const LATHE: Dialect = Dialect {
         flavour: Flavour::Lathe,
         block_delete: true,
     };
 
-    /// A turning machine with the numbers of code system A: `G90`, `G92` and `G94` are the turning,
-    /// threading and facing cycles, not distance mode, shift and feed mode; `G98`/`G99` are feed a
-    /// minute and a revolution, `G50` shifts the frame, `G32` cuts a thread, and increments are `U`
-    /// and `W`. X is always a diameter.
+    /// A turning machine with the numbers of code system A.
+    ///
+    /// `G90`, `G92` and `G94` are the turning, threading and facing cycles, not distance mode,
+    /// shift and feed mode. `G98`/`G99` are feed per minute and per revolution, `G50` shifts the
+    /// frame, `G32` cuts a thread, and increments are `U` and `W`. X is always a diameter.
     pub const LATHE_A: Dialect = Dialect {
         flavour: Flavour::LatheA,
         block_delete: true,
@@ -96,11 +101,13 @@ impl Dialect {
         block_delete: true,
     };
 
-    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole. X moves fully,
-    /// then Y, then comes one drilling ([`Command::Drill`](crate::Command::Drill)); beside `G28`,
-    /// which is not homing here, there is none. `G20` `G21` `G90` `G91` are the usual ones, `G92`
-    /// gives the present position the coordinates of its words, or zero without any. Nothing else:
-    /// no Z, no feed, no M code.
+    /// The language of the printed-circuit drill: `X` and `Y`, each block a hole.
+    ///
+    /// X moves fully, then Y, then one drilling follows
+    /// ([`Command::Drill`](crate::Command::Drill)). With `G28`, which is not homing here, there is
+    /// no drilling. `G20` `G21` `G90` `G91` are the usual ones. `G92` sets the coordinates of the
+    /// present position to its words, or to zero without any. There is nothing else: no Z, no feed,
+    /// no M code.
     pub const DRILL: Dialect = Dialect {
         flavour: Flavour::Drill,
         block_delete: true,
@@ -113,7 +120,7 @@ impl Dialect {
         block_delete: true,
     };
 
-    /// All of them.
+    /// All dialects.
     pub const ALL: [Dialect; 8] = [
         Dialect::RS274,
         Dialect::GRBL,
@@ -161,7 +168,7 @@ impl Dialect {
         self.block_delete
     }
 
-    /// The longest block, blanks not counted, its `;` counted; `None` without limit.
+    /// Length of the longest block, without blanks and including its `;`; `None` without a limit.
     pub const fn buffer(&self) -> Option<u8> {
         match self.flavour {
             Flavour::Micromill => Some(64),
@@ -169,7 +176,7 @@ impl Dialect {
         }
     }
 
-    /// What a [`Receiver`](crate::Receiver) checks of each line before its words are read; `None`
+    /// The checks of a [`Receiver`](crate::Receiver) on each line before its words are read; `None`
     /// where lines have no checksums.
     pub const fn framing(&self) -> Option<Framing> {
         match self.flavour {
@@ -178,12 +185,12 @@ impl Dialect {
         }
     }
 
-    /// Whether lines are strings of a link: `;` ends a block, and none has blanks.
+    /// Whether lines are strings of a link: `;` ends a block, and there are no blanks.
     pub(crate) const fn has_strings(&self) -> bool {
         matches!(self.flavour, Flavour::Micromill)
     }
 
-    /// The letters other than G and M that can start a word here.
+    /// The letters other than G and M that can start a word in this dialect.
     #[inline(always)]
     pub(crate) const fn letters(&self) -> Letters {
         WORDS[self.flavour as usize]
@@ -198,13 +205,13 @@ impl Dialect {
         )
     }
 
-    /// Whether an `O` steers the program: where it is not the number of one.
+    /// Whether an `O` controls the flow of the program, and is not the number of a program.
     #[cfg(feature = "program")]
     pub(crate) const fn has_flow(&self) -> bool {
         matches!(self.flavour, Flavour::Rs274 | Flavour::Lathe)
     }
 
-    /// Whether G80 may stand beside another motion code.
+    /// Whether G80 is permitted with another motion code.
     pub(crate) const fn joins_cancel(&self) -> bool {
         !matches!(self.flavour, Flavour::Grbl | Flavour::Micromill)
     }
@@ -214,10 +221,10 @@ impl Dialect {
         matches!(self.flavour, Flavour::Lathe | Flavour::LatheA)
     }
 
-    /// The blocks of one physical line, each with its offset in it.
+    /// The blocks of one physical line, each with its offset in the line.
     ///
-    /// For RS-274 that is the line itself; for micromill the strings before each `;`, and what
-    /// stands behind the last `;` unless it is blank (the end of a line ends a string too).
+    /// For RS-274 it is the line itself. For micromill they are the strings before each `;`, and
+    /// the text after the last `;` unless it is blank (the end of a line ends a string too).
     pub fn blocks<'a>(&self, line: &'a [u8]) -> Blocks<'a> {
         Blocks {
             rest: Some(line),
@@ -250,7 +257,7 @@ impl<'a> Iterator for Blocks<'a> {
         if self.rest.is_none() && text.iter().all(u8::is_ascii_whitespace) {
             return None;
         }
-        // An offset inside the line: text.len() < line.len() when a `;` follows.
+        // An offset inside the line, because text.len() < line.len() when a `;` follows.
         self.at = at.wrapping_add(text.len()).wrapping_add(1);
         Some((at, text))
     }

@@ -1,8 +1,8 @@
-//! Which canned cycles there are.
+//! The kinds of canned cycles.
 
 use crate::codes::letters::Letters;
 
-/// Which cycle.
+/// The kind of a canned cycle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -42,7 +42,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Letters beside the axes that the cycle uses.
+    /// Letters other than the axes that the cycle uses.
     pub(crate) const fn letters(self) -> Letters {
         match self {
             Kind::Drill | Kind::Bore => const { Letters::new(b"RL") },

@@ -1,11 +1,11 @@
 //! The letters of words, their slots in a block, and sets of them.
 
-/// Letters that carry a value; a letter's place in this list is its slot. The first six are the
-/// axes.
+/// Letters that carry a value; the index of a letter in this list is its slot. The first six are
+/// the axes.
 pub(crate) const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
 pub(crate) const SLOTS: usize = 24;
 
-/// Slot of each letter A to Z, or [`NO_SLOT`], of which nothing is ever given.
+/// Slot of each letter A to Z, or [`NO_SLOT`] for a letter that has none.
 const SLOT_OF: [u8; 26] = {
     let mut table = [NO_SLOT; 26];
     let mut slot = 0;

@@ -4,9 +4,9 @@ use crate::codes::code::Code;
 use crate::codes::dialect::Flavour;
 use crate::features::EXTENDED;
 
-/// G codes by their number in tenths, in order, with the meaning they have in most dialects. What
-/// no dialect here has (NURBS, plain plane joins, rigid tapping, local zeros, mirror, rotation,
-/// scaling, macros, ...) is foreign.
+/// G codes by their number in tenths, in order, with their meaning in most dialects. Codes of no
+/// dialect here (NURBS, plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling,
+/// macros, ...) are foreign.
 const G: [(u16, Code); 110] = [
     (0, Code::Rapid),
     (10, Code::Linear),
@@ -162,8 +162,8 @@ const M: [(u16, Code); 37] = [
     (990, Code::Foreign),
 ];
 
-/// The rows of a list, each with how far its number is behind that of the row before: two bytes.
-/// Codes that are compiled out are known, and of no dialect.
+/// The rows of a list, each with the distance of its number from that of the previous row: two
+/// bytes. Codes that are not compiled in are known but of no dialect.
 const fn packed<const COUNT: usize>(rows: &[(u16, Code); COUNT]) -> [(u8, Code); COUNT] {
     let mut packed = [(0, Code::Foreign); COUNT];
     let (mut place, mut before) = (0, 0);
@@ -186,7 +186,7 @@ static OF_M: [(u8, Code); M.len()] = packed(&M);
 /// Above the largest number, in tenths.
 const NUMBERS: usize = 1000;
 
-/// The same by the number itself: a kilobyte, for processors that have the room.
+/// The same indexed by the number itself: one kilobyte, for processors with enough flash.
 const fn spread<const COUNT: usize>(rows: &[(u8, Code); COUNT]) -> [Option<Code>; NUMBERS] {
     let mut spread = [None; NUMBERS];
     let (mut place, mut number) = (0, 0);
@@ -202,8 +202,8 @@ static BY_G: [Option<Code>; NUMBERS] = spread(&packed(&G));
 static BY_M: [Option<Code>; NUMBERS] = spread(&packed(&M));
 
 impl Code {
-    /// The code of a letter (`G` or `M`) and a number in tenths, as a dialect means it; `None` for
-    /// one nobody knows.
+    /// The code of a letter (`G` or `M`) and a number in tenths in a dialect; `None` for an unknown
+    /// one.
     pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
         let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
         if !lathe || letter == b'M' {
@@ -217,7 +217,7 @@ impl Code {
             (Flavour::LatheA, 940) => Some(Code::FaceBoxCycle),
             (Flavour::LatheA, 980) => Some(Code::PerMinute),
             (Flavour::LatheA, 990) => Some(Code::PerRevolution),
-            // Shift of the work frame, which G92 is not there.
+            // Shift of the work frame; G92 has another meaning there.
             (Flavour::LatheA, 500) => Some(Code::Shift),
             (Flavour::LatheA, 320) => Some(Code::Thread),
             (
@@ -229,7 +229,7 @@ impl Code {
     }
 }
 
-/// The code of a letter (`G` or `M`) and a number in tenths; `None` for one nobody knows.
+/// The code of a letter (`G` or `M`) and a number in tenths; `None` for an unknown one.
 fn of_number(letter: u8, tenths: u16) -> Option<Code> {
     if cfg!(target_has_atomic = "32") {
         let codes = if letter == b'M' { &BY_M } else { &BY_G };
@@ -239,11 +239,11 @@ fn of_number(letter: u8, tenths: u16) -> Option<Code> {
     }
 }
 
-/// The same from the rows, one after the other.
+/// The same by a linear search of the rows.
 fn of_row(letter: u8, tenths: u16) -> Option<Code> {
     let rows: &[(u8, Code)] = if letter == b'M' { &OF_M } else { &OF_G };
     let mut left = tenths;
-    // From the first: most are G0 to G3.
+    // From the first row, because most codes are G0 to G3.
     for &(ahead, code) in rows {
         left = left.checked_sub(u16::from(ahead))?;
         if left == 0 {

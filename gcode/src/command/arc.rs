@@ -1,4 +1,5 @@
-//! Arcs: their centre, and how far the end is off the circle through the start. All in integers.
+//! Arcs: the centre, and the distance of the end from the circle through the start. All in
+//! integers.
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::letters::Letters;
@@ -19,7 +20,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Its axes in the order that makes clockwise clockwise: seen from the positive end of the
+    /// Its axes in the order in which clockwise is seen as clockwise: from the positive end of the
     /// third axis.
     pub const fn axes(self) -> [usize; 2] {
         match self {
@@ -29,7 +30,7 @@ impl Plane {
         }
     }
 
-    /// The axis across it.
+    /// The axis perpendicular to it.
     #[cfg(feature = "extended")]
     pub(crate) const fn across(self) -> usize {
         match self {
@@ -57,7 +58,7 @@ impl Plane {
         }
     }
 
-    /// The letters that shape an arc in it, and those of them that are axes.
+    /// The letters that define an arc in it, and those of them that are axes.
     pub(crate) const fn shape(self) -> (Letters, Letters) {
         match self {
             Plane::Xy => const { (Letters::new(b"XYIJR"), Letters::new(b"XY")) },
@@ -66,7 +67,7 @@ impl Plane {
         }
     }
 
-    /// The letters of an arc in it, beside those of axes.
+    /// The letters of an arc in it other than those of axes.
     pub(crate) const fn arc_letters(self) -> Letters {
         match self {
             Plane::Xy => const { Letters::new(b"IJRP") },
@@ -85,10 +86,10 @@ impl Plane {
     }
 }
 
-/// The sense of an arc, seen from the positive end of the axis across its plane.
+/// Sense of rotation of an arc, seen from the positive end of the axis perpendicular to its plane.
 ///
-/// The same as `Direction` of `husillo-interp`. No crate of this level depends on another, so a
-/// `bool` goes between them: [`Direction::is_clockwise`].
+/// The same as `Direction` of `husillo-interp`. Crates of this level do not depend on each other,
+/// so a `bool` connects them: [`Direction::is_clockwise`].
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
@@ -105,7 +106,7 @@ impl Direction {
     }
 }
 
-/// An arc or a helix from the position before it. Start and end equal in the plane mean one full
+/// An arc or a helix from the previous position. Equal start and end in the plane give one full
 /// turn.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -118,22 +119,22 @@ pub struct Arc<const N: usize> {
     pub plane: Plane,
     /// Its sense.
     pub direction: Direction,
-    /// Complete extra turns: `P` less one.
+    /// Complete extra turns: `P` minus one.
     pub turns: u32,
-    /// The radius where the program gives it (`R`), without sign; `None` with a centre, or for a
-    /// half circle whose `R` was stretched to reach the end.
+    /// The programmed radius (`R`) without its sign. `None` with a centre, and for a half circle
+    /// whose `R` was stretched to reach the end.
     pub radius: Option<Nm>,
-    /// How far the radii at start and end differ, rounded to nm; for a stretched half circle how
-    /// much `R` was short.
+    /// Difference of the radii at start and end, rounded to nm. For a stretched half circle, the
+    /// amount by which `R` was too short.
     pub mismatch: Nm,
-    /// One unit of the last printed digit of the arc's words, the finest of them.
+    /// One unit of the last printed digit of the words of the arc, the finest of them.
     pub resolution: Nm,
 }
 
 impl<const N: usize> Arc<N> {
-    /// A flat arc round a centre, all in the machine frame: what a line with `I` and `J` comes to,
-    /// the same verdict included. `None` where such a line is refused: the end is not on the
-    /// circle, or the start is the centre. Start and end equal is one full turn.
+    /// Creates a flat arc around a centre, all in the machine frame, as a line with `I` and `J`
+    /// does, including its checks. Returns `None` where such a line is refused: the end is not on
+    /// the circle, or the start is the centre. Equal start and end give one full turn.
     pub fn around(
         from: &[Nm; N],
         to: [Nm; N],
@@ -155,15 +156,15 @@ impl<const N: usize> Arc<N> {
         })
     }
 
-    /// Start, end and centre in the two axes of its plane, in nanometres of the machine frame: what
-    /// an interpolator takes. `from` is the position before the arc.
+    /// Start, end and centre in the two axes of its plane, in nanometres of the machine frame, as
+    /// an interpolator takes them. `from` is the position before the arc.
     pub fn in_plane(&self, from: &[Nm; N]) -> [[i64; 2]; 3] {
         let axes = self.plane.axes();
         [from, &self.to, &self.centre].map(|at| axes.map(|axis| coordinate(at, axis).0))
     }
 }
 
-/// The distances from one point to another in the plane of two axes; false if one of them is beyond
+/// The distances between two points in the plane of two axes; false if one of the points is beyond
 /// [`Nm::LIMIT`].
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) fn between<const N: usize>(
@@ -185,7 +186,7 @@ pub(crate) fn between<const N: usize>(
     true
 }
 
-/// Places behind the point of a distance.
+/// Binary places of a distance.
 const BITS: u32 = 9;
 
 /// The distance of two points in 2^-9 nm, rounded down; 2^64 - 1 where one is beyond [`Nm::LIMIT`].
@@ -195,20 +196,19 @@ fn distance<const N: usize>(from: &[Nm; N], to: &[Nm; N], axes: [usize; 2]) -> u
     if !between(from, to, axes, &mut way) {
         return u64::MAX;
     }
-    // A square of at most 2^105, its root below 2^53.
+    // The square is at most 2^105, its root below 2^53.
     root_to(square(way[0], way[1]), WHOLE_DIGITS + BITS).0
 }
 
-/// How far two distances differ, in whole nanometres, off by at most 0.502 nm.
+/// The difference of two distances in whole nanometres, off by at most 0.502 nm.
 const fn apart(start: u64, end: u64) -> Nm {
     Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
 }
 
-/// What the geometry makes of an arc with a centre: the mismatch, and with an error the verdict
-/// against it.
+/// Checks the geometry of an arc with a centre: returns the mismatch, or an error.
 ///
-/// Refused when the radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of the radius:
-/// what other controllers accept is accepted.
+/// An arc is refused when its radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of
+/// the radius. Arcs that other controllers accept are thus accepted.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn with_centre<const N: usize>(
     from: &[Nm; N],
@@ -218,7 +218,7 @@ pub(crate) fn with_centre<const N: usize>(
     mismatch: &mut Nm,
 ) -> Result<(), Fault> {
     let (start, end) = (distance(centre, from, axes), distance(centre, to, axes));
-    // A start out of range differs too much.
+    // For a start out of range the difference is too large in any case.
     if end == u64::MAX {
         return Err(Fault::at_motion(Reason::NumberTooLarge));
     }
@@ -227,21 +227,21 @@ pub(crate) fn with_centre<const N: usize>(
     }
     let off = apart(start, end);
     *mismatch = off;
-    // start < 2^62, off < 2^53: no overflow.
+    // start < 2^62 and off < 2^53, so there is no overflow.
     let radius = (start >> BITS) as i64;
     if off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius) {
-        // Without axis words in the plane the arc is a full circle, which fits.
+        // Without axis words in the plane the arc is a full circle, which always fits.
         return Err(Fault::at_axes(Reason::EndOffArc));
     }
     Ok(())
 }
 
-/// How far the centre of an arc of this radius is beside the middle between its ends, as a multiple
-/// of half the distance between them.
+/// Distance of the centre of an arc of this radius from the middle between its ends, as a multiple
+/// of half the distance between the ends.
 ///
 /// A radius up to 5 um and 1 % short of half the distance (a half circle printed with few digits)
-/// is stretched to it: then `short` is by how much. With an error of a radius it is what it should
-/// have been at least.
+/// is stretched to it; `short` is then the difference. With an error about the radius, it is the
+/// least radius that reaches the end.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn beside(
     chord: &[i64; 2],
@@ -274,8 +274,9 @@ pub(crate) fn beside(
     Ok(())
 }
 
-/// Turns the vector from the start to the end of an arc into that to its centre, rounded once to
-/// nm; `left` of the vector to the end, or right of it.
+/// Converts the vector from the start to the end of an arc into the vector to its centre, rounded
+/// once to nm. The centre is to the left of the vector to the end if `left`, otherwise to its
+/// right.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn turn(chord: &mut [i64; 2], ratio: &Ratio, left: bool) {
     let [x, y] = *chord;
@@ -308,7 +309,7 @@ mod tests {
 
     #[test]
     fn mismatch_is_the_difference_of_radii() {
-        // The micro mill's own example: 362.00 um against 362.5617 um.
+        // The example of the micro mill: 362.00 um against 362.5617 um.
         let off = centred(
             point(2_650_000, 3_040_000),
             point(2_969_000, 3_400_000),
@@ -329,7 +330,7 @@ mod tests {
             centred(point(far, 0), point(0, far + 400_000), point(0, 0)),
             (Ok(()), Nm(400_000))
         );
-        // 1000 km: still no overflow.
+        // 1000 km: still without overflow.
         let limit = Nm::LIMIT.0;
         assert_eq!(
             centred(point(limit, limit), point(-limit, -limit), point(0, 0)),
@@ -339,7 +340,7 @@ mod tests {
         assert!(done.is_err());
     }
 
-    /// The centre, and by how much the radius was short.
+    /// The centre, and the amount by which the radius was too short.
     fn by_radius(
         from: [Nm; 2],
         to: [Nm; 2],

@@ -70,11 +70,11 @@ pub(crate) fn turn(from: Vector, to: Vector) -> (i64, i64) {
 }
 
 /// From a corner to the point at this distance from both of its sides:
-/// `(n1 + n2) * by / (1 + n1 n2)`, rounded once; `None` where the sides turn back on themselves.
+/// `(n1 + n2) * by / (1 + n1 n2)`, rounded once. `None` where the path reverses.
 pub(crate) fn mitre(first: Vector, second: Vector, by: i64) -> Option<Vector> {
     let (_, cosine) = turn(first, second);
     let below = (1i64 << BITS).saturating_add(cosine);
-    // Farther than 2^10 times the distance: no tool gets there.
+    // Farther than 2^10 times the distance is not reachable for a tool.
     let divisor = u64::try_from(below)
         .ok()
         .filter(|&below| below >> 40 != 0)?;
@@ -95,8 +95,8 @@ pub(crate) fn mitre(first: Vector, second: Vector, by: i64) -> Option<Vector> {
     }))
 }
 
-/// What is left of a square when another is taken away, as a length; a little less than nothing is
-/// nothing.
+/// The leg of a right triangle with this hypotenuse and this other leg. A slightly negative square
+/// counts as zero.
 fn rest(whole: i64, part: i64) -> Option<i64> {
     let (whole, part) = (whole.saturating_abs(), part.saturating_abs());
     if part > whole {
@@ -162,8 +162,8 @@ fn nearest(one: Vector, other: Vector, near: Vector) -> Vector {
     }
 }
 
-/// Whether a direction lies within the counter-clockwise turn from one to another; equal ends are a
-/// whole turn.
+/// Whether a direction lies within the counter-clockwise turn from one direction to another; equal
+/// directions are a whole turn.
 pub(crate) fn is_between(from: Vector, to: Vector, what: Vector) -> bool {
     if from == to {
         return true;
@@ -204,11 +204,11 @@ mod tests {
         assert!(is_between([0, 1], [1, 0], [-1, -1]) && !is_between([0, 1], [1, 0], [1, 1]));
     }
 
-    /// A turn holds its ends, and all between them counter-clockwise: less than half a turn, half
-    /// of one, and more.
+    /// A turn contains its ends and everything counter-clockwise between them: less than half a
+    /// turn, half a turn, and more.
     #[test]
     fn directions_within_a_turn() {
-        // Eight directions, one behind the other.
+        // Eight directions in counter-clockwise order.
         let ways = [
             [1, 0],
             [1, 1],
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Ends of one direction are no turn, whatever their lengths.
+    /// Ends in the same direction are no turn, whatever their lengths.
     #[test]
     fn ends_of_one_direction() {
         assert!(!is_between([1000, 0], [1001, 0], [0, 1]));
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn figures_on_the_other_side() {
-        // The smaller circle's centre lies behind their common line.
+        // The centre of the smaller circle is beyond their common line.
         assert_eq!(
             circles(([6_000, 0], 3_000), ([0, 0], 5_196), [6_000, 9_000]).map(|at| at[1] > 0),
             Some(true)

@@ -1,4 +1,4 @@
-//! Canned cycles as small state machines: each pull gives the next command of the cycle.
+//! Canned cycles as small state machines: each pull returns the next command of the cycle.
 
 use crate::codes::kind::Kind;
 use crate::command::arc::Plane;
@@ -7,7 +7,7 @@ use crate::cycles::thread::Passes;
 use crate::values::nm::Nm;
 
 impl Kind {
-    /// What happens in each hole, from the retract plane down.
+    /// The actions in each hole, from the retract plane down.
     const fn steps(self) -> &'static [Step] {
         use Level::{Bottom, Clear, Middle, Retract};
         use Step::{Dwell, Feed, Manual, Oriented, Peck, Rapid, Reversed, Running, Shift, Stopped};
@@ -78,27 +78,27 @@ enum Step {
     Shift(bool),
 }
 
-/// Clearance of a peck: how far the tool stays above the ground it had reached (G83), and how far
-/// it retracts to break the chip (G73). LinuxCNC's 0.010 inch.
+/// Clearance of a peck: the distance of the tool from the depth already reached (G83), and the
+/// retract that breaks the chip (G73). LinuxCNC uses 0.010 inch.
 pub(crate) const PECK_CLEARANCE: Nm = Nm(254_000);
 
-/// A drilling cycle at one or more places, all in the machine frame.
+/// A drilling cycle at one or more positions, all in the machine frame.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Holes<const N: usize> {
     pub(crate) kind: Kind,
     pub(crate) plane: Plane,
-    /// Where the tool is.
+    /// Present position of the tool.
     pub(crate) at: [Nm; N],
-    /// The next hole, in the plane.
+    /// Position of the next hole in the plane.
     pub(crate) hole: [Nm; 2],
-    /// From one hole to the next.
+    /// Distance from one hole to the next.
     pub(crate) pitch: [Nm; 2],
     pub(crate) retract: Nm,
     pub(crate) bottom: Nm,
     pub(crate) clear: Nm,
     /// Depth of a peck, or zero.
     pub(crate) peck: Nm,
-    /// How far a peck stays away from the ground, or retracts.
+    /// Clearance or retract of a peck.
     pub(crate) clearance: Nm,
     /// G87: from the hole to the position where the tool passes.
     pub(crate) offset: [Nm; 2],
@@ -106,15 +106,15 @@ pub(crate) struct Holes<const N: usize> {
     pub(crate) dwell_micros: u64,
     pub(crate) feed: Feed,
     pub(crate) spindle: (SpindleDirection, u64),
-    /// The path mode to go back to, where corners are rounded.
+    /// The path mode to restore, where corners are rounded.
     pub(crate) path: Option<PathMode>,
-    /// Holes to make.
+    /// Number of holes still to make.
     pub(crate) left: u32,
     pub(crate) state: State,
 }
 
 impl<const N: usize> Holes<N> {
-    /// None yet.
+    /// An empty cycle, to be filled in.
     pub(crate) const NONE: Self = Holes {
         kind: Kind::Drill,
         plane: Plane::Xy,
@@ -137,7 +137,7 @@ impl<const N: usize> Holes<N> {
     };
 }
 
-/// Where a drilling cycle is.
+/// State of a drilling cycle.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum State {
     Begin,
@@ -167,7 +167,7 @@ impl<const N: usize> Holes<N> {
         }
     }
 
-    /// The height of the tool along the axis across the plane.
+    /// The height of the tool along the axis perpendicular to the plane.
     fn height(&self) -> Nm {
         self.at
             .get(self.plane.across())
@@ -217,7 +217,7 @@ impl<const N: usize> Holes<N> {
         })
     }
 
-    /// One step; `None` where it makes no command.
+    /// Makes one step; `None` where it needs no command.
     fn step(&mut self, step: Step, next: u8) -> Option<Command<N>> {
         self.state = State::Step(next);
         match step {
@@ -248,8 +248,8 @@ impl<const N: usize> Holes<N> {
     }
 
     fn next(&mut self) -> Option<Command<N>> {
-        // Each state either gives a command or moves on; the longest way without one is a few
-        // states.
+        // Each state either returns a command or goes on to another; there are at most a few states
+        // without a command.
         loop {
             let made = match self.state {
                 State::Begin => {
@@ -363,7 +363,7 @@ impl<const N: usize> Rectangle<N> {
     }
 }
 
-/// A cycle being made.
+/// A cycle in progress.
 #[derive(Clone, Debug)]
 pub(crate) enum Cycle<const N: usize> {
     Holes(Holes<N>),

@@ -1,4 +1,4 @@
-//! Threading in passes (G76): how deep each pass goes, and its moves.
+//! Threading in passes (G76): the depth of each pass, and its moves.
 
 use crate::command::Command;
 use crate::values::nm::Nm;
@@ -14,8 +14,8 @@ const ROOTS: [u32; 31] = [
     0x8000002c, 0x80000016, 0x8000000b, 0x80000006, 0x80000003, 0x80000001, 0x80000001,
 ];
 
-/// `n^(1/degression)` in 2^-31, good to 3 * 10^-8 of itself; `degression` in millionths, at least
-/// 1; n in 1..=2^16.
+/// `n^(1/degression)` in 2^-31, accurate to 3 * 10^-8 of the value. `degression` is in millionths
+/// and at least 1; n is in 1..=2^16.
 ///
 /// log2 by repeated squaring, 31 bits; 2^x by a product of roots.
 fn power(n: u32, degression_micro: u64) -> u64 {
@@ -23,7 +23,7 @@ fn power(n: u32, degression_micro: u64) -> u64 {
     let mut mantissa = u64::from(n.max(1)).wrapping_shl(31u32.wrapping_sub(whole));
     let mut logarithm = u64::from(whole);
     for _ in 0..31 {
-        // mantissa in [1, 2) * 2^31: its square is below 2^64.
+        // mantissa in [1, 2) * 2^31, so its square is below 2^64.
         let square = mantissa.wrapping_mul(mantissa);
         let carry = square >> 63;
         mantissa = square.wrapping_shr(31u32.wrapping_add(carry as u32));
@@ -41,12 +41,12 @@ fn power(n: u32, degression_micro: u64) -> u64 {
             product = product.wrapping_mul(u64::from(root)) >> 31;
         }
     }
-    // The whole part is at most 16: the result is below 2^49.
+    // The whole part is at most 16, so the result is below 2^49.
     product.wrapping_shl((exponent >> 31) as u32)
 }
 
-/// The tangent of an angle in millionths of a degree, below 89 degrees, in 2^-30, good to 10^-8 up
-/// to 45 degrees.
+/// The tangent of an angle in millionths of a degree, below 89 degrees, in 2^-30. Accurate to 10^-8
+/// up to 45 degrees.
 pub(crate) fn tangent(micro_degrees: u64) -> i64 {
     const ONE: i64 = 1 << 30;
     // pi / 180 in 2^-55, over 10^6 and shifted down to 2^-30 at the end: 89e6 * 6.3e8 < 2^56.
@@ -70,12 +70,13 @@ pub(crate) fn tangent(micro_degrees: u64) -> i64 {
 /// A threading cycle: X is depth, Z the direction of the cut.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Passes<const N: usize> {
-    /// Where the cycle starts and, in X, the drive line to which it comes back.
+    /// Start of the cycle. Its X is the drive line, to which the cycle returns.
     pub(crate) start: [Nm; N],
     /// The Z of the end.
     pub(crate) end_z: Nm,
     pub(crate) lead: Nm,
-    /// From the drive line to the crest of the thread, signed: the direction of the infeed.
+    /// Distance from the drive line to the crest of the thread. The sign is the direction of the
+    /// infeed.
     pub(crate) peak: Nm,
     /// Depth of the first pass, above zero.
     pub(crate) first: Nm,
@@ -86,7 +87,7 @@ pub(crate) struct Passes<const N: usize> {
     pub(crate) slope: i64,
     /// Passes at full depth still to make, the last cut included.
     pub(crate) springs: u32,
-    /// Length of the tapers at the ends, and which: 1 at the entry, 2 at the exit.
+    /// Length of the tapers at the ends, and a mask of the ends: 1 entry, 2 exit.
     pub(crate) taper: Nm,
     pub(crate) taper_ends: u8,
     pub(crate) pass: u32,
@@ -98,10 +99,11 @@ impl<const N: usize> Passes<N> {
     /// The depth below the crest of pass n, from 1.
     pub(crate) fn depth(&self, n: u32) -> Nm {
         let factor = power(n, self.degression_micro);
-        // first <= 2^50 and factor < 2^49 would not fit: in 128 bits, a multiplication only.
+        // first <= 2^50 and factor < 2^49 do not fit in 64 bits; in 128 bits this is only a
+        // multiplication.
         let deep = u128::from(self.first.0.unsigned_abs()).wrapping_mul(u128::from(factor)) >> 31;
         let deep = i64::try_from(deep).unwrap_or(i64::MAX);
-        // The power is good to 3e-8: what is closer to the full depth than that is the full depth.
+        // The power is accurate to 3e-8, so a depth that close to the full depth is the full depth.
         let slack = deep.wrapping_shr(24).saturating_add(1);
         if deep.saturating_add(slack) >= self.full.0 {
             self.full

@@ -1,30 +1,30 @@
-//! Why a line did not come whole.
+//! Reasons for refusing a received line.
 
 use core::fmt;
 
-/// Why a line was refused. The answer to the sender is to send again from
+/// Reason why a line was refused. The sender has to repeat from
 /// [`Receiver::expected`](crate::Receiver::expected) on.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FramingError {
     /// A line without its checksum.
     NoChecksum,
-    /// A `*` with anything but a number from 0 to 255 behind it.
+    /// A `*` that is not followed by a number from 0 to 255.
     MalformedChecksum,
-    /// The checksum of the line, and the one computed.
+    /// The checksum of the line differs from the computed one.
     Checksum {
-        /// As given.
+        /// The checksum in the line.
         given: u8,
-        /// Of the bytes received.
+        /// The checksum of the received bytes.
         computed: u8,
     },
-    /// A line without its number, or with one that is no whole number of 32 bits.
+    /// A line without a number, or with one that is not a whole number of 32 bits.
     NoNumber,
-    /// The number of the line is not the next one.
+    /// The line number is not the expected one.
     Number {
-        /// As given.
+        /// The number in the line.
         given: u32,
-        /// The next one.
+        /// The expected number.
         expected: u32,
     },
 }

@@ -1,15 +1,15 @@
-//! What can be wrong with parameters, expressions and the flow of a program.
+//! Errors of parameters, expressions and the flow of a program.
 
 use core::fmt;
 
-/// The faults of programs with parameters; [`Fault::code`] is the number of the host's message.
+/// Errors of programs with parameters. [`Fault::code`] is the number of the message of the host.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Fault {
-    /// No number, parameter, bracket or function where a value belongs.
+    /// No number, parameter, bracket or function where a value is expected.
     NoValue,
-    /// Neither an operator nor a closing bracket behind a value.
+    /// Neither an operator nor a closing bracket after a value.
     NoOperator,
     /// A bracket without its counterpart.
     OpenBracket,
@@ -23,19 +23,19 @@ pub enum Fault {
     MalformedName,
     /// An expression with more than 24 unfinished operations.
     TooNested,
-    /// `#n` without `=` where a word belongs.
+    /// `#n` without `=` where a word is expected.
     NoAssignment,
     /// Division by zero, or zero to a negative power.
     DivisionByZero,
-    /// An argument that the function has no value for.
+    /// An argument outside the domain of the function.
     OutsideDomain,
     /// A result beyond 9.2 * 10^18.
     ResultTooLarge,
     /// A parameter number that is not whole, or not from 1 to 5602.
     NoSuchParameter,
-    /// A named parameter that has not been given a value.
+    /// A named parameter that was never assigned.
     UndefinedName,
-    /// A system parameter, which is only read.
+    /// A system parameter, which is read-only.
     ReadOnly,
     /// No room for another parameter.
     ParametersFull,
@@ -43,29 +43,29 @@ pub enum Fault {
     TooManyAssignments,
     /// An O-word without a known keyword.
     UnknownKeyword,
-    /// An O-word label that is no whole number and no name.
+    /// An O-word label that is neither a whole number nor a name.
     MalformedLabel,
-    /// Something else on the line of an O-word.
+    /// Other text on the line of an O-word.
     NotAlone,
     /// More than 30 arguments.
     TooManyArguments,
     /// A call of a subroutine that is not in the program.
     NoSuchSubroutine,
-    /// The line that opens is missing: `endwhile` without `while`.
+    /// The opening line is missing: `endwhile` without `while`.
     NotOpened,
-    /// The line that closes is missing.
+    /// The closing line is missing.
     NotClosed,
-    /// A subroutine inside of another.
+    /// A subroutine inside another.
     NestedSubroutine,
-    /// `break` or `continue` without a loop of this label around it.
+    /// `break` or `continue` outside a loop with this label.
     NoLoop,
-    /// `return` outside of a subroutine.
+    /// `return` outside a subroutine.
     NoCall,
-    /// More calls or loops inside each other than are kept.
+    /// Too many nested calls or loops.
     TooDeep,
-    /// The program took more steps than it was given.
+    /// The program took more than the permitted number of steps.
     OutOfSteps,
-    /// O-words, which this dialect has not.
+    /// O-words, which this dialect does not have.
     FlowNotOfDialect,
 }
 

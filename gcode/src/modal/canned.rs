@@ -1,4 +1,4 @@
-//! Canned cycles: what a block says about them, and the words they keep.
+//! Canned cycles: the words of a block for them, and the words they keep.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
@@ -20,8 +20,8 @@ use crate::values::nm::{Nm, coordinate};
 const MOST_PECKS: u64 = 1 << 16;
 
 impl<const N: usize> Modal<N> {
-    /// What a series of cycles keeps is forgotten behind it, the level of G98 behind a series of
-    /// whatever cycles.
+    /// Clears the values kept for a series of cycles after its end; the level of G98 only after a
+    /// series of any cycles.
     pub(crate) fn leave_series(&mut self, mode: Code) {
         let before = self.active(Group::Motion);
         if (before.cycle().is_some() || before == Code::Thread) && before != mode {
@@ -62,7 +62,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// A length that stays for the series, or the error that it is missing.
+    /// A length that is kept for the series, or the error that it is missing.
     fn kept(&self, block: &Block, letter: u8, before: Option<Nm>) -> Result<Nm, Fault> {
         match self.length_of(block, letter)? {
             Some(length) => Ok(length),
@@ -70,8 +70,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// G73, G74, G81 to G89. The cycle is made where it stays, in steps of which each leaves the
-    /// stack before the next one.
+    /// G73, G74, G81 to G89. The cycle is built in place, in steps that each leave the stack before
+    /// the next one.
     #[inline(never)]
     fn holes(
         &mut self,
@@ -86,7 +86,7 @@ impl<const N: usize> Modal<N> {
             return Ok(());
         };
         holes.kind = kind;
-        // A lathe drills along Z, whatever the plane of its arcs.
+        // A lathe drills along Z in any plane of its arcs.
         holes.plane = if self.modes.dialect.is_lathe() {
             Plane::Xy
         } else {
@@ -137,7 +137,7 @@ impl<const N: usize> Modal<N> {
             return Err(Fault::at(Reason::UnusedWord, letter));
         }
 
-        // The retract plane, or on a lathe how far a peck retracts.
+        // The retract plane; on a lathe the retract of a peck.
         let given = if peck_on_lathe {
             let plain = self.length_of(block, b'R')?;
             plain
@@ -178,10 +178,10 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The places of the holes, and the one where the cycle ends.
+    /// The positions of the holes, and the end position of the cycle.
     #[inline(never)]
     fn places(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
-        // The position after it, when there is an end.
+        // The end position of the cycle, if it has one.
         let mut end = self.modes.position;
         self.read_axes(block, self.terms(), &mut end)?;
         let incremental = self.distance() == Distance::Incremental;
@@ -212,7 +212,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The depth of a peck; not too many of them.
+    /// The depth of a peck; there may not be too many pecks.
     fn peck(&mut self, block: &Block, holes: &Holes<N>) -> Result<Nm, Fault> {
         if !matches!(holes.kind, Kind::Peck | Kind::ChipBreak | Kind::LathePeck) {
             if u64::from(holes.left) > MOST_PECKS {
@@ -238,7 +238,7 @@ impl<const N: usize> Modal<N> {
         Ok(peck)
     }
 
-    /// I, J and K of G87: the offset in the plane and the height to which it bores.
+    /// I, J and K of G87: the offset in the plane and the end height of the boring.
     #[inline(never)]
     fn back_bore(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
         let [i, j] = holes.plane.centre_letters();
@@ -264,7 +264,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// Taps turn in their own direction; bores that stop the spindle need it to turn.
+    /// Taps need the spindle to turn in their direction; bores that stop the spindle need it to
+    /// turn.
     fn check_cycle_spindle(&self, kind: Kind) -> Result<(), Fault> {
         let right = match kind {
             Kind::Tap => self.spindle_direction() == SpindleDirection::Clockwise,

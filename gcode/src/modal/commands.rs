@@ -12,18 +12,18 @@ use crate::cycles::cycle::{Cycle, Holes};
 use crate::modal::modes::Modes;
 use crate::values::nm::Nm;
 
-/// The commands of one block, in their order of execution. Small, owned, and pulled one by one; a
-/// canned cycle makes its moves as they are pulled, at most 2^21 of them.
+/// The commands of one block in order of execution. A small value that is pulled command by
+/// command. A canned cycle makes its moves as they are pulled, at most 2^21 of them.
 ///
-/// What is looked at most stands first: short instructions reach 32 bytes from its address.
+/// The fields used most come first: short instructions reach 32 bytes from the address.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Commands<const N: usize> {
-    /// Bit n: command n is still to come.
+    /// Bit n: command n is pending.
     pending: u16,
-    /// Of a series of codes one: G5 is any spline, G81 any cycle.
+    /// Representative of a series of codes: G5 is any spline, G81 any cycle.
     motion: Option<Code>,
-    /// A code of the group of stops; `None` is the drilling of the drill.
+    /// A code of the group of stops; `None` is the drilling cycle of the drill.
     last: Option<Code>,
     spindle: SpindleDirection,
     mist: bool,
@@ -32,22 +32,22 @@ pub struct Commands<const N: usize> {
     length_number: u32,
     milli_rpm: u64,
     dwell_micros: u64,
-    /// Of all feed moves.
+    /// Feed of all feed moves.
     pub(crate) feed: Feed,
-    /// The arc. Its end is that of all moves; where an arc does not fit, its mismatch is the
+    /// The arc. Its end is the end of all moves. For an arc that does not fit, its mismatch is the
     /// measure of the error.
     pub(crate) arc: Arc<N>,
     length: [Nm; N],
-    /// The modes before the block, while it is executed.
+    /// The modes before the block, kept during its execution.
     pub(crate) before: Modes<N>,
-    /// The point a G28 goes through.
+    /// The intermediate point of G28.
     pub(crate) via: [Nm; N],
     #[cfg(feature = "extended")]
     path: PathMode,
-    /// Of G33.
+    /// Lead of G33.
     #[cfg(feature = "extended")]
     pub(crate) lead: Nm,
-    /// Of a spline.
+    /// Points of a spline.
     #[cfg(feature = "extended")]
     pub(crate) points: [[Nm; 2]; 4],
     #[cfg(feature = "extended")]
@@ -60,14 +60,14 @@ pub struct Commands<const N: usize> {
 struct More<const N: usize> {
     tool_is: bool,
     compensation: (Option<Side>, Nm, Plane),
-    /// M48 to M53, M62 to M68: no motion in it.
+    /// M48 to M53 and M62 to M68, which do not move.
     switch: Plain,
     io: Plain,
     turn: Plain,
     cycle: Option<Cycle<N>>,
 }
 
-/// Those without a position, which fit a few words.
+/// Commands without a position, which fit in a few words.
 #[cfg(feature = "extended")]
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum Plain {
@@ -128,13 +128,13 @@ const MOTION: u16 = 1 << 11;
 const LAST: u16 = 1 << 12;
 
 impl<const N: usize> Commands<N> {
-    /// None: to be filled by [`Modal::apply`](crate::Modal::apply).
+    /// Creates an empty value, to be filled by [`Modal::apply`](crate::Modal::apply).
     pub const fn new() -> Self {
         Self::EMPTY
     }
 
-    /// All bytes of it are zero, as far as the extended codes add none: nothing that must be copied
-    /// from a constant.
+    /// All bytes are zero (unless the extended codes add others), so nothing has to be copied from
+    /// a constant.
     const EMPTY: Self = Commands {
         pending: 0,
         motion: None,
@@ -177,9 +177,9 @@ impl<const N: usize> Commands<N> {
         },
     };
 
-    /// Drops the commands that have not been taken: of a program that is cut short.
+    /// Drops the commands that have not been taken, for a program that is interrupted.
     pub fn clear(&mut self) {
-        // What the fields hold is no longer looked at.
+        // The contents of the fields are then ignored.
         self.pending = 0;
     }
 
@@ -226,12 +226,12 @@ impl<const N: usize> Commands<N> {
         }
     }
 
-    /// A rapid to `via` first.
+    /// Adds a rapid to `via` before the motion.
     pub(crate) fn go_via(&mut self) {
         self.pending |= VIA;
     }
 
-    /// A motion to the end of the arc, whatever it is.
+    /// Adds a motion of any kind to the end of the arc.
     pub(crate) fn motion(&mut self, motion: Code) {
         (self.motion, self.pending) = (Some(motion), self.pending | MOTION);
     }
@@ -266,13 +266,13 @@ impl<const N: usize> Commands<N> {
         self.pending |= COMPENSATION;
     }
 
-    /// Holes to be filled in.
+    /// The holes of the cycle, to be filled in.
     pub(crate) fn holes(&mut self) -> Option<&mut Holes<N>> {
         self.more.cycle = Some(Cycle::Holes(Holes::NONE));
         self.holes_made()
     }
 
-    /// Those that were made last.
+    /// The holes of the last cycle.
     pub(crate) fn holes_made(&mut self) -> Option<&mut Holes<N>> {
         match &mut self.more.cycle {
             Some(Cycle::Holes(holes)) => Some(holes),

@@ -1,4 +1,4 @@
-//! The drill's blocks: to a position, X before Y, and one drilling there.
+//! Blocks of the drill: move to a position, X before Y, and drill there.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};

@@ -17,7 +17,8 @@ use crate::modal::settings::whole;
 use crate::modal::tools::Tool;
 use crate::values::nm::{Nm, coordinate};
 
-/// What counts beside an axis word: some zeros, and the position or what the position shall read.
+/// Offsets that are added to an axis word: some zeros, and the position or the value that the
+/// position shall read.
 #[derive(Copy, Clone)]
 pub(crate) struct Terms(u8);
 
@@ -28,23 +29,22 @@ const LENGTH: u8 = 4;
 const FIXTURE: u8 = 8;
 const POSITION: u8 = 16;
 const HERE: u8 = 32;
-/// An end of a move: increments count from the position.
+/// The end of a move; increments count from the position.
 const END: u8 = 64;
 
 impl Terms {
-    /// The value itself.
+    /// The value without any offset.
     pub(crate) const NONE: Terms = Terms(0);
-    /// The end of a move in the machine frame, in the work frame, or as a distance from the
-    /// position.
+    /// The end of a move in the machine frame, in the work frame, or relative to the position.
     pub(crate) const MACHINE: Terms = Terms(END);
     pub(crate) const WORK: Terms = Terms(END | SYSTEM | SHIFT | LENGTH);
     pub(crate) const INCREMENT: Terms = Terms(END | POSITION);
-    /// Where the zero of a frame is, so that the present position reads the value: in the work
-    /// frame (G10 L20), by G92.
+    /// The zero of a frame for which the present position reads the value: in the work frame (G10
+    /// L20), and by G92.
     const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
     const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
-    /// How long the tool is, so that it reads the value: in the work frame (G10 L10) or in the
-    /// fixture of G59.3, whatever shifts the others (G10 L11).
+    /// The tool length for which the present position reads the value: in the work frame (G10 L10),
+    /// or in the fixture of G59.3 regardless of the other shifts (G10 L11).
     #[cfg(feature = "extended")]
     const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
     #[cfg(feature = "extended")]
@@ -56,7 +56,7 @@ impl Terms {
 }
 
 impl<const N: usize> Modal<N> {
-    /// Replaces the coordinates whose axes the block gives.
+    /// Replaces the coordinates of the axes that the block gives.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn read_axes(
@@ -66,7 +66,7 @@ impl<const N: usize> Modal<N> {
         to: &mut [Nm; N],
     ) -> Result<(), Fault> {
         let mut given = block.axes();
-        // Beyond the axes with letters there is nothing, and no bit of `given`.
+        // There are no axes beyond those with letters, and no bits of `given`.
         for (axis, to) in (0..AXES).zip(to.iter_mut()) {
             if given & 1 != 0 {
                 self.read_axis(block, terms, axis, to)?;
@@ -76,8 +76,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The end of a move: what [`Modal::read_axes`] makes of the position, without diameters and
-    /// increments, with what is the same for all axes looked up once.
+    /// The end of a move. A fast form of [`Modal::read_axes`] without diameters and increments;
+    /// values that are equal for all axes are looked up once.
     #[inline(always)]
     pub(crate) fn read_end(
         &self,
@@ -103,7 +103,8 @@ impl<const N: usize> Modal<N> {
             let (factor, exponent) = if axis < 3 { lengths } else { degrees };
             let value = word.scaled(i32::from(factor), exponent);
             let value = value.and_then(|value| Nm(value).within_limit());
-            // Each within Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+            // Each is within Nm::LIMIT, unless a caller gave more; the sum is then beyond the limit
+            // too.
             let zero = if absolute {
                 system.0.saturating_add(shift.0).saturating_add(length.0)
             } else if incremental {
@@ -165,7 +166,8 @@ impl<const N: usize> Modal<N> {
             (FIXTURE, self.offsets.last()),
         ] {
             if let Some(point) = point.filter(|_| terms.has(term)) {
-                // A few times Nm::LIMIT, unless a caller gave more: then the sum is beyond it too.
+                // A few times Nm::LIMIT, unless a caller gave more; the sum is then beyond the
+                // limit too.
                 sum = sum.saturating_add(coordinate(point, axis).0);
             }
         }
@@ -177,7 +179,7 @@ impl<const N: usize> Modal<N> {
         self.sum_of(axis, Terms(SYSTEM | SHIFT))
     }
 
-    /// The work zero of the programmed point: with the tool length.
+    /// The work zero of the programmed point, including the tool length.
     pub(crate) fn zero_of(&self, axis: usize) -> Nm {
         self.sum_of(axis, Terms::WORK)
     }
@@ -230,7 +232,7 @@ impl<const N: usize> Modal<N> {
                 }
             }
         };
-        // A negative radius is a tool on the other side.
+        // A negative radius puts the tool on the other side.
         let side = match (side, radius < Nm(0)) {
             (Side::Left, true) => Side::Right,
             (Side::Right, true) => Side::Left,
@@ -259,8 +261,8 @@ impl<const N: usize> Modal<N> {
             Code::ToolLength => {
                 number = self.modes.loaded;
                 block.whole(b'H', u32::MAX, &mut number)?;
-                // A tool that is not in the table has no length of its own: its length is in the
-                // work zero.
+                // A tool that is not in the table has no length; its length is part of the work
+                // zero.
                 *to = self.tools.get(number).unwrap_or_default().offset;
             }
             Code::DirectToolLength => {
@@ -271,7 +273,7 @@ impl<const N: usize> Modal<N> {
             }
             _ => {
                 *to = [Nm(0); N];
-                // G49 in the first line of many a program.
+                // G49 is in the first line of many programs.
                 if self.modes.length == *to {
                     return Ok(());
                 }
@@ -279,7 +281,7 @@ impl<const N: usize> Modal<N> {
         }
         #[cfg(feature = "extended")]
         if self.compensation().is_some() {
-            // The contour stays where it is in its plane.
+            // The compensated contour must not shift in its plane.
             let differs = |axis: usize| self.modes.length.get(axis) != to.get(axis);
             if self.plane().axes().into_iter().any(differs) {
                 return Err(Fault::at_code(Reason::UnderCompensation, Group::ToolLength));
@@ -351,8 +353,8 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// G92: the present position gets the coordinates of the axis words; on the drill zero without
-    /// any.
+    /// G92: sets the coordinates of the present position to the axis words; on the drill to zero
+    /// without any.
     #[inline(never)]
     pub(crate) fn set_shift(
         &mut self,
@@ -378,8 +380,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G28 and G30: through the given point to the stored position, only the axes named; all axes
-    /// straight where none is.
+    /// G28 and G30: through the given point to the stored position, with the named axes only.
+    /// Without axis words all axes go straight.
     #[inline(never)]
     pub(crate) fn go_home(
         &mut self,

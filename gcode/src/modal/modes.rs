@@ -1,4 +1,4 @@
-//! The modes that a block may change, by name and as they are kept.
+//! The modes that a block may change, by name and as they are stored.
 
 #[cfg(feature = "extended")]
 use crate::codes::code::Side;
@@ -9,7 +9,7 @@ use crate::codes::kind::Kind;
 use crate::values::decimal::Decimal;
 use crate::values::nm::Nm;
 
-/// The motion mode: what axis words alone do.
+/// Motion mode: the motion of axis words without a code.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -64,7 +64,7 @@ impl Units {
         }
     }
 
-    /// This many units in nanometres, rounded once, halves away from zero; `None` beyond
+    /// Converts this many units to nanometres, rounded once, halves away from zero; `None` beyond
     /// [`Nm::LIMIT`].
     #[cfg(feature = "extended")]
     pub(crate) fn length(self, value: Decimal) -> Option<Nm> {
@@ -73,7 +73,7 @@ impl Units {
         scaled.and_then(|nm| Nm(nm).within_limit())
     }
 
-    /// Half of it, rounded once: a diameter as a radius.
+    /// Half of that value, rounded once: a diameter as a radius.
     #[cfg(feature = "extended")]
     pub(crate) fn half(self, value: Decimal) -> Option<Nm> {
         let (factor, exponent) = self.scale(true);
@@ -82,7 +82,7 @@ impl Units {
     }
 }
 
-/// How coordinates (G90, G91) or arc centres (G90.1, G91.1) are meant.
+/// Distance mode of coordinates (G90, G91) or of arc centres (G90.1, G91.1).
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Distance {
@@ -92,32 +92,33 @@ pub enum Distance {
     Incremental,
 }
 
-/// What `F` means.
+/// Meaning of `F`.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FeedMode {
-    /// G94: length a minute.
+    /// G94: length per minute.
     PerMinute,
-    /// G93: moves a minute; every feed move has its own `F`.
+    /// G93: moves per minute; every feed move has its own `F`.
     InverseTime,
-    /// G95: length a revolution of the spindle.
+    /// G95: length per spindle revolution.
     PerRevolution,
 }
 
-/// What a refused block must leave as it was, small enough to be kept aside meanwhile.
+/// The part of the state that a refused block has to restore; small enough for a backup.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
 #[repr(C)]
 pub(crate) struct Modes<const N: usize> {
     pub(crate) tool: u32,
-    /// The tool in the spindle: by M6 or M61.
+    /// The tool in the spindle, set by M6 or M61.
     pub(crate) loaded: u32,
     /// The code in effect of each modal group.
     pub(crate) active: [Option<Code>; Group::MODAL],
     pub(crate) mist: bool,
     pub(crate) flood: bool,
-    /// What it was made for; it never changes.
+    /// The dialect, which never changes.
     pub(crate) dialect: Dialect,
-    /// Nanometres a minute or a revolution, or millionths of a move a minute; 0 when there is none.
+    /// Nanometres per minute or per revolution, or millionths of a move per minute; 0 without a
+    /// feed.
     pub(crate) feed: u64,
     pub(crate) milli_rpm: u64,
     pub(crate) position: [Nm; N],
@@ -134,7 +135,7 @@ pub(crate) struct Modes<const N: usize> {
 }
 
 impl<const N: usize> Modes<N> {
-    /// All bytes zero, as far as the extended codes add none: no codes in effect.
+    /// All bytes are zero (unless the extended codes add others): no codes are in effect.
     pub(crate) const NONE: Self = Modes {
         dialect: Dialect::RS274.with_block_delete(false),
         active: [None; Group::MODAL],
@@ -154,8 +155,8 @@ impl<const N: usize> Modes<N> {
         more: More::NONE,
     };
 
-    /// Copies it field by field: as a whole it is moved by a function that nothing else of the
-    /// basic codes needs.
+    /// Copies it field by field. A copy of the whole would link a function that the basic codes
+    /// need nowhere else.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn write_to(&self, to: &mut Self) {
         (to.dialect, to.active) = (self.dialect, self.active);
@@ -174,13 +175,14 @@ impl<const N: usize> Modes<N> {
     }
 }
 
-/// What the extended codes leave to the next block, besides the canned cycles.
+/// State that the extended codes leave to the next block, apart from the canned cycles.
 #[cfg(feature = "extended")]
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
 pub(crate) struct More {
-    /// G96: surface speed a minute and the most thousandths of a revolution; `None` under G97.
+    /// G96: surface speed per minute and the largest speed in thousandths of a revolution per
+    /// minute; `None` under G97.
     pub(crate) surface: Option<(Nm, Option<u64>)>,
-    /// G5: from the end of the curve back to its second control point, turned round.
+    /// G5: the reversed vector from the end of the curve to its second control point.
     pub(crate) tail: Option<[Nm; 2]>,
     pub(crate) compensation: Option<Side>,
     /// `P` of G64.
@@ -197,7 +199,7 @@ impl More {
     };
 }
 
-/// What a canned cycle keeps for the next block of its series, lengths as they were programmed.
+/// Values that a canned cycle keeps for the next block of its series, with lengths as programmed.
 #[cfg(feature = "extended")]
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) struct Sticky {
@@ -206,7 +208,7 @@ pub(crate) struct Sticky {
     pub(crate) peck: Option<Nm>,
     pub(crate) dwell_micros: u64,
     pub(crate) back_bore: Option<[Nm; 3]>,
-    /// Height before the series, machine frame: where G98 goes back to.
+    /// Height before the series in the machine frame, to which G98 returns.
     pub(crate) initial: Option<Nm>,
     /// The far corner of a turning cycle, X and Z, machine frame.
     pub(crate) corner: Option<[Nm; 2]>,

@@ -1,4 +1,4 @@
-//! What moves: who gets the axis words, G0 to G3, G53 and G38.
+//! Motion: the user of the axis words, G0 to G3, G53 and G38.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
@@ -19,11 +19,11 @@ use crate::values::nm::Nm;
 use crate::values::wide::Ratio;
 
 impl<const N: usize> Modal<N> {
-    /// What is left of [`Modal::moves`] for G0 to G3 in a block without other codes, behind a move
-    /// or nothing.
+    /// The part of [`Modal::moves`] that remains for G0 to G3 in a block without other codes, after
+    /// a move or no motion.
     ///
-    /// No non-modal code, no cycle that ends, no drill (it has no motion codes) and nothing that
-    /// compensation forbids.
+    /// There is no non-modal code, no cycle that ends, no drill (it has no motion codes) and
+    /// nothing that compensation forbids.
     #[inline(always)]
     pub(crate) fn moves_on(
         &mut self,
@@ -49,8 +49,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The last stage before stops: words without a user are refused here, then one of G10, G28,
-    /// G30, G92 or the motion happens.
+    /// The last stage before stops. It refuses words without a user, and then executes one of G10,
+    /// G28, G30, G92 or the motion.
     #[inline(never)]
     pub(crate) fn moves(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         if self.modes.dialect.flavour == Flavour::Drill {
@@ -99,7 +99,7 @@ impl<const N: usize> Modal<N> {
             _ if direct_length => {}
             _ => self.travel(block, mode, mine, commands)?,
         }
-        // The mode is that of the next block too, except on the micro mill's link.
+        // The mode stays for the next block, except on the link of the micro mill.
         if self.modes.dialect.flavour != Flavour::Micromill {
             self.set_active(Group::Motion, mode);
         }
@@ -110,7 +110,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// Refuses words without a user; `mine` is whether the motion has the axis words, or its code.
+    /// Refuses words without a user. `mine` is whether the motion uses the axis words or has a
+    /// code.
     #[inline]
     fn check_words(&self, block: &Block, mode: Code, mine: bool) -> Result<(), Fault> {
         if !block.has_claims() {
@@ -120,7 +121,8 @@ impl<const N: usize> Modal<N> {
         let letters = match mode {
             _ if !mine => Letters::NONE,
             Code::Clockwise | Code::CounterClockwise => {
-                // Grbl passes over the offset across the plane of an arc to a point in it.
+                // Grbl ignores the offset perpendicular to the plane of an arc to a point in the
+                // plane.
                 let (_, ends) = self.plane().shape();
                 let grbl = self.modes.dialect.flavour == Flavour::Grbl;
                 if grbl && block.has_any(ends) && !block.has(b'R') {
@@ -170,7 +172,7 @@ impl<const N: usize> Modal<N> {
         self.travel_to(block, mode, terms, commands)
     }
 
-    /// The move itself, and the mode it has.
+    /// Makes the move, and sets its mode.
     #[inline(always)]
     fn travel_to(
         &mut self,
@@ -185,7 +187,7 @@ impl<const N: usize> Modal<N> {
             Code::Rapid => {}
             Code::Linear => self.set_feed_of(commands)?,
             Code::Clockwise | Code::CounterClockwise => {
-                // One after the other: what one needs of the stack the next one has too.
+                // One after the other, so that they share their stack.
                 self.shape_arc(block, mode, commands)?;
                 if block.has(b'R') {
                     self.arc_by_radius(block, &mut commands.arc)?;
@@ -210,7 +212,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The position with the axis words of the block applied, as the end of the move.
+    /// Applies the axis words of the block to the position and stores the result as the end of the
+    /// move.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn aim(
@@ -219,7 +222,7 @@ impl<const N: usize> Modal<N> {
         terms: Terms,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        // Increments (U, V, W) are words of code system A alone, where X is always a diameter.
+        // Only code system A has increments (U, V, W), and there X is always a diameter.
         if ROOMY && !self.is_diameter() {
             return self.read_end(block, terms, &mut commands.arc.to);
         }
@@ -227,7 +230,7 @@ impl<const N: usize> Modal<N> {
         self.read_axes(block, terms, &mut commands.arc.to)
     }
 
-    /// Ends a block with a move to the point aimed at.
+    /// Ends a block with a move to the stored end.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn go(&mut self, motion: Code, commands: &mut Commands<N>) {
@@ -235,7 +238,7 @@ impl<const N: usize> Modal<N> {
         commands.motion(motion);
     }
 
-    /// What cannot be done while the contour is compensated.
+    /// Refuses codes that are forbidden while the contour is compensated.
     #[cfg(feature = "extended")]
     fn check_compensation(&self, block: &Block, mode: Code) -> Result<(), Fault> {
         if self.compensation().is_none() {
@@ -253,7 +256,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The modes that are not lines, arcs or probing.
+    /// Modes other than lines, arcs and probing.
     #[cfg(feature = "extended")]
     fn special(
         &mut self,
@@ -272,7 +275,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// How axis words are meant.
+    /// The offsets of axis words in the present modes.
     pub(crate) fn terms(&self) -> Terms {
         match self.distance() {
             Distance::Absolute => Terms::WORK,
@@ -315,7 +318,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// Refuses a move that needs a turning spindle when it stands.
+    /// Refuses a move that needs a turning spindle when the spindle stands.
     #[cfg(feature = "extended")]
     pub(crate) fn check_turning(&self) -> Result<(), Fault> {
         if self.spindle_direction() == SpindleDirection::Off {
@@ -324,7 +327,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// On the micro mill Z moves alone, and in no arc.
+    /// On the micro mill Z moves alone, and never in an arc.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Fault> {
         const Z: u16 = 0b100;
@@ -336,7 +339,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G2 and G3, to the point aimed at: which arc it is to be.
+    /// G2 and G3 to the stored end: determines the arc.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn shape_arc(
         &self,
@@ -345,7 +348,7 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         let plane = self.plane();
-        // Two axes make a plane; a machine without them has no such arc.
+        // A plane needs two axes; a machine without them has no such arc.
         if N < 3 && plane != Plane::Xy || N < 2 {
             return Err(Fault::at_motion(Reason::NoCentre));
         }
@@ -370,11 +373,11 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// How well an arc fits, and what it has besides its geometry.
+    /// Completes the values of an arc other than its geometry.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn finish_arc(&self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let arc = &mut commands.arc;
-        // A radius that was stretched says more than what is left by it.
+        // For a stretched radius the difference is already known.
         if arc.mismatch == Nm(0) {
             let (from, axes) = (&self.modes.position, arc.plane.axes());
             arc::with_centre(from, &arc.to, &arc.centre, axes, &mut arc.mismatch)?;
@@ -384,7 +387,7 @@ impl<const N: usize> Modal<N> {
             return Err(Fault::at(Reason::NotWhole, b'P'));
         }
         arc.turns = arc.turns.wrapping_sub(1);
-        // One unit of the finest last digit of these words, of which there is one at least.
+        // One unit of the finest last digit of these words; there is at least one.
         let (shape, _) = arc.plane.shape();
         let (factor, exponent) = self.units().scale(false);
         let last = Decimal::new(1, block.most_places(shape));
@@ -393,7 +396,7 @@ impl<const N: usize> Modal<N> {
         self.set_feed_of(commands)
     }
 
-    /// The centre by a radius, which is kept if it need not be stretched.
+    /// Computes the centre from a radius. The radius is kept unless it has to be stretched.
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn arc_by_radius(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
         const TOO_LARGE: Fault = Fault::at(Reason::NumberTooLarge, b'R');
@@ -422,8 +425,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The centre by its words: offsets from the start, or (both needed) coordinates in the work
-    /// frame.
+    /// Reads the centre from its words: offsets from the start, or coordinates in the work frame
+    /// (both are then needed).
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn read_centre(&self, block: &Block, arc: &mut Arc<N>) -> Result<(), Fault> {
         let absolute = self.centre_distance() == Distance::Absolute;

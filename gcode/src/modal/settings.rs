@@ -1,4 +1,4 @@
-//! What a block sets before it moves: feed, spindle, tool, outputs, modes.
+//! Settings of a block before it moves: feed, spindle, tool, outputs, modes.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
@@ -24,7 +24,7 @@ pub(crate) fn unsigned(value: Decimal, exponent: u8) -> Option<u64> {
         .and_then(|scaled| u64::try_from(scaled).ok())
 }
 
-/// The whole number of a word, which a type must hold.
+/// The whole number of a word, if it fits in the type.
 #[cfg(feature = "extended")]
 pub(crate) fn whole<T: TryFrom<u32> + TryInto<u32>>(
     block: &Block,
@@ -39,7 +39,7 @@ pub(crate) fn whole<T: TryFrom<u32> + TryInto<u32>>(
     Ok(T::try_from(number).ok())
 }
 
-/// The error of a word that a code of this group needs.
+/// The error for a missing word that a code of this group needs.
 pub(crate) const fn missing(letter: u8, group: Group) -> Fault {
     Fault::at_code(Reason::MissingWord, group).of(letter)
 }
@@ -50,7 +50,7 @@ impl<const N: usize> Modal<N> {
         let before = self.active(Group::FeedMode);
         let mode = block.code(Group::FeedMode).unwrap_or(before);
         if mode != before || mode == Code::InverseTime {
-            // Another meaning of F, or a new F in every block: the old one is forgotten.
+            // F has another meaning, or is needed in every block: the old value is cleared.
             self.modes.feed = 0;
         }
         self.set_active(Group::FeedMode, mode);
@@ -60,7 +60,7 @@ impl<const N: usize> Modal<N> {
         let mut feed = Nm(0);
         let inverse = mode == Code::InverseTime;
         if inverse || self.units() == Units::Micrometres {
-            // F08 is 0.8 mm/min on the micro mill's link.
+            // F08 is 0.8 mm/min on the link of the micro mill.
             let exponent = if inverse { 6 } else { 5 };
             block.scaled(b'F', 1, exponent, &mut feed.0)?;
         } else {
@@ -127,7 +127,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G96 and G97; whether an S is a surface speed.
+    /// G96 and G97. Returns whether an S is a surface speed.
     #[cfg(feature = "extended")]
     fn set_surface_speed(&mut self, block: &Block) -> Result<bool, Fault> {
         let mode = block.code(Group::SpindleMode);
@@ -156,7 +156,7 @@ impl<const N: usize> Modal<N> {
         else {
             return Ok(self.modes.more.surface.is_some());
         };
-        // Metres or feet a minute.
+        // Metres or feet per minute.
         let scaled = match units {
             Units::Inches => value.scaled(3048, 5),
             _ => value.scaled(1, 9),
@@ -213,7 +213,7 @@ impl<const N: usize> Modal<N> {
         if block.code(Group::NonModal) != Some(Code::Dwell) {
             return Ok(());
         }
-        // Without a `P` the block was refused.
+        // A block without `P` was refused earlier.
         if block.is_negative(b'P') {
             return Err(Fault::at(Reason::Negative, b'P'));
         }
@@ -226,7 +226,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The modes that are no more than their codes, cutter compensation, tool length and path mode.
+    /// The modes that are only their codes, cutter compensation, tool length and path mode.
     pub(crate) fn set_modes(
         &mut self,
         block: &Block,
@@ -253,8 +253,8 @@ impl<const N: usize> Modal<N> {
             && block.code(Group::System).is_some()
             && (block.axes() != 0 || block.code(Group::Motion).is_some())
         {
-            // The micro mill's G54 stores a position: alone, so that nothing reads the zero before
-            // it is stored.
+            // The G54 of the micro mill stores a position. It stands alone, so that nothing reads
+            // the zero before it is stored.
             return Err(Fault::at_code(Reason::TwoUsersOfWords, Group::System));
         }
         if let Some(code) = block.code(Group::Path) {
@@ -272,7 +272,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The plane stays while the contour is compensated.
+    /// The plane must not change while the contour is compensated.
     #[cfg(feature = "extended")]
     fn check_plane(&self, block: &Block) -> Result<(), Fault> {
         let plane = block.code(Group::Plane);

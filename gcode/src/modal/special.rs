@@ -47,7 +47,7 @@ impl<const N: usize> Modal<N> {
         Ok((Self::plane_point(&self.modes.position), to))
     }
 
-    /// G5: I J from the start, P Q from the end; I and J may be left out behind another G5, for a
+    /// G5: I J from the start, P Q from the end. After another G5, I and J may be omitted for a
     /// smooth join.
     #[inline(never)]
     pub(crate) fn cubic(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
@@ -112,7 +112,7 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// G33: `K` is the lead; in code system A of lathes (G32) `F` is.
+    /// G33: `K` is the lead; in code system A of lathes (G32) it is `F`.
     #[inline(never)]
     pub(crate) fn thread(
         &mut self,
@@ -130,8 +130,8 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    /// The lead of a thread: `K`, or `F` in code system A of lathes; that of the block before in a
-    /// series.
+    /// The lead of a thread: `K`, or `F` in code system A of lathes; in a series that of the
+    /// previous block.
     pub(crate) fn lead(&mut self, block: &Block) -> Result<Nm, Fault> {
         let letter = if self.modes.dialect.flavour == Flavour::LatheA && block.word(b'K').is_none()
         {
@@ -154,12 +154,12 @@ impl<const N: usize> Modal<N> {
     }
 }
 
-/// Two thirds of the distance from an end to the control point, to the nearest nanometre, halves
-/// (there are none) up.
+/// Two thirds of the distance from an end to the control point, rounded to the nearest nanometre
+/// (there are no halves).
 fn toward(end: [Nm; 2], control: [Nm; 2]) -> [Nm; 2] {
     let mut point = end;
     for (point, control) in point.iter_mut().zip(control) {
-        // Below 2^52, twice that and one fit.
+        // Below 2^52, so twice that plus one fits.
         let twice = control.0.saturating_sub(point.0).wrapping_mul(2);
         let third = twice.wrapping_add(1).wrapping_div_euclid(3);
         point.0 = point.0.saturating_add(third);

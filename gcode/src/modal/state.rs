@@ -1,4 +1,4 @@
-//! What the modal state reports, and what may be written into it from outside.
+//! Read access to the modal state, and changes from outside the program.
 
 use crate::codes::code::{Code, Group, Side};
 use crate::codes::dialect::Dialect;
@@ -11,12 +11,12 @@ use crate::modal::tools::Tool;
 use crate::values::nm::Nm;
 
 impl<const N: usize> Modal<N> {
-    /// The programmed position, machine frame.
+    /// The programmed position in the machine frame.
     pub fn position(&self) -> [Nm; N] {
         self.modes.position
     }
 
-    /// Says where the tool really is, machine frame: after homing, probing, or an abort.
+    /// Sets the real position of the tool in the machine frame, after homing, probing, or an abort.
     pub fn set_position(&mut self, at: [Nm; N]) {
         self.modes.position = at;
     }
@@ -31,12 +31,13 @@ impl<const N: usize> Modal<N> {
         offset
     }
 
-    /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3); `false` and nothing done for another
-    /// number.
+    /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3). Returns `false`, with no effect, for
+    /// another number.
     pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
         match self.offsets.get_mut(usize::from(system)) {
             Some(offset) => {
-                // As a whole it is moved by a function that nothing else needs.
+                // Copied element by element: a copy of the whole would link a function that nothing
+                // else needs.
                 for (offset, zero) in offset.iter_mut().zip(zero) {
                     offset.0 = zero.0;
                 }
@@ -51,30 +52,30 @@ impl<const N: usize> Modal<N> {
         self.offsets.get(usize::from(system)).copied()
     }
 
-    /// Sets the position G28 goes to, machine frame; machine zero at the start.
+    /// Sets the position of G28 in the machine frame; initially machine zero.
     pub fn set_home(&mut self, home: [Nm; N]) {
         let [first, _] = &mut self.homes;
         *first = home;
     }
 
-    /// The position G28 goes to, machine frame.
+    /// The position of G28 in the machine frame.
     pub fn home(&self) -> [Nm; N] {
         self.homes[0]
     }
 
-    /// Sets the position G30 goes to, machine frame; machine zero at the start.
+    /// Sets the position of G30 in the machine frame; initially machine zero.
     pub fn set_second_home(&mut self, home: [Nm; N]) {
         let [_, second] = &mut self.homes;
         *second = home;
     }
 
-    /// The position G30 goes to, machine frame.
+    /// The position of G30 in the machine frame.
     pub fn second_home(&self) -> [Nm; N] {
         self.homes[1]
     }
 
-    /// Writes a tool into the table, as G10 L1 does; `false` and nothing done for tool 0 and when
-    /// eight others are there.
+    /// Writes a tool into the table, as G10 L1 does. Returns `false`, with no effect, for tool 0
+    /// and when the table holds eight others.
     pub fn set_tool(&mut self, number: u32, tool: Tool<N>) -> bool {
         self.tools.set(number, tool)
     }
@@ -89,7 +90,7 @@ impl<const N: usize> Modal<N> {
         self.modes.length
     }
 
-    /// The tool in the spindle: the one of the last M6 or M61.
+    /// The tool in the spindle: that of the last M6 or M61.
     pub fn loaded_tool(&self) -> u32 {
         self.modes.loaded
     }
@@ -117,12 +118,12 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The dialect it was made for.
+    /// The dialect of the state.
     pub fn dialect(&self) -> &Dialect {
         &self.modes.dialect
     }
 
-    /// The motion mode; `None` at the start, after G80 and in the micromill dialect.
+    /// The motion mode; `None` initially, after G80, and in the micromill dialect.
     pub fn motion(&self) -> Option<Motion> {
         Some(match self.active(Group::Motion) {
             Code::Rapid => Motion::Rapid,
@@ -158,7 +159,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// How coordinates are meant.
+    /// Distance mode of coordinates.
     pub fn distance(&self) -> Distance {
         match self.active(Group::Distance) {
             Code::Incremental => Distance::Incremental,
@@ -166,7 +167,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// How arc centres are meant.
+    /// Distance mode of arc centres.
     pub fn centre_distance(&self) -> Distance {
         match self.active(Group::CentreDistance) {
             Code::AbsoluteCentres => Distance::Absolute,
@@ -174,7 +175,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// What `F` means.
+    /// Meaning of `F`.
     pub fn feed_mode(&self) -> FeedMode {
         match self.active(Group::FeedMode) {
             Code::InverseTime => FeedMode::InverseTime,
@@ -183,7 +184,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// The feed of G94 in nm/min; `None` when none was given, and under G93 and G95.
+    /// The feed of G94 in nm/min; `None` before the first one, and under G93 and G95.
     pub fn feed(&self) -> Option<Nm> {
         let rate = i64::try_from(self.modes.feed)
             .ok()
@@ -191,15 +192,15 @@ impl<const N: usize> Modal<N> {
         rate.map(Nm)
     }
 
-    /// Spindle and coolant off, as after M5 and M9: for an abort outside of the program.
+    /// Switches spindle and coolant off, as M5 and M9 do, for an abort outside the program.
     pub fn stop_outputs(&mut self) {
         self.set_active(Group::Spindle, Code::SpindleOff);
         self.modes.mist = false;
         self.modes.flood = false;
     }
 
-    /// Spindle direction and programmed speed in thousandths of a revolution a minute (kept while
-    /// it is off).
+    /// Spindle direction and programmed speed in thousandths of a revolution per minute. The speed
+    /// is kept while the spindle is off.
     pub fn spindle(&self) -> (SpindleDirection, u64) {
         (self.spindle_direction(), self.modes.milli_rpm)
     }
@@ -212,7 +213,7 @@ impl<const N: usize> Modal<N> {
         }
     }
 
-    /// Mist (M7) and flood (M8).
+    /// Mist coolant (M7) and flood coolant (M8).
     pub fn coolant(&self) -> (bool, bool) {
         (self.modes.mist, self.modes.flood)
     }
@@ -222,7 +223,7 @@ impl<const N: usize> Modal<N> {
         self.modes.tool
     }
 
-    /// How moves may be joined.
+    /// Path mode: how moves may be joined.
     pub fn path(&self) -> PathMode {
         #[cfg(feature = "extended")]
         match self.active(Group::Path) {

@@ -7,9 +7,9 @@ use crate::values::nm::Nm;
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tool<const N: usize> {
-    /// What G43 adds to the work frame, by axis.
+    /// Offset that G43 adds to the work frame, per axis.
     pub offset: [Nm; N],
-    /// Its radius, for G41 and G42.
+    /// Tool radius, for G41 and G42.
     pub radius: Nm,
 }
 
@@ -22,10 +22,10 @@ impl<const N: usize> Default for Tool<N> {
     }
 }
 
-/// How many tools the table holds; none where no code uses it.
+/// Capacity of the table; 0 where no code uses it.
 const CAPACITY: usize = if EXTENDED { 8 } else { 0 };
 
-/// At most eight tools of any number. Tool 0 is no tool: it has no entry.
+/// At most eight tools of any number. Tool 0 means no tool and has no entry.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) struct Tools<const N: usize> {
     entries: [(u32, Tool<N>); CAPACITY],

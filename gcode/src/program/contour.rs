@@ -1,4 +1,4 @@
-//! Contour cycles of lathes: G71 and G72 rough out, G70 finishes, along a contour that stands on
+//! Contour cycles of lathes: G71 and G72 rough and G70 finishes along a contour that is given on
 //! other lines.
 //!
 //! ```text
@@ -11,8 +11,8 @@
 //! G70 P10 Q40                                                ──►  N10 to N40, G0 to the start
 //! ```
 //!
-//! A cycle becomes lines like others: blocks of plain moves, which [`Modal`] and all behind it take
-//! as they take any. [`Contours`] works over the whole text, borrowed.
+//! A cycle becomes ordinary lines: blocks of plain moves, which [`Modal`] and all later stages take
+//! as usual. [`Contours`] works on the whole text, borrowed.
 
 mod passes;
 mod reading;
@@ -40,14 +40,14 @@ use shape::{Shape, Ways};
 use text::{Place, count, find, line_at, number_of};
 use thread::{Habits, Thread};
 
-/// The retract where no `R` says another: LinuxCNC's.
+/// The retract where no `R` is given, as in LinuxCNC.
 const RETRACT: Nm = Nm(500_000);
 
-/// The code of G76 beside those of contour cycles.
+/// The code of G76, next to those of contour cycles.
 const THREAD: u8 = 60;
 
-/// Whether a line has a contour cycle in it, or a G76 of code system A. Then its program must be
-/// given as a whole.
+/// Whether a line has a contour cycle, or a G76 of code system A. Its program must then be given as
+/// a whole.
 ///
 /// # Cost
 /// One pass over the line, and none in dialects without such cycles.
@@ -70,58 +70,61 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
     })
 }
 
-/// The lines of a program with its contour cycles worked out.
+/// The lines of a program with its contour cycles expanded.
 ///
-/// By itself it gives the lines of a plain text. A [`Program`](crate::program::parameters::Program)
-/// has parameters and loops; then it takes the lines of that one, with [`Contours::take`],
-/// [`Contours::next_of_cycle`] and [`Contours::resume`]. The lines of a contour are plain in both
-/// cases.
+/// Alone it returns the lines of a plain text. For a text with parameters and loops, combine it
+/// with a [`Program`](crate::program::parameters::Program): pass it the lines of the program with
+/// [`Contours::take`], [`Contours::next_of_cycle`] and [`Contours::resume`]. The lines of a contour
+/// are plain in both cases.
 ///
 /// # Words
-/// G71 cuts along Z and goes down in X. G72 cuts along X and goes down in Z.
+/// G71 cuts along Z and steps down in X. G72 cuts along X and steps down in Z.
 ///
 /// - `P` and `Q` are the numbers `N` of the first and the last block of the contour, which begins
-///   right behind G71 or G72. Execution goes on behind it.
-/// - `U` and `W` are the allowance in X (as X is meant: a diameter under G7) and Z. The whole
-///   contour is moved by it. Its sign points away from the material.
-/// - The depth of a cut (a radius) and the retract are `D` and `R` beside `P`, or `U` (G72: `W`)
-///   and `R` of a line of their own before. They stay. `R` is 0.5 mm where it is never given.
-/// - `F`, `S` and `T` count from the cycle on. Those in the contour count for G70 only.
-/// - No other word may stand beside them.
+///   directly after G71 or G72. Execution continues after it.
+/// - `U` and `W` are the allowance in X (in the meaning of X: a diameter under G7) and Z. The whole
+///   contour is shifted by it. Its sign points away from the material.
+/// - The depth of a cut (a radius) and the retract are `D` and `R` next to `P`, or `U` (G72: `W`)
+///   and `R` of a separate earlier line. They stay in effect. `R` is 0.5 mm if it is never given.
+/// - `F`, `S` and `T` take effect with the cycle. Those in the contour count for G70 only.
+/// - No other word is permitted.
 ///
 /// # Roughing
-/// The first move of the contour is straight. It says which direction is down. Where it is G1 the
-/// tool goes down at the feed. Every cut is at most `D` deep, and the last one exactly at the
-/// bottom. A cut ends where it meets the contour with its allowance, rounded to the nanometre
-/// before it. The tool retracts at 45 degrees by `R` (less where the cut is shorter) and goes back
-/// in rapid. Then one pass follows the contour with its allowance, all of it at the feed. At the
-/// end the tool is where it began. Contours rise from start to end in both axes (type I): a pocket
-/// is refused.
+/// The first move of the contour is straight and determines the downward direction. If it is G1,
+/// the tool goes down at the feed. Every cut is at most `D` deep, and the last one is exactly at
+/// the bottom. A cut ends where it meets the contour with its allowance, rounded to the nanometre
+/// before it. The tool retracts at 45 degrees by `R` (less where the cut is shorter) and returns in
+/// rapid. Then one pass follows the whole contour with its allowance, at the feed. At the end the
+/// tool is at its start. Contours rise from start to end in both axes (type I): a pocket is
+/// refused.
 ///
+/// # Threading
+/// In code system A G76 is given in two lines.
 /// # Threading
 /// In code system A G76 is given in two lines.
 ///
 /// - The first has `P` with two digits each for the passes at full depth, the run-out at 45 degrees
-///   in tenths of the lead, and the angle of the thread; `Q`, the least step; and `R`, what is left
-///   for the passes at full depth.
-/// - The second has X and Z of the root at the end; `R`, how much more its radius is at the start;
+///   in tenths of the lead, and the angle of the thread; `Q`, the least step; and `R`, the
+///   allowance for the passes at full depth.
+/// - The second has X and Z of the root at the end; `R`, the excess of its radius at the start;
 ///   `P`, the height; `Q`, the first depth; and `F`, the lead along Z.
 ///
-/// `P` and `Q` without a decimal point count thousandths of a millimetre. Pass n goes to the first
-/// depth times the root of n. With `I`, `J` or `K` it is the one-line cycle of the other dialects.
+/// `P` and `Q` without a decimal point count thousandths of a millimetre. The depth of pass n is
+/// the first depth times the root of n. With `I`, `J` or `K` it is the one-line cycle of the other
+/// dialects.
 ///
 /// # Finishing
-/// G70 gives the lines of the contour as they are: the last ones before it with these numbers. Then
-/// it goes back to where it began, out of the material first.
+/// G70 returns the lines of the contour unchanged: the last ones before it with these numbers. Then
+/// it returns to its start, out of the material first.
 ///
 /// # Cost
-/// Some 5 moves a cut, each one pass over the contour, and at most 2^16 cuts. `CAPACITY` is how
-/// many moves a contour may have; 64 take 3 kB. A number is looked for in the whole text.
+/// About 5 moves per cut, each with one pass over the contour, and at most 2^16 cuts. `CAPACITY` is
+/// the largest number of moves in a contour; 64 take 3 kB. A number is searched in the whole text.
 ///
 /// # Source
-/// The turning cycles of FANUC's lathe manuals, type I, by the description of their words. All
-/// words and the order of moves are as there. Allowances towards the material, and words that
-/// nothing uses, are refused here.
+/// The turning cycles of the FANUC lathe manuals, type I, by the description of their words. All
+/// words and the order of moves are the same. Allowances towards the material, and unused words,
+/// are refused here.
 ///
 /// # Examples
 /// ```
@@ -151,11 +154,11 @@ pub struct Contours<'t, const CAPACITY: usize = 64> {
     text: &'t [u8],
     dialect: Dialect,
     next: Place,
-    /// Depth of a cut and retract, as the last cycle had them.
+    /// Depth of a cut and retract of the last cycle.
     depth: Option<Nm>,
     retract: Nm,
     habits: Habits,
-    /// The line of the cycle, its code in it, and where it goes on.
+    /// The line of the cycle, its code in it, and the position where the program continues.
     line: (Place, &'t [u8], Span),
     resume: Option<Place>,
     work: Work<CAPACITY>,
@@ -164,19 +167,19 @@ pub struct Contours<'t, const CAPACITY: usize = 64> {
 /// The bytes of a word.
 type Span = (usize, usize);
 
-/// What is being given out.
+/// Work in progress.
 #[derive(Clone, Debug)]
 enum Work<const CAPACITY: usize> {
     None,
     Rough(Passes<CAPACITY>),
-    /// The lines from one position to another, then back.
+    /// The lines from one position to another, then the return.
     Finish(Place, Place, Return),
     Back(Return),
     Thread(Thread),
 }
 
 impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
-    /// A program at its first line.
+    /// Creates the reader of a program at its first line.
     pub const fn new(text: &'t [u8], dialect: Dialect) -> Self {
         Contours {
             text,
@@ -191,10 +194,11 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         }
     }
 
-    /// The next line; `None` behind the end of the text. `modal` has planned all lines before.
+    /// Returns the next line; `None` after the end of the text. `modal` has planned all lines
+    /// before.
     ///
-    /// Errors of a contour are those of its own line, and nothing of the cycle is done; whoever
-    /// goes on goes on behind the contour.
+    /// Errors of a contour are those of its own line, and no part of the cycle is made. A caller
+    /// that goes on continues after the contour.
     pub fn next_line<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         if let Some(line) = self.next_of_cycle(modal) {
             return Some(line);
@@ -217,8 +221,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(line)
     }
 
-    /// The next line of the cycle that runs: its moves have its number, those of G70 are the lines
-    /// of the contour. `None` when none runs.
+    /// Returns the next line of the cycle in progress; `None` without one. Its moves have the
+    /// number of the cycle; those of G70 are the lines of the contour.
     pub fn next_of_cycle<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         let wanted = match &mut self.work {
             Work::None => None,
@@ -255,8 +259,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(self.line(written::block(wanted, modal, self.line.2)))
     }
 
-    /// Begins the cycle of a line and gives what the line does besides: its F, S and T. Other lines
-    /// pass as they are. A cycle that runs is dropped.
+    /// Begins the cycle of a line and returns the rest of the line: its F, S and T. Other lines
+    /// pass unchanged. A cycle in progress is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
         let Ok(block) = &line.block else { return line };
@@ -293,13 +297,13 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         }
     }
 
-    /// Where the program goes on behind the line taken last, if not with the next one: the byte
-    /// where that line begins, and its number. Once; the lines of the cycle come before.
+    /// Where the program continues after the last line, if not with the next one: the byte where
+    /// that line begins, and its number. It is returned once; the lines of the cycle come first.
     pub fn resume(&mut self) -> Option<(usize, usize)> {
         self.resume.take().map(|place| (place.at, place.number))
     }
 
-    /// Reads and checks a cycle; what it does besides is the block.
+    /// Reads and checks a cycle. The returned block is the rest of the line.
     fn begin<const N: usize>(
         &mut self,
         code: u8,
@@ -317,7 +321,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
                 self.thread(block, modal).map_err(refused)?;
                 return Block::from_words([], &self.dialect).map_err(wrong);
             }
-            // LinuxCNC's, along a subroutine.
+            // The form of LinuxCNC, along a subroutine.
             _ => {
                 let fault = Fault::at_motion(Reason::ContourOfBlocks);
                 let kind = ErrorKind::NotOfDialect(b'G', u16::from(code).wrapping_add(700));
@@ -352,7 +356,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(outputs)
     }
 
-    /// Whether a G76 is one that two lines tell.
+    /// Whether a G76 is one of two lines.
     fn is_thread(&self, block: &Block) -> bool {
         self.dialect.flavour == Flavour::LatheA && thread::is_two_line(block)
     }
@@ -370,7 +374,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
-    /// Depth of a cut and retract, where they are given.
+    /// Sets the depth of a cut and the retract where they are given.
     fn set_cuts<const N: usize>(
         &mut self,
         block: &Block,
@@ -390,8 +394,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
-    /// The first and the last line of a contour: right behind the cycle, or for G70 before it where
-    /// there is one.
+    /// The first and the last line of a contour: directly after the cycle, or for G70 the last one
+    /// before it, if any.
     fn contour(&mut self, block: &Block, is_next: bool) -> Result<(Place, Place), Fault> {
         let number = |letter| match block.word(letter) {
             None => Err(Fault::at_motion(Reason::MissingWord).of(letter)),
@@ -458,7 +462,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             approach = approach.or(Some(read));
             Ok(())
         })?;
-        // Where the first move is along one axis, that is the way in, and its contrary the way out.
+        // Where the first move is along one axis, it is the way in, and its opposite is the way
+        // out.
         let ways = approach.and_then(|read: Read| {
             let [x, z] = minus(read.segment.to, read.from);
             ((x == 0) != (z == 0)).then_some(Ways {
@@ -525,7 +530,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             deep_up: deep > 0,
             far_up: far > 0,
         };
-        // Once more, to tell where it goes back.
+        // Reads it once more to determine where it goes back.
         let mut is_first = true;
         let [_, far_letter] = ways.letters();
         read(self.text, first, last, modal, |read| {
@@ -561,7 +566,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
-    /// A line at the position of the cycle.
+    /// A line with the number of the cycle.
     fn line(&self, block: Result<Block, Error>) -> Line<'t> {
         let (place, text, _) = &self.line;
         Line {
@@ -573,7 +578,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     }
 }
 
-/// Whether the state is one in which a contour can be roughed.
+/// Checks that a contour can be roughed in this state.
 fn check_state<const N: usize>(modal: &Modal<N>) -> Result<(), Fault> {
     let reason = if modal.compensation().is_some() {
         Reason::UnderCompensation

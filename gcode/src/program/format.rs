@@ -1,31 +1,31 @@
-//! A line written back in one form: nothing lost, every number with its digits.
+//! Lines in normal form: nothing is lost, and every number keeps its digits.
 
 use crate::blocks::block::Block;
 use crate::codes::dialect::Dialect;
 use crate::error::Error;
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
 
-/// The pieces of a line in its one form; joined they are the line, without a line end. They borrow
-/// from the line, so that no memory is taken and bytes that are no text stay what they are.
+/// Returns the pieces of a line in its normal form; concatenated they are the line without a line
+/// end. They borrow from the line, so no memory is needed, and bytes that are not text are
+/// preserved.
 ///
-/// - Letters become capitals, one space stands between words and comments, none behind `/`.
+/// - Letters become capitals. There is one space between words and comments, and none after `/`.
 ///   Indentation stays.
 /// - Numbers lose blanks, a plus sign, zeros before the first digit and the sign of zero; `.5`
-///   becomes `0.5`. The value is never computed. **Places stay**: `1.50` says that its author meant
-///   hundredths (arcs are judged by it, [`Arc::resolution`](crate::Arc::resolution)), and `5.` is
-///   not 5 on controls that count in smallest units. G and M codes lose places that are zeros:
-///   `G01.0` is `G1`.
-/// - Comments, expressions, assignments, lines with O-words, and the digits behind `N`, `O` and `T`
-///   stay as they are.
-/// - A deleted line (`/`) that has errors stays as it is.
-/// - The strings of `micromill` get no blanks, and keep their numbers as written: their form is
-///   that of a link.
+///   becomes `0.5`. The value is never computed. **Decimal places stay**: `1.50` means hundredths
+///   (arcs are judged by it, [`Arc::resolution`](crate::Arc::resolution)), and `5.` is not 5 on
+///   controls that count in smallest units. G and M codes lose places that are zeros: `G01.0` is
+///   `G1`.
+/// - Comments, expressions, assignments, lines with O-words, and the digits after `N`, `O` and `T`
+///   stay unchanged.
+/// - A deleted line (`/`) with errors stays unchanged.
+/// - The strings of `micromill` get no blanks and keep their numbers as written, because their form
+///   is that of a link.
 ///
-/// The same line again gives the same, and [`Block`]s of both are equal.
+/// The normal form of a normal form is itself, and the [`Block`]s of both are equal.
 ///
 /// # Cost
 /// Two passes over the line and one block.
-///
 /// # Examples
 /// ```
 /// use husillo_gcode::{Dialect, formatted};
@@ -35,15 +35,15 @@ use crate::program::parameters::{extent, is_flow, is_plain, needs_program, progr
 /// ```
 ///
 /// # Errors
-/// That of [`Block::parse`], with places in the whole line: such a line has no form and should be
-/// kept. In lines with expressions what brackets hold is not looked at, nor what parameters are
-/// worth.
+/// That of [`Block::parse`], with columns in the whole line: such a line has no normal form and
+/// should be kept. In lines with expressions the contents of brackets and the values of parameters
+/// are not checked.
 pub fn formatted<'a>(line: &'a [u8], dialect: &Dialect) -> Result<Formatted<'a>, Error> {
     let all = dialect.with_block_delete(false);
     match check(line, &all) {
         Ok(kind) => Ok(Formatted::new(line, &all, kind)),
         Err(error) => {
-            // Deleted lines may hold anything.
+            // Deleted lines may contain anything.
             let deleted = dialect.block_delete() && check(line, dialect).is_ok();
             deleted
                 .then(|| Formatted::new(line, &all, Kind::Whole))
@@ -52,14 +52,14 @@ pub fn formatted<'a>(line: &'a [u8], dialect: &Dialect) -> Result<Formatted<'a>,
     }
 }
 
-/// What is done with a line.
+/// Treatment of a line.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 enum Kind {
     /// Words and comments.
     Words,
     /// The same with expressions and assignments.
     Expressions,
-    /// Nothing.
+    /// Unchanged.
     Whole,
 }
 
@@ -72,7 +72,7 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
         return Ok(Kind::Expressions);
     }
     for (offset, text) in dialect.blocks(line) {
-        // Places inside the line: their sums are below its length.
+        // Columns are inside the line, so their sums are below its length.
         Block::parse(text, dialect).map_err(|error| Error {
             at: error.at.wrapping_add(offset),
             end: error.end.wrapping_add(offset),
@@ -82,26 +82,26 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
     Ok(Kind::Words)
 }
 
-/// Iterator over the pieces of a line in its one form; see [`formatted`].
+/// Iterator over the pieces of a line in its normal form; see [`formatted`].
 #[derive(Clone, Debug)]
 pub struct Formatted<'a> {
     text: &'a [u8],
     at: usize,
     kind: Kind,
-    /// Strings of a link: no blanks, `;` ends one, numbers as they are.
+    /// Strings of a link: no blanks, `;` ends one, numbers unchanged.
     strings: bool,
     /// A space comes before the next part.
     spaced: bool,
-    /// Small pieces that come next, and how many of them were given.
+    /// Small pieces that come next, and the number of them already returned.
     heads: [&'a [u8]; 3],
     given: usize,
-    /// What comes behind them.
+    /// The text that follows them.
     body: &'a [u8],
-    /// Whether the body goes without its blanks.
+    /// Whether the body loses its blanks.
     dense: bool,
 }
 
-/// The capitals, to be borrowed one at a time.
+/// The capitals, from which single letters are borrowed.
 const CAPITALS: &[u8; 26] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 const fn is_blank(byte: u8) -> bool {
@@ -179,7 +179,7 @@ impl<'a> Formatted<'a> {
                 .map_or(1, <[u8]>::len),
             b';' if !self.strings => rest.len(),
             b'#' => {
-                // Checked before: the line is one of expressions, and there is an end.
+                // Checked before: the line has expressions, and there is an end.
                 let end = extent(self.text, self.at).unwrap_or(self.text.len());
                 end.wrapping_sub(self.at)
             }
@@ -188,12 +188,12 @@ impl<'a> Formatted<'a> {
         if !byte.is_ascii_alphabetic() {
             self.body = rest.get(..length).unwrap_or(rest);
         }
-        // Parts end inside of the line.
+        // Parts end inside the line.
         self.at = self.at.wrapping_add(length);
         Some(())
     }
 
-    /// Prepares the value of the word that `rest` begins with and gives the length of the word.
+    /// Prepares the value of the word at the start of `rest` and returns the length of the word.
     fn word(&mut self, rest: &'a [u8], letter: &'a [u8]) -> usize {
         let behind = rest.get(1..).unwrap_or_default();
         if self.kind == Kind::Expressions {
@@ -219,7 +219,7 @@ impl<'a> Formatted<'a> {
             }
             next = rest;
         }
-        // `next` is the end of `behind`, and that of `rest`.
+        // `next` is the end of `behind` and the end of `rest`.
         let length = rest.len().wrapping_sub(next.len());
         let number = behind.get(..length.wrapping_sub(1)).unwrap_or_default();
         self.number(trimmed(number.trim_ascii_start()), letter);
@@ -235,7 +235,7 @@ impl<'a> Formatted<'a> {
         }
         let is_zero = !number.iter().any(|byte| matches!(byte, b'1'..=b'9'));
         let mut negative = false;
-        // The sign and the zeros before the first digit that counts.
+        // The sign and the zeros before the first significant digit.
         while let [
             byte @ (b'+' | b'-' | b'0' | b' ' | b'\t' | b'\r' | b'\n'),
             rest @ ..,

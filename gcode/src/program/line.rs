@@ -1,4 +1,4 @@
-//! One line of a program, with what it says.
+//! One line of a program, with its block.
 
 use crate::blocks::block::Block;
 use crate::error::Error;
@@ -12,13 +12,14 @@ pub struct Line<'t> {
     pub at: usize,
     /// The line, without its end.
     pub text: &'t [u8],
-    /// The line as a block of plain numbers (empty where an O-word steers, a move where a contour
-    /// cycle is worked out), or what is wrong with it; columns are those of the line.
+    /// The line as a block of plain numbers, or its error; columns are those of the line. The block
+    /// is empty for an O-word, and a move where a contour cycle is expanded.
     pub block: Result<Block, Error>,
 }
 
-/// The first line of a text without its end (CR, LF or CR LF; none at the end of the text), and
-/// what stands behind it; `None` for an empty text. The one rule for all who cut a text into lines.
+/// Splits the first line off a text, without its end (CR, LF or CR LF; none at the end of the
+/// text). Returns it and the rest; `None` for an empty text. All code that splits a text into lines
+/// uses this rule.
 pub(crate) fn first_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
     if text.is_empty() {
         return None;

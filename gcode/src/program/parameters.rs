@@ -1,4 +1,4 @@
-//! Parameters, expressions and O-words: what makes a program of RS-274/NGC one.
+//! Parameters, expressions and O-words of RS-274/NGC programs.
 //!
 //! ```text
 //! text &[u8] ──► Program ──► Line { number, block } ──► Modal::plan, as for any block
@@ -6,16 +6,17 @@
 //!                  └── System: positions, tool, ... (a Modal)
 //! ```
 //!
-//! Numbers are decimals with up to 18 places ([`Value`]): `[0.1 + 0.2]` is 0.3. No float, no
-//! recursion, nothing allocated.
+//! Numbers are decimals with up to 18 places ([`Value`]): `[0.1 + 0.2]` is 0.3. There is no
+//! floating point, no recursion and no allocation.
 //!
 //! # Operators
 //!
-//! From the tightest: `**`; `*` `/` `MOD`; `+` `-`; `EQ NE GT GE LT LE`; `AND OR XOR`. Equal ones
-//! go from left to right, powers too; a sign in front belongs to its number, so `-2**2` is 4. `MOD`
-//! is never negative. Truth is 1 or 0, and every value but 0 is true.
+//! From the highest precedence: `**`; `*` `/` `MOD`; `+` `-`; `EQ NE GT GE LT LE`; `AND OR XOR`.
+//! Equal ones, including powers, are evaluated from left to right. A leading sign belongs to its
+//! number, so `-2**2` is 4. `MOD` is never negative. Truth is 1 or 0, and every value other than 0
+//! is true.
 //!
-//! # Functions, and how far off they are
+//! # Functions and their errors
 //!
 //! | function | error at most |
 //! | --- | --- |

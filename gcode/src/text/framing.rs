@@ -1,9 +1,9 @@
-//! The checksums and line numbers of a link that may lose bytes, as 3D printers have them.
+//! Checksums and line numbers of a link that may lose bytes, as used by 3D printers.
 
 use crate::error::framing::FramingError;
 use crate::words::word::words;
 
-/// What is asked of a line: plain data. The default asks for nothing.
+/// The required checks of a line: plain data. The default requires none.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Framing {
@@ -15,35 +15,36 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// What 3D printers do: both are checked where they are given, and a numbered line has a
+    /// The rules of 3D printers: both are checked where they are given, and a numbered line has a
     /// checksum.
     pub const PRINTER: Framing = Framing {
         checksum: Rule::WhereGiven,
         number: Rule::WhereGiven,
     };
 
-    /// Both on every line.
+    /// Both are required on every line.
     pub const STRICT: Framing = Framing {
         checksum: Rule::Always,
         number: Rule::Always,
     };
 }
 
-/// Whether something is checked.
+/// When something is checked.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
-    /// It is not looked at: a `*` stays in the line, for the parser to refuse.
+    /// Never: a `*` stays in the line, and the parser refuses it.
     #[default]
     Never,
-    /// It is checked where it is given.
+    /// Where it is given.
     WhereGiven,
-    /// A line without it is refused. Lines that are empty up to blanks need nothing.
+    /// Always: a line without it is refused. Blank lines need nothing.
     Always,
 }
 
-/// The receiving end: checks each line and counts. 12 bytes.
+/// The receiving end: checks each line and counts. Size: 12 bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_gcode::{Framing, FramingError, Receiver};
 /// let mut receiver = Receiver::new(Framing::PRINTER);
@@ -60,7 +61,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// Expects line 1.
+    /// Creates a receiver that expects line 1.
     pub const fn new(framing: Framing) -> Receiver {
         Receiver {
             framing,
@@ -73,20 +74,22 @@ impl Receiver {
         self.expected
     }
 
-    /// Expects this number next: for a reader of a file, which cannot ask for a line again.
+    /// Sets the expected number, for a reader of a file, which cannot request a line again.
     pub fn expect(&mut self, number: u32) {
         self.expected = number;
     }
 
-    /// Checks a line and gives its text without the checksum. A comment behind the checksum is cut
-    /// with it. `M110` with an `N` sets the number of its own line, so that a sender can start
-    /// anew: `N0 M110`, `M110 N0`. The number of a refused line is not counted.
+    /// Checks a line and returns its text without the checksum. A comment after the checksum is
+    /// removed with it. `M110` with an `N` sets the number of its own line, so that a sender can
+    /// restart: `N0 M110`, `M110 N0`. A refused line is not counted.
     ///
-    /// A `*` inside `[ ]` or a comment is no checksum. Cost: one pass over the line where the
-    /// checksum is looked at, and its words where numbers are.
+    /// A `*` inside `[ ]` or a comment is not a checksum.
     ///
     /// # Errors
     /// [`FramingError`]; the line must not be executed.
+    ///
+    /// # Cost
+    /// One pass over the line where the checksum is checked, and its words where numbers are.
     pub fn check<'a>(&mut self, line: &'a [u8]) -> Result<&'a [u8], FramingError> {
         if line.iter().all(u8::is_ascii_whitespace) {
             return Ok(line);
@@ -132,8 +135,8 @@ impl Receiver {
     }
 }
 
-/// The position of the last `*` that is outside of brackets and comments, and the exclusive or of
-/// the bytes before it.
+/// The position of the last `*` outside brackets and comments, and the exclusive or of the bytes
+/// before it.
 fn last_star(line: &[u8]) -> Option<(usize, u8)> {
     let (mut sum, mut depth, mut comment, mut found) = (0, 0_u32, false, None);
     for (at, &byte) in (0..line.len()).zip(line) {
@@ -152,7 +155,7 @@ fn last_star(line: &[u8]) -> Option<(usize, u8)> {
     found
 }
 
-/// A decimal number up to 255, blanks around it, perhaps a comment behind it.
+/// A decimal number up to 255, with optional blanks around it and an optional comment after it.
 fn byte_number(text: &[u8]) -> Option<u8> {
     let text = text.split(|&byte| byte == b';').next()?.trim_ascii();
     if text.is_empty() || text.len() > 3 {
@@ -166,13 +169,13 @@ fn byte_number(text: &[u8]) -> Option<u8> {
     u8::try_from(value).ok()
 }
 
-/// What a line says about its number.
+/// The line number of a line.
 enum Number {
     None,
     Malformed,
-    /// `N` first.
+    /// `N` at the start.
     Given(u32),
-    /// With M110: the number of this line is this, whatever it should be.
+    /// With M110: sets the number of this line, whatever was expected.
     Set(u32),
 }
 
@@ -180,7 +183,7 @@ fn number(text: &[u8]) -> Number {
     let (mut number, mut set) = (Number::None, false);
     let mut first = true;
     for word in words(text) {
-        // The free text of a code such as M117 is no matter here.
+        // The free text of a code such as M117 is irrelevant here.
         let Ok(word) = word else { break };
         let whole = word.value.whole();
         set |= word.letter == b'M' && whole == Some(110);
@@ -227,7 +230,7 @@ mod tests {
             checksum: Rule::Always,
             number: Rule::Never,
         });
-        // The sums of a widely quoted example.
+        // The checksums of a widely quoted example.
         assert_eq!(receiver.check(b"N3 T0*57"), Ok(&b"N3 T0"[..]));
         assert_eq!(
             receiver.check(b"N4 G92 E0*67 ; reset\r"),

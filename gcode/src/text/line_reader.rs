@@ -2,13 +2,14 @@
 
 use core::fmt;
 
-/// Collects the bytes of a line as they come from a port, at most `CAPACITY` of them.
+/// Collects the bytes of a line as they arrive from a port, at most `CAPACITY` of them.
 ///
-/// A line ends with CR, LF or CR LF; it is handed over with the byte that ends it, without that
-/// byte, and empty lines too. So one answer a line can be given. A line that is too long is refused
-/// at its end, and only that line: its tail is never taken for a line. NUL and form feed before a
-/// line are passed over; anywhere else they are left for the parser to refuse.
+/// A line ends with CR, LF or CR LF. It is returned with the byte that ends it, without that byte;
+/// empty lines are returned too, so that each line can be answered. A line that is too long is
+/// refused at its end, and only that line: its tail is never taken for a line. NUL and form feed
+/// before a line are skipped. Elsewhere they stay, and the parser refuses them.
 ///
+/// # Examples
 /// ```
 /// use husillo_gcode::LineReader;
 /// let mut reader = LineReader::<8>::new();
@@ -25,21 +26,21 @@ use core::fmt;
 #[derive(Clone, Debug)]
 pub struct LineReader<const CAPACITY: usize> {
     bytes: [u8; CAPACITY],
-    /// How long the line is, which may be more than was kept.
+    /// Length of the line, which may exceed the stored part.
     length: usize,
-    /// The line was handed over: the next byte starts another.
+    /// The line was returned: the next byte starts another.
     over: bool,
-    /// The last byte was a CR: a LF belongs to it.
+    /// The last byte was a CR; a following LF belongs to it.
     carriage: bool,
 }
 
-/// A line longer than the buffer. `at..end` are its bytes that had no room, 0-based.
+/// A line longer than the buffer. `at..end` are the bytes that had no room, counted from 0.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineTooLong {
     /// The first byte without room: the capacity of the buffer.
     pub at: usize,
-    /// One behind the last byte of the line.
+    /// One past the last byte of the line.
     pub end: usize,
 }
 
@@ -58,7 +59,7 @@ impl fmt::Display for LineTooLong {
 
 impl core::error::Error for LineTooLong {}
 
-/// What a byte does.
+/// The effect of a byte.
 #[derive(Copy, Clone, Eq, PartialEq)]
 enum Step {
     Kept,
@@ -66,7 +67,7 @@ enum Step {
 }
 
 impl<const CAPACITY: usize> LineReader<CAPACITY> {
-    /// Empty.
+    /// Creates an empty reader.
     pub const fn new() -> Self {
         LineReader {
             bytes: [0; CAPACITY],
@@ -76,7 +77,8 @@ impl<const CAPACITY: usize> LineReader<CAPACITY> {
         }
     }
 
-    /// Takes one byte; gives the line that it ends, which stays in the buffer until the next byte.
+    /// Takes one byte. Returns the line that it ends, which stays in the buffer until the next
+    /// byte.
     ///
     /// # Errors
     /// [`LineTooLong`] at the end of a line that is too long.
@@ -87,9 +89,9 @@ impl<const CAPACITY: usize> LineReader<CAPACITY> {
         }
     }
 
-    /// Takes bytes from the front of `bytes`, which is left at the first byte not taken, until a
-    /// line ends; `None` when all were taken. For buffers filled by DMA or USB; where the stream is
-    /// cut makes no difference.
+    /// Takes bytes from the front of `bytes` until a line ends; `bytes` then starts at the first
+    /// byte not taken. Returns `None` when all were taken. For buffers filled by DMA or USB; the
+    /// boundaries of the buffers do not matter.
     ///
     /// # Errors
     /// As [`LineReader::push`].
@@ -103,7 +105,7 @@ impl<const CAPACITY: usize> LineReader<CAPACITY> {
         None
     }
 
-    /// The end of the input: gives a last line that has no end of its own, if there is one, and is
+    /// Ends the input: returns a last line without a line end, if there is one. The reader is then
     /// ready for another input.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Exact decimal numbers, as they are written in a program.
+//! Exact decimal numbers as written in a program.
 
 use crate::error::ErrorKind;
 use crate::values::wide::{divide, product};
@@ -6,8 +6,7 @@ use core::fmt;
 use fixed::traits::Fixed;
 
 /// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5`
-/// (but both are the same length), because the last printed digit says how exact a program's author
-/// was.
+/// (although both are the same length), because the last printed digit shows the intended accuracy.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
@@ -18,7 +17,7 @@ pub struct Decimal {
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
 
-/// `10^n`, or `None` beyond 10^18. For numbers with many digits only: a loop is shorter than a
+/// `10^n`, or `None` beyond 10^18. Only for numbers with many digits: a loop is shorter than a
 /// table.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 const fn power(mut n: u8) -> Option<u64> {
@@ -43,8 +42,8 @@ const fn small_power(n: u32) -> Option<i32> {
     }
 }
 
-/// `digits * factor * 10^shift`, rounded once; `None` when it does not fit. What fits registers is
-/// not kept on the stack.
+/// `digits * factor * 10^shift`, rounded once; `None` when it does not fit. Values that fit in
+/// registers are not kept on the stack.
 #[cfg_attr(target_pointer_width = "64", inline(always))]
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
@@ -68,7 +67,7 @@ const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
     }
 }
 
-/// Without signs: where there are many digits, or places to round away.
+/// Without signs, for many digits, or places to round away.
 #[inline(never)]
 const fn times_by_powers(digits: u64, factor: u32, mut shift: i32) -> Option<i64> {
     // Below 2^95.
@@ -84,7 +83,7 @@ const fn times_by_powers(digits: u64, factor: u32, mut shift: i32) -> Option<i64
         scaled = product(scaled as u64, 10);
         shift = shift.wrapping_sub(1);
     }
-    // In two steps where it is more than 18 places: what the first one drops does not change the
+    // In two steps for more than 18 places; the digits dropped by the first step do not change the
     // rounding.
     while shift < 0 {
         let step = if shift < -(MOST as i32) {
@@ -109,7 +108,7 @@ const fn times_by_powers(digits: u64, factor: u32, mut shift: i32) -> Option<i64
     }
 }
 
-/// The same ten by ten, in 96 bits of registers: nothing is called but a multiplication.
+/// The same in steps of ten, in 96 bits of registers: only a multiplication is called.
 #[inline(never)]
 const fn times_by_tens(digits: u64, factor: u32, mut shift: i32) -> Option<i64> {
     // Below 2^63 * 2^31, the lowest 32 bits apart.
@@ -150,8 +149,8 @@ const fn times_by_tens(digits: u64, factor: u32, mut shift: i32) -> Option<i64> 
     if high >> 31 != 0 {
         return None;
     }
-    // The last digit that was dropped is the first behind the point. Below 2^63: one more may be
-    // 2^63.
+    // The last digit that was dropped is the first after the point. The value is below 2^63; one
+    // more may be 2^63.
     let scaled = ((high << 32) | low as u64).wrapping_add((rest >= 5) as u64) as i64;
     if scaled < 0 { None } else { Some(scaled) }
 }
@@ -163,11 +162,11 @@ impl Decimal {
         places: 0,
     };
 
-    /// The most places a number may have.
+    /// The largest number of places.
     pub const MAX_PLACES: u8 = 30;
 
-    /// `digits / 10^places`; `None` for more than [`Decimal::MAX_PLACES`] places or `i64::MIN`
-    /// digits (which has no positive counterpart).
+    /// Creates `digits / 10^places`; `None` for more than [`Decimal::MAX_PLACES`] places or for
+    /// `i64::MIN` digits (which have no positive counterpart).
     pub const fn new(digits: i64, places: u8) -> Option<Decimal> {
         if places > Decimal::MAX_PLACES || digits == i64::MIN {
             None
@@ -181,7 +180,7 @@ impl Decimal {
         self.digits
     }
 
-    /// How many of the digits stand behind the point.
+    /// Number of digits after the point.
     pub const fn places(self) -> u8 {
         self.places
     }
@@ -199,9 +198,11 @@ impl Decimal {
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
     /// fit.
     ///
-    /// Millimetres to nanometres are `scaled(1, 6)`; inches `scaled(254, 5)`, which is exact for
-    /// all digits up to the nanometre. The usual case costs one multiplication or one 64-bit
-    /// division.
+    /// `scaled(1, 6)` converts millimetres to nanometres. `scaled(254, 5)` converts inches, exactly
+    /// for all digits up to the nanometre.
+    ///
+    /// # Cost
+    /// Normally one multiplication or one 64-bit division.
     #[inline(always)]
     pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
         let shift = (exponent as i32).wrapping_sub(self.places as i32);
@@ -219,14 +220,13 @@ impl Decimal {
         if self.places <= exponent {
             return rounded;
         }
-        // What is left of the digits: nothing of fewer than 20 digits behind 19 places, unless it
-        // is 0.
+        // Fewer than 20 digits after 19 places round to nothing unless they are 0.
         let (Some(rounded), Some(power)) = (rounded, power(self.places.wrapping_sub(exponent)))
         else {
             return if self.digits == 0 { Some(0) } else { None };
         };
-        // Rounded up it is at most 2^63 / 10 + 1, and the product within 2^64: it wraps only where
-        // it differs.
+        // Rounded up it is at most 2^63 / 10 + 1, and the product is within 2^64: it wraps only
+        // where it differs.
         if rounded.wrapping_mul(power as i64) == self.digits {
             Some(rounded)
         } else {
@@ -242,11 +242,11 @@ impl Decimal {
         }
     }
 
-    /// The nearest number of a `fixed` type, rounded once, halves away from zero; `None` when it
-    /// does not fit.
+    /// Converts to the nearest number of a `fixed` type, rounded once, halves away from zero;
+    /// `None` when it does not fit.
     ///
     /// # Cost
-    /// One shift and one subtraction a fraction bit. It is meant for set-up values, not for every
+    /// One shift and one subtraction per fraction bit. It is meant for set-up values, not for every
     /// step.
     pub fn to_fixed<F: Fixed>(self) -> Option<F>
     where
@@ -259,7 +259,7 @@ impl Decimal {
         }
         let (mut bits, mut rest) = match u64::try_from(divisor) {
             Ok(divisor) => {
-                // Division by zero cannot be: divisor >= 1.
+                // The divisor is at least 1, so division by zero cannot occur.
                 let whole = magnitude.checked_div(divisor)?;
                 (
                     u128::from(whole),
@@ -291,10 +291,10 @@ impl Decimal {
         Some(F::from_bits(bits))
     }
 
-    /// Up to nine digits, `places` of them behind the point.
+    /// Up to nine digits, `places` of them after the point.
     #[inline(always)]
     pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
-        // Below 10^9 < 2^31: the sign is a matter of 32 bits.
+        // Below 10^9 < 2^31, so 32 bits hold the sign.
         let digits = digits as i32;
         let digits = if negative {
             digits.wrapping_neg()
@@ -307,10 +307,10 @@ impl Decimal {
         }
     }
 
-    /// Appends a digit written before the point, or behind it (`place`). Zeros behind it that no
-    /// longer fit are dropped: they change nothing.
+    /// Appends a digit written before the point, or after it (`place`). Trailing zeros that no
+    /// longer fit are dropped; they do not change the value.
     pub(crate) fn push(&mut self, digit: u8, place: bool) -> Result<(), ErrorKind> {
-        // The most that ten times of it fit; with the digit it is below 2^64.
+        // The largest value whose tenfold fits; with the digit it is below 2^64.
         let fits = self.digits <= i64::MAX / 10 && !(place && self.places >= Decimal::MAX_PLACES);
         let ten = (self.digits << 3).wrapping_add(self.digits << 1);
         let next = ten.wrapping_add(i64::from(digit));

@@ -2,21 +2,21 @@
 
 use core::fmt;
 
-/// A length or a position in nanometres; prints as millimetres without trailing zeros.
+/// A length or a position in nanometres. `Display` prints millimetres without trailing zeros.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nm(pub i64);
 
 impl Nm {
-    /// The largest magnitude a coordinate may have: 2^50 nm, about 1126 km.
+    /// The largest magnitude of a coordinate: 2^50 nm, about 1126 km.
     ///
-    /// With it the difference of two coordinates is below 2^52 and the sum of two squares below
-    /// 2^105, so everything the arc geometry forms fits 128 bits.
+    /// The difference of two coordinates is then below 2^52 and the sum of two squares below 2^105,
+    /// so all terms of the arc geometry fit in 128 bits.
     pub const LIMIT: Nm = Nm(1 << 50);
 
     /// The same length if its magnitude is at most [`Nm::LIMIT`].
     pub(crate) const fn within_limit(self) -> Option<Nm> {
-        // One comparison: what is below -LIMIT wraps.
+        // One comparison: a value below -LIMIT wraps.
         let above = self.0.wrapping_add(Nm::LIMIT.0) as u64;
         if above <= 2 * Nm::LIMIT.0 as u64 {
             Some(self)
@@ -26,25 +26,25 @@ impl Nm {
     }
 }
 
-/// One coordinate; 0 of an axis that is not there.
+/// One coordinate; 0 for an axis that does not exist.
 pub(crate) fn coordinate<const N: usize>(point: &[Nm; N], axis: usize) -> Nm {
     point.get(axis).copied().unwrap_or_default()
 }
 
-/// A length in an error: of at most 4.29 m, or more than that. Four bytes, where an [`Nm`] takes
+/// A length in an error: up to 4.29 m, or "more than that". Four bytes, where an [`Nm`] takes
 /// eight.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measure(u32);
 
 impl Measure {
-    /// The magnitude of a length; 2^32 - 1 nm for that and more.
+    /// The magnitude of a length, limited to 2^32 - 1 nm.
     pub const fn of(length: Nm) -> Measure {
         let nm = length.0.unsigned_abs();
         Measure(if nm >> 32 == 0 { nm as u32 } else { u32::MAX })
     }
 
-    /// The length again.
+    /// Converts back to a length.
     pub const fn length(self) -> Nm {
         Nm(self.0 as i64)
     }

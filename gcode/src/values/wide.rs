@@ -1,11 +1,10 @@
 //! Products, roots and quotients of 128 bits.
 //!
-//! Processors of 64 bits divide, and take the library's. On smaller ones that would link in wide
-//! divisions: there roots and quotients come digit by digit, and each function is called, not
-//! inlined, as its code is longer than the call.
+//! 64-bit processors divide, and use the library. On smaller ones that would link in wide
+//! divisions, so roots and quotients are computed digit by digit. Each function is called, not
+//! inlined, because its code is longer than the call.
 
-/// The whole product. A call costs less than the code of one, where it takes ten multiplications of
-/// 32 bits.
+/// The full product. A call is shorter than the code, which takes ten multiplications of 32 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 pub(crate) const fn product(a: u64, b: u64) -> u128 {
     (a as u128).wrapping_mul(b as u128)
@@ -27,9 +26,9 @@ pub(crate) fn root(value: u128) -> u64 {
 /// Binary digits of the whole part of a root of 128 bits.
 pub(crate) const WHOLE_DIGITS: u32 = 64;
 
-/// The root of a value below 2^124 with at most so many of its binary digits, [`WHOLE_DIGITS`] of
-/// which are before the point, rounded down; none behind the 62nd that counts. And how many there
-/// are.
+/// The root of a value below 2^124, rounded down, and the number of its binary digits. It has at
+/// most `digits` of them, [`WHOLE_DIGITS`] of which are before the point, and none after the 62nd
+/// significant one.
 #[inline]
 pub(crate) fn root_to(value: u128, digits: u32) -> (u64, u32) {
     if cfg!(target_pointer_width = "64") {
@@ -40,15 +39,15 @@ pub(crate) fn root_to(value: u128, digits: u32) -> (u64, u32) {
 }
 
 fn root_by_library(value: u128, digits: u32) -> (u64, u32) {
-    // At most 128, as there are at most 64 pairs of zeros. The first digit that counts is 2^61 at
-    // the end.
+    // At most 128, because there are at most 64 pairs of zeros. The first significant digit ends up
+    // at 2^61.
     let zeros = value.leading_zeros() >> 1;
     let digits = digits.min(zeros.wrapping_add(62));
     let shifted = match digits.checked_sub(WHOLE_DIGITS) {
         Some(more) => value.wrapping_shl(more.wrapping_mul(2)),
         None => value.wrapping_shr(WHOLE_DIGITS.wrapping_sub(digits).wrapping_mul(2)),
     };
-    // Most are short, and the root of a short one needs no division of 128 bits.
+    // Most are short, and the root of a short value needs no division of 128 bits.
     let root = match u64::try_from(shifted) {
         Ok(short) => short.isqrt(),
         Err(_) => shifted.isqrt() as u64,
@@ -56,7 +55,7 @@ fn root_by_library(value: u128, digits: u32) -> (u64, u32) {
     (root, digits)
 }
 
-/// A digit of the root from two bits of the value, with nothing wider than 64 bits but the value.
+/// One digit of the root from two bits of the value; only the value is wider than 64 bits.
 #[inline(never)]
 fn root_by_digits(value: u128, digits: u32) -> (u64, u32) {
     let (mut high, mut low) = ((value >> 64) as u64, value as u64);
@@ -97,8 +96,8 @@ pub(crate) const fn divide(value: u128, divisor: u64) -> u128 {
     }
 }
 
-/// So many binary digits of a quotient, 64 of them before the point; `rest` is below the divisor,
-/// and that below 2^63.
+/// `digits` binary digits of a quotient, 64 of them before the point. `rest` is below the divisor,
+/// which is below 2^63.
 #[inline(never)]
 const fn quotient_by_digits(mut rest: u64, mut low: u64, divisor: u64, mut digits: u32) -> u64 {
     let mut quotient = 0;
@@ -134,13 +133,13 @@ pub(crate) fn shift_rounded(value: i128, bits: u32) -> i128 {
     }
 }
 
-/// The root of a ratio: the roots of both numbers with 62 binary digits, so it is good to 2^-60 of
-/// itself.
+/// The root of a ratio: the roots of both numbers with 62 binary digits, so it is accurate to 2^-60
+/// of its value.
 #[derive(Copy, Clone)]
 pub(crate) struct Ratio {
     above: u64,
     below: u64,
-    /// Digits to ask of the quotient for 2^-6 of it.
+    /// Number of digits of the quotient for a resolution of 2^-6.
     digits: u32,
 }
 
@@ -160,7 +159,8 @@ impl Ratio {
         Ratio {
             above,
             below,
-            // Both at most 128: a longer root above is so much less than it seems.
+            // Both are at most 128; a longer root above is smaller by the same factor than it
+            // seems.
             digits: (WHOLE_DIGITS + 6).wrapping_add(down).saturating_sub(up),
         }
     }
@@ -168,11 +168,11 @@ impl Ratio {
     /// A factor below 2^53 times the ratio, in 2^-6, truncated; the result is below 2^58.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
     pub(crate) fn of(&self, factor: i64) -> i64 {
-        // Below 2^115: its upper half is below the divisor of 62 bits.
+        // Below 2^115, so its upper half is below the divisor of 62 bits.
         let product = product(factor.unsigned_abs(), self.above);
         let magnitude = if cfg!(target_pointer_width = "64") {
             let shifted = match self.digits.checked_sub(WHOLE_DIGITS) {
-                // The quotient is below 2^58 and the divisor below 2^62: so is the product below
+                // The quotient is below 2^58 and the divisor below 2^62, so the product is below
                 // 2^120.
                 Some(up) => product.wrapping_shl(up),
                 None => product.wrapping_shr(WHOLE_DIGITS.wrapping_sub(self.digits)),
@@ -194,7 +194,7 @@ impl Ratio {
     }
 }
 
-/// More digits than a root of 62 that count has.
+/// More digits than a root of 62 significant digits has.
 const LONG: u32 = 128;
 
 #[cfg(test)]
@@ -215,7 +215,7 @@ mod tests {
         })
     }
 
-    // Two hundred thousand quotients digit by digit: hours when interpreted.
+    // Two hundred thousand quotients digit by digit would take hours in an interpreter.
     #[cfg_attr(miri, ignore)]
     #[test]
     fn digits_give_what_the_library_gives() {

@@ -1,4 +1,4 @@
-//! The number of a word, from its text: short code for the usual ones, and code for all.
+//! The number of a word from its text: short code for common numbers, and code for all numbers.
 
 use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
@@ -8,8 +8,8 @@ pub(crate) const fn is_blank(byte: u8, lines: bool) -> bool {
     matches!(byte, b' ' | b'\t') || (!lines && matches!(byte, b'\r' | b'\n'))
 }
 
-/// The byte at a position; 0 behind the end, which no number and no blank contains. In 32 bits: no
-/// instruction is spent on cutting it to eight.
+/// The byte at a position; 0 beyond the end, which occurs in no number and no blank. In 32 bits, so
+/// that no instruction is spent on cutting it to eight.
 #[inline(always)]
 fn byte_at(text: &[u8], at: usize) -> u32 {
     match text.get(at) {
@@ -18,8 +18,8 @@ fn byte_at(text: &[u8], at: usize) -> u32 {
     }
 }
 
-/// Digits from a position on, appended to `low`: the new number, the position behind them and the
-/// byte there. The number is right as long as it has nine digits.
+/// Appends the digits from a position on to `low`. Returns the new number, the position after them
+/// and the byte there. The number is right as long as it has nine digits.
 #[inline(always)]
 fn digits(text: &[u8], mut at: usize, mut low: u32) -> (u32, usize, u32) {
     loop {
@@ -41,26 +41,26 @@ const MINUS: u32 = b'-' as u32;
 const SPACE: u32 = b' ' as u32;
 pub(crate) const LINE_FEED: u32 = b'\n' as u32;
 
-/// Place of a letter in the alphabet, 26 and more for other bytes.
+/// Index of a letter in the alphabet; at least 26 for other bytes.
 #[inline(always)]
 pub(crate) fn alphabet(byte: u32) -> u32 {
     (byte & !0x20).wrapping_sub(b'A' as u32)
 }
 
-/// Bytes of a word and of what follows it, enough for the words that most programs consist of.
+/// Bytes of a word and of the text after it, enough for the words of most programs.
 pub(crate) const WINDOW: usize = 16;
 
-/// Whether the words of one line are read by the window too, a quarter of a kilobyte of code;
-/// processors without compare-and-swap (Cortex-M0) have little room for it.
+/// Whether the words of one line are read through the window too. It takes a quarter of a kilobyte
+/// of code, for which processors without compare-and-swap (Cortex-M0) have little room.
 pub(crate) const QUICK: bool = cfg!(target_has_atomic = "32");
 
-/// The most digits of a number within the window before its point.
+/// Largest number of digits before the point within the window.
 const WHOLE: usize = 4;
 
-/// The most digits behind it. Together nine: below 10^9 < 2^30.
+/// Largest number of digits after it. Together nine: below 10^9 < 2^30.
 const PLACES: usize = 5;
 
-/// A byte of the window. All places asked for are below `1 + 1 + WHOLE + 1 + PLACES + 2 = 14`.
+/// A byte of the window. All positions used are below `1 + 1 + WHOLE + 1 + PLACES + 2 = 14`.
 #[inline(always)]
 pub(crate) fn window_at(window: &[u8; WINDOW], at: usize) -> u32 {
     match window.get(at) {
@@ -70,9 +70,9 @@ pub(crate) fn window_at(window: &[u8; WINDOW], at: usize) -> u32 {
 }
 
 /// The number of a word whose letter is the first byte of the window, if it has few digits and no
-/// blank inside: its value, the position behind it and the position behind a blank. `None` for
-/// everything else, right or wrong. The loops have fixed lengths, so that no position is counted
-/// where they are unrolled.
+/// blank inside: its value, the position after it and the position after a blank. `None` for
+/// everything else, right or wrong. The loops have fixed lengths, so that unrolled loops need no
+/// counter.
 #[inline(always)]
 pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decimal, usize, usize)> {
     let (mut at, mut negative) = (1, false);
@@ -120,17 +120,17 @@ pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decim
         at = at.wrapping_add(1);
         byte = window_at(window, at);
     }
-    // Digits, and below them points, signs, commas and blanks: what may go on with a number or be
-    // wrong in it.
+    // Digits, and below them points, signs, commas and blanks: bytes that may continue a number or
+    // be wrong in it.
     if byte > NINE || (lines && byte == LINE_FEED) {
         return Some((Decimal::short(low, places as u8, negative), end, at));
     }
     None
 }
 
-/// A number of one to nine digits without blanks inside: its value, the position behind it and the
-/// position behind the blanks that follow. `None` for everything else, right or wrong, which is
-/// [`number`]'s.
+/// A number of one to nine digits without blanks inside: its value, the position after it and the
+/// position after the following blanks. `None` for everything else, right or wrong, which
+/// [`number`] handles.
 #[inline(always)]
 pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decimal, usize, usize)> {
     let sign = byte_at(text, at);
@@ -145,10 +145,10 @@ pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decim
         let point = end.wrapping_add(1);
         (low, end, byte) = digits(text, point, low);
         places = end.wrapping_sub(point);
-        // From here on for the count alone: the point is none of the digits.
+        // From here on only for the count: the point is not a digit.
         first = first.wrapping_add(1);
     }
-    // 1..=9 digits: below 10^9 < 2^30. The places are as many at the most.
+    // 1..=9 digits: below 10^9 < 2^30. There are at most as many places.
     if end.wrapping_sub(first).wrapping_sub(1) > 8 {
         return None;
     }
@@ -157,14 +157,14 @@ pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decim
         next = end.wrapping_add(1);
         byte = byte_at(text, next);
     }
-    // At the end of the text, and before a NUL, it is over as well.
+    // The number also ends at the end of the text, and before a NUL.
     if alphabet(byte) > 25 && byte != 0 && !(lines && byte == LINE_FEED) {
         next = behind_number(text, next, lines)?;
     }
     Some((Decimal::short(low, places as u8, negative), end, next))
 }
 
-/// The position behind the blanks that follow a number; `None` where the number goes on behind
+/// The position after the blanks that follow a number; `None` where the number continues after
 /// them, or is wrong there.
 #[inline(never)]
 fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
@@ -178,9 +178,9 @@ fn behind_number(text: &[u8], mut at: usize, lines: bool) -> Option<usize> {
     Some(at)
 }
 
-/// The number behind the letter that the text starts with: `[+-] digits [. digits]` with at least
-/// one digit, blanks anywhere; and twice the position behind it. An error covers the rest of what
-/// looks like this number.
+/// The number after the letter at the start of the text: `[+-] digits [. digits]` with at least one
+/// digit, blanks anywhere. Returns it with the position after it, twice. An error covers the rest
+/// of the text that looks like this number.
 #[cold]
 #[inline(never)]
 pub(crate) fn number(

@@ -1,4 +1,4 @@
-//! The scanner behind `words` and `tokens`: what stands around words.
+//! The scanner of `words` and `tokens`: the text around words.
 
 use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
@@ -8,10 +8,10 @@ use crate::words::numeral::{
 use crate::words::word::{Token, Word};
 use core::ops::ControlFlow;
 
-/// What stood before this position in the line, as far as it matters for `/` and `%`.
+/// The text before this position in the line, as far as it matters for `/` and `%`.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 pub(crate) enum Before {
-    /// Nothing at all; the line was just begun.
+    /// Nothing; the line has just begun.
     Nothing,
     /// Blanks and comments.
     Blanks,
@@ -19,29 +19,29 @@ pub(crate) enum Before {
     Number,
     /// A word or a `/`.
     Words,
-    /// A `%`: nothing but blanks and comments may follow.
+    /// A `%`: only blanks and comments may follow.
     Percent,
-    /// An error: the rest of the line is passed over.
+    /// An error: the rest of the line is skipped.
     Fault,
 }
 
 /// The scanner of one line, or (`LINES`) of all lines of a text.
 #[derive(Clone, Debug)]
 pub(crate) struct Scanner<'a, const LINES: bool> {
-    /// What was not read yet.
+    /// The text that was not read yet.
     rest: &'a [u8],
-    /// The length of the whole text: with the rest it gives the position.
+    /// The length of the whole text; with the rest it gives the position.
     length: usize,
     before: Before,
     pub(crate) deleted: bool,
 }
 
-/// What ends a line of several.
+/// Whether a byte ends a line within a text.
 pub(crate) const fn is_end(byte: u8) -> bool {
     matches!(byte, b'\r' | b'\n')
 }
 
-/// The position behind the comment that the text starts with.
+/// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
     let mut at = 0_usize;
     loop {
@@ -78,13 +78,13 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         }
     }
 
-    /// The position of what was not read yet.
+    /// The position of the text that was not read yet.
     #[inline(always)]
     fn at(&self) -> usize {
         self.length.wrapping_sub(self.rest.len())
     }
 
-    /// Passes bytes; there are at least as many.
+    /// Skips bytes; there are at least as many.
     #[inline(always)]
     fn skip(&mut self, bytes: usize) {
         self.rest = self.rest.get(bytes..).unwrap_or_default();
@@ -110,7 +110,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                 }
             }
             if !LINES && QUICK {
-                // Half the words of one line are too near to its end.
+                // Half the words of a single line are too close to its end.
                 let byte = u32::from(*self.rest.first()?);
                 if alphabet(byte) < 26 {
                     if let Some(number) = short_number(self.rest, 1, LINES) {
@@ -126,8 +126,8 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         }
     }
 
-    /// The word of a letter and a number with the places behind it and behind what follows it,
-    /// unless none may stand here.
+    /// The word of a letter and a number, with the positions after it and after the following text,
+    /// unless a word is not permitted here.
     #[inline(always)]
     fn take(&mut self, letter: u32, (value, end, next): (Decimal, usize, usize)) -> Option<Word> {
         let letter = (letter & !0x20) as u8;
@@ -144,7 +144,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         })
     }
 
-    /// The first word of a line begins, or the one behind its `N` word; false behind a `%` or an
+    /// Begins the first word of a line, or the one after its `N` word; false after a `%` or an
     /// error.
     #[inline(always)]
     fn enter(&mut self, letter: u8) -> bool {
@@ -162,7 +162,8 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         true
     }
 
-    /// The next line begins. Whether the last one is deleted is known until its first word is.
+    /// Begins the next line. Whether the last one is deleted is known until the first word of the
+    /// new line.
     #[inline(always)]
     fn end_line(&mut self) {
         if self.before == Before::Nothing {
@@ -171,7 +172,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         self.before = Before::Nothing;
     }
 
-    /// Passes what stands here and is none of the usual words, or gives what it is.
+    /// Skips text that is not an ordinary word, or returns what it is.
     #[inline(never)]
     fn other(&mut self) -> ControlFlow<Option<Result<Token, Error>>> {
         let (at, rest) = (self.at(), self.rest);
@@ -258,7 +259,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
         })))
     }
 
-    /// Passes the rest of this line.
+    /// Skips the rest of this line.
     fn skip_line(&mut self) {
         let left = if LINES {
             self.rest.iter().position(|&byte| is_end(byte))

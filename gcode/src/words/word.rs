@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::values::decimal::Decimal;
 use crate::words::scanner::Scanner;
 
-/// A letter and its number. `at..end` are the bytes of the text, 0-based, from the letter to the
-/// last digit.
+/// A letter and its number. `at..end` are the bytes of the text, counted from 0, from the letter to
+/// the last digit.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Word {
@@ -13,16 +13,17 @@ pub struct Word {
     pub letter: u8,
     /// The number, exactly.
     pub value: Decimal,
-    /// Place of the letter.
+    /// Position of the letter.
     pub at: usize,
-    /// Place behind the number.
+    /// Position after the number.
     pub end: usize,
 }
 
-/// The words of one line, in order. Blanks are ignored everywhere, also inside words; comments
-/// `( )` and `;` are skipped; a `/` before everything else marks a deleted block; a `%` alone (or
-/// behind `N`) is an empty line. Ends after the first error.
+/// The words of one line in order. Blanks are ignored everywhere, also inside words. Comments `( )`
+/// and `;` are skipped. A `/` before everything else marks a deleted block. A `%` alone (or after
+/// `N`) is an empty line. Ends after the first error.
 ///
+/// # Examples
 /// ```
 /// let words: Result<Vec<_>, _> = husillo_gcode::words(b"g1 x - 1 . 5 (cut)").collect();
 /// let printed = words?.into_iter().map(|word| (word.letter, word.value.to_string()));
@@ -43,8 +44,8 @@ pub struct Words<'a> {
 }
 
 impl Words<'_> {
-    /// Whether a `/` (block delete) stood before the first word; known once the first word was
-    /// asked for.
+    /// Whether a `/` (block delete) precedes the first word; known once the first word was
+    /// requested.
     pub const fn is_deleted(&self) -> bool {
         self.scanner.deleted
     }
@@ -65,20 +66,21 @@ impl Iterator for Words<'_> {
 
 impl core::iter::FusedIterator for Words<'_> {}
 
-/// What a program consists of.
+/// An element of a program.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Token {
-    /// A word; its places are those in the whole text.
+    /// A word; its positions are those in the whole text.
     Word(Word),
     /// The end of a line: CR, LF or CR LF, or the end of a text that ends without one.
     EndOfLine,
 }
 
-/// The words of a whole program with the ends of its lines, in one pass: what [`words`] gives for
-/// each line, without looking for the ends of lines first. An error ends its line, and only that:
-/// the next line is read.
+/// The words of a whole program with the ends of its lines, in one pass. It gives the same as
+/// [`words`] for each line, without searching for the ends of lines first. An error ends only its
+/// own line: the next line is read.
 ///
+/// # Examples
 /// ```
 /// use husillo_gcode::{Token, tokens};
 /// let lines = tokens(b"G1 X1\nX\nX2").filter(|token| *token == Ok(Token::EndOfLine)).count();
@@ -99,8 +101,8 @@ pub struct Tokens<'a> {
 }
 
 impl Tokens<'_> {
-    /// Whether a `/` (block delete) stood before the first word of this line; known once its first
-    /// word was asked for, and until the word behind its end is.
+    /// Whether a `/` (block delete) precedes the first word of this line; known from the request of
+    /// its first word until that of the word after its end.
     pub const fn is_deleted(&self) -> bool {
         self.scanner.deleted
     }

@@ -6,14 +6,15 @@ use crate::words::numeral::ZERO;
 use crate::words::scanner::{Before, is_end};
 use crate::words::word::Word;
 
-/// Reads words from bytes as they come: what [`words`](crate::words()) gives for each line, with
-/// nothing kept of the line but the word that is being read. 72 bytes of state on a 32-bit machine.
+/// Reads words from bytes as they arrive. It gives the same as [`words`](crate::words()) for each
+/// line, and stores only the word in progress. Size: 72 bytes on a 32-bit machine.
 ///
-/// A word is complete with the byte behind it; the CR or LF that ends a line hands over its last
-/// word, so after such a byte the line is over. An error is handed over with the byte behind what
-/// it is about; the rest of that line is passed over, the next one is read. Places are columns of
-/// the line, 0-based. NUL and form feed at the start of a line are passed over.
+/// A word is complete with the byte after it. The CR or LF that ends a line returns its last word,
+/// so the line is over after such a byte. An error is returned with the byte after its text; the
+/// rest of that line is skipped, and the next one is read. Positions are columns of the line,
+/// counted from 0. NUL and form feed at the start of a line are skipped.
 ///
+/// # Examples
 /// ```
 /// use husillo_gcode::WordReader;
 /// let mut reader = WordReader::new();
@@ -27,7 +28,7 @@ use crate::words::word::Word;
 /// }
 /// assert_eq!(seen, "G1 X1.50 comma in a number at 2 Z-1 ");
 /// ```
-// In this order: what a Cortex-M0 reads byte by byte must be near the start.
+// In this order, the fields that a Cortex-M0 reads byte by byte are near the start.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct WordReader {
@@ -37,42 +38,40 @@ pub struct WordReader {
     letter: u8,
     number: Number,
     letter_at: usize,
-    /// Where a number starts that stands behind blanks, or a comment; smaller for others of this
-    /// line.
+    /// Start of a number after blanks or a comment; smaller for other numbers of this line.
     first: usize,
-    /// Behind the number, as it was before the last blank.
+    /// Position after the number, as it was before the last blank.
     end: usize,
-    /// The column of the next byte and the room: so the digits that take room need not be counted
-    /// here.
+    /// The column of the next byte plus the room. Digits that use up room therefore need no
+    /// counting.
     column: usize,
     /// All digits of a number of more than nine.
     long: Decimal,
     fault: Error,
 }
 
-/// The number as far as it was read. In words of 32 bits: a digit changes two of them and nothing
-/// else.
+/// The number as far as it was read. In words of 32 bits: a digit changes only two of them.
 #[derive(Copy, Clone, Debug)]
 struct Number {
     /// The first nine digits.
     low: u32,
-    /// How many more digits `low` holds; 0 outside of a number.
+    /// Number of further digits that `low` can hold; 0 outside a number.
     room: u32,
     /// The room at the point.
     point: u32,
-    /// The room at the last blank, if nothing but blanks came since.
+    /// The room at the last blank, if only blanks followed.
     closed: u32,
     sign: Sign,
 }
 
-/// How many digits 32 bits hold: 10^9 - 1 < 2^32.
+/// Number of digits that 32 bits hold: 10^9 - 1 < 2^32.
 const ROOM: u32 = 9;
 
 /// The room at a point or a blank that was not read.
 const NOWHERE: u32 = u32::MAX;
 
 impl Number {
-    /// Behind a letter.
+    /// The state after a letter.
     const BEGIN: Number = Number {
         low: 0,
         room: ROOM,
@@ -91,7 +90,7 @@ impl Number {
         self.sign == Sign::Minus
     }
 
-    /// Digits behind the point, of the first nine.
+    /// Number of digits after the point, among the first nine.
     #[inline(always)]
     const fn places(&self) -> u8 {
         if self.point == NOWHERE {
@@ -101,7 +100,7 @@ impl Number {
     }
 }
 
-/// The sign of a number, as it is written.
+/// The sign of a number as written.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[repr(u32)]
 enum Sign {
@@ -110,38 +109,38 @@ enum Sign {
     Minus,
 }
 
-/// What was read last. The order matters: those in which most bytes change nothing come last.
+/// The state of the reader. The order matters: states in which most bytes change nothing come last.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 enum State {
-    /// A letter and what there is of its number.
+    /// After a letter, within its number.
     Number,
-    /// A letter and more than nine digits, in `long`.
+    /// After a letter and more than nine digits, which are in `long`.
     Long,
     /// Between words.
     Between,
-    /// Something wrong in a number: the digits and points that follow belong to the error.
+    /// After a fault in a number: the following digits and points belong to the error.
     Malformed,
-    /// Something else that is wrong.
+    /// After any other fault.
     Wrong,
     /// Inside `( )`.
     Comment,
-    /// Behind an error or `;`: nothing more of this line counts.
+    /// After an error or `;`: the rest of this line is ignored.
     Rest,
 }
 
-/// What a byte completes.
+/// The result of a byte.
 #[derive(Copy, Clone, Eq, PartialEq)]
 #[repr(u32)]
 enum Step {
     Nothing,
-    /// A word; the byte is not taken yet.
+    /// A word is complete; the byte is not taken yet.
     Word,
     /// The error in `fault`.
     Fault,
 }
 
 impl WordReader {
-    /// At the start of a line.
+    /// Creates a reader at the start of a line.
     pub const fn new() -> WordReader {
         WordReader {
             number: Number {
@@ -165,10 +164,11 @@ impl WordReader {
         }
     }
 
-    /// Takes one byte; gives the word or the error that it completes.
+    /// Takes one byte; returns the word or the error that it completes.
     ///
     /// # Errors
-    /// Those of [`words`](crate::words()): E0101 to E0103, E0105, E0106, E0108, once a line.
+    /// Those of [`words`](crate::words()): E0101 to E0103, E0105, E0106, E0108, at most one per
+    /// line.
     #[inline]
     pub fn push(&mut self, byte: u8) -> Option<Result<Word, Error>> {
         let room = self.number.room;
@@ -181,8 +181,7 @@ impl WordReader {
                 return None;
             }
         } else if byte >= b'A' {
-            // Most words are over with the letter of the next; outside of a number there is no
-            // room.
+            // Most words end with the letter of the next one; outside a number there is no room.
             over = room.wrapping_sub(1) < ROOM - 1;
         }
         match if over { Step::Word } else { self.step(byte) } {
@@ -202,8 +201,8 @@ impl WordReader {
         }
     }
 
-    /// The end of the input, which also ends a line: gives its last word or error, and is ready for
-    /// another input.
+    /// Ends the input, which also ends a line: returns its last word or error. The reader is then
+    /// ready for another input.
     ///
     /// # Errors
     /// As [`WordReader::push`].
@@ -211,13 +210,13 @@ impl WordReader {
         self.push(b'\n')
     }
 
-    /// Whether a `/` (block delete) stood before the first word of the line; known with its first
-    /// word, until the byte behind its end.
+    /// Whether a `/` (block delete) precedes the first word of the line; known from its first word
+    /// until the byte after its end.
     pub const fn is_deleted(&self) -> bool {
         self.deleted
     }
 
-    /// The word that is complete now.
+    /// The word that is now complete.
     #[inline(always)]
     fn word(&self, value: Decimal) -> Word {
         Word {
@@ -228,7 +227,7 @@ impl WordReader {
         }
     }
 
-    /// The position behind the number as far as it was read.
+    /// The position after the number as far as it was read.
     #[inline(always)]
     fn end(&self) -> usize {
         if self.number.closed == self.number.room {
@@ -238,7 +237,7 @@ impl WordReader {
         }
     }
 
-    /// Everything but the first nine digits of a number.
+    /// Handles everything except the first nine digits of a number.
     #[inline(never)]
     fn step(&mut self, byte: u8) -> Step {
         match self.state {
@@ -256,7 +255,7 @@ impl WordReader {
         }
     }
 
-    /// A byte inside a word, behind its letter.
+    /// A byte inside a word, after its letter.
     #[inline(always)]
     fn in_number(&mut self, byte: u8) -> Step {
         if byte > b' ' {
@@ -286,16 +285,16 @@ impl WordReader {
         self.extend()
     }
 
-    /// The number goes on with a byte that took no room.
+    /// Continues the number with a byte that took no room.
     #[inline(always)]
     fn extend(&mut self) -> Step {
         self.number.closed = NOWHERE;
-        // A line of 2^32 bytes on a small machine gives wrong columns, nothing else.
+        // A line of 2^32 bytes on a small machine gives wrong columns, but no other error.
         self.column = self.column.wrapping_add(1);
         Step::Nothing
     }
 
-    /// A blank in a number or behind it.
+    /// A blank in a number or after it.
     #[inline(always)]
     fn blank(&mut self) -> Step {
         self.end = self.end();
@@ -307,7 +306,7 @@ impl WordReader {
         Step::Nothing
     }
 
-    /// What is seldom in a number or wrong.
+    /// Bytes that are rare in a number, or wrong.
     #[cold]
     #[inline(never)]
     fn other_in_number(&mut self, byte: u8) -> Step {
@@ -354,7 +353,7 @@ impl WordReader {
         self.column = at.wrapping_add(1);
         if let Err(kind) = pushed {
             self.mark(State::Malformed, kind, at);
-            // Behind the letter, or behind the blanks that follow it.
+            // After the letter, or after the blanks that follow it.
             self.fault.at = self.first.max(self.letter_at.wrapping_add(1));
         }
         Step::Nothing
@@ -366,7 +365,7 @@ impl WordReader {
         self.column.wrapping_sub(self.number.room as usize)
     }
 
-    /// A byte between words, also the one that completes a word.
+    /// A byte between words, including the one that completes a word.
     #[inline(never)]
     fn between(&mut self, byte: u8) {
         let at = self.at();
@@ -389,7 +388,7 @@ impl WordReader {
         }
     }
 
-    /// The first word of a line, or the one behind its `N` word.
+    /// The first word of a line, or the one after its `N` word.
     #[inline(always)]
     fn enter(&mut self, letter: u8) {
         self.deleted &= self.before != Before::Nothing;
@@ -400,7 +399,7 @@ impl WordReader {
         };
     }
 
-    /// A byte between words that is no letter.
+    /// A byte between words that is not a letter.
     #[inline(never)]
     fn mark_between(&mut self, byte: u8, at: usize) {
         if self.before == Before::Nothing {
@@ -424,7 +423,7 @@ impl WordReader {
         }
     }
 
-    /// A byte of a comment, of what is wrong, or behind it.
+    /// A byte of a comment, of faulty text, or after it.
     #[inline(never)]
     fn outside(&mut self, byte: u8) -> Step {
         let at = self.column;
@@ -440,13 +439,13 @@ impl WordReader {
             State::Malformed if matches!(byte, b'0'..=b'9' | b'.') => self.fault.end = self.column,
             State::Malformed | State::Wrong => return self.refuse(self.fault, byte),
             State::Rest if is_end(byte) => self.end_line(),
-            // Numbers and what is between words went other ways.
+            // Numbers and the text between words are handled elsewhere.
             _ => {}
         }
         Step::Nothing
     }
 
-    /// Keeps an error at one byte until the next.
+    /// Stores an error at one byte until the next one.
     fn mark(&mut self, state: State, kind: ErrorKind, at: usize) {
         (self.number.room, self.state) = (0, state);
         self.fault = Error {
@@ -456,7 +455,7 @@ impl WordReader {
         };
     }
 
-    /// Hands over an error at the byte behind it.
+    /// Returns an error at the byte after it.
     fn refuse(&mut self, error: Error, byte: u8) -> Step {
         (self.number.room, self.state) = (0, State::Rest);
         self.fault = error;

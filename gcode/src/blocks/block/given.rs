@@ -1,4 +1,4 @@
-//! What is given in a block: asked by the modal state, stage by stage.
+//! The words and codes given in a block, as the stages of the modal state query them.
 
 use super::{Block, Span};
 use crate::blocks::fault::{Fault, Place, Reason};
@@ -11,10 +11,10 @@ use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::values::nm::Measure;
 
-/// Slot of U; V and W follow.
+/// Slot of U; the slots of V and W follow.
 const INCREMENTS: u8 = 21;
 
-/// The letters that must have a code that uses them.
+/// The letters that need a code that uses them.
 const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
 
 impl Block {
@@ -41,7 +41,7 @@ impl Block {
         self.present & letters.0 == letters.0
     }
 
-    /// The most places that one of these words has.
+    /// The largest number of decimal places among these words.
     pub(crate) fn most_places(&self, letters: Letters) -> u8 {
         let (mut given, mut most) = (self.present & letters.0, 0);
         for value in &self.values {
@@ -63,12 +63,12 @@ impl Block {
         self.deleted
     }
 
-    /// Whether the block asks for nothing: no code and no word but `N`.
+    /// Whether the block requests nothing: no code and no word except `N`.
     pub fn is_empty(&self) -> bool {
         self.present & !bit(b'N') == 0 && self.groups == 0
     }
 
-    /// The number behind `N`, if it is a whole number of 32 bits. It means nothing to the program.
+    /// The number after `N`, if it is a whole number of 32 bits. The program ignores it.
     pub fn line_number(&self) -> Option<u32> {
         self.word(b'N')
             .and_then(Decimal::whole)
@@ -93,7 +93,7 @@ impl Block {
         }
     }
 
-    /// The words of the axes in their order, each with whether it is given.
+    /// The words of the axes in order, each with whether it is given.
     #[inline(always)]
     pub(crate) fn axis_words(&self) -> impl Iterator<Item = (&Decimal, bool)> {
         let mut given = self.present;
@@ -115,7 +115,7 @@ impl Block {
         ((self.present & 0b11_1111) | increments) as u16
     }
 
-    /// The increment (U, V, W) of axis 0..3; without the extended codes no dialect has them.
+    /// The increment (U, V, W) of axis 0..3; only the extended codes have them.
     #[inline]
     pub(crate) fn increment(&self, axis: usize) -> Option<&Decimal> {
         if EXTENDED && axis < 3 {
@@ -125,7 +125,7 @@ impl Block {
         }
     }
 
-    /// Refuses increments (U, V, W) beside anything but a contour cycle.
+    /// Refuses increments (U, V, W) with anything except a contour cycle.
     pub(crate) fn check_increments(&self) -> Result<(), Fault> {
         let given = (0..3).find(|&axis| self.increment(axis).is_some());
         let contour = || self.code(Group::Motion).and_then(Code::contour_cycle);
@@ -138,7 +138,7 @@ impl Block {
         }
     }
 
-    /// Refuses all codes but the motion, and all words but these and N.
+    /// Refuses all codes except the motion, and all words except these and N.
     #[cfg(all(feature = "program", feature = "extended"))]
     pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {
         if self.groups & !1u32.wrapping_shl(Group::Motion as u32) != 0 {
@@ -154,7 +154,7 @@ impl Block {
         }
     }
 
-    /// The letter by which an axis is given here: U, V or W, or its own.
+    /// The letter that gives an axis in this block: U, V or W, or its own.
     pub(crate) fn letter_of(&self, axis: usize) -> u8 {
         let increments = *b"UVW";
         match increments.get(axis) {
@@ -163,14 +163,14 @@ impl Block {
         }
     }
 
-    /// Whether there is a word that some code must use.
+    /// Whether the block has a word that some code must use.
     #[inline]
     pub(crate) fn has_claims(&self) -> bool {
         self.present & CLAIMED.0 != 0
     }
 
-    /// Refuses a word of this block that none of its codes uses, and one that two of them use.
-    /// `more` are the letters of what is in effect without a code of its own in the block.
+    /// Refuses a word of this block that none of its codes uses, and a word that two of them use.
+    /// `more` are the letters of modes in effect that have no code in the block.
     pub(crate) fn check_users(&self, more: Letters) -> Result<(), Fault> {
         let given = self.present & CLAIMED.0;
         if given == 0 {
@@ -204,13 +204,13 @@ impl Block {
         self.codes.get(group as usize).copied().flatten()
     }
 
-    /// Whether a word is given; of a letter that is known when this is compiled it is one test.
+    /// Whether a word is given. For a letter known at compile time this is one test.
     #[inline(always)]
     pub(crate) const fn has(&self, letter: u8) -> bool {
         self.present & bit(letter) != 0
     }
 
-    /// Whether none of the groups but these is given.
+    /// Whether only these groups are given.
     #[inline]
     pub(crate) fn has_only(&self, groups: u32) -> bool {
         self.groups & !groups == 0
@@ -222,8 +222,8 @@ impl Block {
         &self.codes
     }
 
-    /// A word as `value * factor * 10^exponent`, rounded once; without it the number stays as it
-    /// is.
+    /// Reads a word as `value * factor * 10^exponent`, rounded once. Without the word `to` is
+    /// unchanged.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     pub(crate) fn scaled(
         &self,
@@ -241,7 +241,7 @@ impl Block {
         Ok(())
     }
 
-    /// A word that is a whole number up to a limit; without it the number stays as it is.
+    /// Reads a word that is a whole number up to a limit. Without the word `to` is unchanged.
     pub(crate) fn whole(&self, letter: u8, most: u32, to: &mut u32) -> Result<(), Fault> {
         if let Some(value) = self.value(letter) {
             let Some(number) = value.whole() else {
@@ -255,15 +255,15 @@ impl Block {
         Ok(())
     }
 
-    /// Whether there is no code but of the motion, and no word but those of a move, `F` and `N`.
+    /// Whether there is only a motion code, and only words of a move, `F` and `N`.
     #[inline]
     pub(crate) fn is_move(&self) -> bool {
         const OF_MOVES: u32 = Letters::new(b"XYZABCUVWIJKRPFN").0;
         self.has_only(1 << Group::Motion as u32) && self.present & !OF_MOVES == 0
     }
 
-    /// The error of a fault: where its words stand. The measure is that of an arc that does not
-    /// fit.
+    /// The error of a fault, with the columns of its words. `measure` is that of an arc that does
+    /// not fit.
     #[cold]
     #[inline(never)]
     pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {
@@ -286,7 +286,7 @@ impl Block {
         span.unwrap_or_default().error(fault.kind(measure))
     }
 
-    /// Where the first of some words stands, or all of them, as far as they are given.
+    /// The columns of the first of these words, or of all of them, as far as they are given.
     fn span_of(&self, words: u32, first: bool) -> Option<Span> {
         let mut given = words & self.present;
         let mut all: Option<Span> = None;

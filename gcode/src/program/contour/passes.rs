@@ -1,18 +1,18 @@
-//! The moves of a roughing cycle: cuts straight to the contour, one below the other, then once
-//! along it.
+//! The moves of a roughing cycle: straight cuts to the contour, one below the other, and then one
+//! pass along it.
 
 use super::shape::{Shape, Ways};
 use crate::compensation::offset::{Vector, minus, plus};
 
-/// Most cuts of one cycle.
+/// Largest number of cuts of one cycle.
 pub(super) const MOST_PASSES: i64 = 1 << 16;
 
-/// A move of a cycle: X as radius and Z, machine frame.
+/// A move of a cycle: X as a radius, and Z, in the machine frame.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(super) enum Move {
     Rapid(Vector),
     Feed(Vector),
-    /// G33, by system A's number G32.
+    /// G33, called G32 in code system A.
     Thread {
         to: Vector,
         lead: i64,
@@ -24,7 +24,7 @@ pub(super) enum Move {
     },
 }
 
-/// Where a cycle is; what the states do stands in [`Passes::next`].
+/// State of a cycle; [`Passes::next`] has its actions.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 enum State {
     Shift,
@@ -53,16 +53,16 @@ enum State {
 pub(super) struct Passes<const CAPACITY: usize> {
     pub(super) ways: Ways,
     pub(super) shape: Shape<CAPACITY>,
-    /// Where the cycle starts and ends.
+    /// Start and end of the cycle.
     pub(super) start: Vector,
-    /// The allowance by which the contour is moved, away from the material: deep and far are zero
-    /// or below.
+    /// The allowance that shifts the contour away from the material: deep and far are zero or
+    /// negative.
     pub(super) shift: Vector,
     /// Depth of a cut, above zero.
     pub(super) depth: i64,
     /// Retract, zero or above.
     pub(super) retract: i64,
-    /// Down to the depth of a cut at a feed: the contour begins with G1.
+    /// Whether the tool goes down to a cut at the feed: the contour begins with G1.
     pub(super) feeds_in: bool,
     cut: i64,
     at: Vector,
@@ -86,35 +86,34 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// Whether the start lies outside of the contour with its allowance, so that the tool may leave
-    /// it and come back.
+    /// Whether the start is outside the contour with its allowance, so that the tool can leave and
+    /// return.
     pub(super) fn starts_free(&self) -> bool {
         let [deep, far] = self.start;
         let end = plus(self.ways.course(self.shape.end()), self.shift);
         self.whole() > 0 && (deep <= end[0] || far <= self.reach(deep))
     }
 
-    /// How deep all cuts together go; not above zero where the start lies below the contour's
-    /// bottom.
+    /// Total depth of all cuts; not positive where the start is below the bottom of the contour.
     pub(super) fn whole(&self) -> i64 {
         let bottom = self.ways.course(self.shape.from)[0].saturating_add(self.shift[0]);
         bottom.saturating_sub(self.start[0])
     }
 
-    /// How many cuts there are, at most.
+    /// Largest possible number of cuts.
     pub(super) fn count(&self) -> i64 {
         let whole = self.whole().max(0);
         let most = whole.saturating_add(self.depth.saturating_sub(1).max(0));
         most.checked_div(self.depth).unwrap_or(i64::MAX)
     }
 
-    /// The next move; lengths are differences of coordinates, below 2^53.
+    /// Returns the next move. Lengths are differences of coordinates, below 2^53.
     pub(super) fn next(&mut self) -> Option<Move> {
         let begin = self.start[1].saturating_add(self.shift[1]);
         let entry = plus(self.ways.course(self.shape.from), self.shift);
         loop {
             match self.state {
-                // To where the cuts begin: the start, moved by the allowance.
+                // To the start of the cuts: the start, shifted by the allowance.
                 State::Shift => {
                     self.state = State::Sink;
                     if begin != self.start[1] {
@@ -125,8 +124,8 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
                     let whole = self.whole();
                     let down = self.depth.saturating_mul(self.cut).min(whole);
                     let deep = self.start[0].saturating_add(down);
-                    // Deeper cuts are shorter: behind the first one without length there is no
-                    // other.
+                    // Deeper cuts are shorter: after the first one without length there are no
+                    // others.
                     let is_over = whole <= 0 || self.cut > self.count();
                     if is_over || self.reach(deep) <= begin {
                         self.state = State::Last;
@@ -142,7 +141,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
                 }
                 State::Lift => {
                     self.state = State::Back;
-                    // Not behind where the cut began.
+                    // Not beyond the start of the cut.
                     let by = self.retract.min(self.at[1].saturating_sub(begin));
                     if by > 0 {
                         return Some(self.rapid(minus(self.at, [by, by])));
@@ -210,7 +209,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// How far a cut at this depth goes.
+    /// The extent of a cut at this depth.
     fn reach(&self, deep: i64) -> i64 {
         let far = self
             .shape
@@ -237,8 +236,8 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
     }
 }
 
-/// The moves back from the end of a finished contour: out of the material first, where the contour
-/// says where that is.
+/// The return moves from the end of a finished contour: out of the material first, if the contour
+/// determines that direction.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Return {
     pub(super) ways: Option<Ways>,
@@ -247,7 +246,7 @@ pub(super) struct Return {
 }
 
 impl Return {
-    /// The next move, always towards the start.
+    /// Returns the next move, always towards the start.
     pub(super) fn next(&mut self) -> Option<Move> {
         if self.at == self.start {
             return None;

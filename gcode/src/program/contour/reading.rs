@@ -16,7 +16,7 @@ pub(super) fn point<const N: usize>(at: &[Nm; N]) -> Vector {
     [0, 2].map(|axis: usize| at.get(axis).map_or(0, |nm| nm.0))
 }
 
-/// One move of a contour, as its reader gets it.
+/// One move of a contour as read.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Read {
     pub(super) from: Vector,
@@ -24,7 +24,7 @@ pub(super) struct Read {
     pub(super) is_rapid: bool,
 }
 
-/// What is wrong with a line, which may be another than that of the cycle.
+/// An error of a line, which may differ from that of the cycle.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Refused<'t> {
     pub(super) place: Place,
@@ -32,8 +32,8 @@ pub(super) struct Refused<'t> {
     pub(super) error: Error,
 }
 
-/// Plans the lines from one position to another, the line there included, on a copy of the state;
-/// every move goes to `each`. An error is that of a line.
+/// Plans the lines from one position to another, including the line there, on a copy of the state.
+/// Every move is passed to `each`. An error is that of a line.
 pub(super) fn read<'t, const N: usize>(
     text: &'t [u8],
     first: Place,
@@ -67,7 +67,7 @@ pub(super) fn read<'t, const N: usize>(
     Ok(())
 }
 
-/// What a command is to a contour; `None` for what passes it by.
+/// The move of a command for a contour; `None` for a command that does not affect it.
 fn moved<const N: usize>(from: &[Nm; N], command: &Command<N>) -> Result<Option<Read>, ErrorKind> {
     let (to, arc, is_rapid) = match command {
         Command::Rapid { to } => (to, None, true),
@@ -76,7 +76,7 @@ fn moved<const N: usize>(from: &[Nm; N], command: &Command<N>) -> Result<Option<
             let clockwise = arc.direction == Direction::Clockwise;
             (&arc.to, Some((point(&arc.centre), clockwise)), false)
         }
-        // What a finishing pass does besides, and roughing passes over.
+        // Commands that a finishing pass executes and roughing ignores.
         Command::Spindle { .. }
         | Command::Surface { .. }
         | Command::Coolant { .. }

@@ -1,9 +1,9 @@
-//! The contour of a turning cycle, and how far a cut at some depth may go.
+//! The contour of a turning cycle, and the extent of a cut at a given depth.
 
 use crate::compensation::offset::{Vector, cross, minus};
 use crate::values::wide::{divide, root, square};
 
-/// One move of a contour, X as radius and Z, machine frame.
+/// One move of a contour: X as a radius, and Z, in the machine frame.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Segment {
     pub(super) to: Vector,
@@ -11,21 +11,21 @@ pub(super) struct Segment {
     pub(super) arc: Option<(Vector, bool)>,
 }
 
-/// In which direction a cycle cuts.
+/// The directions of a cycle.
 ///
-/// X and Z become *deep* and *far*: deep grows into the material, far along the cut. Mirrors and a
-/// swap: circles stay circles, lengths stay what they are.
+/// X and Z become *deep* and *far*: deep grows into the material, far grows along the cut. The
+/// mapping mirrors and swaps axes, so circles and lengths are preserved.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ways {
     /// G72: deep is Z and far is X; otherwise deep is X and far is Z.
     pub(super) facing: bool,
-    /// Whether deep and far grow where their axes do.
+    /// Whether deep and far grow in the direction of their axes.
     pub(super) deep_up: bool,
     pub(super) far_up: bool,
 }
 
 impl Ways {
-    /// Deep and far of a point or a vector.
+    /// Converts X and Z of a point or a vector to deep and far.
     pub(super) const fn course(self, point: Vector) -> Vector {
         let [deep, far] = if self.facing {
             [point[1], point[0]]
@@ -35,7 +35,7 @@ impl Ways {
         [signed(deep, self.deep_up), signed(far, self.far_up)]
     }
 
-    /// X and Z of deep and far.
+    /// Converts deep and far to X and Z.
     pub(super) const fn point(self, course: Vector) -> Vector {
         let (deep, far) = (
             signed(course[0], self.deep_up),
@@ -53,9 +53,9 @@ impl Ways {
         if self.facing { *b"ZX" } else { *b"XZ" }
     }
 
-    /// The letter of the axis along which a move goes back: up out of the material and far is the
-    /// way of a contour that can be roughed. An arc that crosses an end of a diameter by less than
-    /// 2 nm of height counts as going on.
+    /// The letter of the axis along which a move goes back. A contour that can be roughed rises out
+    /// of the material and goes far. An arc that crosses an end of a diameter by less than 2 nm of
+    /// height does not count as going back.
     pub(super) fn goes_back(self, from: Vector, segment: &Segment) -> Option<u8> {
         let [deep, far] = self.letters();
         let [sinks, advances] = self.course(minus(segment.to, from));
@@ -72,8 +72,7 @@ impl Ways {
         if turn == 0 || (turn > 0) != clockwise {
             return Some(far);
         }
-        // Less than half a turn: it turns back at most once in each axis, where it passes the end
-        // of a diameter.
+        // Less than half a turn: it reverses at most once per axis, at the end of a diameter.
         let radius = u128::from(root(square(start[0], start[1])));
         let passes = |one: i64, other: i64| {
             let least = u128::from(one.unsigned_abs().min(other.unsigned_abs()));
@@ -95,7 +94,7 @@ const fn signed(value: i64, up: bool) -> i64 {
     if up { value } else { value.wrapping_neg() }
 }
 
-/// A contour that rises all the way: `from`, then its moves.
+/// A contour that rises throughout: `from`, then its moves.
 #[derive(Clone, Debug)]
 pub(super) struct Shape<const CAPACITY: usize> {
     pub(super) from: Vector,
@@ -149,8 +148,8 @@ impl<const CAPACITY: usize> Shape<CAPACITY> {
             .map_or(self.from, |(_, segment)| segment.to)
     }
 
-    /// How far a cut at this depth may go: where the contour rises above it, rounded down, so to
-    /// the side of the cut.
+    /// The extent of a cut at this depth: where the contour rises above it, rounded towards the
+    /// cut.
     pub(super) fn reach(&self, ways: Ways, deep: i64) -> i64 {
         for (from, segment) in self.moves() {
             let [start, end] = [ways.course(from), ways.course(segment.to)];
@@ -159,8 +158,8 @@ impl<const CAPACITY: usize> Shape<CAPACITY> {
             }
             let far = match segment.arc {
                 None => {
-                    // deep lies within the move, or above its start by rounding; differences are
-                    // below 2^52.
+                    // deep lies within the move, or above its start because of rounding;
+                    // differences are below 2^52.
                     let sunk = start[0].saturating_sub(deep).max(0).unsigned_abs();
                     let rise = start[0].saturating_sub(end[0]).max(1).unsigned_abs();
                     let run = end[1].saturating_sub(start[1]).max(0).unsigned_abs();
@@ -222,7 +221,7 @@ mod tests {
         assert_eq!(back([9_000, -1_000], None), Some(b'X'));
         assert_eq!(back([11_000, 1_000], None), Some(b'Z'));
         assert_eq!(back([11_000, -1_000], None), None);
-        // A fillet, the same way round the outside, and a bowl.
+        // A fillet, the same sense on the outside, and a bowl.
         assert_eq!(back([11_000, -1_000], Some(([11_000, 0], true))), None);
         assert_eq!(
             back([11_000, -1_000], Some(([11_000, 0], false))),
@@ -243,9 +242,9 @@ mod tests {
         // The square of the height below the end, against four radii of 100 and 99.
         assert_eq!(back([98, 20], [98, -20], false), None);
         assert_eq!(back([97, 21], [97, -21], false), Some(b'X'));
-        // Before it all the way, in both axes.
+        // Completely before it, in both axes.
         assert_eq!(back([2_000, 9_798], [9_798, 2_000], false), None);
-        // Beyond it all the way, rising to the far end of the other diameter.
+        // Completely beyond it, rising to the far end of the other diameter.
         assert_eq!(back([-9_798, -2_000], [-2_000, -9_798], true), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Lines of a text, and those with a number.
+//! Lines of a text, and lines with a number.
 
 use crate::codes::dialect::Dialect;
 use crate::program::line::first_line;
@@ -8,22 +8,22 @@ use crate::words::word::words;
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(super) struct Place {
     pub(super) at: usize,
-    /// Number of the line behind it.
+    /// Number of the line after it.
     pub(super) number: usize,
 }
 
-/// The line behind a position, without its end, and the position behind it.
+/// The line after a position, without its line end, and the position after it.
 pub(super) fn line_at(text: &[u8], place: Place) -> Option<(&[u8], Place)> {
     let (line, behind) = first_line(text.get(place.at..)?)?;
     let after = Place {
-        // What stands behind is the end of the text.
+        // `behind` is the end of the text.
         at: text.len().wrapping_sub(behind.len()),
         number: place.number.wrapping_add(1),
     };
     Some((line, after))
 }
 
-/// How many lines a text has.
+/// The number of lines of a text.
 pub(super) fn count(text: &[u8]) -> usize {
     let start = Place { at: 0, number: 0 };
     let next = |&place: &Place| line_at(text, place).map(|(_, after)| after);
@@ -31,7 +31,7 @@ pub(super) fn count(text: &[u8]) -> usize {
     last.map_or(0, |place| place.number)
 }
 
-/// The number behind the `N` that a line begins with.
+/// The number of the `N` that starts a line.
 pub(super) fn number_of(line: &[u8], dialect: &Dialect) -> Option<i64> {
     let mut words = words(line);
     let first = words.next()?.ok()?;
@@ -41,7 +41,7 @@ pub(super) fn number_of(line: &[u8], dialect: &Dialect) -> Option<i64> {
     first.value.whole()
 }
 
-/// The position of the last line with this number, from a position up to a byte, or of the first
+/// The position of the last line with this number, from a position up to a byte; or of the first
 /// one.
 pub(super) fn find(
     text: &[u8],

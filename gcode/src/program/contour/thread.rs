@@ -13,7 +13,7 @@ use crate::values::wide::{divide, root, shift_rounded};
 /// Most passes of one cycle.
 const MOST_PASSES: i64 = 1 << 16;
 
-/// What the first line says, kept for later cycles.
+/// The values of the first line, kept for later cycles.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Habits {
     /// Passes at full depth, at least one.
@@ -22,9 +22,9 @@ pub(super) struct Habits {
     run_out: i64,
     /// Tangent of half the angle of the thread, in 2^-30.
     slope: i64,
-    /// A pass goes at least so much deeper than the one before.
+    /// Least increase of the depth from pass to pass.
     least: Nm,
-    /// What is left for the passes at full depth.
+    /// Allowance for the passes at full depth.
     allowance: Nm,
 }
 
@@ -76,12 +76,12 @@ fn not_negative(value: Nm, letter: u8) -> Result<Nm, Fault> {
     Ok(value)
 }
 
-/// The passes of a thread; points are X as radius and Z.
+/// The passes of a thread; points are X as a radius, and Z.
 #[derive(Clone, Debug)]
 pub(super) struct Thread {
     habits: Habits,
     start: Vector,
-    /// The root at the end of the thread, and how much its X is more at the start.
+    /// The root at the end of the thread, and the excess of its X at the start.
     end: Vector,
     taper: i64,
     height: i64,
@@ -116,7 +116,7 @@ impl Thread {
         let lead = positive(b'F', plain_length(block, b'F', modal)?)?;
         let taper = plain_length(block, b'R', modal)?.unwrap_or_default().0;
         let way = end[1].abs_diff(start[1]);
-        // The start lies outside of the crest, at both ends.
+        // The start is outside the crest, at both ends.
         let (room, far) = (
             start[0].saturating_sub(end[0]),
             start[0].saturating_sub(end[0].saturating_add(taper)),
@@ -125,13 +125,14 @@ impl Thread {
         if way == 0 || inside(room) || inside(far) {
             return Err(Fault::at_motion(Reason::ThreadStart));
         }
-        // Depths grow with the root of the number: (height / first)^2 passes, or height / least.
+        // Depths grow with the root of the pass number: (height / first)^2 passes, or height /
+        // least.
         let passes = height.wrapping_div(first.max(1));
         let even = height.checked_div(habits.least.0).unwrap_or(i64::MAX);
         if passes > 255 && even > MOST_PASSES {
             return Err(Fault::at_motion(Reason::TooManyPasses));
         }
-        // From the lead along Z to that along a slant; both factors are below 2^52.
+        // Converts the lead along Z to that along a slant; both factors are below 2^52.
         let slant = length([taper, way as i64]).unsigned_abs();
         let along = u128::from(lead.unsigned_abs()).wrapping_mul(u128::from(slant));
         let along = i64::try_from(divide(along, way)).unwrap_or(i64::MAX);
@@ -144,7 +145,7 @@ impl Thread {
             height,
             first,
             lead: along,
-            // Not out beyond the start, and not longer than the thread.
+            // Not beyond the start, and not longer than the thread.
             run_out: run_out
                 .min(room.saturating_abs().saturating_sub(height))
                 .min(way as i64),
@@ -155,10 +156,10 @@ impl Thread {
         })
     }
 
-    /// The depth of the next pass below the crest; `None` behind the last one.
+    /// The depth of the next pass below the crest; `None` after the last one.
     fn deeper(&mut self) -> Option<i64> {
         if self.depth >= self.height {
-            // At full depth: again, as often as wanted.
+            // At full depth: repeat as often as requested.
             self.finishes = self.finishes.saturating_sub(1);
             return (self.finishes > 0).then_some(self.height);
         }
@@ -169,7 +170,7 @@ impl Thread {
         // At most 2^17 passes.
         self.pass = self.pass.saturating_add(1);
         let square = u128::from(self.first.unsigned_abs());
-        // first <= 2^50, the number below 2^17: 2^117.
+        // first <= 2^50 and the number is below 2^17, so the product is below 2^117.
         let square = square
             .wrapping_mul(square)
             .wrapping_mul(u128::from(self.pass.unsigned_abs()));
@@ -191,13 +192,13 @@ impl Thread {
         }
         let out = if self.start[0] > self.end[0] { 1 } else { -1 };
         let onward = if self.end[1] > self.start[1] { 1 } else { -1 };
-        // With the depth the tool moves on along its flank: one side of it cuts.
+        // With growing depth the tool moves along the flank, so that one side of it cuts.
         let depth = i128::from(self.depth);
         let aside = shift_rounded(depth.wrapping_mul(i128::from(self.habits.slope)), 30) as i64;
         let begin = self.start[1].saturating_add(aside.wrapping_mul(onward));
         let above = self.height.saturating_sub(self.depth).wrapping_mul(out);
         let x_at = |z: i64| {
-            // The taper at a place: |taper| and the differences are below 2^52.
+            // The taper at a position: |taper| and the differences are below 2^52.
             let (part, way) = (self.end[1].abs_diff(z), self.end[1].abs_diff(self.start[1]));
             let product = u128::from(self.taper.unsigned_abs()).wrapping_mul(u128::from(part));
             let share = divide(product, way) as i64;
@@ -236,12 +237,12 @@ impl Thread {
     }
 }
 
-/// Whether a line is one of a G76 given in two lines: without the words of the one-line cycle.
+/// Whether a line belongs to a two-line G76: it has no words of the one-line cycle.
 pub(super) fn is_two_line(block: &Block) -> bool {
     b"IJK".iter().all(|&letter| block.word(letter).is_none())
 }
 
-/// Whether it is the first of them.
+/// Whether it is the first of the two lines.
 pub(super) fn is_first(block: &Block) -> bool {
     b"XZUWF".iter().all(|&letter| block.word(letter).is_none())
 }

@@ -1,4 +1,4 @@
-//! Moves of a cycle as blocks of the program's own words.
+//! Moves of a cycle as blocks with words of the program.
 
 use super::passes::Move;
 use super::reading::point;
@@ -13,8 +13,8 @@ use crate::values::nm::{Measure, Nm};
 use crate::values::wide::divide;
 use crate::words::word::Word;
 
-/// The block that makes this move from the present state, to the nanometre; its words stand at
-/// `at..end`.
+/// The block that makes this move from the present state, exact to the nanometre. Its words have
+/// the columns `at..end`.
 pub(super) fn block<const N: usize>(
     wanted: Move,
     modal: &Modal<N>,
@@ -93,7 +93,7 @@ fn number(length: i64, units: Units) -> Option<Decimal> {
     }
 }
 
-/// The words of a block with these letters as a block of their own.
+/// The words of a block with these letters as a separate block.
 pub(super) fn part<const N: usize>(
     block: &Block,
     letters: &[u8],
@@ -101,7 +101,7 @@ pub(super) fn part<const N: usize>(
 ) -> Result<Block, Error> {
     let words = letters.iter().filter_map(|&letter| {
         let value = block.word(letter)?;
-        // An error there has the place of the word.
+        // An error there has the columns of the word.
         let place = block.error(Fault::at(Reason::NoEnd, letter), Measure::of(Nm(0)));
         Some(Ok(Word {
             letter,
@@ -113,7 +113,7 @@ pub(super) fn part<const N: usize>(
     Block::from_words(words, modal.dialect())
 }
 
-/// A length of a word that is never a diameter; without a decimal point in thousandths of a
+/// A length of a word that is never a diameter. Without a decimal point it is in thousandths of a
 /// millimetre, or ten-thousandths of an inch.
 pub(super) fn counted_length<const N: usize>(
     block: &Block,

@@ -1,15 +1,15 @@
-//! A position in a line, and what can be read there without knowing any value.
+//! A position in a line, and the parts that can be read without knowing any value.
 
 use super::table::Capitals;
 use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 
-/// Walks over the bytes of a line; blanks count nowhere.
+/// Moves over the bytes of a line; blanks are ignored.
 #[derive(Debug)]
 pub(super) struct Cursor<'t> {
     text: &'t [u8],
     at: usize,
-    /// Behind the last byte taken that is no blank.
+    /// Position after the last byte taken that is not a blank.
     end: usize,
 }
 
@@ -18,12 +18,12 @@ const fn is_blank(byte: u8) -> bool {
 }
 
 impl<'t> Cursor<'t> {
-    /// Reads `text` from `at` on.
+    /// Starts reading `text` at `at`.
     pub(super) const fn new(text: &'t [u8], at: usize) -> Self {
         Cursor { text, at, end: at }
     }
 
-    /// The next byte that is no blank, in capitals.
+    /// The next byte that is not a blank, as a capital.
     pub(super) fn peek(&mut self) -> Option<u8> {
         loop {
             let byte = self.text.get(self.at).copied()?;
@@ -34,7 +34,7 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Takes the byte that was peeked at; the position stays at most the length.
+    /// Takes the byte that was peeked; the position stays at most the length.
     pub(super) fn advance(&mut self) {
         self.at = self.at.wrapping_add(1).min(self.text.len());
         self.end = self.at;
@@ -49,17 +49,17 @@ impl<'t> Cursor<'t> {
         is_next
     }
 
-    /// Where the next byte is; blanks before it were passed by [`Cursor::peek`].
+    /// Position of the next byte; [`Cursor::peek`] skips blanks before it.
     pub(super) const fn at(&self) -> usize {
         self.at
     }
 
-    /// Behind the last byte taken.
+    /// Position after the last byte taken.
     pub(super) const fn end(&self) -> usize {
         self.end
     }
 
-    /// An error about what was taken from `at` on.
+    /// An error about the bytes taken from `at` on.
     pub(super) const fn error(&self, fault: Fault, at: usize) -> Error {
         Error {
             kind: ErrorKind::Program(fault),
@@ -89,7 +89,7 @@ impl<'t> Cursor<'t> {
         letters
     }
 
-    /// The name between `<`, which is next, and `>`; `from` is where it is about.
+    /// The name between the `<` that comes next and `>`. `from` is the start of an error.
     pub(super) fn name(&mut self, from: usize) -> Result<&'t [u8], Error> {
         self.advance();
         let start = self.at;

@@ -1,9 +1,8 @@
-//! Sines, roots, logarithms and the like in integers: shifts, sums and 64-bit products, no float
-//! and no wide division.
+//! Sines, roots, logarithms and similar functions in integers: shifts, sums and 64-bit products,
+//! without floating point and without wide division.
 //!
-//! Fixed-point numbers here are `value * 2^62` ("Q62"). Angles are in degrees, as programs have
-//! them; a whole number of quarter turns is taken off exactly, in decimals, before anything is
-//! rounded.
+//! Fixed-point numbers here are `value * 2^62` ("Q62"). Angles are in degrees, as in programs. A
+//! whole number of quarter turns is subtracted exactly, in decimals, before anything is rounded.
 
 use super::value::{Value, power};
 use crate::values::wide::root;
@@ -12,7 +11,7 @@ use core::cmp::Ordering;
 /// 1 in Q62.
 const ONE: i64 = 1 << 62;
 
-/// atan(2^-k) for k from 1 on, Q62. Behind k = 31 an angle is its own tangent to 2^-93.
+/// atan(2^-k) for k from 1 on, Q62. Beyond k = 31 an angle equals its tangent to 2^-93.
 const ARCTANGENTS: [i64; 31] = [
     2138197195906305897,
     1129764675555192497,
@@ -85,7 +84,7 @@ const LOGARITHMS: [i64; 31] = [
 /// ln 2, Q62.
 const LN_2: i64 = 3196577161300663915;
 
-/// 1/1!, 1/3!, 1/5!, ... Q62: the series of the sine; what is cut off is below 10^-19 up to 45
+/// 1/1!, 1/3!, 1/5!, ... Q62: the series of the sine. The truncation error is below 10^-19 up to 45
 /// degrees.
 const SINE: [i64; 9] = [
     4611686018427387904,
@@ -123,7 +122,7 @@ const DEGREE: Float = Float {
 const RADIAN: i64 = 8257192040480628450;
 
 /// A positive number `mantissa * 2^exponent` with the top bit of the mantissa set, or zero.
-/// Products are off by less than 2^-62 of themselves.
+/// Products have a relative error below 2^-62.
 #[derive(Copy, Clone, Debug)]
 struct Float {
     mantissa: u64,
@@ -163,7 +162,7 @@ impl Float {
             .times(inverse.unwrap_or(Float::ZERO))
     }
 
-    /// `value * 2^exponent`, rounded down to 64 bits. Exponents here stay within some hundreds.
+    /// `value * 2^exponent`, rounded down to 64 bits. Exponents here stay within a few hundred.
     fn normal(value: u128, exponent: i16) -> Float {
         if value == 0 {
             return Float::ZERO;
@@ -180,7 +179,8 @@ impl Float {
         Float::normal(product, self.exponent.wrapping_add(other.exponent))
     }
 
-    /// `value * 2^bits`, rounded to the nearest integer; the caller knows that it is below 2^126.
+    /// `value * 2^bits`, rounded to the nearest integer. The caller guarantees that it is below
+    /// 2^126.
     fn fixed(self, bits: i16) -> u128 {
         let shift = self.exponent.wrapping_add(bits);
         let wide = u128::from(self.mantissa);
@@ -195,8 +195,8 @@ impl Float {
         }
     }
 
-    /// As a value with up to so many places, and as many digits as fit; `None` when it is too
-    /// large.
+    /// The number as a value with at most `places` places and as many digits as fit; `None` when it
+    /// is too large.
     fn value(self, negative: bool, places: u8) -> Option<Value> {
         if self.exponent >= 0 {
             return (self.mantissa == 0).then_some(Value::ZERO.marked_rounded());
@@ -205,7 +205,7 @@ impl Float {
         loop {
             let scaled = u128::from(self.mantissa).wrapping_mul(u128::from(power(places)));
             let right = u32::from(self.exponent.unsigned_abs());
-            // scaled < 2^124; a shift by more than 127 leaves nothing.
+            // scaled < 2^124; a shift by more than 127 gives zero.
             let digits = match right {
                 128.. => 0,
                 _ => scaled.wrapping_shr(right),
@@ -232,7 +232,7 @@ fn product(a: i64, b: i64) -> i64 {
     (i128::from(a).wrapping_mul(i128::from(b)) >> 62) as i64
 }
 
-/// A Q62 number, in 128 bits for those beyond 2, as a value of so many places.
+/// A Q62 number as a value of this many places, in 128 bits for those beyond 2.
 fn value_of(fixed: i128, places: u8) -> Option<Value> {
     // Magnitudes are below 2^68 with up to 15 places: below 2^118.
     let scaled = fixed.unsigned_abs().wrapping_mul(u128::from(power(places)));
@@ -247,23 +247,25 @@ fn series(coefficients: &[i64], square: i64) -> i64 {
     })
 }
 
-/// Sine and cosine of an angle in degrees, Q62, within 2^-59; and whether both are exact (quarter
-/// turns).
+/// Sine and cosine of an angle in degrees, Q62, within 2^-59, and whether both are exact (at
+/// quarter turns).
 fn sine_and_cosine(angle: Value) -> Option<(i64, i64, bool)> {
     let quarter = Value::from(90);
     let turn = angle.modulo(Value::from(360))?;
-    // Rounded angles within 10^-9 of a quarter belong to the next one, with a rest just below zero.
+    // Rounded angles within 10^-9 of a quarter turn belong to the next quarter, with a slightly
+    // negative rest.
     let quarters = [90, 180, 270].into_iter().fold(0i32, |quarters, quarter| {
         let is_passed = turn.compare(Value::from(quarter)) != Ordering::Less;
         quarters.wrapping_add(i32::from(is_passed))
     });
-    // 0 up to 90, exact when the angle is; a whole turn by rounding is none.
+    // From 0 up to 90, exact when the angle is; rounding may give a whole turn, which counts as
+    // none.
     let rest = turn.plus(Value::from(quarters.wrapping_mul(90)).negated())?;
     let folded = match rest.compare(Value::from(45)) {
         Ordering::Greater => quarter.plus(rest.negated())?,
         _ => rest,
     };
-    // At most pi / 4 and some 10^-9.
+    // At most pi / 4 plus about 10^-9.
     let radians = Float::of(folded).times(DEGREE).fixed(62) as i64;
     let radians = if folded.is_negative() {
         radians.wrapping_neg()
@@ -321,7 +323,7 @@ pub(super) fn tangent(angle: Value) -> Option<Value> {
     Some(quotient.marked_rounded().limited(15))
 }
 
-/// The angle of a point in the plane, `x` and `y` magnitudes, in radians from 0 to pi/2, Q62,
+/// The angle of a point in the plane, with magnitudes `x` and `y`, in radians from 0 to pi/2, Q62,
 /// within 2^-56.
 fn angle(y: Float, x: Float) -> i64 {
     let size = |side: Float| (side.mantissa != 0, side.exponent, side.mantissa);
@@ -342,7 +344,7 @@ fn angle(y: Float, x: Float) -> i64 {
             angle = angle.wrapping_add(step);
         }
     }
-    // y < x / 2^31, so y * 2^31 fits, and what is left of the angle is y / x.
+    // y < x / 2^31, so y * 2^31 fits, and the rest of the angle is y / x.
     let tail = (y.unsigned_abs() << 31)
         .checked_div(x.unsigned_abs() >> 31)
         .unwrap_or(0);
@@ -358,8 +360,8 @@ fn angle(y: Float, x: Float) -> i64 {
 /// pi / 2, Q62.
 const QUARTER: i64 = 7244019458077122842;
 
-/// Radians in the first quarter as degrees of 14 places, then mirrored into the quarter of the
-/// signs.
+/// Converts radians in the first quadrant to degrees of 14 places, mirrored into the quadrant of
+/// the signs.
 fn degrees(radians: i64, left: bool, below: bool) -> Option<Value> {
     // 2^63 * 2^63 >> 57 is below 2^69.
     let degrees = i128::from(radians).wrapping_mul(i128::from(RADIAN)) >> 57;
@@ -398,8 +400,8 @@ pub(super) fn arc_tangent(y: Value, x: Value) -> Option<Value> {
     )
 }
 
-/// `1 - v^2`'s root; `None` for a magnitude above 1. A rounded value up to 10^-9 beyond counts as
-/// 1.
+/// The root of `1 - v^2`; `None` for a magnitude above 1. A rounded value up to 10^-9 above 1
+/// counts as 1.
 fn leg(value: Value) -> Option<Float> {
     let unit = power(value.places());
     let digits = value.digits().unsigned_abs();
@@ -461,7 +463,7 @@ pub(super) fn square_root(value: Value) -> Option<Value> {
         if let Some(scaled) = scaled {
             let floor = root(scaled);
             let rest = scaled.wrapping_sub(u128::from(floor).wrapping_mul(u128::from(floor)));
-            // Above the half where the rest exceeds the root; floor < 2^62.
+            // Above one half where the rest exceeds the root; floor < 2^62.
             let nearest = u128::from(floor).wrapping_add(u128::from(rest > u128::from(floor)));
             let result = Value::fitted(nearest, places, false, !value.is_exact() || rest != 0)?;
             return Some(if rest == 0 { result.stripped() } else { result });
@@ -470,7 +472,7 @@ pub(super) fn square_root(value: Value) -> Option<Value> {
     }
 }
 
-/// The natural logarithm of a positive number, Q62, within 2^-56: the number is multiplied by
+/// The natural logarithm of a positive number, Q62, within 2^-56. The number is multiplied by
 /// factors 1 + 2^-k up to the next power of two.
 fn logarithm_of(number: Float) -> i128 {
     let (mut y, mut sum) = (number.mantissa >> 1, 0i64);
@@ -483,7 +485,7 @@ fn logarithm_of(number: Float) -> i128 {
             sum = sum.wrapping_add(step);
         }
     }
-    // What is left of the factor to 2 is below 1 + 2^-31.
+    // The remaining factor to 2 is below 1 + 2^-31.
     let tail = top.wrapping_sub(y) >> 1;
     let powers = i128::from(number.exponent).wrapping_add(64);
     powers
@@ -505,14 +507,14 @@ pub(super) fn logarithm(value: Value) -> Option<Value> {
 
 /// e to a power given in Q62; `None` when it is too large.
 fn exponential_of(power: i128) -> Option<Value> {
-    // Above 44 ln 2^63 is passed, below -44 nothing is left of 15 places.
+    // Above 44 the result exceeds 2^63 (63 ln 2); below -44 it has no digit within 15 places.
     if power >= 44 << 62 {
         return None;
     }
     if power <= -(44 << 62) {
         return Some(Value::ZERO.marked_rounded());
     }
-    // Off by one at most, which the loops below mend: 64 ln 2 > 44.
+    // Off by at most one, which the loops below correct: 64 ln 2 > 44.
     let estimate = ((power >> 40) as i64).checked_div(LN_2 >> 40).unwrap_or(0);
     let mut halvings = estimate;
     let mut rest = power.wrapping_sub(i128::from(halvings).wrapping_mul(i128::from(LN_2)));
@@ -531,7 +533,7 @@ fn exponential_of(power: i128) -> Option<Value> {
             y = y.wrapping_add(y.wrapping_shr(k)); // stays below 2
         }
     }
-    // rest < 2^-31: its square is below the last bit.
+    // rest < 2^-31, so its square is below the last bit.
     let tail = (u128::from(y).wrapping_mul(u128::from(rest.unsigned_abs())) >> 62) as u64;
     let exponent = (halvings as i16).wrapping_sub(62);
     Float::normal(u128::from(y.wrapping_add(tail)), exponent).value(false, 15)
@@ -545,7 +547,7 @@ pub(super) fn exponential(value: Value) -> Option<Value> {
     exponential_of(signed_fixed(Float::of(value), value.is_negative())?)
 }
 
-/// Q62 of what is below 64 in magnitude; of more, 63 with its sign.
+/// The number in Q62 if its magnitude is below 64; otherwise 63 with its sign.
 fn signed_fixed(number: Float, negative: bool) -> Option<i128> {
     let fixed = match number.exponent.wrapping_add(64) {
         7.. if number.mantissa != 0 => 63 << 62,
@@ -558,8 +560,8 @@ fn signed_fixed(number: Float, negative: bool) -> Option<i128> {
     })
 }
 
-/// A positive number to a power that is not whole: within 10^-15 or (1 + |ln|) 10^-16 of itself.
-/// `None` when it is too large.
+/// A positive number to a power that is not whole: within 10^-15, or (1 + |ln|) 10^-16 of the
+/// result. `None` when it is too large.
 pub(super) fn general_power(base: Value, exponent: Value) -> Option<Value> {
     let logarithm = logarithm_of(Float::of(base));
     let factor = Float::normal(logarithm.unsigned_abs(), -62).times(Float::of(exponent));
@@ -587,7 +589,7 @@ mod tests {
         Value::new(digits, places).expect("a value")
     }
 
-    /// The nearest integer, for numbers however small: 1.5 units down to 1.5 * 2^-140 of them.
+    /// The nearest integer, for arbitrarily small numbers: 1.5 units down to 1.5 * 2^-140.
     #[test]
     fn small_numbers_become_the_nearest_unit() {
         for (shift, expected) in [(0, 2), (1, 1), (2, 0), (3, 0), (65, 0), (66, 0), (127, 0)] {
@@ -627,7 +629,7 @@ mod tests {
         );
     }
 
-    /// A rounded nothing is nothing, and its power one; only exact ones give exact ones.
+    /// A rounded zero is zero, and its power is one; only exact arguments give exact results.
     #[test]
     fn rounded_arguments() {
         let zero = Value::ZERO.marked_rounded();

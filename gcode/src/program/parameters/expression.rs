@@ -7,19 +7,20 @@ use super::value::Value;
 use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 
-/// The most operations that wait for their right side.
+/// Largest number of operations that wait for their right operand.
 const DEPTH: usize = 24;
 
-/// Reads values from a line. `lookup` gives the value of a parameter, `None` when it has none.
+/// Reads values from a line. `lookup` returns the value of a parameter, `None` for one without a
+/// value.
 ///
-/// Nothing recurses: what waits for its right side stands on a stack of 24, whatever the text
-/// nests.
+/// There is no recursion: operations that wait for their right operand are on a stack of 24
+/// entries, however deeply the text is nested.
 pub(super) struct Reader<'t, F> {
     cursor: Cursor<'t>,
     lookup: F,
 }
 
-/// What waits on the stack.
+/// An entry of the stack.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 enum Waits {
     Bracket,
@@ -41,7 +42,7 @@ struct Pending {
 
 /// A stack of fixed size.
 struct Stack {
-    /// Empty places are `None`: that is one byte each to begin with.
+    /// Empty entries are `None`: only one byte each has to be initialised.
     entries: [Option<Pending>; DEPTH],
     count: usize,
 }
@@ -90,7 +91,7 @@ impl<F> core::ops::DerefMut for Reader<'_, F> {
 }
 
 impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
-    /// Reads `text` from `at` on.
+    /// Starts reading `text` at `at`.
     pub(super) const fn new(text: &'t [u8], at: usize, lookup: F) -> Self {
         Reader {
             cursor: Cursor::new(text, at),
@@ -98,7 +99,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         }
     }
 
-    /// The parameter behind a `#` that was taken at `from`: its number or name.
+    /// The parameter after a `#` that was taken at `from`: its number or name.
     pub(super) fn key(&mut self, from: usize) -> Result<Key<'t>, Error> {
         if self.peek() == Some(b'<') {
             return Ok(Key::Name(self.name(from)?));
@@ -115,7 +116,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         self.value()
     }
 
-    /// One value: a number, `#` parameter, `[ ]` or function, with signs before it. Cost: one pass.
+    /// One value: a number, `#` parameter, `[ ]` or function, with leading signs. Takes one pass.
     pub(super) fn value(&mut self) -> Result<Value, Error> {
         match self.peek() {
             // Most values are plain numbers: they need no stack.
@@ -137,8 +138,8 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         }
     }
 
-    /// Begins an operand: a whole one with its position, or `None` for what waits for more, on the
-    /// stack.
+    /// Begins an operand. Returns a complete operand with its position, or `None` if it is pushed
+    /// on the stack and waits for more.
     fn operand(&mut self, stack: &mut Stack) -> Result<Option<(Value, usize)>, Error> {
         let Some(byte) = self.peek() else {
             return Err(self.error_here(Fault::NoValue));
@@ -184,7 +185,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         Ok(None)
     }
 
-    /// A function's name and its `[`.
+    /// The name of a function and its `[`.
     fn function(&mut self, stack: &mut Stack) -> Result<Option<(Value, usize)>, Error> {
         let from = self.at();
         let name = self.letters();
@@ -213,8 +214,8 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         Ok(None)
     }
 
-    /// What follows a whole operand: gives the value when nothing waits any more, `None` when
-    /// another operand must come.
+    /// Handles the text after a complete operand: returns the value when the stack is empty, `None`
+    /// when another operand must follow.
     fn behind(
         &mut self,
         mut value: Value,
@@ -281,7 +282,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         }
     }
 
-    /// Works out the operators on top of the stack that bind at least so tight.
+    /// Evaluates the operators on top of the stack with at least this precedence.
     fn reduce(
         &self,
         mut value: Value,
@@ -326,7 +327,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
             }
             Some(b'A'..=b'Z') => {
                 let from = self.at();
-                // The longest is three letters; a function may follow at once, as in
+                // The longest has three letters; a function may follow directly, as in
                 // `5 MOD ABS[..]` without blanks.
                 let mut letters = Capitals::default();
                 for _ in 0..3 {
@@ -342,7 +343,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
                 return Err(self.error(Fault::NoOperator, from));
             }
             None => {
-                // At the bracket that is open.
+                // At the open bracket.
                 let waiting = stack.entries.iter().take(stack.count).rev().flatten();
                 let opened = waiting
                     .copied()
@@ -362,7 +363,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
         Ok(operator)
     }
 
-    /// Digits, perhaps with a point; blanks anywhere.
+    /// Digits, with an optional point; blanks anywhere.
     fn number(&mut self) -> Result<Value, Error> {
         let from = self.at();
         let (mut digits, mut places) = (0i64, None::<u8>);

@@ -1,4 +1,4 @@
-//! Where a value ends, without its value: for those who only pass it on.
+//! The end of a value, without its value, for code that only copies it.
 
 use super::cursor::Cursor;
 use super::line::pass_comment;
@@ -7,11 +7,11 @@ use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
 use crate::words::word::{Word, words};
 
-/// The position behind the word or the assignment that begins at `at`. What its brackets hold is
-/// not looked at.
+/// The position after the word or the assignment that begins at `at`. The contents of brackets are
+/// not checked.
 ///
 /// # Errors
-/// A bracket without counterpart, no value, an assignment without `=`.
+/// A bracket without its counterpart, no value, or an assignment without `=`.
 pub(crate) fn extent(text: &[u8], at: usize) -> Result<usize, Error> {
     let mut reader = Cursor::new(text, at);
     if reader.peek() == Some(b'#') {
@@ -26,7 +26,7 @@ pub(crate) fn extent(text: &[u8], at: usize) -> Result<usize, Error> {
     Ok(reader.end())
 }
 
-/// Passes signs, `#` and the number, name, bracket or function behind them.
+/// Skips signs, `#`, and the number, name, bracket or function after them.
 fn pass_value(reader: &mut Cursor<'_>) -> Result<(), Error> {
     let from = reader.at();
     let mut is_index = false;
@@ -66,7 +66,7 @@ fn pass_value(reader: &mut Cursor<'_>) -> Result<(), Error> {
     }
 }
 
-/// Passes the bracket that is next, with all inside.
+/// Skips the bracket that comes next, with its contents.
 fn pass_bracket(reader: &mut Cursor<'_>) -> Result<(), Error> {
     reader.peek();
     let from = reader.at();
@@ -96,8 +96,8 @@ fn pass_bracket(reader: &mut Cursor<'_>) -> Result<(), Error> {
     }
 }
 
-/// The words of a line with expressions, as far as they can be told without values: an expression
-/// counts as 1, a code that is worked out not at all. For
+/// The words of a line with expressions, as far as they are known without values: an expression
+/// counts as 1, and a computed code is omitted. For
 /// [`Block::from_words`](crate::Block::from_words).
 pub(crate) fn program_words(text: &[u8]) -> impl Iterator<Item = Result<Word, Error>> + '_ {
     let (mut reader, mut start) = (Cursor::new(text, 0), true);
@@ -128,7 +128,7 @@ fn next_word<'t>(
                 *reader = Cursor::new(text, end);
                 let word = text.get(at..end).unwrap_or_default();
                 if is_plain(word.get(1..).unwrap_or_default()) {
-                    // Places inside of the line.
+                    // Columns inside the line.
                     let moved = |place: usize| place.wrapping_add(at);
                     return match words(word).next().transpose() {
                         Ok(word) => Ok(word.map(|word| Word {
@@ -166,7 +166,7 @@ fn next_word<'t>(
     }
 }
 
-/// Whether a value is a number, with signs before it or not.
+/// Whether a value is a number, with or without leading signs.
 pub(crate) fn is_plain(value: &[u8]) -> bool {
     let signs = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b'+' | b'-');
     let first = value.iter().find(|byte| !signs(byte));
@@ -183,7 +183,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Where a word or an assignment ends, or its error: code, start, end.
+    /// The end of a word or an assignment, or its error: code, start, end.
     #[test]
     fn ends_of_words() {
         for (text, expected) in [
@@ -208,7 +208,7 @@ mod tests {
         }
     }
 
-    /// The words of a line with their places, or its error.
+    /// The words of a line with their columns, or its error.
     #[test]
     fn words_and_their_places() {
         let read = |text: &str| {

@@ -50,7 +50,7 @@ impl Function {
         Some(found.1)
     }
 
-    /// Its value, where it has one argument: ATAN and EXISTS have their own forms.
+    /// Its value, for functions with one argument; ATAN and EXISTS have their own forms.
     pub(super) fn of(self, x: Value) -> Result<Value, Fault> {
         let result = match self {
             Function::Abs => Some(x.magnitude()),
@@ -91,7 +91,7 @@ pub(super) enum Operator {
     ExclusiveOr,
 }
 
-/// Those that are words, in capitals.
+/// The operators that are words, in capitals.
 const WORDS: [(&[u8], Operator); 10] = [
     (b"MOD", Operator::Modulo),
     (b"EQ", Operator::Equal),
@@ -106,13 +106,13 @@ const WORDS: [(&[u8], Operator); 10] = [
 ];
 
 impl Operator {
-    /// The operator that this text starts with, by its capitals.
+    /// The operator at the start of this text, given in capitals.
     pub(super) fn by_word(name: &[u8]) -> Option<Operator> {
         let found = WORDS.iter().find(|(known, _)| *known == name)?;
         Some(found.1)
     }
 
-    /// Higher binds tighter; equal ones go from left to right, powers too.
+    /// Higher binds tighter. Equal ones, including powers, are evaluated from left to right.
     pub(super) const fn precedence(self) -> u8 {
         match self {
             Operator::Power => 5,

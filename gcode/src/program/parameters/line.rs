@@ -1,4 +1,4 @@
-//! One line with expressions: its words, and the assignments that take effect behind it.
+//! One line with expressions: its words, and the assignments that take effect after it.
 
 use super::cursor::Cursor;
 use super::expression::Reader;
@@ -8,10 +8,10 @@ use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::words::word::Word;
 
-/// The most assignments of a line.
+/// Largest number of assignments on a line.
 const ASSIGNMENTS: usize = 10;
 
-/// `#n = value`, to be made when its line was read.
+/// `#n = value`, to be made after its line was read.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Assignment<'t> {
     pub(super) key: Key<'t>,
@@ -42,13 +42,13 @@ impl<'t> Assignments<'t> {
     }
 }
 
-/// The words of a line, with their values worked out. Assignments go to `assignments`: the line
-/// itself still sees the values from before it, as RS-274/NGC has it.
+/// The words of a line, evaluated. Assignments go to `assignments`: within the line the old values
+/// hold, as in RS-274/NGC.
 pub(super) struct Evaluated<'a, 't, F> {
     text: &'t [u8],
     reader: Reader<'t, F>,
     assignments: &'a mut Assignments<'t>,
-    /// Nothing but blanks and comments was read so far.
+    /// Whether only blanks and comments were read so far.
     start: bool,
 }
 
@@ -66,7 +66,7 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
         }
     }
 
-    /// The next word; `None` behind the last.
+    /// The next word; `None` after the last one.
     pub(super) fn word(&mut self) -> Result<Option<Word>, Error> {
         loop {
             let Some(byte) = self.reader.peek() else {
@@ -141,7 +141,7 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
     }
 }
 
-/// Passes the comment whose `(` is next.
+/// Skips the comment that comes next.
 pub(super) fn pass_comment(reader: &mut Cursor<'_>) -> Result<(), Error> {
     let from = reader.at();
     reader.advance();

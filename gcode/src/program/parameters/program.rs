@@ -1,4 +1,4 @@
-//! Programs that steer themselves: subroutines, loops, branches.
+//! Programs with control flow: subroutines, loops, branches.
 
 mod flow;
 mod nesting;
@@ -15,15 +15,14 @@ use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::program::line::{Line, first_line};
 
-/// How many subroutines are remembered by their position; others are looked for in the text at each
-/// call.
+/// Number of subroutines whose position is cached. Others are searched in the text at each call.
 const REMEMBERED: usize = 16;
 
 /// A position between two lines.
 #[derive(Copy, Clone, Debug)]
 struct Place {
     at: usize,
-    /// Number of the line behind it.
+    /// Number of the line after it.
     number: usize,
 }
 
@@ -35,24 +34,24 @@ struct Raw<'t> {
     after: Place,
 }
 
-/// A program with parameters, expressions and O-words, given line by line in the order of
-/// execution, as blocks of plain numbers. The text stays where it is (flash, say); loops jump back
-/// in it.
+/// A program with parameters, expressions and O-words. It returns its lines in the order of
+/// execution, as blocks of plain numbers. The text stays in place (in flash, for example); loops
+/// jump back in it.
 ///
-/// `GLOBALS` and `LOCALS` are how many parameters there is room for: those that every subroutine
-/// sees, and those of all subroutines that run together. `DEPTH` is how many calls, and how many
-/// loops, may run inside each other. With the defaults the whole is at most 7.2 kB.
-///
-/// # Cost
-/// A line costs one step, and another for every 64 bytes of it. Lines that are skipped in the
-/// search for an `endif` or a subroutine cost the same. A program that has used up its steps ends
-/// with E0638, so every program ends. The first 16 subroutines called are found again at once.
-/// Others cost a search from the start of the text at each call.
+/// `GLOBALS` and `LOCALS` are the numbers of parameters: those that every subroutine sees, and
+/// those of all running subroutines together. `DEPTH` is the largest number of nested calls, and of
+/// nested loops. With the defaults the whole takes at most 7.2 kB.
 ///
 /// # Errors
-/// An error on a line that steers the flow ends the program, and so does one for want of room.
-/// After another error the caller may go on, as after a wrong line of a plain program: the
+/// An error on a line with control flow ends the program, and so does one for lack of room. After
+/// any other error the caller may continue, as after a wrong line of a plain program; the
 /// assignments of that line are not made.
+///
+/// # Cost
+/// A line costs one step, and another for every 64 bytes. Lines skipped in the search for an
+/// `endif` or a subroutine cost the same. A program that has used up its steps ends with E0638, so
+/// every program ends. The first 16 subroutines called are found at once afterwards. Others cost a
+/// search from the start of the text at each call.
 ///
 /// # Examples
 /// ```
@@ -85,11 +84,11 @@ pub struct Program<'t, const GLOBALS: usize = 64, const LOCALS: usize = 96, cons
     remembered: [Option<(Label<'t>, Place)>; REMEMBERED],
     remembered_count: usize,
     steps_left: u64,
-    /// `#<_value>` and whether the last subroutine gave one.
+    /// `#<_value>`, if the last subroutine returned one.
     returned: Option<Value>,
-    /// How many arguments the call has that the last line left to the caller.
+    /// Number of arguments of the call that the last line passed to the caller.
     outside: Option<usize>,
-    /// The next line is an `elseif` whose condition counts.
+    /// Whether the next line is an `elseif` whose condition counts.
     is_choosing: bool,
     is_over: bool,
 }
@@ -97,10 +96,11 @@ pub struct Program<'t, const GLOBALS: usize = 64, const LOCALS: usize = 96, cons
 impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     Program<'t, GLOBALS, LOCALS, DEPTH>
 {
-    /// The steps a program has when nothing else is said.
+    /// The default number of steps of a program.
     pub const STEPS: u64 = 10_000_000;
 
-    /// A program at its first line. In dialects without parameters it gives the lines as they are.
+    /// Creates a program at its first line. In dialects without parameters it returns the lines
+    /// unchanged.
     pub const fn new(text: &'t [u8], dialect: Dialect) -> Self {
         Program {
             text,
@@ -122,35 +122,35 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// The same with so many steps.
+    /// Sets the number of steps.
     pub const fn with_steps(mut self, steps: u64) -> Self {
         self.steps_left = steps;
         self
     }
 
-    /// The same for a text that begins with this line of a longer one.
+    /// Sets the number of the first line, for a text that is part of a longer one.
     pub const fn with_first_line(mut self, number: usize) -> Self {
         self.first.number = number;
         self.next.number = number;
         self
     }
 
-    /// Goes on with another line: the byte where it begins, and its number. For who has given the
-    /// lines between itself, as [`Contours`](crate::program::contour::Contours) does; loops and
-    /// calls under way stay.
+    /// Continues with another line: the byte where it begins, and its number. For a caller that has
+    /// already returned the lines between, as [`Contours`](crate::program::contour::Contours) does;
+    /// running loops and calls stay.
     pub fn go_to(&mut self, at: usize, number: usize) {
         self.next = Place { at, number };
     }
 
-    /// How many steps are left.
+    /// Number of steps left.
     pub const fn steps_left(&self) -> u64 {
         self.steps_left
     }
 
-    /// The name of the subroutine that the last line calls and the [`System`] has (`bore` of
-    /// `o<bore> call`), and how many arguments it is given: they are the
-    /// [`parameter`](Program::parameter)s #1, #2, ... until the next line. Its block is empty; what
-    /// is to be done, the caller does before it asks for that line.
+    /// The name of the subroutine that the last line calls, if the [`System`] has it (`bore` of
+    /// `o<bore> call`), and the number of its arguments. Until the next line the arguments are the
+    /// [`parameter`](Program::parameter)s #1, #2, ... The block of the line is empty; the caller
+    /// executes the subroutine before it asks for the next line.
     pub fn outside_call(&self) -> Option<(&'t [u8], usize)> {
         let count = self.outside?;
         match self.current_call()?.label {
@@ -159,13 +159,13 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// How many subroutines run.
+    /// Number of running subroutines.
     pub const fn call_level(&self) -> usize {
         self.call_count
     }
 
-    /// The value of a numbered parameter as lines see it now; zero before its first assignment.
-    /// System parameters are not among them.
+    /// The present value of a numbered parameter; zero before its first assignment. System
+    /// parameters are not included.
     pub fn parameter(&self, number: u16) -> Value {
         self.table.get(Key::Number(number)).unwrap_or(Value::ZERO)
     }
@@ -175,28 +175,29 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self.table.get(Key::Name(name))
     }
 
-    /// Gives a numbered parameter (1 to 5602) a value, as an assignment would.
+    /// Sets a numbered parameter (1 to 5602), as an assignment would.
     ///
     /// # Errors
-    /// A number out of range; no room.
+    /// The number is out of range, or there is no room.
     pub fn set_parameter(&mut self, number: u16, value: Value) -> Result<(), Fault> {
         let key = Key::numbered(Value::from(i32::from(number))).ok_or(Fault::NoSuchParameter)?;
         self.table.set(key, value)
     }
 
-    /// Gives a named parameter a value, as an assignment would.
+    /// Sets a named parameter, as an assignment would.
     ///
     /// # Errors
-    /// No room.
+    /// There is no room.
     pub fn set_named_parameter(&mut self, name: &'t [u8], value: Value) -> Result<(), Fault> {
         self.table.set(Key::Name(name), value)
     }
 
-    /// The next line; `None` behind the end of the text, and after an error that ends the program.
+    /// Returns the next line; `None` after the end of the text, and after an error that ends the
+    /// program.
     ///
-    /// `system` answers for positions and other state of the machine: a [`Modal`](crate::Modal)
-    /// that has planned all lines before, or [`NoMachine`](super::NoMachine). M2 and M30 end
-    /// nothing here: the caller sees their command.
+    /// `system` provides positions and other state of the machine: a [`Modal`](crate::Modal) that
+    /// has planned all lines before, or [`NoMachine`](super::NoMachine). M2 and M30 do not end the
+    /// program here; the caller sees their command.
     ///
     /// # Cost
     /// One pass over the line. O-words that jump forward pass over the lines between.
@@ -215,21 +216,21 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Some(raw.given(block))
     }
 
-    /// The line behind a position.
+    /// The line after a position.
     fn line_at(&self, place: Place) -> Option<Raw<'t>> {
         let (text, behind) = first_line(self.text.get(place.at..)?)?;
         Some(Raw {
             place,
             text,
             after: Place {
-                // What stands behind is the end of the text.
+                // `behind` is the end of the text.
                 at: self.text.len().wrapping_sub(behind.len()),
                 number: place.number.wrapping_add(1),
             },
         })
     }
 
-    /// Pays for looking at a line.
+    /// Counts the steps of a line.
     fn pay(&mut self, text: &[u8]) -> Result<(), Fault> {
         let steps = (text.len() as u64 >> 6).wrapping_add(1);
         match self.steps_left.checked_sub(steps) {
@@ -266,7 +267,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Block::parse(raw.text, &self.dialect)
     }
 
-    /// A line with an `O` where that is the number of a program.
+    /// A line with an `O` in a dialect where that is a program number.
     fn numbered(&self, raw: &Raw<'t>) -> Result<Block, Error> {
         match statement::seen(raw.text, !self.dialect.block_delete()) {
             Some(seen) => Err(Error {
@@ -278,10 +279,10 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// A line with an O-word.
+    /// Executes a line with an O-word.
     fn steer(&mut self, raw: &Raw<'t>, at: usize, system: &impl System) -> Result<(), Error> {
         let order = self.order(raw, at, system)?;
-        // Asked here, so that what steers is there once for all systems.
+        // Queried here, so that the code of control flow exists once for all systems.
         let is_outside = match (order.statement.keyword, order.statement.label) {
             (Keyword::Call, Label::Name(name)) => system.has_subroutine(name),
             _ => false,
@@ -293,7 +294,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         })
     }
 
-    /// A line of words and assignments.
+    /// Evaluates a line of words and assignments.
     fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
         let mut assignments = Assignments::NONE;
         let block = {
@@ -325,13 +326,13 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(block)
     }
 
-    /// [`Program::lookup`] as a function: one type for all who read values, so that their code is
-    /// there once.
+    /// [`Program::lookup`] as a function of one type for all readers of values, so that their code
+    /// exists once.
     fn lookup_at<S: System>(&self, line: usize, system: &S) -> impl Fn(Key<'t>) -> Option<Value> {
         move |key| self.lookup(key, line, system)
     }
 
-    /// The value of a parameter at a line.
+    /// The value of a parameter on a line.
     fn lookup(&self, key: Key<'_>, line: usize, system: &impl System) -> Option<Value> {
         let known = match key {
             Key::Number(number) if number > table::LAST_USER => system.numbered(number),
@@ -355,7 +356,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// The predefined names that the program itself knows.
+    /// The predefined names whose values the program itself has.
     fn own(&self, name: &[u8], line: usize) -> Option<Value> {
         let number = |number: usize| Value::new(i64::try_from(number).ok()?, 0);
         match name {
@@ -367,7 +368,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// The end of the text: nothing, or the line that is still open.
+    /// The end of the text: nothing, or an error about the line that is still open.
     fn end(&mut self) -> Option<Line<'t>> {
         self.is_over = true;
         let inner = self

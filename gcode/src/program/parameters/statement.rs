@@ -1,4 +1,4 @@
-//! The lines that steer a program: `o100 while [#1 lt 10]`.
+//! Lines with control flow: `o100 while [#1 lt 10]`.
 
 use super::cursor::Cursor;
 use super::expression::Reader;
@@ -8,7 +8,7 @@ use crate::codes::dialect::Dialect;
 use crate::error::Error;
 use crate::error::parameters::Fault;
 
-/// What an O-word is called: a number, or a name as it stands in the text.
+/// The label of an O-word: a number, or a name as written in the text.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Label<'t> {
     Number(u32),
@@ -16,7 +16,7 @@ pub(super) enum Label<'t> {
 }
 
 impl Label<'_> {
-    /// Whether two labels are the same; case and blanks of names do not count.
+    /// Whether two labels are the same; case and blanks of names are ignored.
     pub(super) fn is(self, other: Label<'_>) -> bool {
         match (self, other) {
             (Label::Number(left), Label::Number(right)) => left == right,
@@ -26,7 +26,7 @@ impl Label<'_> {
     }
 }
 
-/// What an O-word does.
+/// The keyword of an O-word.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(super) enum Keyword {
     Sub,
@@ -70,14 +70,14 @@ const NAMES: [(&[u8], Keyword); 15] = [
 pub(super) struct Statement<'t> {
     pub(super) label: Label<'t>,
     pub(super) keyword: Keyword,
-    /// The `O`.
+    /// Position of the `O`.
     pub(super) at: usize,
-    /// Behind the keyword.
+    /// Position after the keyword.
     pub(super) end: usize,
 }
 
-/// Where the `O` of a line stands, behind `/`, comments and `N`; `None` for other lines. `/` is
-/// passed where lines with it are executed.
+/// The position of the `O` of a line, after `/`, comments and `N`; `None` for other lines. `/` is
+/// skipped where lines with it are executed.
 pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
     let (mut at, mut number) = (0usize, false);
     loop {
@@ -99,9 +99,11 @@ pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
     }
 }
 
-/// Whether a line takes a [`Program`](super::Program) to be read: it has a parameter or a bracket
-/// outside of comments, or begins with an O-word. Always `false` in a dialect without them. Cost:
-/// one look at each byte.
+/// Whether a line needs a [`Program`](super::Program): it has a parameter or a bracket outside
+/// comments, or begins with an O-word. Always `false` in a dialect without them.
+///
+/// # Cost
+/// One check per byte.
 pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     if !dialect.has_parameters()
         || (dialect.block_delete() && line.trim_ascii_start().starts_with(b"/"))
@@ -126,8 +128,8 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     false
 }
 
-/// Whether a line begins with an O-word that steers the program, and then whether its keyword is
-/// one; a label that is worked out passes unread. `None` for other lines.
+/// Whether a line begins with an O-word of control flow, and if so whether its keyword is valid; a
+/// computed label is not evaluated. `None` for other lines.
 pub(crate) fn is_flow(text: &[u8], dialect: &Dialect) -> Option<Result<(), Error>> {
     let at = place(text, !dialect.block_delete()).filter(|_| dialect.has_flow())?;
     let mut label = Cursor::new(text, at.wrapping_add(1));
@@ -137,7 +139,7 @@ pub(crate) fn is_flow(text: &[u8], dialect: &Dialect) -> Option<Result<(), Error
     })
 }
 
-/// Reads label and keyword; `reader` stands at the `O`.
+/// Reads label and keyword; `reader` is at the `O`.
 pub(super) fn read<'t, F>(reader: &mut Reader<'t, F>) -> Result<Statement<'t>, Error>
 where
     F: Fn(Key<'t>) -> Option<Value>,
@@ -172,8 +174,8 @@ where
     })
 }
 
-/// Label and keyword of a line that is only looked at in the search for another. Labels that are
-/// worked out are not found.
+/// Label and keyword of a line that is only read in a search for another. Computed labels are not
+/// found.
 pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
     let at = place(text, passes_delete)?;
     let mut cursor = Cursor::new(text, at);
@@ -205,8 +207,8 @@ pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
 mod tests {
     use super::*;
 
-    /// Which lines steer, and whether their keyword is one; a label that is worked out passes
-    /// unread.
+    /// Which lines have control flow, and whether their keyword is valid; a computed label is not
+    /// evaluated.
     #[test]
     fn lines_that_steer() {
         let shown = Dialect::RS274;

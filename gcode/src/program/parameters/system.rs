@@ -1,4 +1,4 @@
-//! Parameters that the machine's state gives.
+//! Parameters with values from the state of the machine.
 
 use super::value::Value;
 use crate::codes::code::Side;
@@ -8,29 +8,30 @@ use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
 use crate::values::nm::Nm;
 
-/// What expressions can ask of the machine: positions, the work system, the tool. They read it at
-/// the line they stand on, so a caller plans each block before it asks for the next line.
+/// The state of the machine that expressions can read: positions, the work system, the tool. It is
+/// read when their line is evaluated, so a caller plans each block before it asks for the next
+/// line.
 ///
-/// [`Modal`](crate::Modal) answers; [`NoMachine`] knows nothing.
+/// [`Modal`](crate::Modal) implements it; [`NoMachine`] has no values.
 pub trait System {
-    /// The value of a system parameter (#5061 to #5602) in the units in effect; `None` for those
-    /// that are none. They can be read, not assigned.
+    /// The value of a system parameter (#5061 to #5602) in the units in effect; `None` for other
+    /// numbers. They are read-only.
     fn numbered(&self, number: u16) -> Option<Value>;
 
     /// The value of a predefined name, without its `_` and in any case (`x` of `#<_x>`); `None` for
-    /// others.
+    /// other names.
     fn named(&self, name: &[u8]) -> Option<Value>;
 
-    /// Whether a subroutine that the text does not have is one of the caller's own, as
-    /// [`Program::outside_call`](super::Program::outside_call) then reports; its name is as
-    /// written, `bore` of `o<bore> call`.
+    /// Whether the caller has a subroutine that is not in the text.
+    /// [`Program::outside_call`](super::Program::outside_call) then reports the call. The name is
+    /// as written, `bore` of `o<bore> call`.
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false
     }
 }
 
-/// Answers nothing: for lines without a machine.
+/// A system without values, for lines without a machine.
 #[derive(Copy, Clone, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoMachine;
@@ -55,7 +56,7 @@ fn length(nm: Nm, units: Units) -> Option<Value> {
     }
 }
 
-/// `left - right`, axis by axis; both below 2^52.
+/// `left - right` per axis; both are below 2^52.
 fn difference<const N: usize>(left: [Nm; N], right: [Nm; N]) -> [Nm; N] {
     let mut difference = left;
     for (left, right) in difference.iter_mut().zip(right) {

@@ -1,4 +1,4 @@
-//! Where parameters are kept.
+//! Storage of parameters.
 
 use super::value::Value;
 use crate::error::parameters::Fault;
@@ -6,13 +6,13 @@ use crate::error::parameters::Fault;
 /// The highest number of a parameter.
 pub(super) const LAST: i64 = 5602;
 
-/// The last of the numbered parameters that every subroutine has its own of.
+/// The last of the numbered parameters that are local to each subroutine.
 pub(super) const LAST_LOCAL: u16 = 30;
 
-/// The last number that is never the machine's.
+/// The last number that is never a parameter of the machine.
 pub(super) const LAST_USER: u16 = 5000;
 
-/// Some letters in capitals; what is longer than the longest known name is cut off.
+/// Some letters as capitals; the rest beyond the length of the longest known name is cut off.
 #[derive(Copy, Clone, Debug, Default)]
 pub(super) struct Capitals {
     bytes: [u8; 24],
@@ -32,7 +32,7 @@ impl Capitals {
     }
 }
 
-/// The rest of a name that begins with `_`, as predefined ones do.
+/// The rest of a name that begins with `_`, as predefined names do.
 pub(super) fn predefined(name: &[u8]) -> Option<Capitals> {
     let mut bytes = letters(name);
     if bytes.next() != Some(b'_') {
@@ -43,27 +43,27 @@ pub(super) fn predefined(name: &[u8]) -> Option<Capitals> {
     Some(rest)
 }
 
-/// Which parameter: a number, or a name as it stands in the text.
+/// Identifies a parameter: a number, or a name as written in the text.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Key<'t> {
     Number(u16),
     Name(&'t [u8]),
 }
 
-/// The bytes that count in a name: no blanks, capitals.
+/// The significant bytes of a name: without blanks, in capitals.
 fn letters(name: &[u8]) -> impl Iterator<Item = u8> + '_ {
     name.iter()
         .filter(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
         .map(u8::to_ascii_uppercase)
 }
 
-/// Whether two names are the same but for case and blanks.
+/// Whether two names are equal except for case and blanks.
 pub(super) fn is_same_name(left: &[u8], right: &[u8]) -> bool {
     letters(left).eq(letters(right))
 }
 
 impl<'t> Key<'t> {
-    /// The parameter of this number; `None` for what is not whole or not from 1 to 5602.
+    /// The parameter of this number; `None` for a number that is not whole or not from 1 to 5602.
     pub(super) fn numbered(number: Value) -> Option<Key<'t>> {
         let number = number
             .whole()
@@ -79,7 +79,7 @@ impl<'t> Key<'t> {
         }
     }
 
-    /// Whether each subroutine has its own: #1 to #30, and names without `_` in front.
+    /// Whether each subroutine has its own: #1 to #30, and names without a leading `_`.
     fn is_local(self) -> bool {
         match self {
             Key::Number(number) => number <= LAST_LOCAL,
@@ -104,16 +104,16 @@ struct Entry<'t> {
     value: Value,
 }
 
-/// Numbered and named parameters: `GLOBALS` that everybody sees, and `LOCALS` of the main program
-/// and all subroutines that run together. Only those ever assigned take room.
+/// Numbered and named parameters: `GLOBALS` that are visible everywhere, and `LOCALS` of the main
+/// program and all running subroutines together. Only parameters that were assigned take room.
 ///
-/// A global one is found by its hash, in one or two looks while the table is not nearly full; a
-/// local one by looking through those of its subroutine.
+/// A global parameter is found by its hash, in one or two probes while the table is not nearly
+/// full. A local one is found by a search of those of its subroutine.
 #[derive(Clone, Debug)]
 pub(super) struct Table<'t, const GLOBALS: usize, const LOCALS: usize> {
     globals: [Option<Entry<'t>>; GLOBALS],
     locals: [Entry<'t>; LOCALS],
-    /// How many locals are in use; `base..count` are those of the subroutine that runs.
+    /// Number of locals in use; `base..count` are those of the running subroutine.
     count: usize,
     base: usize,
 }
@@ -132,9 +132,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         }
     }
 
-    /// The slots where a global parameter may be, the likeliest first.
+    /// The slots of a global parameter in the order of the search.
     fn slots(key: Key<'_>) -> impl Iterator<Item = usize> {
-        // Below GLOBALS; no slot at all for a table of none.
+        // Below GLOBALS; an empty table has no slots.
         let first = (key.hash() as usize).checked_rem(GLOBALS).unwrap_or(0);
         (first..GLOBALS).chain(0..first.min(GLOBALS))
     }
@@ -143,7 +143,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         self.locals.get(self.base..self.count).unwrap_or_default()
     }
 
-    /// The value of a parameter; `None` when it never got one.
+    /// The value of a parameter; `None` when it was never assigned.
     pub(super) fn get(&self, key: Key<'_>) -> Option<Value> {
         if key.is_local() {
             let found = self.current().iter().find(|entry| entry.key.is(key))?;
@@ -158,7 +158,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         None
     }
 
-    /// Gives a parameter its value.
+    /// Sets the value of a parameter.
     pub(super) fn set(&mut self, key: Key<'t>, value: Value) -> Result<(), Fault> {
         if key.is_local() {
             let current = self
@@ -183,7 +183,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         Err(Fault::ParametersFull)
     }
 
-    /// A new local, whose name is not yet there.
+    /// Adds a new local whose name does not exist yet.
     fn push(&mut self, key: Key<'t>, value: Value) -> Result<(), Fault> {
         let slot = self
             .locals
@@ -194,7 +194,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         Ok(())
     }
 
-    /// Begins a subroutine with #1, #2, ... ; gives what [`Table::leave`] wants back.
+    /// Begins a subroutine with #1, #2, ... Returns the argument for [`Table::leave`].
     pub(super) fn enter(&mut self, arguments: &[Value]) -> Result<usize, Fault> {
         let caller = self.base;
         let base = self.count;
@@ -208,7 +208,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize> Table<'t, GLOBALS, LOCALS> {
         Ok(caller)
     }
 
-    /// Ends a subroutine: its locals are gone.
+    /// Ends a subroutine and drops its locals.
     pub(super) fn leave(&mut self, caller: usize) {
         self.count = self.base;
         self.base = caller;

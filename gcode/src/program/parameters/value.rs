@@ -1,4 +1,4 @@
-//! Values of expressions: decimals of up to 18 places that know whether they are exact.
+//! Values of expressions: decimals of up to 18 places that record whether they are exact.
 
 use crate::values::decimal::Decimal;
 use core::cmp::Ordering;
@@ -6,13 +6,14 @@ use core::cmp::Ordering;
 /// The number of an expression or a parameter: `digits / 10^places`, with at most
 /// [`Value::MAX_PLACES`] places.
 ///
-/// Sums, differences and products are exact while 63 bits hold their digits, and rounded once
-/// (halves away from zero) to as many places as fit otherwise; quotients are rounded to 18 places
-/// or 18 digits. A value that was ever rounded, and every result of a function that cannot be
-/// exact, is marked: [`Value::is_exact`]. Marked values within 10^-9 of each other are equal to the
-/// operators `EQ` to `LE`, and one within 10^-9 of a whole number counts as that number where a
-/// whole one is asked for (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared
-/// exactly.
+/// Sums, differences and products are exact while 63 bits hold their digits. Otherwise they are
+/// rounded once (halves away from zero) to as many places as fit. Quotients are rounded to 18
+/// places or 18 digits.
+///
+/// A value that was ever rounded, and every result of a function that cannot be exact, is marked:
+/// [`Value::is_exact`]. For the operators `EQ` to `LE`, marked values within 10^-9 of each other
+/// are equal. A marked value within 10^-9 of a whole number counts as that number where a whole one
+/// is needed (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared exactly.
 #[derive(Copy, Clone, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Value {
@@ -37,12 +38,12 @@ const POWERS: [u64; 20] = {
     powers
 };
 
-/// `10^n` for n up to 19; more is never asked for.
+/// `10^n` for n up to 19; larger n never occur.
 pub(super) fn power(n: u8) -> u64 {
     POWERS.get(usize::from(n)).copied().unwrap_or(u64::MAX)
 }
 
-/// Quotient and rest; zeros for a divisor of 0, which is never given.
+/// Quotient and remainder; zeros for a divisor of 0, which never occurs.
 fn divide(value: u64, divisor: u64) -> (u64, u64) {
     match (value.checked_div(divisor), value.checked_rem(divisor)) {
         (Some(quotient), Some(rest)) => (quotient, rest),
@@ -50,7 +51,7 @@ fn divide(value: u64, divisor: u64) -> (u64, u64) {
     }
 }
 
-/// The next digit of a long division and its rest; `rest < divisor <= 2^63`.
+/// The next digit of a long division and its remainder; `rest < divisor <= 2^63`.
 fn next_digit(rest: u64, divisor: u64) -> (u64, u64) {
     if let Some(ten) = rest.checked_mul(10) {
         return divide(ten, divisor);
@@ -64,7 +65,7 @@ fn next_digit(rest: u64, divisor: u64) -> (u64, u64) {
     (digit, rest as u64)
 }
 
-/// `value / 10^k` rounded down, by limbs of 32 bits: no 128-bit division is linked in.
+/// `value / 10^k` rounded down, in limbs of 32 bits, so that no 128-bit division is linked in.
 fn divide_by_power(mut value: u128, mut k: u8) -> u128 {
     while k > 0 {
         let part = k.min(9);
@@ -85,13 +86,13 @@ fn divide_by_power(mut value: u128, mut k: u8) -> u128 {
 }
 
 impl Value {
-    /// Zero: what a numbered parameter is before its first assignment.
+    /// Zero: the value of a numbered parameter before its first assignment.
     pub const ZERO: Value = Value::whole_number(0);
 
-    /// One: what is true.
+    /// One: the value of true.
     pub const ONE: Value = Value::whole_number(1);
 
-    /// The most places a value has.
+    /// The largest number of places of a value.
     pub const MAX_PLACES: u8 = 18;
 
     const fn whole_number(digits: i64) -> Value {
@@ -113,7 +114,7 @@ impl Value {
         (places <= Value::MAX_PLACES && digits != i64::MIN).then_some(value)
     }
 
-    /// Whether no rounding was ever part of it.
+    /// Whether the value was never rounded.
     pub const fn is_exact(self) -> bool {
         !self.rounded
     }
@@ -123,18 +124,18 @@ impl Value {
         self.digits
     }
 
-    /// How many of the digits stand behind the point.
+    /// Number of digits after the point.
     pub const fn places(self) -> u8 {
         self.places
     }
 
-    /// The whole number it is, or counts as; `None` otherwise.
+    /// The whole number that it is or counts as; `None` otherwise.
     pub fn whole(self) -> Option<i64> {
         let near = self.rounded_half();
         (self.compare(near) == Ordering::Equal).then_some(near.digits)
     }
 
-    /// As the number of a word: an exact value as it is, a rounded one to 12 places.
+    /// Converts to the number of a word: an exact value unchanged, a rounded one to 12 places.
     pub fn to_decimal(self) -> Decimal {
         let value = if self.rounded { self.limited(12) } else { self };
         Decimal::new(value.digits, value.places).unwrap_or(Decimal::ZERO)
@@ -173,8 +174,8 @@ impl Value {
         }
     }
 
-    /// A magnitude below 2^127 with up to 37 places, rounded once to what fits; `None` when the
-    /// whole part does not.
+    /// A magnitude below 2^127 with up to 37 places, rounded once to fit; `None` when the whole
+    /// part does not fit.
     pub(super) fn fitted(
         magnitude: u128,
         places: u8,
@@ -182,7 +183,7 @@ impl Value {
         rounded: bool,
     ) -> Option<Value> {
         let mut drop = places.saturating_sub(Value::MAX_PLACES);
-        // 2^63 * 10^19 > 2^126: the loop ends before 20.
+        // 2^63 * 10^19 > 2^126, so the loop ends before 20.
         while magnitude > u128::from(MOST).wrapping_mul(u128::from(power(drop))) && drop < 19 {
             drop = drop.wrapping_add(1);
         }
@@ -227,7 +228,7 @@ impl Value {
         }
     }
 
-    /// Without the zeros at its end.
+    /// The value without trailing zeros.
     pub(super) fn stripped(mut self) -> Value {
         while self.places > 0 {
             let (rest, digit) = divide(self.digits.unsigned_abs(), 10);
@@ -303,7 +304,7 @@ impl Value {
     /// The quotient, to 18 places or as many digits as fit; `None` when it is too large or the
     /// divisor is zero.
     ///
-    /// Long division, six digits at a time for divisors below 2^44.
+    /// This is a long division, six digits at a time for divisors below 2^44.
     pub(super) fn divided_by(self, other: Value) -> Option<Value> {
         const CHUNK: u64 = 1_000_000;
         let (numerator, divisor) = (self.digits.unsigned_abs(), other.digits.unsigned_abs());
@@ -350,8 +351,8 @@ impl Value {
         Some(if rest == 0 { value.stripped() } else { value })
     }
 
-    /// The rest of a division, from 0 up to the magnitude of the divisor; `None` for a divisor of
-    /// zero.
+    /// The remainder of a division, from 0 up to the magnitude of the divisor; `None` for a divisor
+    /// of zero.
     pub(super) fn modulo(self, other: Value) -> Option<Value> {
         if other.digits == 0 {
             return None;
@@ -363,7 +364,7 @@ impl Value {
             .wrapping_mul(u128::from(power(places.wrapping_sub(other.places))));
         let numerator = self.digits.unsigned_abs();
         let rest = match u64::try_from(divisor) {
-            // Larger than any numerator, whose places are then the greater number.
+            // Larger than any numerator, which then has more places.
             Err(_) => u128::from(numerator),
             Ok(divisor) => {
                 let mut rest = numerator.checked_rem(divisor)?;
@@ -385,7 +386,7 @@ impl Value {
         })
     }
 
-    /// Their order; rounded values within 10^-9 are equal.
+    /// Compares two values; rounded values within 10^-9 are equal.
     pub(super) fn compare(self, other: Value) -> Ordering {
         let (left, right) = (self.widened(), other.widened());
         let slack = match self.rounded | other.rounded {
@@ -411,7 +412,7 @@ impl Value {
     pub(super) fn floor(self) -> Value {
         let near = self.rounded_half();
         match self.compare(near) {
-            // 0.5 above at most: nothing overflows.
+            // At most 0.5 above, so nothing overflows.
             Ordering::Less => Value::whole_number(near.digits.wrapping_sub(1)),
             _ => near,
         }
@@ -422,7 +423,7 @@ impl Value {
         self.negated().floor().negated()
     }
 
-    /// To a whole power, by squaring; `None` when it is too large.
+    /// Raises to a whole power by squaring; `None` when it is too large.
     pub(super) fn to_whole_power(self, exponent: i64) -> Option<Value> {
         let mut left = exponent.unsigned_abs();
         let (mut result, mut square) = (Value::ONE, self);
@@ -445,7 +446,7 @@ impl Value {
         match power {
             _ if exponent >= 0 => power,
             Some(power) => Value::ONE.divided_by(power),
-            // The inverse of what is beyond 9 * 10^18.
+            // The inverse of a value beyond 9 * 10^18.
             None => Some(Value::ZERO.marked_rounded()),
         }
     }
@@ -530,7 +531,7 @@ mod tests {
         );
     }
 
-    /// A result is exact where all it is made of is, and nothing was dropped.
+    /// A result is exact where all operands are and nothing was dropped.
     #[test]
     fn exactness_is_inherited() {
         type Operation = fn(Value, Value) -> Option<Value>;
@@ -561,7 +562,8 @@ mod tests {
         assert!(!Value::ZERO.is_negative());
     }
 
-    /// What has more digits than fit is rounded once, halves up; what is too large is none.
+    /// A result with more digits than fit is rounded once, halves up; a result that is too large is
+    /// an error.
     #[test]
     fn results_at_the_ends_of_the_digits() {
         let shown = |value: Option<Value>| value.map(|value| (value.to_string(), value.is_exact()));
@@ -614,7 +616,7 @@ mod tests {
         assert_eq!(shown(third), some("0.333333333333333333", false));
     }
 
-    /// Exact values differ by their last digit, rounded ones from 10^-9 on.
+    /// Exact values differ by their last digit, rounded ones by more than 10^-9.
     #[test]
     fn what_counts_as_equal() {
         let (one, more) = (value(1, 0), value(1_000_000_001, 9));

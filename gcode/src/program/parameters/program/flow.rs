@@ -1,4 +1,4 @@
-//! Lines with O-words: what they say, and where the program goes on.
+//! Lines with O-words: their meaning, and where the program continues.
 
 use super::nesting::Kind;
 use super::{Place, Program, Raw};
@@ -10,17 +10,17 @@ use crate::program::parameters::statement::{self, Keyword, Label, Statement};
 use crate::program::parameters::system::System;
 use crate::program::parameters::value::Value;
 
-/// The most arguments of a call.
+/// Largest number of arguments of a call.
 const ARGUMENTS: usize = 30;
 
-/// What a line with an O-word says, its values worked out.
+/// A line with an O-word, with its values evaluated.
 pub(super) struct Order<'t> {
     pub(super) statement: Statement<'t>,
-    /// The condition, the number of rounds or the value returned.
+    /// The condition, the number of rounds or the returned value.
     pub(super) value: Option<Value>,
     pub(super) arguments: [Value; ARGUMENTS],
     pub(super) count: usize,
-    /// Behind the last word.
+    /// Position after the last word.
     pub(super) end: usize,
 }
 
@@ -45,7 +45,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             end: statement.end,
         };
         match statement.keyword {
-            // Reached behind a branch that was taken: its condition does not matter any more.
+            // Reached after a branch that was taken: its condition is irrelevant.
             Keyword::ElseIf if !self.is_choosing => return Ok(order),
             Keyword::If | Keyword::ElseIf | Keyword::While | Keyword::Repeat => {
                 order.value = Some(reader.bracketed()?);
@@ -75,7 +75,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// Does what a line with an O-word says.
+    /// Executes a line with an O-word.
     pub(super) fn obey(
         &mut self,
         raw: &Raw<'t>,
@@ -129,7 +129,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         }
     }
 
-    /// The first line from here on with this label and a keyword that is wanted.
+    /// The first line from here on with this label and one of the wanted keywords.
     pub(super) fn find(
         &mut self,
         from: Place,
@@ -150,9 +150,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(None)
     }
 
-    /// Goes on behind the line that closes.
+    /// Continues after the closing line.
     fn pass(&mut self, label: Label<'t>, closing: Keyword) -> Result<(), Fault> {
-        // No subroutine may begin inside of one.
+        // A subroutine must not begin inside another.
         let found = if closing == Keyword::EndSub {
             self.find_end_of_sub(label)?
         } else {
@@ -183,7 +183,8 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(None)
     }
 
-    /// An `if` that does not hold: on at its next `elseif`, or behind its `else` or `endif`.
+    /// An `if` whose condition is false: continues at its next `elseif`, or after its `else` or
+    /// `endif`.
     fn choose(&mut self, label: Label<'t>) -> Result<(), Fault> {
         let wanted = |keyword| matches!(keyword, Keyword::ElseIf | Keyword::Else | Keyword::EndIf);
         let found = self.find(self.next, label, wanted)?;

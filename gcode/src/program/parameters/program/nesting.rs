@@ -1,4 +1,4 @@
-//! Subroutines and loops that run inside each other.
+//! Nested subroutines and loops.
 
 use super::flow::Order;
 use super::{Place, Program, Raw};
@@ -6,17 +6,17 @@ use crate::error::parameters::Fault;
 use crate::program::parameters::statement::{Keyword, Label};
 use crate::program::parameters::value::Value;
 
-/// A subroutine that runs.
+/// A running subroutine.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Call<'t> {
     pub(super) label: Label<'t>,
     /// The line of its `sub`.
     pub(super) begin: Place,
-    /// Behind the line of the call.
+    /// Position after the line of the call.
     pub(super) after: Place,
-    /// What [`Table::leave`] wants.
+    /// Argument of [`Table::leave`].
     pub(super) locals: usize,
-    /// How many loops ran outside.
+    /// Number of loops that ran outside.
     pub(super) loops: usize,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Call<'t> {
 pub(super) enum Kind {
     While,
     Do,
-    /// How many rounds are left, this one included.
+    /// Number of remaining rounds, including this one.
     Repeat(i64),
 }
 
@@ -39,14 +39,14 @@ impl Kind {
     }
 }
 
-/// A loop that runs.
+/// A running loop.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Loop<'t> {
     pub(super) label: Label<'t>,
     pub(super) kind: Kind,
     /// The line that opens it.
     pub(super) begin: Place,
-    /// Behind that line.
+    /// Position after that line.
     pub(super) body: Place,
 }
 
@@ -72,7 +72,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(raw)
     }
 
-    /// Begins a subroutine. One of the text goes before one of the same name outside.
+    /// Begins a subroutine. A subroutine of the text precedes an outside one of the same name.
     pub(super) fn call(
         &mut self,
         raw: &Raw<'t>,
@@ -113,7 +113,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             Fault::NoCall
         };
         let call = self.current_call().ok_or(missing)?;
-        // A return may have any label, as LinuxCNC has it.
+        // A return may have any label, as in LinuxCNC.
         if is_end && !call.label.is(order.statement.label) {
             return Err(missing);
         }
@@ -121,7 +121,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(())
     }
 
-    /// Ends the subroutine that runs and goes on behind its call.
+    /// Ends the running subroutine and continues after its call.
     pub(super) fn drop_call(&mut self, returned: Option<Value>) {
         if let Some(call) = self.current_call() {
             self.returned = returned;
@@ -185,7 +185,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         Ok(())
     }
 
-    /// `break` and `continue`: out of all loops inside of this one, then behind its end, or on with
+    /// `break` and `continue`: ends all loops inside this one, then continues after its end or with
     /// its next round.
     pub(super) fn leave_loop(
         &mut self,
@@ -218,7 +218,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         let found = self.find(raw.after, label, |keyword| keyword == closing)?;
         let (end, _) = found.ok_or(Fault::NotClosed)?;
         if goes_on {
-            // The line that ends it decides.
+            // The line that ends the loop decides.
             self.next = end.place;
         } else {
             self.drop_loop();
