@@ -1,11 +1,11 @@
-//! Any walk with any lash, one value or a map.
+//! Any walk with any backlash, as one value or as a map.
 
 use husillo_backlash::{Backlash, Compensator, Flank, LashMap, MappedBacklash};
 
 use crate::bytes::Bytes;
 
-/// A nut with play, pushed by the compensated motor, stands on every commanded point; and the load position of a motor
-/// target is the target.
+/// A nut with backlash, pushed by the compensated motor, reaches every commanded point. The load
+/// position of a motor target is the target.
 pub fn backlash(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     check_targets(&mut bytes);
@@ -17,7 +17,7 @@ pub fn backlash(data: &[u8]) {
     };
     let play = [0; 2].map(|_| i64::from(bytes.byte()));
     let mut stage = Compensator::new(play.map(|play| Backlash::new(play as u32, flank)));
-    // The motor pushes the nut with the flank engaged: `nut` may lie from `motor` to `motor + play`.
+    // The motor pushes the nut with the engaged flank: `nut` may be from `motor` to `motor + play`.
     let mut motor = play.map(|play| if flank == Flank::Positive { 0 } else { -play });
     let (mut nut, mut load) = ([0_i64; 2], [0_i32; 2]);
     while !bytes.is_empty() {
@@ -51,7 +51,8 @@ fn check_targets(bytes: &mut Bytes<'_>) {
     }
 }
 
-/// A nut with the play of a map stands on every commanded point, also where other axes move; maps that are none are refused.
+/// A nut with the backlash of a map reaches every commanded point, also while other axes move.
+/// Invalid maps are refused.
 fn check_map(bytes: &mut Bytes<'_>) {
     let shape = bytes.byte();
     let places = [shape & 3, shape >> 2 & 3].map(|count| {

@@ -1,4 +1,4 @@
-//! Any commands and faults at stepping axes with encoders.
+//! Any commands to, and faults of, stepping axes with encoders.
 
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{
@@ -8,30 +8,33 @@ use husillo_machine::{
 
 use crate::bytes::Bytes;
 
-/// More events than any input can ask for: it hangs.
+/// More events than any input can request: beyond this it hangs.
 const MOST_EVENTS: u32 = 400_000;
-/// Lash of the axes, steps.
+/// Backlash of the axes in steps.
 const LASH: i64 = 3;
 
-/// Motors that are pushed, or blocked, and what was told of them.
+/// Motors that are turned or blocked, and what was reported about them.
 struct Bench {
     axes: ClosedLoop<2>,
-    /// Counts, and steps for them.
+    /// Encoder counts, and the motor steps they correspond to.
     ratio: [i64; 2],
     motor: [i64; 2],
-    /// Where the motors would be without faults.
+    /// Positions of the motors without faults.
     should: [i64; 2],
     is_blocked: [bool; 2],
-    /// Disturbed since the last step of the path.
+    /// Whether a motor was disturbed since the last step of the path.
     is_disturbed: bool,
     lost: [i64; 2],
     events: u32,
 }
 
-/// Lines, holds, aborts and overrides in any order while motors are pushed and blocked: nothing hangs, no wait is longer than promised, the
-/// path stays within the travel, steps that are given again go no farther than across the lash, and only a motor that was held or pushed
-/// is called stalled. Freed and resumed, a motor that is to be corrected stands where it should, and of one that is only watched every step
-/// it lacks was told.
+/// Lines, holds, aborts and overrides in any order while motors are turned and blocked.
+///
+/// - Nothing hangs, no wait is longer than documented, and the path stays within the travel.
+/// - Re-emitted steps go no farther than across the backlash.
+/// - Only a motor that was blocked or turned is reported as stalled.
+/// - After release and resume, a motor that is corrected is at its expected position. For a motor
+///   that is only observed, every missing step was reported.
 pub fn closed_loop(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let Some(scale) = Scale::new(100_000, 1) else {
@@ -83,7 +86,7 @@ pub fn closed_loop(data: &[u8]) {
         lost: [0; 2],
         events: 0,
     };
-    // Where they are now is where they should be.
+    // The present positions are the expected ones.
     bench.pull();
     for _ in 0..64 {
         if bytes.is_empty() {
@@ -95,7 +98,7 @@ pub fn closed_loop(data: &[u8]) {
 }
 
 impl Bench {
-    /// A command or a fault, and some events.
+    /// Makes a command or a fault, and then some events.
     fn turn(&mut self, bytes: &mut Bytes<'_>) {
         match bytes.byte() % 8 {
             0 => self.axes.hold(),
@@ -120,7 +123,7 @@ impl Bench {
         }
     }
 
-    /// A line that means something; one that is refused changes nothing.
+    /// Sends a valid line; a refused one changes nothing.
     fn line(&mut self, bytes: &mut Bytes<'_>) {
         let place = |bytes: &mut Bytes<'_>| f64::from(bytes.byte() as i8) / 10.0;
         let (x, y) = (place(bytes), place(bytes));
@@ -143,7 +146,7 @@ impl Bench {
         }
     }
 
-    /// One entry; whether there was one.
+    /// Takes one entry; returns whether there was one.
     fn pull(&mut self) -> bool {
         let [counts, steps] = self.ratio;
         let read = self.motor.map(|motor| (motor * counts).div_euclid(steps));
@@ -189,22 +192,23 @@ impl Bench {
             self.is_disturbed = false;
         }
         let within = self.axes.machine().position_steps();
-        // Half a step of rounding, and an arc's nearest point may lie one step beside it.
+        // Half a step of rounding; the nearest point of an arc may be one step off it.
         assert!(within.iter().all(|at| at.abs() <= 101), "{within:?}");
     }
 
-    /// How far a motor is from where it should be.
+    /// Distance of a motor from its expected position.
     fn off(&self, axis: usize) -> i64 {
         (self.should[axis] - self.motor[axis]).abs()
     }
 
-    /// What a count is coarser than a step: a motor is anywhere within its count, and that within one of where it should be.
+    /// Slack for counts coarser than a step: a motor may be anywhere within its count, and the
+    /// count within one of the expected one.
     fn slack(&self) -> i64 {
         let [counts, steps] = self.ratio;
         2 * ((steps + counts - 1) / counts - 1)
     }
 
-    /// Nothing disturbs any more, and the operator says to go on.
+    /// Ends all disturbances and resumes.
     fn end(&mut self, on_loss: OnLoss, attempts: u8) {
         self.is_blocked = [false; 2];
         self.is_disturbed = true;
@@ -216,7 +220,7 @@ impl Bench {
                 break;
             }
         }
-        // Without attempts nothing is given again.
+        // Without attempts no step is re-emitted.
         if attempts == 0 && on_loss != OnLoss::Report {
             return;
         }

@@ -3,11 +3,12 @@
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::{Block, Dialect, Modal};
 
-/// Lines every program is followed for: a cycle may have 2^16 cuts.
+/// Number of lines after which a program is abandoned: a cycle may have 2^16 cuts.
 const LINES: usize = 3000;
 
-/// Any text as a program of a lathe: every line is one of the text, every place of an error lies inside its line; what is not of a cycle is the
-/// line as it stands; a cycle that was cut whole ends where it began; what is over stays over.
+/// Any text as a program of a lathe. Every line is one of the text, and every error has its columns
+/// inside its line. A line that is not part of a cycle is unchanged. A cycle that was cut
+/// completely ends at its start. A program that has ended stays ended.
 pub fn contour(data: &[u8]) {
     for dialect in [Dialect::LATHE, Dialect::LATHE_A] {
         run(data, dialect);
@@ -17,7 +18,8 @@ pub fn contour(data: &[u8]) {
 fn run(text: &[u8], dialect: Dialect) {
     let mut contours: Contours<'_, 8> = Contours::new(text, dialect);
     let mut modal = Modal::<3>::new(dialect);
-    // The line of the roughing cycle that is under way, where it began, and whether all of it was right.
+    // The line of the roughing cycle in progress, its start position, and whether all of it was
+    // right.
     let mut cycle: Option<(usize, [i64; 3], bool)> = None;
     for _ in 0..LINES {
         let Some(line) = contours.next_line(&modal) else {
@@ -39,7 +41,7 @@ fn run(text: &[u8], dialect: Dialect) {
         }
         let is_cycle = needs_contours(line.text, &dialect);
         if let (false, Ok(block)) = (is_cycle, &line.block) {
-            // Otherwise it is the place of a contour at which a cycle failed, or wrong itself.
+            // Otherwise it is the line of a contour at which a cycle failed, or it is wrong itself.
             let plain = Block::parse(line.text, &dialect);
             assert_eq!(
                 format!("{block:?}"),
@@ -64,7 +66,7 @@ fn run(text: &[u8], dialect: Dialect) {
     }
 }
 
-/// G71 or G72, as it is mostly written, with its contour.
+/// G71 or G72 in the usual form, with its contour.
 fn is_roughing(line: &[u8]) -> bool {
     [b"G71P", b"G72P"]
         .iter()

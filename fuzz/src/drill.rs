@@ -1,13 +1,14 @@
-//! Any bytes on the drill's link, at either end.
+//! Any bytes on the link of the drill, at either end.
 
 use husillo_transports::drill::{Axis, Device, Host, Order, Progress, Rules, Step, Timing};
 
 use crate::bytes::Bytes;
 
-/// Steps of a host in virtual time with a device at the other end and a line that loses, adds and changes bytes.
+/// Steps of a host in virtual time, with a device at the other end and a line that loses, adds and
+/// changes bytes.
 ///
-/// - The host ends every step, and never says that more was done than begun.
-/// - The device does no more records than its memory holds, at each run.
+/// - The host ends every step, and never reports more work as done than was begun.
+/// - The device makes at most as many records per run as its memory holds.
 /// - Whatever happened, a reset by hand is noticed and brings both to rest.
 pub fn drill(data: &[u8]) {
     let mut bytes = Bytes::new(data);
@@ -49,7 +50,7 @@ pub fn drill(data: &[u8]) {
     assert!(run(&mut host, &mut device, Step::Test, &mut now_us, None));
 }
 
-/// Whether it went well.
+/// Runs a step; returns whether it succeeded.
 fn run(
     host: &mut Host,
     device: &mut Device<8>,
@@ -85,7 +86,7 @@ fn run(
             }
             device.done();
         }
-        // Two bytes of the last record may be left of the part before.
+        // Two bytes of the last record may be left over from the previous part.
         assert!(orders <= stored.div_ceil(3), "{orders} of {stored} bytes");
         *now_us = now_us.wrapping_add(9000);
         while let Some(byte) = device.transmit() {

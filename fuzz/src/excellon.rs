@@ -8,11 +8,12 @@ use husillo_excellon::{
 /// Room for tools: small, so that it is used up.
 type Small = Reader<4>;
 
-/// Both passes over any text, with settings inferred and given: the lines are the text, every place of an error or a warning
-/// lies inside its line, a refused line changes nothing, each line makes as many features as it says, all within the
-/// limit and with a tool, nothing comes behind the end, and the kind of line end does not matter.
+/// Both passes over any text, with settings inferred and given. The lines are those of the text,
+/// and every error or warning has its columns inside its line. A refused line changes nothing. Each
+/// line makes as many features as it reports, all within the limit and with a tool. Nothing follows
+/// the end. The kind of line end does not matter.
 pub fn excellon(data: &[u8]) {
-    // The first byte chooses what is given.
+    // The first byte chooses the given settings.
     let (chosen, text) = data
         .split_first()
         .map_or((0, data), |(first, rest)| (*first, rest));
@@ -37,7 +38,7 @@ pub fn excellon(data: &[u8]) {
     check_lines(text);
     let patterns = chosen & 64 != 0;
     let features = read(text, &overrides, patterns);
-    // CR LF for LF, as long as no CR is there already.
+    // CR LF for LF, if there is no CR yet.
     if !text.contains(&b'\r') {
         let mut other = Vec::with_capacity(text.len());
         for byte in text {
@@ -97,7 +98,7 @@ fn read(text: &[u8], overrides: &Overrides, patterns: bool) -> Vec<Feature> {
                 for feature in made {
                     count += 1;
                     check_feature(&feature);
-                    // Repeats make many: some are enough to compare.
+                    // Repeats make many features; a part of them is enough to compare.
                     if features.len() < 10_000 {
                         features.push(feature);
                     }
@@ -147,7 +148,7 @@ fn check_feature(feature: &Feature) {
     assert!(tool.diameter_nm.is_none_or(|nm| nm > 0), "{feature:?}");
 }
 
-/// The states of two readers, their warnings left out, by what they make of the same lines.
+/// Compares the states of two readers, without their warnings, by the result of the same lines.
 fn assert_same(before: &Small, after: &Small) {
     let tools = |reader: &Small| reader.tools().iter().copied().collect::<Vec<_>>();
     assert_eq!(

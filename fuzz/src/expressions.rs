@@ -5,12 +5,14 @@ use husillo_gcode::parameters::{NoMachine, Program, Value};
 
 use crate::bytes::Bytes;
 
-/// An odd first byte: the rest is any text as an expression. An even one: the rest chooses an expression of whole numbers.
+/// With an odd first byte, the rest is any text as an expression. With an even one, the rest
+/// chooses an expression of whole numbers.
 ///
-/// - A value printed and read again is the same; an error has its place inside the line.
-/// - Blanks and case change no value, nor do brackets around it. An expression less itself is zero, equals itself, and lies
-///   between its `FIX` and its `FUP`.
-/// - Operators bind as the language says: expressions of whole numbers have the value that an evaluator of our own gives.
+/// - A value printed and read again is the same; an error has its columns inside the line.
+/// - Blanks, case and surrounding brackets change no value. An expression minus itself is zero. It
+///   equals itself, and is between its `FIX` and its `FUP`.
+/// - Operators have the precedence of the language: expressions of whole numbers have the value of
+///   an independent evaluator.
 pub fn expressions(data: &[u8]) {
     match data.split_first() {
         Some((first, rest)) if first % 2 == 0 => check_whole(rest),
@@ -57,7 +59,7 @@ fn check_text(text: &[u8]) {
         assert_eq!(parts(value(&other)), parts(Some(first)), "case");
     }
 
-    // What has more behind it (an assignment, a comment) does not stand in brackets.
+    // Text followed by more (an assignment, a comment) cannot be put in brackets.
     let within = |before: &str, between: &str, behind: &str| {
         let (before, between, behind) = (before.as_bytes(), between.as_bytes(), behind.as_bytes());
         if between.is_empty() {
@@ -69,7 +71,7 @@ fn check_text(text: &[u8]) {
     if within("[", "", "]").is_none() {
         return;
     }
-    // The deeper forms may be too deep: then they have no value.
+    // The nested forms may be too deep and then have no value.
     let inner = parts(within("[", "", "]"));
     assert!(parts(within("[[", "", "]]")).is_none_or(|outer| Some(outer) == inner));
     for (before, between, behind, expected) in [
@@ -87,7 +89,7 @@ fn check_text(text: &[u8]) {
     }
 }
 
-/// Operators on whole numbers, from those that bind loosest: spelling, strength, and what they do.
+/// Operators on whole numbers, from the lowest precedence: spelling, precedence, and function.
 type Operator = (&'static str, u8, fn(i64, i64) -> i64);
 
 const OPERATORS: [Operator; 12] = [
@@ -105,7 +107,7 @@ const OPERATORS: [Operator; 12] = [
     ("*", 3, |a, b| a * b),
 ];
 
-/// The most numbers: nine of two digits multiply to less than 2^63.
+/// Largest count of numbers: the product of nine numbers of two digits is below 2^63.
 const NUMBERS: usize = 9;
 
 fn check_whole(data: &[u8]) {
@@ -122,7 +124,7 @@ fn check_whole(data: &[u8]) {
         numbers.push(right);
     }
     text.push(']');
-    // One strength after the other, from the left.
+    // One precedence after the other, from the left.
     for strength in (0..=3).rev() {
         while let Some(at) = operators.iter().position(|operator| operator.1 == strength) {
             let (_, _, apply) = operators.remove(at);

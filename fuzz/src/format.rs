@@ -1,17 +1,17 @@
-//! Programs written back in one form.
+//! Programs in normal form.
 
 use husillo_gcode::parameters::{Program, needs_program};
 use husillo_gcode::{Block, Command, Dialect, Error, ErrorKind, Modal, formatted};
 
-/// Lines of a program that are looked at.
+/// Number of lines of a program that are compared.
 const LINES: usize = 200;
 
-/// Any text in its one form, in every dialect: the form of a form is itself; a line without a form has an error inside of it;
-/// words, places of decimals and deletion of each block stay, and so does every byte that is neither blank, sign nor digit;
-/// the program means the same commands and errors.
+/// Any text in normal form, in every dialect. The normal form is idempotent; a line without one has
+/// an error inside it. Words, decimal places and deletion of each block stay, and so does every
+/// byte that is not a blank, a sign or a digit. The program has the same commands and errors.
 pub fn format(data: &[u8]) {
     for dialect in Dialect::ALL {
-        // Ends behind all lines: one of blanks at the end is a line too.
+        // Line ends after all lines: a last line of blanks is a line too.
         let (mut plain, mut formed) = (Vec::new(), Vec::new());
         for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
             plain.extend([line, b"\n"].concat());
@@ -22,7 +22,7 @@ pub fn format(data: &[u8]) {
     }
 }
 
-/// A line in its form, or as it is where it has none.
+/// The normal form of a line, or the line itself where it has none.
 fn form(line: &[u8], dialect: &Dialect) -> Vec<u8> {
     match formatted(line, dialect) {
         Ok(pieces) => {
@@ -45,7 +45,7 @@ fn form(line: &[u8], dialect: &Dialect) -> Vec<u8> {
     }
 }
 
-/// All that formatting may neither add nor drop, in capitals.
+/// Everything that formatting may neither add nor drop, in capitals.
 fn marks(line: &[u8]) -> Vec<u8> {
     line.iter()
         .filter(|byte| !byte.is_ascii_whitespace())
@@ -54,7 +54,7 @@ fn marks(line: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// The words of each block of a line but its codes, and whether it is deleted.
+/// The words of each block of a line without its codes, and whether it is deleted.
 fn blocks(line: &[u8], dialect: &Dialect) -> Vec<Result<(String, bool), ErrorKind>> {
     let meaning = |text| {
         let block = Block::parse(text, dialect).map_err(|error| error.kind)?;
@@ -70,7 +70,7 @@ fn blocks(line: &[u8], dialect: &Dialect) -> Vec<Result<(String, bool), ErrorKin
         .collect()
 }
 
-/// The first commands and the error of each line; places are not compared.
+/// The first commands and the error of each line; columns are not compared.
 fn run(text: &[u8], dialect: Dialect) -> Vec<Result<Vec<Command<3>>, (usize, u16)>> {
     let mut modal = Modal::<3>::new(dialect);
     let mut made = Vec::new();

@@ -7,12 +7,12 @@ use husillo_gcode::{
 /// Words, blocks and plans of any text, in every dialect.
 ///
 /// - Words: in order, inside the line; printed and read again they are the same.
-/// - Blocks: each is a part of its line, an error has its place inside it, and the words of a block, printed and parsed, are
-///   the same block: same values, and the same plan or error.
-/// - Modal: planning aside and applying in place give the same state, commands or error; a refused block leaves the state
-///   as it was; a plan has as many commands as it says.
-/// - Cutter compensation: without it commands come through as they are; with it every point is a radius or more from the
-///   corner it belongs to; a block sets free no more than a move, a corner and what waited.
+/// - Blocks: each is a part of its line, and an error has its columns inside it. The words of a
+///   block, printed and parsed, give the same block: same values, and the same plan or error.
+/// - Modal: planning on a copy and applying in place give the same state, commands or error. A
+///   refused block leaves the state unchanged. A plan has as many commands as it reports.
+/// - Cutter compensation: without it commands pass unchanged. With it every point is at least a
+///   radius from its corner. A block releases at most a move, a corner and the waiting commands.
 pub fn gcode(data: &[u8]) {
     for line in data.split(|byte| matches!(byte, b'\n' | b'\r')) {
         check_words(line);
@@ -32,7 +32,8 @@ pub fn gcode(data: &[u8]) {
     }
 }
 
-/// Cycles make up to 2^21 moves: of so many only the first are compared, and they are counted in one dialect.
+/// Cycles make up to 2^21 moves. Only the first ones are compared, and they are counted in one
+/// dialect.
 const MANY: usize = 300;
 
 /// The same program read in two ways.
@@ -135,7 +136,7 @@ fn check_words(line: &[u8]) {
     assert_eq!(again, Ok(values), "{printed}");
 }
 
-/// The words of a block in print, `None` where there is none to be had.
+/// The printed words of a block; `None` where there are none.
 fn printed(mut words: Words<'_>) -> Option<String> {
     let mut text = String::new();
     for word in words.by_ref() {
@@ -150,7 +151,7 @@ fn check_printed(text: &[u8], parsed: &Result<Block, Error>, modal: &Modal<3>) {
         return;
     };
     let dialect = modal.dialect();
-    // Print may be longer than what was written, and then too long for the buffer of a link.
+    // The printed form may be longer than the original, and then too long for the buffer of a link.
     if dialect
         .buffer()
         .is_some_and(|most| text.len().max(printed.len()) >= usize::from(most))
@@ -193,13 +194,13 @@ fn moves_in(plane: Plane, before: &Modal<3>, after: &Modal<3>) -> bool {
     plane.axes().iter().any(|&axis| before[axis] != after[axis])
 }
 
-/// The stage of cutter compensation with what is known of it from outside.
+/// The stage of cutter compensation, and its state as known from outside.
 struct Contour {
     stage: Compensation<3>,
     /// Radius in nanometres and plane, while compensation is on.
     tool: Option<(i64, Plane)>,
     has_entered: bool,
-    /// How far off the arcs of the contour may be, nm.
+    /// Largest deviation of the arcs of the contour in nm.
     slack: i64,
 }
 
@@ -213,7 +214,7 @@ impl Contour {
         }
     }
 
-    /// Whether the stage takes the commands of a block.
+    /// Passes the commands of a block to the stage; returns whether it accepts them.
     fn take(&mut self, before: &Modal<3>, after: &Modal<3>, commands: Commands<3>) -> bool {
         let Ok((next, compensated)) = self.stage.plan(commands.clone()) else {
             return false;
@@ -244,7 +245,7 @@ impl Contour {
                 self.check(tool, before, after, compensated);
             }
             Some((_, plane)) => self.has_entered |= !switched && moves_in(plane, before, after),
-            // The move behind G40 starts where the tool is, and ends as programmed.
+            // The move after G40 starts at the position of the tool, and ends as programmed.
             None if !switched && !self.stage.is_active() => {
                 assert!(
                     compensated.take(MANY).eq(commands.take(MANY)),
@@ -257,7 +258,7 @@ impl Contour {
         true
     }
 
-    /// A block of one command under compensation.
+    /// Checks a block of one command under compensation.
     fn check(
         &mut self,
         (radius, plane): (i64, Plane),

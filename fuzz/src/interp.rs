@@ -4,11 +4,11 @@ use husillo_interp::{Arc, ArcMove, Direction, Helix, Interpolator, Line, Rim};
 
 use crate::bytes::Bytes;
 
-/// No walk is followed longer.
+/// Longest walk in events.
 const MOST_EVENTS: u32 = 100_000;
 
-/// Lines and arcs with any numbers: each ends exactly where it was sent, after as many events as it promised, with the sweep
-/// it promised; every event moves something, by one step an axis.
+/// Lines and arcs with any numbers. Each ends exactly at its end point, with the announced number
+/// of events and the announced sweep. Every event moves something, by one step per axis.
 pub fn interp(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let chosen = bytes.byte();
@@ -20,7 +20,7 @@ pub fn interp(data: &[u8]) {
     let from = [bytes.i32(), bytes.i32()];
     let to = [bytes.i32(), bytes.i32()];
     let offset = [bytes.i32(), bytes.i32()].map(i64::from);
-    // Half of the centres are near the start, or most arcs would be refused.
+    // Half of the centres are near the start; otherwise most arcs would be refused.
     let centre = [0, 1].map(|axis| {
         let near = if chosen & 2 == 0 {
             i64::from(from[axis]) << fraction_bits.min(30)
@@ -81,7 +81,7 @@ fn check_line(delta: [i32; 4]) {
 }
 
 fn check_arc(arc: &ArcMove, along: [i32; 3]) {
-    // The dry pass of the set-up walks every event: a larger arc would only be slow.
+    // The dry pass of the set-up walks every event, so a larger arc would only be slow.
     let far = [arc.from, arc.to]
         .iter()
         .flatten()

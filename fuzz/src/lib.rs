@@ -1,5 +1,6 @@
-//! The bodies of the fuzz targets as plain functions, so that libFuzzer and the replay of the corpus on any compiler call the
-//! same. Each takes any bytes and panics when an invariant of its crate does not hold.
+//! Bodies of the fuzz targets as plain functions, called by libFuzzer and by the replay of the
+//! corpus on any compiler. Each takes any bytes and panics when an invariant of its crate does not
+//! hold.
 
 mod backlash;
 mod bytes;
@@ -47,7 +48,7 @@ pub use stepper::stepper;
 /// A target: takes any bytes.
 pub type Target = fn(&[u8]);
 
-/// Every target with its name, which is that of its program and of its folder in `corpus`.
+/// Every target with its name, which is also that of its program and of its folder in `corpus`.
 pub const TARGETS: [(&str, Target); 20] = [
     ("gcode", gcode),
     ("reader", reader),

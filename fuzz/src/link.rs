@@ -1,4 +1,4 @@
-//! Any bytes on our own link, and any faults between its ends.
+//! Any bytes on the project's own link, and any faults between its ends.
 
 use husillo_transports::link::{Event, Master, Received, Receiver, Station, Timing};
 
@@ -6,12 +6,14 @@ use crate::bytes::Bytes;
 
 const TIMING: Timing = Timing::of(115_200);
 
-/// A master and two stations in virtual time, on a line that loses, adds and changes bytes; and the bytes themselves as frames.
+/// A master and two stations in virtual time, on a line that loses, adds and changes bytes; and the
+/// bytes themselves as frames.
 ///
-/// - What comes at a station is the beginning of what was sent since its call, once and in order; when it goes down at most one payload is
-///   in doubt.
-/// - A broadcast is heard at most once by each, by all that are not named when it is checked.
-/// - A frame that was understood is one that can be written.
+/// - A station receives the beginning of what was sent since its call, once and in order. When it
+///   goes down, at most one payload is in doubt.
+/// - A broadcast is received at most once by each station, and by all that are not named in the
+///   check.
+/// - A frame that was accepted can be written.
 pub fn link(data: &[u8]) {
     let mut receiver = Receiver::new();
     for byte in data {
@@ -55,7 +57,7 @@ pub fn link(data: &[u8]) {
                 sent[place].clear();
             }
             3 => {
-                // Restarted: until it is called again it takes nothing.
+                // A restarted station accepts nothing until it is called again.
                 stations[place] = Station::new(place as u8 + 1, TIMING);
             }
             _ => {}
@@ -98,7 +100,7 @@ pub fn link(data: &[u8]) {
                         match station.push(byte, now_us) {
                             Some(Received::Data(payload)) => got[place].push(payload.to_vec()),
                             Some(Received::Broadcast(_)) => heard[place] += 1,
-                            // What was on its way when it was called belongs to the time before.
+                            // Data in flight at the time of the call belongs to the time before.
                             Some(Received::Up) => got[place].clear(),
                             None => {}
                         }

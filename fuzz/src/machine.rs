@@ -5,12 +5,12 @@ use husillo_machine::{
     Axis, AxisRamp, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale,
 };
 
-/// No program is followed longer.
+/// Longest program in events.
 const MOST_EVENTS: u32 = 20_000;
 
-/// Any lines on a small machine, without ramps and with them, held and resumed and with an override now and then: a refused line
-/// changes nothing, no wait is longer than promised, every step is a step, the tool stays within its travel, and in the
-/// end it stands where the last line that was taken sends it.
+/// Any lines on a small machine, with and without ramps, with occasional holds and overrides. A
+/// refused line changes nothing. No wait is longer than documented, every step is a single step,
+/// and the tool stays within its travel. At the end it is at the target of the last accepted line.
 pub fn machine(data: &[u8]) {
     // Steps of 0.1 mm, so that programs are short.
     let Some(scale) = Scale::new(100_000, 1) else {
@@ -97,7 +97,7 @@ fn run(config: Config<3>, data: &[u8]) {
     }
 }
 
-/// One event; a hold that has come to its stop ends here. Whether there was one.
+/// Takes one event and ends a hold that has stopped. Returns whether there was an event.
 fn pull(machine: &mut Machine<3>, events: &mut u32) -> bool {
     let event = match machine.next_event() {
         None if machine.is_held() => {
@@ -124,7 +124,7 @@ fn check(event: &Event<3>, machine: &Machine<3>) {
         Event::Follow(step) => assert!(step.wait_counts_q16 <= MAX_WAIT_TICKS),
         Event::Output(_) | Event::Pause(_) | Event::Index => {}
     }
-    // Half a step of rounding, and an arc's nearest point may lie one step beside it.
+    // Half a step of rounding; the nearest point of an arc may be one step off it.
     assert!(
         machine.position_steps().iter().all(|at| at.abs() <= 101),
         "{:?}",

@@ -1,4 +1,4 @@
-//! Any bytes on the link of the microfactory, read by a link alone and by one with a machine behind it.
+//! Any bytes on the link of the microfactory, read by a link alone and by one with a machine.
 
 use husillo_controllers::{
     Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
@@ -7,11 +7,15 @@ use husillo_transports::microfactory::{ByteTable, Device, Order, REJECTED, Statu
 
 use crate::bytes::Bytes;
 
-/// - A byte is answered once: by itself or by `?`, and only one that was taken gives a command.
-/// - While something moves only stop, emergency stop and the same jog are taken.
-/// - A figure is kept only behind its beginning, with at most as many moves as there is room for.
-/// - A count of 0 never runs; motors are below four. Behind an emergency stop nothing is taken until the reset.
-/// - A machine moves no motor of an axis towards a closed switch, and no motor at all after an emergency stop.
+/// Invariants of the link, and of a machine behind it.
+///
+/// - A byte is answered once: by itself or by `?`. Only an accepted byte gives a command.
+/// - During motion only stop, emergency stop and the same jog are accepted.
+/// - A figure is accepted only after its start, with at most as many moves as there is room for.
+/// - A count of 0 never runs; motor numbers are below four. After an emergency stop nothing is
+///   accepted until the reset.
+/// - A machine moves no motor of an axis towards a closed switch, and no motor after an emergency
+///   stop.
 pub fn microfactory(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     check_link(&mut bytes);
@@ -24,7 +28,7 @@ fn check_link(bytes: &mut Bytes<'_>) {
         .acknowledging()
         .storing(room);
     let mut jog = None;
-    // Moves of the figure that is coming in.
+    // Number of moves of the figure being received.
     let mut moves = None;
     let mut is_stopped = false;
     for _ in 0..bytes.byte() {

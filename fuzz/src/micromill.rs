@@ -1,4 +1,4 @@
-//! Any bytes on the micro mill's link, at either end.
+//! Any bytes on the link of the micro mill, at either end.
 
 use husillo_transports::micromill::{
     Answer, Device, Host, HostTiming, Line, Order, Outcome, Progress,
@@ -6,11 +6,12 @@ use husillo_transports::micromill::{
 
 use crate::bytes::Bytes;
 
-/// Strings of a host in virtual time with a device at the other end and a line that loses, adds and changes bytes.
+/// Strings of a host in virtual time, with a device at the other end and a line that loses, adds
+/// and changes bytes.
 ///
-/// - What the device takes for an order is written and read back the same.
+/// - An order that the device accepts can be written and read back unchanged.
 /// - The host ends every string.
-/// - On a sound line afterwards both understand each other, whatever was before.
+/// - On a good line afterwards both communicate, whatever happened before.
 pub fn micromill(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let mut device = Device::<64>::new();
@@ -20,7 +21,7 @@ pub fn micromill(data: &[u8]) {
     };
     let mut host = Host::new(timing);
     let mut now_us = bytes.i32() as u32;
-    // A motion may outlast the string that began it, when its host gave up.
+    // A motion may last longer than the string that began it, if its host gave up.
     let mut moves_left = 0;
     for _ in 0..32 {
         if bytes.is_empty() {
@@ -38,7 +39,7 @@ pub fn micromill(data: &[u8]) {
             Some(&mut bytes),
         );
     }
-    // A part of a string that was lost may lie in the device: the next one spoils it.
+    // A part of a lost string may remain in the device; the next string is then corrupted.
     let mut understood = 0;
     for _ in 0..4 {
         let outcome = run(
@@ -54,7 +55,7 @@ pub fn micromill(data: &[u8]) {
     assert!(understood >= 3, "{understood}");
 }
 
-/// An order of these bytes: as a string if they are one, otherwise by number.
+/// The order in these bytes: as a string if they are one, otherwise by number.
 fn order(string: &[u8]) -> Order {
     let end = string.iter().position(|byte| *byte == b';');
     let read = Order::read(

@@ -1,6 +1,6 @@
-//! Changes to a program by its words and lines, where libFuzzer's own are by bytes.
+//! Mutations of a program by words and lines; those of libFuzzer are by bytes.
 
-/// Numbers at which something ends: of digits, places, ranges.
+/// Numbers at limits: of digits, places, ranges.
 const NUMBERS: [&str; 16] = [
     "0",
     "-0",
@@ -20,8 +20,9 @@ const NUMBERS: [&str; 16] = [
     "99999",
 ];
 
-/// Replaces `data[..size]` by a text with a few words or lines deleted, doubled, swapped, moved, taken from `dictionary` or
-/// given another number; gives its length, at most `most`. The same `seed` makes the same.
+/// Mutates the text `data[..size]`: a few words or lines are deleted, doubled, swapped, moved,
+/// taken from `dictionary`, or get another number. Returns the new length, at most `most`. The same
+/// `seed` gives the same result.
 pub fn mutate(data: &mut [u8], size: usize, most: usize, seed: u32, dictionary: &str) -> usize {
     let mut chance = Chance(u64::from(seed) << 1 | 1);
     let mut pieces = pieces(&data[..size], chance.below(4) == 0);
@@ -56,13 +57,15 @@ pub fn mutate(data: &mut [u8], size: usize, most: usize, seed: u32, dictionary: 
     length
 }
 
-/// The text of a line of a dictionary: what stands between its quotes. Entries with escapes are left to libFuzzer.
+/// The text of a line of a dictionary: the part between its quotes. Entries with escapes are left
+/// to libFuzzer.
 fn entry(line: &str) -> Option<&str> {
     let text = line.strip_prefix('"')?.strip_suffix('"')?;
     (!text.contains('\\')).then_some(text)
 }
 
-/// The lines of a text with their ends, or its words: a letter, sign or line end and what follows it. Letters in a row are one.
+/// The lines of a text with their ends, or its words: a letter, sign or line end with the text
+/// after it. Consecutive letters are one word.
 fn pieces(text: &[u8], lines: bool) -> Vec<Vec<u8>> {
     let mut pieces: Vec<Vec<u8>> = Vec::new();
     let mut last = b'\n';
@@ -85,13 +88,13 @@ fn pieces(text: &[u8], lines: bool) -> Vec<Vec<u8>> {
     pieces
 }
 
-/// Numbers that look like chance (xorshift; its state is never zero).
+/// Pseudo-random numbers (xorshift; the state is never zero).
 struct Chance(u64);
 
 impl Chance {
-    /// Below `end`; 0 where there is nothing below it.
+    /// A number below `end`; 0 for an `end` of 0.
     fn below(&mut self, end: usize) -> usize {
-        // The first values of small seeds are small: mixed twice.
+        // The first values for small seeds are small, so two rounds are used.
         for _ in 0..2 {
             self.0 ^= self.0 << 13;
             self.0 ^= self.0 >> 7;

@@ -7,7 +7,8 @@ use husillo_transports::nmc::{
 
 use crate::bytes::Bytes;
 
-/// A module executes what has a right sum and nothing else, whenever it is asked; a reply has the length of its items.
+/// A module executes packets with a right checksum and nothing else, whenever it is polled. A reply
+/// has the length of its items.
 pub fn nmc_module(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let version = [4, 5, 10][usize::from(bytes.byte() % 3)];
@@ -43,7 +44,8 @@ pub fn nmc_module(data: &[u8]) {
     }
 }
 
-/// A host ends every step, whatever it hears and whenever, and sends no more than its tries allow.
+/// A host ends every step, whatever it receives and whenever, and sends no more than its retries
+/// allow.
 pub fn nmc_host(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let timing = Timing::prompt(Default::default(), u32::from(bytes.byte()) * 16);

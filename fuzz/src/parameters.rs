@@ -4,7 +4,7 @@ use husillo_excellon::lines;
 use husillo_gcode::parameters::{Line, Program, Value};
 use husillo_gcode::{Dialect, ErrorKind, Modal};
 
-/// Steps every program is given.
+/// Number of steps of every program.
 const STEPS: u64 = 600;
 
 /// Parameters that are compared.
@@ -13,9 +13,10 @@ const NAMES: [&[u8]; 3] = [b"a", b"_a", b"_value"];
 
 type Small<'t> = Program<'t, 8, 16, 4>;
 
-/// Any text as a program: it ends within its steps; every line is one of the text, every place of an error lies inside its line;
-/// a wrong line assigns nothing; calls stay within their depth; what is over stays over; with CR LF or CR for LF the same
-/// lines come, with the same meaning.
+/// Any text as a program. It ends within its steps. Every line is one of the text, and every error
+/// has its columns inside its line. A wrong line assigns nothing. Calls stay within their depth. A
+/// program that has ended stays ended. With CR LF or CR instead of LF the same lines come, with the
+/// same meaning.
 pub fn parameters(data: &[u8]) {
     for dialect in [Dialect::RS274, Dialect::LATHE_A] {
         let lines = run(data, dialect);
@@ -29,7 +30,8 @@ pub fn parameters(data: &[u8]) {
     }
 }
 
-/// The number of each line in the order of execution, and where the machine then is or what is wrong.
+/// The number of each line in the order of execution, with the position of the machine after it or
+/// its error.
 type Trace = Vec<(usize, Result<[i64; 3], ErrorKind>)>;
 
 fn run(text: &[u8], dialect: Dialect) -> Trace {

@@ -4,8 +4,8 @@ use husillo_planner::Timer;
 
 use crate::bytes::Bytes;
 
-/// Waits of any move: before the time they should have passed they are never ahead by more than a tick, and a whole move
-/// takes exactly the ticks it was given.
+/// Waits of any move. They are never ahead of the due time by more than a tick, and a whole move
+/// takes exactly its ticks.
 pub fn planner(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let (ticks, largest) = (bytes.u64() >> 12, (bytes.u64() >> 33) as u32);
@@ -14,7 +14,7 @@ pub fn planner(data: &[u8]) {
         sweeps.push((bytes.u64() % (u64::from(largest) + 1)) as u32); // largest < 2^31
     }
     let sweep: u64 = sweeps.iter().copied().map(u64::from).sum();
-    // Any numbers at all are survived.
+    // No input panics.
     let mut other = Timer::with_fraction_bits(bytes.u64(), sweep, (ticks % 256) as u8);
     let mut timer = Timer::new(ticks, sweep, largest);
     let exact = u128::from(ticks) * u128::from(largest) < 1 << 92

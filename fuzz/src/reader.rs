@@ -1,16 +1,19 @@
-//! A stream of bytes, cut anywhere.
+//! A stream of bytes, split at any points.
 
 use husillo_gcode::{
     Framing, LineReader, LineTooLong, Receiver, Token, Word, WordReader, tokens, words,
 };
 
-/// Bytes a line may have.
+/// Length of a line in bytes.
 const ROOM: usize = 48;
 
-/// The first byte says how the rest is cut. Where the stream is cut makes no difference; every line comes through or is
-/// told to be too long, and its end never stands for a line; words pushed byte by byte are those of the lines, with their
-/// places; a whole text gives the words of its lines; a line is refused by the receiver, and then not counted, or part of
-/// what was sent.
+/// The first byte determines how the rest is split.
+///
+/// - The boundaries of the chunks do not matter.
+/// - Every line is returned or reported as too long, and its end is never taken for a line.
+/// - Words pushed byte by byte are those of the lines, with their positions. A whole text gives the
+///   words of its lines.
+/// - The receiver refuses a line, which is then not counted, or returns a part of what was sent.
 pub fn reader(data: &[u8]) {
     let (size, stream) = match data.split_first() {
         Some((size, stream)) => (usize::from(size % 32) + 1, stream),
@@ -74,7 +77,7 @@ fn by_parts(stream: &[u8], size: usize) -> Vec<Line> {
     lines
 }
 
-/// Three ways to the same words and errors. Padding before a line is no part of it here.
+/// Compares three ways to the same words and errors. Padding before a line is not part of it here.
 fn check_words(stream: &[u8]) {
     let mut clean = Vec::new();
     for &byte in stream {
@@ -92,7 +95,7 @@ fn check_words(stream: &[u8]) {
     pushed.extend(reader.finish());
     assert_eq!(pushed, expected, "words pushed");
 
-    // Places are those of the text there, not of the line.
+    // Positions there are those in the text, not in the line.
     let value = |word: Word| (word.letter, word.value, word.end - word.at);
     let expected: Vec<_> = expected
         .into_iter()

@@ -1,4 +1,4 @@
-//! Any commands, bytes and faults at a servo module with a motor behind it.
+//! Any commands, bytes and faults at a servo module with a motor.
 
 use husillo_controllers::ServoModule;
 use husillo_machine::ServoInputs;
@@ -8,41 +8,46 @@ use husillo_transports::nmc::{
 
 use crate::bytes::Bytes;
 
-/// Periods a trapezoid is watched for.
+/// Number of periods for which a trapezoid is observed.
 const PERIODS: u8 = 64;
 
-/// What the motor and its surroundings do, from period to period.
+/// Behaviour of the motor and its surroundings, from period to period.
 struct Bench {
     counts: i32,
     inputs: ServoInputs,
-    /// Pulls the motor along with the drive, or not at all.
+    /// Whether the motor follows the drive.
     follows: bool,
     bounds: Bounds,
 }
 
-/// What the module was told of its drive, followed from order to order: bounds that only grow would soon allow everything.
+/// The limits of the drive that the module received, tracked from order to order. Bounds that only
+/// grow would soon allow everything.
 #[derive(Default)]
 struct Bounds {
     output_limit: u8,
     error_limit: u32,
     rate_divisor: u8,
-    /// What a servo of a divided rate may still hold of its last sample, under the limits of then, and for how many periods.
+    /// The drive that a servo with a divided rate may still hold from its last sample under the
+    /// limits of that time, and for how many periods.
     held: u8,
     held_periods: u8,
-    /// The duty loaded last, and whether a start would make it the drive.
+    /// The duty loaded last, and whether a start would apply it.
     duty: u8,
     is_duty_loaded: bool,
     /// The duty started last, unless the servo is on.
     started: u8,
 }
 
-/// A module gets packets, sound and damaged, in any order, while its motor follows, sticks, loses its supply or meets a switch.
+/// A module receives packets, good and damaged, in any order, while its motor follows, sticks,
+/// loses its supply or reaches a switch.
 ///
-/// - The drive never exceeds the output limit in force (of a divided rate: from the next sample on), or the duty that was started; it is nothing while amplifier, supply
-///   or servo are off and no PWM is set.
-/// - A servo that is on is never farther from its command than the error limit in force.
-/// - A trapezoid never commands a position outside of where it began and where it goes.
-/// - A switch that a search waits for latches where the motor is and stops it there: nothing is commanded beyond.
+/// - The drive never exceeds the output limit in force (with a divided rate: from the next sample
+///   on), or the duty that was started. It is zero while amplifier, supply or servo are off and no
+///   PWM is set.
+/// - An active servo is never farther from its command than the error limit in force.
+/// - A trapezoid never commands a position outside the range from its start to its goal.
+/// - A switch that a search waits for latches the position of the motor and stops it there: nothing
+///   is commanded beyond.
 /// - A damaged packet changes nothing but the reply.
 pub fn servo(data: &[u8]) {
     let mut bytes = Bytes::new(data);
@@ -63,7 +68,7 @@ pub fn servo(data: &[u8]) {
             break;
         }
         match bytes.byte() % 8 {
-            // Bytes as they come, which may be half a packet of another module.
+            // Raw bytes, which may be half a packet of another module.
             0 => {
                 for _ in 0..bytes.byte() % 24 {
                     module.link().push(bytes.byte());
@@ -87,7 +92,7 @@ pub fn servo(data: &[u8]) {
                 bench.inputs.current = bytes.byte();
             }
             3 => {
-                // The motor is turned by hand, or the encoder loses its place.
+                // The motor is turned by hand, or the encoder loses its position.
                 bench.counts = bench.counts.wrapping_add(bytes.i32());
             }
             4 => trapezoid(&mut module, &mut bench, &mut bytes),
@@ -106,10 +111,10 @@ pub fn servo(data: &[u8]) {
 }
 
 impl Bench {
-    /// A period.
+    /// Runs one period.
     fn tick(&mut self, module: &mut ServoModule) {
         self.inputs.counts = self.counts;
-        // The motor is driven before the order that has come is carried out.
+        // The motor is driven before the received order is executed.
         let order = { *module.link() }.take();
         let output = module.tick(&self.inputs);
         while module.link().transmit().is_some() {}
@@ -122,11 +127,12 @@ impl Bench {
             assert_eq!(output.drive.pwm, 0, "the amplifier is off");
         }
         if !self.inputs.has_power {
-            // A command of this period may switch the servo on until the next one, which switches it off again.
+            // A command of this period may switch the servo on until the next one, which switches
+            // it off again.
             assert_eq!(output.drive.pwm, 0, "no supply, no drive");
         }
         if self.follows {
-            // As far as commanded, without a delay; or as far as driven.
+            // As far as commanded, without delay; or as far as driven.
             let axis = module.axis();
             let ahead = axis.commanded().wrapping_sub(axis.position());
             self.counts = self.counts.wrapping_add(ahead);
@@ -135,7 +141,7 @@ impl Bench {
 }
 
 impl Bounds {
-    /// A drive that was given, before the order of this period is followed.
+    /// Checks a drive, before the order of this period is applied.
     fn check(&mut self, module: &ServoModule, drive: u8) {
         let most = self.output_limit.max(self.started).max(self.held);
         assert!(drive <= most, "{drive} above {most}");
@@ -148,7 +154,8 @@ impl Bounds {
         }
     }
 
-    /// A period without an order, which might have switched the servo on after its error was looked at, or given it another place.
+    /// Checks a period without an order. An order might have switched the servo on after its error
+    /// was evaluated, or changed its position.
     fn check_error(&self, module: &ServoModule) {
         let axis = module.axis();
         if axis.status().is_on && self.rate_divisor <= 1 && self.held_periods == 0 {
@@ -187,7 +194,8 @@ impl Bounds {
     }
 }
 
-/// Servo on, a trapezoid from where it is: between both ends all the way.
+/// Switches the servo on and runs a trapezoid from the present position: it stays between both
+/// ends.
 fn trapezoid(module: &mut ServoModule, bench: &mut Bench, bytes: &mut Bytes<'_>) {
     let say = |module: &mut ServoModule, command: Command| {
         let address = module.link().address();
@@ -233,7 +241,7 @@ fn trapezoid(module: &mut ServoModule, bench: &mut Bench, bytes: &mut Bytes<'_>)
         }),
     );
     let begin = module.axis().commanded();
-    // The search is armed together with the move, so that the switch may come at any period of it.
+    // The search is armed together with the move, so that the switch may close in any period of it.
     let switch_at = bytes.byte() % (2 * PERIODS);
     bench.tick(module);
     let search = Homing::LIMIT_1.with(Homing::ABRUPT);
@@ -263,7 +271,7 @@ fn damaged(module: &mut ServoModule, bytes: &mut Bytes<'_>) {
     let address = module.link().address();
     let frame = command(bytes).frame(address);
     let length = frame.bytes().len();
-    // Not the header or the length, after which other bytes would be the packet.
+    // Not the header or the length, after which other bytes would form the packet.
     let place = length - 1 - usize::from(bytes.byte()) % (length - 3).max(1);
     let wrong = bytes.byte().max(1);
     module.link().forget_partial();

@@ -7,8 +7,8 @@ use crate::bytes::Bytes;
 const DRIVERS: [&str; 5] = ["pbl3717a", "a3988", "l297", "unipolar", "phase-pair"];
 const MODES: [&str; 5] = ["wave", "full", "half", "quarter", "quarter-low"];
 
-/// Steps back undo steps there, switching off and on keeps the phase, and a pulse train comes to rest with the levels of its
-/// direction.
+/// Steps backwards undo steps forwards, switching off and on keeps the phase, and a pulse train
+/// comes to rest with the levels of its direction.
 pub fn stepper(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let driver = DRIVERS
