@@ -1,4 +1,5 @@
-//! A drill file of 5000 holes to the records of the circuit-board drill, as `husillo compile` does it: the program from its start to the files.
+//! Converts a drill file of 5000 holes to the records of the circuit-board drill, as
+//! `husillo compile` does: the program from its start to the output files.
 #![allow(missing_docs)] // criterion_group! makes undocumented public items
 
 use std::fmt::Write;
@@ -8,10 +9,10 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 
-/// Holes of the board.
+/// Number of holes of the board.
 const HOLES: u64 = 5000;
 
-/// The program, built as benches are if it is not there.
+/// The path of the program. It is built in the profile of benches if it does not exist.
 fn program() -> PathBuf {
     let bench = std::env::current_exe().expect("it runs");
     // target/PROFILE/deps/board-HASH
@@ -79,7 +80,7 @@ fn compile(criterion: &mut Criterion) {
         });
     }
     group.finish();
-    // What is left of it is of no use.
+    // The output is not needed any more.
     let _ = std::fs::remove_dir_all(&folder);
 }
 

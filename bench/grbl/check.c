@@ -1,7 +1,7 @@
-/* Feeds a program to Grbl's parser in check mode and says how long that takes.
+/* Runs the parser of Grbl in check mode on a program and measures the time.
 
-     check PASSES FILE    prints: bytes, lines, lines refused, CPU seconds of the fastest pass
-     check rows FILE      prints every line's number, error code and machine position in mm */
+     check PASSES FILE    prints bytes, lines, refused lines, CPU seconds of the fastest pass
+     check rows FILE      prints number, error code and machine position in mm of every line */
 #include <stdio.h>
 #include <time.h>
 
@@ -14,11 +14,12 @@ struct counts {
     size_t refused;
 };
 
-/* What comes of the characters of a line as they arrive. */
+/* The result of the characters of a line as they arrive. */
 enum place { CODE, BRACKETS, REST };
 
-/* Takes a program as Grbl takes it from its serial line: capitals, without blanks, control characters, slashes and
-   comments, at most LINE_BUFFER_SIZE - 1 characters of it. A return ends a line too, so one with a feed behind it is two. */
+/* Reads a program as Grbl reads it from its serial line: in capitals, without blanks, control
+   characters, slashes and comments, at most LINE_BUFFER_SIZE - 1 characters per line. A carriage
+   return ends a line too, so CR LF makes two lines. */
 static struct counts take(const unsigned char *program, size_t length, int is_told) {
     struct counts counts = {0, 0};
     char line[LINE_BUFFER_SIZE];
@@ -63,7 +64,7 @@ static double cpu_seconds(void) {
     return now.tv_sec + now.tv_nsec * 1e-9;
 }
 
-/* The file with a line feed at its end, or nothing. */
+/* The contents of the file with a line feed at the end, or nothing. */
 static unsigned char *read_file(const char *path, size_t *length) {
     FILE *file = fopen(path, "rb");
     if (!file || fseek(file, 0, SEEK_END)) return NULL;

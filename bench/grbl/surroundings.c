@@ -1,5 +1,5 @@
-/* What Grbl's parser calls of the rest of Grbl, as far as it does anything in check mode ($C): parameters are kept in
-   memory instead of the EEPROM, and planner, stepper, spindle, coolant, probe and reports stand still. */
+/* Stubs for the functions of Grbl that its parser calls in check mode ($C). Parameters are kept in
+   memory instead of the EEPROM; planner, stepper, spindle, coolant, probe and reports do nothing. */
 #include "grbl.h"
 
 #include "surroundings.h"
@@ -38,7 +38,7 @@ void system_convert_array_steps_to_mpos(float *position, int32_t *steps) {
 }
 void system_flag_wco_change() { sys.report_wco_counter = 0; }
 
-/* Jogging is a command of its own, not of a program; it is not fed. */
+/* Jogging is a separate command, not part of a program; it is never sent. */
 uint8_t jog_execute(plan_line_data_t *data, parser_block_t *block) {
     (void)data, (void)block;
     return STATUS_INVALID_JOG_COMMAND;
@@ -49,7 +49,7 @@ void spindle_sync(uint8_t state, float rpm) { (void)state, (void)rpm; }
 void coolant_sync(uint8_t mode) { (void)mode; }
 void protocol_buffer_synchronize() {}
 
-/* Messages to the sender; the harness counts the codes itself. */
+/* Messages to the sender; the test harness counts the codes. */
 void report_status_message(uint8_t code) { (void)code; }
 void report_feedback_message(uint8_t code) { (void)code; }
 
@@ -61,7 +61,7 @@ void protocol_exec_rt_system() {}
 void system_set_exec_state_flag(uint8_t mask) { sys_rt_exec_state |= mask; }
 
 #ifdef WHOLE_ARCS
-/* In place of motion_control.c: an arc stays the one command that it is, as lines do. */
+/* Replaces motion_control.c: an arc stays one command, as a line does. */
 void mc_line(float *target, plan_line_data_t *data) { (void)target, (void)data; }
 void mc_arc(float *target, plan_line_data_t *data, float *position, float *offset, float radius, uint8_t axis_0,
             uint8_t axis_1, uint8_t axis_linear, uint8_t is_clockwise) {

@@ -1,4 +1,5 @@
-//! Programs for the parser, shaped like the output of CAM systems. No randomness: the same text at every run.
+//! Programs for the parser, shaped like the output of CAM systems. There is no randomness: the text
+//! is the same in every run.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
@@ -28,8 +29,8 @@ pub fn segments(bytes: usize) -> String {
     program
 }
 
-/// About `bytes` bytes of circles of 1 to 3 mm, each of four quarter arcs with I and J; the last arc of every fourth circle
-/// is a helix.
+/// About `bytes` bytes of circles of 1 to 3 mm, each of four quarter arcs with I and J. The last
+/// arc of every fourth circle is a helix.
 pub fn arcs(bytes: usize) -> String {
     let mut program = String::from(HEAD);
     let mut circle = 0_u32;
@@ -61,15 +62,15 @@ pub fn arcs(bytes: usize) -> String {
     program
 }
 
-/// About `bytes` bytes of everything: line numbers, comments, rapids, both arc forms, modal lines, incremental moves,
-/// changes of feed and spindle.
+/// About `bytes` bytes of everything: line numbers, comments, rapids, both forms of arcs, modal
+/// lines, incremental moves, changes of feed and spindle.
 pub fn mixed(bytes: usize) -> String {
     let mut program = String::from(HEAD);
     let mut pocket = 0_u32;
     let mut number = 10_u32;
     while program.len() < bytes {
         let angle = f64::from(pocket) * 0.37;
-        // Thousandths, so that the arcs below start exactly where the text says.
+        // In thousandths, so that the arcs below start exactly at the printed position.
         let x = (1000.0 * (50.0 + 30.0 * angle.cos())).round() / 1000.0;
         let y = (1000.0 * (50.0 + 30.0 * angle.sin())).round() / 1000.0;
         line(&mut program, format_args!("(pocket {pocket})"));

@@ -1,4 +1,4 @@
-//! The take-up stage on three axes. An element is an event.
+//! The take-up stage on three axes. One element is one event.
 
 use std::hint::black_box;
 

@@ -1,4 +1,4 @@
-//! Text: words, checked blocks, commands. An element is a line.
+//! Text: words, checked blocks, commands. One element is one line.
 
 use std::hint::black_box;
 

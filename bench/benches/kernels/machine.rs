@@ -1,4 +1,4 @@
-//! The whole chain from a line of text to step events. An element is an event.
+//! The whole chain from a line of text to step events. One element is one event.
 
 use std::hint::black_box;
 
@@ -28,7 +28,7 @@ pub fn mill() -> Machine<3> {
     })
 }
 
-/// All events of a program; each line must be taken.
+/// Runs all events of a program; each line must be accepted.
 pub fn run(machine: &mut Machine<3>, program: &[&str], mut each: impl FnMut(Event<3>)) {
     for line in program {
         machine.line(line.as_bytes()).expect("a correct line");

@@ -1,4 +1,5 @@
-//! What crosses crates, one group each (the methods of `interp` and `planner` have benches of their own). The measuring times are short: the whole takes less than a minute.
+//! Benchmarks that cross crates, one group each. (The methods of `interp` and `planner` have their
+//! own benchmarks.) The measuring times are short: all benchmarks together take less than a minute.
 #![allow(missing_docs)] // criterion_group! makes undocumented public items
 
 mod backlash;

@@ -1,4 +1,4 @@
-//! The simulated machine: coil levels to the place of the tool. An element is an event.
+//! The simulated machine: from coil levels to the tool position. One element is one event.
 
 use std::hint::black_box;
 
@@ -14,7 +14,7 @@ pub fn bench(criterion: &mut Criterion) {
     let (driver, mode) = (Driver::Pbl3717a, Mode::Full);
     let mut motors = [Sequencer::new(driver, mode).expect("the PBL3717A makes full steps"); 3];
     let home = motors.map(|motor| motor.levels());
-    // The levels are made beforehand: what is measured is the simulator alone.
+    // The levels are computed beforehand, so that only the simulator is measured.
     let mut trace: Vec<([Levels; 3], u32)> = Vec::new();
     run(&mut mill(), &["G3 X0 Y0 I-1.5 F1.4"], |event| {
         if let Event::Step(step) = event {

@@ -1,4 +1,4 @@
-//! Coil sequences. An element is a step.
+//! Coil sequences. One element is one step.
 
 use std::hint::black_box;
 

@@ -1,7 +1,8 @@
-//! From lines to commands, the peer of `bench/grbl/check.c`; `bench/grbl/run` runs both in turns.
+//! From lines to commands, for comparison with `bench/grbl/check.c`; `bench/grbl/run` runs both
+//! alternately.
 //!
-//! `commands DIALECT PASSES FILE` prints bytes, lines, lines refused and the CPU seconds of the fastest pass over the file.
-//! `commands write seg|arc|mix` prints a program of 30 MB.
+//! `commands DIALECT PASSES FILE` prints bytes, lines, refused lines and the CPU seconds of the
+//! fastest pass over the file. `commands write seg|arc|mix` prints a program of 30 MB.
 
 use std::hint::black_box;
 use std::io::Write as _;
@@ -9,7 +10,7 @@ use std::io::Write as _;
 use cpu_time::ThreadTime;
 use husillo_gcode::{Block, Commands, Dialect, Modal};
 
-/// Length of the programs that are written.
+/// Length of the generated programs.
 const BYTES: usize = 30_000_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -56,7 +57,7 @@ struct Counts {
     refused: usize,
 }
 
-/// Every line is split off, read, checked and interpreted, and its commands are made.
+/// Splits, reads, checks and interprets every line, and makes its commands.
 #[inline(never)]
 fn take(program: &[u8], dialect: Dialect) -> Counts {
     let (mut block, mut modal) = (Block::new(), Modal::<3>::new(dialect));

@@ -1,14 +1,15 @@
-//! Runs every kernel once, each within one call of [`counted`]. `bench/instructions` runs it under callgrind, which counts what
-//! such a call executes, and reads the kernels' names here.
+//! Runs every kernel once, each within one call of [`counted`]. `bench/instructions` runs it under
+//! callgrind, which counts the instructions of such a call, and reads the names of the kernels from
+//! its output.
 
-/// What callgrind looks for. Not inlined, so that it has a symbol.
+/// The function that callgrind looks for. Not inlined, so that it has a symbol.
 #[inline(never)]
 fn counted(work: &mut dyn FnMut()) {
     work();
 }
 
 fn main() {
-    // The frame around the work.
+    // The overhead of the call.
     counted(&mut || ());
     println!("frame 1");
     kernels::all(&mut |name, events, work| {

@@ -1,3 +1,3 @@
-/* On a computer constants lie where everything lies. */
+/* On a computer, constants are in ordinary memory. */
 #define PROGMEM
 #define PSTR(text) (text)

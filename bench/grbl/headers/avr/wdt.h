@@ -1,1 +1,1 @@
-/* Grbl's parser names nothing of this header. */
+/* The parser of Grbl uses nothing of this header. */

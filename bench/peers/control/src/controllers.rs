@@ -1,4 +1,4 @@
-//! P + I + D of an error with limits: Kp 2.5, Ki 0.02 and Kd 30 a sample, output within +-2000.
+//! PID control of an error with limits: Kp 2.5, Ki 0.02 and Kd 30 per sample, output within +-2000.
 
 use core::hint::black_box;
 
@@ -11,12 +11,13 @@ use idsp::iir::{BiquadClamp, DirectForm1};
 use crate::Count;
 
 const SAMPLES: u32 = 1000;
-/// A unit of the output of idsp in fixed point is 2^-16, as its integral is what it last gave: in whole units it would stop at small errors.
+/// The output unit of idsp in fixed point is 2^-16. Its integral is its last output, which in whole
+/// units would stop at small errors.
 const OUTPUT_BITS: i32 = 1 << 16;
 /// The coefficient of 32.52 units then needs 22 bits before the point.
 type Coefficient = Q32<9>;
 
-/// Ours, in fixed point.
+/// The controller of husillo in fixed point.
 pub fn fixed() -> Option<Pid<I32F0, I16F16>> {
     let gains = Gains {
         proportional: I16F16::lit("2.5"),
@@ -30,7 +31,7 @@ pub fn fixed() -> Option<Pid<I32F0, I16F16>> {
     Pid::new(gains, Integration::Backward, limits).ok()
 }
 
-/// Ours, in floating point.
+/// The controller of husillo in floating point.
 pub fn floating() -> Option<Pid<f32>> {
     let gains = Gains {
         proportional: 2.5_f32,
@@ -47,7 +48,7 @@ pub fn floating() -> Option<Pid<f32>> {
 /// b0, b1, b2, a1, a2 of the same controller in direct form: `b0 + b1 + b2 = Ki`.
 const FORM: [f64; 5] = [2.5 + 0.02 + 30.0, -2.5 - 60.0, 30.0, 1.0, 0.0];
 
-/// idsp's, in fixed point; it takes the error.
+/// The controller of idsp in fixed point; its input is the error.
 pub fn idsp_fixed() -> BiquadClamp<Coefficient, i32> {
     let scales = [65_536.0, 65_536.0, 65_536.0, 1.0, 1.0];
     let mut form = [0.0; 5];
@@ -60,14 +61,14 @@ pub fn idsp_fixed() -> BiquadClamp<Coefficient, i32> {
     biquad
 }
 
-/// idsp's, in floating point.
+/// The controller of idsp in floating point.
 pub fn idsp_floating() -> BiquadClamp<f32> {
     let mut biquad = BiquadClamp::from(FORM.map(|coefficient| coefficient as f32));
     (biquad.min, biquad.max) = (-2000.0, 2000.0);
     biquad
 }
 
-/// That of the crate pid; its derivative is that of the measurement.
+/// The controller of the crate pid; its derivative is that of the measurement.
 pub fn textbook(target: f32) -> pid::Pid<f32> {
     let mut pid = pid::Pid::new(target, 2000.0_f32);
     pid.p(2.5_f32, f32::MAX);
@@ -76,7 +77,7 @@ pub fn textbook(target: f32) -> pid::Pid<f32> {
     pid
 }
 
-/// Hands every controller to `count`.
+/// Passes every controller to `count`.
 #[inline(never)]
 pub fn all(count: Count<'_>) {
     let (Some(fixed), Some(floating)) = (fixed(), floating()) else {
@@ -134,7 +135,7 @@ pub fn all(count: Count<'_>) {
 mod tests {
     use super::*;
 
-    /// Errors of a walk that stays within the limits, as measured positions around 500.
+    /// Errors of a walk within the limits, as measured positions around 500.
     fn walk() -> impl Iterator<Item = i32> {
         (0..2000_i32).map(|k| 500 - (k * 7919 % 23 - 11))
     }
@@ -160,7 +161,8 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// All do the same job, as well as they can: units of the output, of which ours is a whole one.
+    /// All controllers have the same output as accurately as they can, in units of the output; ours
+    /// is a whole one.
     #[test]
     fn outputs_are_the_same() {
         let (pid, mut state) = (fixed().unwrap(), State::default());
@@ -181,7 +183,7 @@ mod tests {
             walk().map(|measured| biquad.process(&mut state, 500.0 - measured as f32).into()),
         );
         let mut pid = textbook(500.0);
-        // It leaves the first derivative out.
+        // It omits the first derivative.
         let kick = 30.0 * (500.0 - f64::from(walk().next().unwrap()));
         let textbook = walk().enumerate().map(|(k, measured)| {
             let output = f64::from(pid.next_control_output(measured as f32).output);
@@ -189,13 +191,15 @@ mod tests {
         });
         let textbook = farthest(textbook);
         std::println!(
-            "farthest from exact: husillo {ours:.4}, idsp {idsp:.4}, f32: husillo {floating:.4}, idsp {idsp_floating:.4}, pid {textbook:.4}"
+            "farthest from exact: husillo {ours:.4}, idsp {idsp:.4}, f32: \
+             husillo {floating:.4}, idsp {idsp_floating:.4}, pid {textbook:.4}"
         );
         assert!(ours <= 0.51 && idsp < 1.0, "{ours} {idsp}");
         assert!(floating < 0.01 && idsp_floating < 0.1 && textbook < 0.01);
     }
 
-    /// How many samples of an error of the other sign it takes to leave the limit after 1000 samples at it.
+    /// Samples of an error of the other sign until the output leaves the limit, after 1000 samples
+    /// at it.
     #[test]
     fn windup() {
         let until = |mut update: std::boxed::Box<dyn FnMut(i32) -> f64>| {
@@ -218,7 +222,8 @@ mod tests {
             pid.next_control_output(measured as f32).output.into()
         }));
         std::println!(
-            "samples at the limit after the error has turned: husillo {ours}, idsp {idsp}, pid {textbook}"
+            "samples at the limit after the error has changed sign: \
+             husillo {ours}, idsp {idsp}, pid {textbook}"
         );
         assert_eq!((ours, idsp), (0, 0));
     }

@@ -1,4 +1,4 @@
-//! Two levels in, a position out, skipped states told.
+//! Quadrature decoders: two levels in, a position out, skipped states reported.
 
 use core::cell::Cell;
 use core::convert::Infallible;
@@ -13,7 +13,7 @@ use crate::Count;
 
 const SAMPLES: u32 = 256;
 
-/// Levels of a walk forward with a rest and a turn now and then: two counts in three samples.
+/// Levels of a walk forward with occasional rests and reversals: two counts in three samples.
 pub fn walk() -> [u8; SAMPLES as usize] {
     let mut quarters = 0_u8;
     let mut sample = 0_u8;
@@ -30,7 +30,7 @@ pub fn walk() -> [u8; SAMPLES as usize] {
     })
 }
 
-/// A pin of a port that is in memory.
+/// A pin of a port in memory.
 struct Pin<'a> {
     port: &'a Cell<u8>,
     mask: u8,
@@ -50,7 +50,7 @@ impl InputPin for Pin<'_> {
     }
 }
 
-/// Hands every decoder to `count`.
+/// Passes every decoder to `count`.
 #[inline(never)]
 pub fn all(count: Count<'_>) {
     let samples = walk();
@@ -105,7 +105,7 @@ pub fn all(count: Count<'_>) {
         }
         black_box(decoder.counter());
     });
-    // What an interrupt has: the decoder is in memory before and after each sample.
+    // As in an interrupt, the decoder is in memory before and after each sample.
     let mut encoder = Quadrature::new(Scale::X4, 0);
     count("husillo_x4_memory", SAMPLES, &mut || {
         for levels in black_box(&samples) {
@@ -125,7 +125,8 @@ pub fn all(count: Count<'_>) {
 mod tests {
     use super::*;
 
-    /// All count the same way, in X4 and, to the count that is under way, in X1; and all tell skipped states.
+    /// All decoders count in the same direction, in X4 and in X1 (to the count in progress), and
+    /// all report skipped states.
     #[test]
     fn positions_are_the_same() {
         let mut encoder = Quadrature::new(Scale::X4, 0);
@@ -143,7 +144,8 @@ mod tests {
             let positions = [encoder.position(), decoder.counter(), pins.position()];
             (errors, positions.map(i32::abs))
         };
-        // The peers take it that both levels were high before they were asked, so that the first sample is a skipped state to them.
+        // The peers assume that both levels were high before the first sample, so that sample is a
+        // skipped state for them.
         assert_eq!(sample(0).0, [false, true, true]);
         for levels in walk() {
             assert_eq!(sample(levels).0, [false; 3]);

@@ -1,6 +1,8 @@
-//! Other crates' controllers and decoders beside ours: the same input, the same flags, every result looked at.
+//! Controllers and decoders of other crates compared with those of husillo: the same input, the
+//! same flags, every result checked.
 //!
-//! The same kernels run on simulated microcontrollers (`firmware/check counts --peers`) and on the host (`bench/peers/loops`), which also tests here that all of them do the same job.
+//! The same kernels run on simulated microcontrollers (`firmware/check counts --peers`) and on the
+//! host (`bench/peers/loops`). The tests here verify that all of them do the same task.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -10,10 +12,10 @@ extern crate std;
 pub mod controllers;
 pub mod decoders;
 
-/// Takes a kernel's name, how many events it has, and what to run, any number of times.
+/// Takes the name of a kernel, its number of events, and the work to run, any number of times.
 pub type Count<'a> = &'a mut dyn FnMut(&str, u32, &mut dyn FnMut());
 
-/// Hands every kernel to `count`, each group with ours first.
+/// Passes every kernel to `count`; in each group the one of husillo comes first.
 pub fn all(count: Count<'_>) {
     controllers::all(count);
     decoders::all(count);

@@ -1,4 +1,5 @@
-//! Counts other crates' kernels beside ours. Run by `firmware/check counts --peers`.
+//! Counts the instructions of kernels of other crates and of husillo. Run by
+//! `firmware/check counts --peers`.
 #![no_std]
 #![no_main]
 

@@ -1,15 +1,16 @@
-//! Times every kernel of `bench/peers/control`. CPU time of the thread, so that other programs count little; all kernels take turns, and the median is taken of
-//! the ratios within a turn to the one of ours that does the same job.
+//! Times every kernel of `bench/peers/control`. It uses the CPU time of the thread, so that other
+//! programs have little influence. All kernels run in rounds. The result is the median over the
+//! rounds of the ratio to the kernel of husillo for the same task.
 
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
-/// Turns that everybody takes.
+/// Number of rounds.
 const TURNS: usize = 15;
-/// Least time of a turn.
+/// Shortest time of a kernel in a round.
 const TURN: Duration = Duration::from_millis(20);
 
-/// A kernel and its nanoseconds a sample, turn by turn.
+/// A kernel and its nanoseconds per sample in each round.
 struct Row {
     name: String,
     repeats: u32,
@@ -53,7 +54,7 @@ fn main() {
     }
 }
 
-/// How often the kernel fits into a turn.
+/// The number of repetitions of the kernel in a round.
 fn repeats(work: &mut dyn FnMut()) -> u32 {
     let mut repeats = 1;
     loop {

@@ -19,7 +19,7 @@ const CIRCLE: ArcMove = ArcMove {
     rim: Rim::Spiral,
 };
 
-/// Farthest from the circle, and the longest way from a point to the next.
+/// Largest distance from the circle, and largest distance between successive points.
 fn cells(points: &[[i32; 2]]) -> Vec<String> {
     let distance = |[x, y]: [i32; 2]| f64::from(x).hypot(f64::from(y));
     let off = points
@@ -72,7 +72,7 @@ pub fn whole() {
             }),
         },
         Candidate {
-            name: "the same with its setting up",
+            name: "the same including set-up",
             cells: cells(&points(search)),
             run: Box::new(|| DirectSearch::new(black_box(&CIRCLE)).map_or(0, walk)),
         },
@@ -95,9 +95,9 @@ pub fn whole() {
         },
     ];
     let columns = [
-        "farthest from the circle, BLU",
-        "longest leap, BLU",
+        "largest distance from the circle, BLU",
+        "longest jump, BLU",
         "points",
     ];
-    race("circle, radius 1000", "an event", &columns, candidates);
+    race("circle, radius 1000", "per event", &columns, candidates);
 }

@@ -76,12 +76,7 @@ pub fn limited() {
         },
     ];
     let columns = ["time of the move", "gives"];
-    race(
-        "jerk-limited profile, setting up",
-        "a move",
-        &columns,
-        set_up,
-    );
+    race("jerk-limited profile, set-up", "per move", &columns, set_up);
 
     let events = vec![
         Candidate {
@@ -118,7 +113,7 @@ pub fn limited() {
     ];
     race(
         "jerk-limited profile, walking",
-        "an event",
+        "per event",
         &columns,
         events,
     );

@@ -9,12 +9,12 @@ use crate::race::{Candidate, race};
 
 const LINES: usize = 64;
 const COLUMNS: [&str; 3] = [
-    "farthest from the line, BLU",
-    "events too many",
+    "largest distance from the line, BLU",
+    "surplus events",
     "ends missed",
 ];
 
-/// The same lines in every run: all directions, up to 10 000 steps an axis.
+/// The same lines in every run: all directions, up to 10 000 steps per axis.
 fn deltas<const N: usize>() -> Vec<[i32; N]> {
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut next = || {
@@ -35,13 +35,13 @@ fn farthest<const N: usize>(delta: &[i32; N], points: &[[i32; N]]) -> f64 {
     let length = dot(delta, delta);
     let squares = points.iter().map(|point| {
         let along = dot(point, delta);
-        // All integers below 2^53 up to here: exact.
+        // All integers are below 2^53 up to here, so this is exact.
         (dot(point, point) * length - along * along) / length
     });
     squares.fold(0.0, f64::max).sqrt()
 }
 
-/// Accuracy of what `points` visits; most crates begin with the point 0, which is no event.
+/// Accuracy of the visited points. Most crates begin with the point 0, which is not an event.
 fn cells<const N: usize>(points: impl Fn(&[i32; N]) -> Vec<[i32; N]>) -> Vec<String> {
     let (mut error, mut surplus, mut missed) = (0.0_f64, 0_i64, 0);
     for delta in &deltas::<N>() {
@@ -73,7 +73,7 @@ fn ours<const N: usize>(delta: &[i32; N]) -> Vec<[i32; N]> {
     points.collect()
 }
 
-/// Runs `walk` over all lines, and counts the events.
+/// Runs `walk` over all lines and counts the events.
 fn job<'a, const N: usize>(walk: impl Fn([i32; N]) -> u64 + 'a) -> Box<dyn FnMut() -> u64 + 'a> {
     let deltas = deltas::<N>();
     Box::new(move || deltas.iter().map(|delta| walk(black_box(*delta))).sum())
@@ -151,7 +151,7 @@ pub fn two_axes() {
                 for point in grid(delta) {
                     black_box(point);
                 }
-                // It makes this many of them.
+                // It makes this many events.
                 delta
                     .iter()
                     .map(|part| u64::from(part.unsigned_abs()))
@@ -159,7 +159,7 @@ pub fn two_axes() {
             }),
         },
     ];
-    race("line, 2 axes", "an event", &COLUMNS, candidates);
+    race("line, 2 axes", "per event", &COLUMNS, candidates);
 }
 
 pub fn three_axes() {
@@ -186,5 +186,5 @@ pub fn three_axes() {
             }),
         },
     ];
-    race("line, 3 axes", "an event", &COLUMNS, candidates);
+    race("line, 3 axes", "per event", &COLUMNS, candidates);
 }

@@ -1,7 +1,9 @@
-//! Our methods and other crates' on the same input, in the same run, built with the same flags: time and accuracy.
+//! Methods of husillo and of other crates on the same input, in the same run, built with the same
+//! flags: time and accuracy.
 //!
-//! Times are CPU time of the thread, so that other programs count little; all candidates of a table take turns, many times, and the
-//! median is taken of the ratios within a turn. Whatever a table says about accuracy is computed here as well.
+//! Times are CPU time of the thread, so that other programs have little influence. All candidates
+//! of a table run in many rounds, and the result is the median of the ratios within a round. The
+//! accuracy in the tables is also computed here.
 
 mod circles;
 mod jerk;

@@ -1,20 +1,20 @@
-//! Who is how fast.
+//! Comparison of speeds.
 
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
 
-/// Turns that everybody takes.
+/// Number of rounds.
 const TURNS: usize = 15;
-/// Least time of a turn.
+/// Shortest time of a candidate in a round.
 const TURN: Duration = Duration::from_millis(20);
 
 /// One row of a table.
 pub struct Candidate<'a> {
     pub name: &'a str,
-    /// What was found out about its accuracy, one cell a column.
+    /// Results on its accuracy, one cell per column.
     pub cells: Vec<String>,
-    /// Does the job once and returns how many events that were.
+    /// Runs the job once and returns the number of events.
     pub run: Box<dyn FnMut() -> u64 + 'a>,
 }
 
@@ -49,12 +49,12 @@ pub fn race(title: &str, event: &str, columns: &[&str], candidates: Vec<Candidat
     println!();
 }
 
-/// Whether it is only to be seen that everything runs.
+/// Whether this is only a check that everything runs.
 fn is_trial() -> bool {
     std::env::args().any(|argument| argument == "--test")
 }
 
-/// How often the job fits into a turn.
+/// The number of repetitions of the job in a round.
 fn repeats(run: &mut dyn FnMut() -> u64) -> u32 {
     let mut repeats = 1;
     loop {

@@ -30,7 +30,7 @@ impl Job {
     fn time(&self, number: u32) -> f64 {
         let (a, v) = (f64::from(self.acceleration), f64::from(self.top));
         let (n, s) = (f64::from(number), f64::from(self.events));
-        // Way of either ramp: it gets to the top rate in all jobs here.
+        // Length of either ramp; the top rate is reached in all jobs here.
         let ramp = v * v / (2.0 * a);
         let total = s / v + v / a;
         if n <= ramp {
@@ -42,7 +42,7 @@ impl Job {
         }
     }
 
-    /// Events too many, time of the whole move, and the event farthest from its time.
+    /// Surplus events, time of the whole move, and the largest time error of an event.
     fn cells(&self, intervals: &[f64]) -> Vec<String> {
         let (mut at, mut farthest) = (0.0, 0.0_f64);
         for (interval, number) in intervals.iter().zip(1..=self.events) {
@@ -74,7 +74,7 @@ fn walk(intervals: impl Iterator<Item = u32>) -> u64 {
     events
 }
 
-/// Some numbers of ramp-maker never end: twice the events are enough to see it.
+/// With some number types ramp-maker never ends; twice the events are enough to detect it.
 fn peer<Profile: MotionProfile>(mut profile: Profile, top: Profile::Velocity, events: u32) -> u64 {
     profile.enter_position_mode(top, events);
     let mut given = 0;
@@ -142,14 +142,14 @@ fn table(title: &str, job: &Job) {
         },
     ];
     let columns = [
-        "events too many",
+        "surplus events",
         "time of the move",
-        "event farthest from its time, us",
+        "largest time error of an event, us",
     ];
-    race(title, "an event", &columns, candidates);
+    race(title, "per event", &columns, candidates);
 }
 
-/// Nearly all of it ramp.
+/// A move that is nearly all ramp.
 pub fn short() {
     let job = Job {
         acceleration: 20_000,
@@ -162,7 +162,7 @@ pub fn short() {
     );
 }
 
-/// As a fast servo has it.
+/// Rates of a fast servo.
 pub fn fast() {
     let job = Job {
         acceleration: 100_000,

@@ -9,7 +9,7 @@ use std::hint::black_box;
 
 use parsers::Sink;
 
-/// Counts words and folds their numbers, so that none can be left out.
+/// Counts words and folds their numbers, so that none can be optimised away.
 #[derive(Default)]
 struct Fold {
     words: u32,
@@ -52,7 +52,8 @@ impl Sink for List {
     }
 }
 
-/// The words of a text by the plainest means there are, for the comparison: comments cut, split at letters, `str::parse`.
+/// The words of a text by the simplest means, for comparison: comments removed, split at letters,
+/// `str::parse`.
 fn reference(text: &str) -> Vec<(u8, f64)> {
     let mut words = Vec::new();
     for line in text.lines() {
@@ -107,7 +108,8 @@ fn programs(bytes: usize) -> [(&'static str, String); 4] {
     ]
 }
 
-/// How many words of the reference were delivered, in percent, and the worst error of those in millionths of a unit.
+/// The share of the words of the reference that was delivered, in percent, and the worst error of
+/// those in millionths of a unit.
 fn quality(parser: &Parser, text: &str) -> (f64, Option<f64>) {
     let right = reference(text);
     let mut list = List::default();
@@ -126,7 +128,7 @@ fn quality(parser: &Parser, text: &str) -> (f64, Option<f64>) {
     (delivered, Some(worst))
 }
 
-/// MB a CPU second: the median of five runs of at least 80 ms, parsers taking turns.
+/// MB per CPU second: the median of five runs of at least 80 ms, in rounds over all parsers.
 fn speeds(text: &str) -> Vec<f64> {
     let mut samples = vec![Vec::new(); PARSERS.len()];
     for _ in 0..5 {
@@ -161,7 +163,10 @@ fn table() {
             text.len(),
             reference(&text).len()
         );
-        println!("| parser | words | worst error, 1e-6 units | MB a CPU second | of async-gcode |");
+        println!(
+            "| parser | words | worst error, 1e-6 units | MB per CPU second \
+             | relative to async-gcode |"
+        );
         println!("| --- | --- | --- | --- | --- |");
         let speeds = speeds(&text);
         let base = speeds[3];
@@ -177,7 +182,8 @@ fn table() {
     }
 }
 
-/// One run of one parser over one program, for callgrind: `--once PARSER PROGRAM`, both counted from 0.
+/// One run of one parser on one program, for callgrind: `--once PARSER PROGRAM`, both counted
+/// from 0.
 fn once(parser: usize, program: usize) -> Option<()> {
     let programs = programs(1_000_000);
     let (name, text) = programs.get(program)?;

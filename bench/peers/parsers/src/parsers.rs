@@ -1,4 +1,4 @@
-//! Every parser with the same task: hand each word of a program to a sink.
+//! Every parser with the same task: pass each word of a program to a sink.
 
 use gcode::core::ControlFlow;
 
@@ -17,7 +17,7 @@ pub trait Sink {
     }
 }
 
-/// This project's, over a whole text.
+/// The parser of husillo on a whole text.
 #[inline(never)]
 pub fn slice(text: &str, sink: &mut impl Sink) {
     for token in tokens(text.as_bytes()) {
@@ -31,7 +31,7 @@ pub fn slice(text: &str, sink: &mut impl Sink) {
     }
 }
 
-/// This project's, one line at a time.
+/// The parser of husillo, one line at a time.
 #[inline(never)]
 pub fn lines(text: &str, sink: &mut impl Sink) {
     for line in text.as_bytes().split(|byte| *byte == b'\n') {
@@ -45,7 +45,7 @@ pub fn lines(text: &str, sink: &mut impl Sink) {
     }
 }
 
-/// This project's, byte by byte, one call a byte.
+/// The parser of husillo byte by byte, with one call per byte.
 #[inline(never)]
 pub fn push(text: &str, sink: &mut impl Sink) {
     let mut reader = WordReader::new();
@@ -150,7 +150,7 @@ impl<S: Sink> gcode::core::CommandVisitor for Visitor<'_, S> {
     }
 }
 
-/// gcode 0.7, its core without allocation.
+/// The core of gcode 0.7, without allocation.
 #[inline(never)]
 pub fn gcode_core(text: &str, sink: &mut impl Sink) {
     gcode::core::parse(text, &mut Visitor(sink, gcode::core::Noop));

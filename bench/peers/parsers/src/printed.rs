@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-/// About `bytes` bytes of layers: `;TYPE:` comments, short moves with extrusion, travel, fan and progress codes. The same
-/// text at every run.
+/// About `bytes` bytes of layers: `;TYPE:` comments, short moves with extrusion, travel, fan and
+/// progress codes. The text is the same in every run.
 pub fn printed(bytes: usize) -> String {
     let mut program = String::from(";FLAVOR:Marlin\nM104 S210\nG28 ;home\nG92 E0\nM82\n");
     let (mut layer, mut extruded) = (0_u32, 0.0_f64);
@@ -11,7 +11,8 @@ pub fn printed(bytes: usize) -> String {
         let height = 0.2 + f64::from(layer) * 0.15;
         let _ = write!(
             program,
-            ";LAYER:{layer}\nM73 P{}\nG0 F9000 X{:.3} Y{:.3} Z{height:.2}\n;TYPE:WALL-OUTER\nM204 S500\nG1 F1800\n",
+            ";LAYER:{layer}\nM73 P{}\nG0 F9000 X{:.3} Y{:.3} Z{height:.2}\n;TYPE:WALL-OUTER\n\
+             M204 S500\nG1 F1800\n",
             layer % 100,
             100.0 + f64::from(layer % 7),
             100.0
