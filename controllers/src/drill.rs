@@ -10,6 +10,8 @@ pub use event::{DrillEvent, DrillFault, DrillInputs, DrillReport};
 use husillo_transports::drill::{Axis, Device, Order};
 
 use husillo_machine::StepEvent;
+
+use crate::controller::{Controller, Timed};
 use task::{Next, Task};
 
 /// Index of Z among the motors.
@@ -61,6 +63,45 @@ pub struct Drill<const N: usize> {
     /// The spindle, as it is and as it should be.
     spindle: [bool; 2],
     report: Option<DrillReport>,
+}
+
+impl<const N: usize> Controller for Drill<N> {
+    type Inputs = DrillInputs;
+    type Event = DrillEvent;
+
+    /// Takes a byte of the line. Only the button R stops this machine.
+    fn receive(&mut self, byte: u8) -> bool {
+        self.push(byte);
+        false
+    }
+
+    fn next_event(&mut self, machine: u8, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if machine > 0 {
+            return None;
+        }
+        let event = Drill::next_event(self, inputs);
+        (event != DrillEvent::Idle).then_some(event)
+    }
+
+    fn transmit(&mut self) -> Option<u8> {
+        Drill::transmit(self)
+    }
+
+    fn reset(&mut self) {
+        Drill::reset(self);
+    }
+}
+
+impl Timed for DrillEvent {
+    fn wait_ticks(&self) -> Option<u32> {
+        match *self {
+            DrillEvent::Step(step) => Some(step.wait_ticks),
+            // Another task follows at once: its waits go on from where this one's ended.
+            DrillEvent::Dwell { wait_ticks: 0 } => None,
+            DrillEvent::Dwell { wait_ticks } => Some(wait_ticks),
+            DrillEvent::Spindle(_) | DrillEvent::Report(_) | DrillEvent::Idle => None,
+        }
+    }
 }
 
 impl<const N: usize> Drill<N> {

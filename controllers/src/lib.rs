@@ -3,17 +3,19 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod controller;
 mod drill;
 mod microfactory;
 mod micromill;
 mod servo_module;
 
+pub use controller::{Controller, Timed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use husillo_transports::microfactory::Report as MicrofactoryReport;
 pub use husillo_transports::micromill::Stops as MicromillStops;
 pub use microfactory::{
     MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
-    MicrofactoryPair, PAIR,
+    MicrofactoryStation,
 };
 pub use micromill::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep};
 pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};

@@ -3,12 +3,12 @@
 mod config;
 mod event;
 mod figure;
-mod pair;
+mod station;
 pub(crate) mod task;
 
 pub use config::MicrofactoryConfig;
 pub use event::{MicrofactoryEvent, MicrofactoryInputs};
-pub use pair::{MicrofactoryPair, PAIR};
+pub use station::MicrofactoryStation;
 
 use husillo_transports::microfactory::{Order, Report, Status};
 

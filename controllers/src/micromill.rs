@@ -18,6 +18,7 @@ pub use event::{MicromillEvent, MicromillInputs, MicromillStep};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
+use crate::controller::{Controller, Timed};
 use course::Course;
 use entry::{Entry, Place};
 use husillo_backlash::Play;
@@ -380,6 +381,49 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
                 }
             }
             None => self.link.answer(Answer::Done),
+        }
+    }
+}
+
+impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Controller
+    for Micromill<'_, QUEUE, AHEAD, OUT>
+{
+    type Inputs = MicromillInputs;
+    type Event = MicromillEvent;
+
+    fn receive(&mut self, byte: u8) -> bool {
+        Micromill::receive(self, byte)
+    }
+
+    fn halted(&mut self) {
+        Micromill::halted(self);
+    }
+
+    fn next_event(&mut self, machine: u8, inputs: &MicromillInputs) -> Option<MicromillEvent> {
+        if machine > 0 {
+            return None;
+        }
+        Micromill::next_event(self, inputs)
+    }
+
+    fn made(&mut self, _: u8, events: usize) {
+        Micromill::made(self, events);
+    }
+
+    fn transmit(&mut self) -> Option<u8> {
+        Micromill::transmit(self)
+    }
+
+    fn reset(&mut self) {
+        *self = Micromill::new(self.config);
+    }
+}
+
+impl Timed for MicromillEvent {
+    fn wait_ticks(&self) -> Option<u32> {
+        match *self {
+            MicromillEvent::Step(step) => Some(step.wait_ticks),
+            MicromillEvent::Spindle { .. } | MicromillEvent::Tool { .. } => None,
         }
     }
 }

@@ -7,7 +7,11 @@ use husillo_transports::nmc::{
     StopWay, Trajectory, reported_velocity,
 };
 
+use crate::controller::{Controller, Timed};
 use husillo_machine::{ServoAxis, ServoEvents, ServoInputs, ServoStop};
+
+/// A servo period of the original's chip, 512 us.
+const PERIOD_TICKS: u32 = 512;
 
 /// What a period of a module gives.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
@@ -234,6 +238,35 @@ impl ServoModule {
             position_error: self.axis.error_counts(),
             ..Readings::default()
         }
+    }
+}
+
+/// A module's event is a servo period: the drive of its motor from then on.
+impl Controller for ServoModule {
+    type Inputs = ServoInputs;
+    type Event = ServoModuleOutput;
+
+    fn receive(&mut self, byte: u8) -> bool {
+        self.link.push(byte);
+        false
+    }
+
+    fn next_event(&mut self, machine: u8, inputs: &ServoInputs) -> Option<ServoModuleOutput> {
+        (machine == 0).then(|| self.tick(inputs))
+    }
+
+    fn transmit(&mut self) -> Option<u8> {
+        self.link.transmit()
+    }
+
+    fn reset(&mut self) {
+        *self = Self::new(self.link.version());
+    }
+}
+
+impl Timed for ServoModuleOutput {
+    fn wait_ticks(&self) -> Option<u32> {
+        Some(PERIOD_TICKS)
     }
 }
 

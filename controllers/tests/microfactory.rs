@@ -1,11 +1,11 @@
 //! The desktop microfactory against a small model of its mechanics: screws with play, switches, a work piece.
 
 use husillo_controllers::{
-    MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
-    MicrofactoryPair, MicrofactoryReport,
+    Controller, MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent,
+    MicrofactoryInputs, MicrofactoryReport, MicrofactoryStation,
 };
 use husillo_machine::StepEvent;
-use husillo_transports::microfactory::Order;
+use husillo_transports::microfactory::{ByteTable, Device, Order};
 use proptest::prelude::*;
 
 const SQUARE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
@@ -470,7 +470,9 @@ proptest! {
         turns in prop::collection::vec(any::<bool>(), 0..3000),
     ) {
         let config = MicrofactoryConfig::ORIGINAL;
-        let mut pair = MicrofactoryPair::new(config, [SQUARE, SQUARE]);
+        let link = Device::new(ByteTable::DEFAULT).of_two_machines();
+        let mut pair = MicrofactoryStation::<5, 2>::new(link, config);
+        prop_assert!(pair.store(0, &SQUARE) && pair.store(1, &SQUARE) && !pair.store(2, &SQUARE));
         let mut alone = [Microfactory::new(config, SQUARE), Microfactory::new(config, SQUARE)];
         let mut model = Model::new(&config, [400, 300, 200]);
         model.face = 100;
@@ -483,8 +485,8 @@ proptest! {
             let machine = usize::from(turn);
             let inputs = models[machine].inputs();
             let event = pair.next_event(machine as u8, &inputs);
-            prop_assert_eq!(event, alone[machine].next_event(&inputs));
-            match event {
+            prop_assert_eq!(event.unwrap_or(MicrofactoryEvent::Idle), alone[machine].next_event(&inputs));
+            match event.unwrap_or(MicrofactoryEvent::Idle) {
                 MicrofactoryEvent::Step(step) => models[machine].apply(step),
                 MicrofactoryEvent::Enable(on) => models[machine].has_current = on,
                 _ => {}

@@ -36,9 +36,11 @@
 mod axis;
 mod dc_motor;
 mod drill_rig;
+mod emulated;
 mod lash_field;
 mod loss;
 mod microfactory_rig;
+mod micromill_rig;
 mod model;
 mod place;
 mod rig;
@@ -51,9 +53,11 @@ mod work_piece;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use drill_rig::{DrillRig, DrilledHole};
+pub use emulated::{Emulated, Plant};
 pub use lash_field::LashField;
 pub use loss::{Cause, Loss};
 pub use microfactory_rig::MicrofactoryRig;
+pub use micromill_rig::MicromillRig;
 pub use model::AxisModel;
 pub use place::Place;
 pub use rig::Rig;

@@ -1,0 +1,87 @@
+//! What all controllers have in common.
+
+/// A controller of one machine, or of several: bytes and inputs in, events and bytes out.
+///
+/// It has no clock, no pin and no port. A firmware's main loop and an emulator are written once for
+/// all controllers: see `board` in the project's firmware and `husillo_sim::Emulated`.
+///
+/// | when | call |
+/// | --- | --- |
+/// | a byte arrives | [`receive`](Controller::receive) |
+/// | it returned `true` and the motors have stopped | [`halted`](Controller::halted) |
+/// | the last event was made, or there is room for more | [`next_event`](Controller::next_event) |
+/// | an event that has a wait was made | [`made`](Controller::made) |
+/// | the transmitter is free | [`transmit`](Controller::transmit) |
+/// | the reset button, or power that comes back | [`reset`](Controller::reset) |
+///
+/// A machine's events are made in the order in which they were given. Waits count from the event
+/// before; after a time without events they count from the call that gave the event.
+///
+/// # Examples
+///
+/// ```
+/// use husillo_controllers::{Controller, Drill, DrillConfig, DrillInputs, Timed};
+///
+/// /// Ticks until a controller has nothing to do: its inputs stay as they are.
+/// fn busy_ticks<C: Controller>(controller: &mut C, inputs: &C::Inputs) -> u64 {
+///     let mut ticks = 0;
+///     while let Some(event) = controller.next_event(0, inputs) {
+///         if let Some(wait) = event.wait_ticks() {
+///             ticks += u64::from(wait);
+///             controller.made(0, 1);
+///         }
+///     }
+///     ticks
+/// }
+///
+/// // No sensor ever closes: the drill gives up.
+/// let mut drill = Drill::<64>::new(DrillConfig::FIXED);
+/// assert!(busy_ticks(&mut drill, &DrillInputs::default()) > 1_000_000);
+/// ```
+pub trait Controller {
+    /// What a machine's switches and sensors report.
+    type Inputs;
+    /// What a machine is to do.
+    type Event: Timed;
+
+    /// How many machines it drives, each in its own time.
+    fn machines(&self) -> u8 {
+        1
+    }
+
+    /// Takes a byte of the line.
+    ///
+    /// `true`: the motors stop before their next event. The caller drops the events that were not
+    /// made, reports the others with [`made`](Controller::made), and calls
+    /// [`halted`](Controller::halted).
+    fn receive(&mut self, byte: u8) -> bool;
+
+    /// The motors have stopped, as [`receive`](Controller::receive) asked for.
+    fn halted(&mut self) {}
+
+    /// The next event of a machine, with its inputs as they are now.
+    ///
+    /// `None`: none now. The caller asks again after a byte, after an event was made, and after a
+    /// byte was sent. A machine that does not exist has none.
+    fn next_event(&mut self, machine: u8, inputs: &Self::Inputs) -> Option<Self::Event>;
+
+    /// So many of a machine's events that have a wait were made, the oldest ones.
+    fn made(&mut self, machine: u8, events: usize) {
+        let _ = (machine, events);
+    }
+
+    /// The next byte for the line.
+    fn transmit(&mut self) -> Option<u8>;
+
+    /// The reset button, or power that comes back: as after the start. What was stored for good
+    /// stays.
+    fn reset(&mut self);
+}
+
+/// An event that may have to wait for its time.
+pub trait Timed {
+    /// Timer ticks from the event before it, of 1 us in the four machines.
+    ///
+    /// `None`: it happens at once, and [`made`](Controller::made) does not count it.
+    fn wait_ticks(&self) -> Option<u32>;
+}

@@ -1,0 +1,214 @@
+//! One controller of one machine, or of two, with the link before them.
+
+use heapless::{Deque, Vec};
+use husillo_transports::microfactory::{Device, Order, REJECTED, Report};
+
+use super::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
+use crate::controller::{Controller, Timed};
+
+/// Bytes that wait for the transmitter: an answer, and a status with it.
+const OUT: usize = 64;
+
+/// A figure in memory: at most `MOVES` moves in X and Z, in steps.
+type Figure<const MOVES: usize> = Vec<[i16; 2], MOVES, u16>;
+
+/// The microfactory's controller with its link: bytes in, events and bytes out.
+///
+/// It drives one machine, or two: the original's controller has 20 to 24 lines for each. Each
+/// machine has its own motors, switches, figure and time. With two machines the link names one
+/// ([`Device::of_two_machines`]), and a command is for that one. Both may move at once. An emergency
+/// stop, and a reset, are for both.
+///
+/// Answers that find no room are lost: the host asks again. Its size is 4 bytes for each of `MOVES`
+/// moves, twice for each machine (a figure is kept while the next one comes in), and 0.3 kB.
+///
+/// ```
+/// use husillo_controllers::{
+///     Controller, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs, MicrofactoryStation,
+/// };
+/// use husillo_transports::microfactory::{ByteTable, Device, Order};
+///
+/// let link = Device::new(ByteTable::DEFAULT).of_two_machines();
+/// let mut station = MicrofactoryStation::<100, 2>::new(link, MicrofactoryConfig::ORIGINAL);
+/// assert!(station.store(0, &[[100, 50]]));
+/// for machine in [0, 1] {
+///     assert!(station.command(machine, Order::Jog { motor: 3, forward: true }));
+/// }
+/// assert!(station.command(0, Order::Emergency));
+/// assert!(!station.is_moving(1));
+/// let event = station.next_event(1, &MicrofactoryInputs::default());
+/// assert!(matches!(event, Some(MicrofactoryEvent::Report(_))));
+/// ```
+#[derive(Clone, Debug)]
+pub struct MicrofactoryStation<const MOVES: usize, const MACHINES: usize = 1> {
+    link: Device,
+    machines: [Bay<MOVES>; MACHINES],
+    out: Deque<u8, OUT>,
+}
+
+/// A machine, and a figure for it that comes in.
+#[derive(Clone, Debug)]
+struct Bay<const MOVES: usize> {
+    machine: Microfactory<Figure<MOVES>>,
+    loading: Figure<MOVES>,
+}
+
+impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHINES> {
+    /// All at rest, motors off, not homed, without a figure; machines of one kind.
+    pub fn new(link: Device, config: MicrofactoryConfig) -> Self {
+        Self {
+            link,
+            machines: core::array::from_fn(|_| Bay {
+                machine: Microfactory::new(config, Vec::new()),
+                loading: Vec::new(),
+            }),
+            out: Deque::new(),
+        }
+    }
+
+    /// Stores a figure, as the link does. `false`: it has more moves than there is room for, a figure
+    /// is being cut, or there is no such machine.
+    pub fn store(&mut self, machine: u8, moves: &[[i16; 2]]) -> bool {
+        let Ok(figure) = Vec::from_slice(moves) else {
+            return false;
+        };
+        let machine = self.machine_mut(machine);
+        machine.is_some_and(|machine| machine.set_figure(figure).is_ok())
+    }
+
+    /// A command for a machine, 0 or 1: whether it is carried out, see [`Microfactory::command`].
+    /// [`Order::Emergency`] stops all machines.
+    pub fn command(&mut self, machine: u8, command: Order) -> bool {
+        if command == Order::Emergency {
+            let mut is_taken = false;
+            for bay in &mut self.machines {
+                is_taken |= bay.machine.command(command);
+            }
+            return is_taken;
+        }
+        let machine = self.machine_mut(machine);
+        machine.is_some_and(|machine| machine.command(command))
+    }
+
+    /// Whether a task is under way at a machine.
+    pub fn is_moving(&self, machine: u8) -> bool {
+        self.machine(machine).is_some_and(Microfactory::is_moving)
+    }
+
+    /// A machine, 0 or 1.
+    pub fn machine(
+        &self,
+        machine: u8,
+    ) -> Option<&Microfactory<impl AsRef<[[i16; 2]]> + use<MOVES, MACHINES>>> {
+        self.machines
+            .get(usize::from(machine))
+            .map(|bay| &bay.machine)
+    }
+
+    fn machine_mut(&mut self, machine: u8) -> Option<&mut Microfactory<Figure<MOVES>>> {
+        self.machines
+            .get_mut(usize::from(machine))
+            .map(|bay| &mut bay.machine)
+    }
+
+    /// What does not concern the motors: a machine's figure, and what is asked.
+    fn keep(&mut self, machine: u8, command: Order) {
+        let Some(bay) = self.machines.get_mut(usize::from(machine)) else {
+            return;
+        };
+        // Nothing moves while a figure comes in, so the machine takes it; the link counts its moves.
+        match command {
+            Order::Ask => {
+                let status = bay.machine.status();
+                self.answer(&status.bytes());
+            }
+            Order::Clear => {
+                bay.loading.clear();
+                bay.machine.set_figure(Vec::new()).ok();
+            }
+            Order::Line(move_steps) => {
+                bay.loading.push(move_steps).ok();
+            }
+            Order::Keep => {
+                let figure = core::mem::take(&mut bay.loading);
+                bay.machine.set_figure(figure).ok();
+            }
+            // Begun, or refused.
+            _ => {}
+        }
+    }
+
+    fn answer(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.out.push_back(*byte).ok();
+        }
+    }
+}
+
+impl<const MOVES: usize, const MACHINES: usize> Controller
+    for MicrofactoryStation<MOVES, MACHINES>
+{
+    type Inputs = MicrofactoryInputs;
+    type Event = MicrofactoryEvent;
+
+    fn machines(&self) -> u8 {
+        MACHINES as u8
+    }
+
+    /// Takes a byte of the line. A step that was given before a stop is the last one.
+    fn receive(&mut self, byte: u8) -> bool {
+        let is_moving = self.is_moving(self.link.machine());
+        let received = self.link.receive(byte, is_moving);
+        let machine = self.link.machine();
+        let is_taken = match received.command {
+            Some(command) if command.is_a_motion() => self.command(machine, command),
+            _ => true,
+        };
+        if let Some(reply) = received.reply {
+            self.answer(&[if is_taken { reply } else { REJECTED }]);
+        }
+        if let Some(command) = received.command {
+            self.keep(machine, command);
+        }
+        false
+    }
+
+    fn next_event(
+        &mut self,
+        machine: u8,
+        inputs: &MicrofactoryInputs,
+    ) -> Option<MicrofactoryEvent> {
+        let event = self.machine_mut(machine)?.next_event(inputs);
+        let is_switch = matches!(event, MicrofactoryEvent::Report(Report::Switch { .. }));
+        if is_switch && self.link.machine() == machine {
+            self.link.leave_mode();
+        }
+        (event != MicrofactoryEvent::Idle).then_some(event)
+    }
+
+    fn transmit(&mut self) -> Option<u8> {
+        self.out.pop_front()
+    }
+
+    fn reset(&mut self) {
+        for bay in &mut self.machines {
+            bay.machine.reset();
+        }
+        self.link.reset();
+    }
+}
+
+impl Timed for MicrofactoryEvent {
+    fn wait_ticks(&self) -> Option<u32> {
+        match *self {
+            MicrofactoryEvent::Step(step) => Some(step.wait_ticks),
+            // Another task follows at once: its waits go on from where this one's ended.
+            MicrofactoryEvent::Dwell { wait_ticks: 0 } => None,
+            MicrofactoryEvent::Dwell { wait_ticks } => Some(wait_ticks),
+            MicrofactoryEvent::Reset { ticks } => Some(ticks),
+            // It needs its time: what follows waits from now on.
+            MicrofactoryEvent::Enable(on) => on.then_some(0),
+            MicrofactoryEvent::Report(_) | MicrofactoryEvent::Idle => None,
+        }
+    }
+}

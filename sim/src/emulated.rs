@@ -1,0 +1,185 @@
+//! A controller and the machines it drives, in simulated time.
+
+use husillo_controllers::{
+    Controller, DrillEvent, DrillInputs, MicrofactoryEvent, MicrofactoryInputs, MicromillEvent,
+    MicromillInputs, Timed,
+};
+
+use crate::{DrillRig, MicrofactoryRig, MicromillRig};
+
+/// A machine before a controller: what its sensors report, and what an event does to it.
+pub trait Plant {
+    /// Switches and sensors.
+    type Inputs;
+    /// What the controller gives.
+    type Event;
+
+    /// The inputs as they are.
+    fn inputs(&self) -> Self::Inputs;
+
+    /// Makes an event happen, its wait included.
+    fn apply(&mut self, event: &Self::Event);
+}
+
+/// A controller with its machines: bytes in, bytes out, while time passes.
+///
+/// One event of each machine waits for its time. So a stop acts before the next step, as with a
+/// firmware that gives one event at a time.
+///
+/// # Examples
+///
+/// ```
+/// use husillo_controllers::{Micromill, MicromillConfig};
+/// use husillo_sim::{Emulated, MicromillRig};
+///
+/// let rig = MicromillRig::new(&MicromillConfig::MICROMILL, [500; 3], 2564);
+/// let mill: Micromill = Micromill::new(&MicromillConfig::MICROMILL);
+/// let mut emulated = Emulated::new(mill, vec![rig]);
+/// for byte in *b"PY+0003;" {
+///     emulated.receive(byte);
+/// }
+/// // Three steps at 170 a second.
+/// emulated.pass(20_000, |_, _, _, _| {});
+/// let answer: Vec<u8> = std::iter::from_fn(|| emulated.transmit()).collect();
+/// assert_eq!(answer, b"\x88PY+0003;\x83\x83\x83\x8f");
+/// ```
+#[derive(Clone, Debug)]
+pub struct Emulated<C: Controller, P> {
+    controller: C,
+    plants: Vec<P>,
+    /// The event of each machine that waits for its time, us.
+    due: Vec<Option<(u64, C::Event)>>,
+    now_us: u64,
+}
+
+impl<C, P> Emulated<C, P>
+where
+    C: Controller,
+    P: Plant<Inputs = C::Inputs, Event = C::Event>,
+{
+    /// Switched on at time 0, with a plant for each machine; ticks of the controller are 1 us.
+    #[must_use]
+    pub fn new(controller: C, plants: Vec<P>) -> Self {
+        let due = plants.iter().map(|_| None).collect();
+        Emulated {
+            controller,
+            plants,
+            due,
+            now_us: 0,
+        }
+    }
+
+    /// The controller.
+    #[must_use]
+    pub const fn controller(&self) -> &C {
+        &self.controller
+    }
+
+    /// A machine.
+    #[must_use]
+    pub fn plant(&self, machine: u8) -> Option<&P> {
+        self.plants.get(usize::from(machine))
+    }
+
+    /// A machine, to be changed by hand.
+    pub fn plant_mut(&mut self, machine: u8) -> Option<&mut P> {
+        self.plants.get_mut(usize::from(machine))
+    }
+
+    /// Time since the beginning, us.
+    #[must_use]
+    pub const fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// A byte arrives now.
+    pub fn receive(&mut self, byte: u8) {
+        if self.controller.receive(byte) {
+            self.due.fill_with(|| None);
+            self.controller.halted();
+        }
+    }
+
+    /// The next byte that the controller sends now.
+    pub fn transmit(&mut self) -> Option<u8> {
+        self.controller.transmit()
+    }
+
+    /// The reset button: the events that wait are not made.
+    pub fn reset(&mut self) {
+        self.due.fill_with(|| None);
+        self.controller.reset();
+    }
+
+    /// Time passes without power: nothing happens.
+    pub const fn pass_without_power(&mut self, us: u64) {
+        self.now_us += us;
+    }
+
+    /// Time passes: the events that are due happen. Each is shown to `made` with the number of its
+    /// machine, its time in us, and the machine after it.
+    pub fn pass(&mut self, us: u64, mut made: impl FnMut(u8, u64, &C::Event, &P)) {
+        let begin_us = self.now_us;
+        self.now_us += us;
+        for (machine, (plant, due)) in (0_u8..).zip(self.plants.iter_mut().zip(&mut self.due)) {
+            let mut from_us = begin_us;
+            loop {
+                if due.is_none() {
+                    let Some(event) = self.controller.next_event(machine, &plant.inputs()) else {
+                        break;
+                    };
+                    let wait_us = event.wait_ticks().unwrap_or(0);
+                    *due = Some((from_us + u64::from(wait_us), event));
+                }
+                let Some((at_us, event)) = due.take_if(|(at_us, _)| *at_us <= self.now_us) else {
+                    break;
+                };
+                from_us = at_us;
+                plant.apply(&event);
+                if event.wait_ticks().is_some() {
+                    self.controller.made(machine, 1);
+                }
+                made(machine, at_us, &event, plant);
+            }
+        }
+    }
+}
+
+impl Plant for DrillRig {
+    type Inputs = DrillInputs;
+    type Event = DrillEvent;
+
+    fn inputs(&self) -> DrillInputs {
+        DrillRig::inputs(self)
+    }
+
+    fn apply(&mut self, event: &DrillEvent) {
+        DrillRig::apply(self, event);
+    }
+}
+
+impl Plant for MicrofactoryRig {
+    type Inputs = MicrofactoryInputs;
+    type Event = MicrofactoryEvent;
+
+    fn inputs(&self) -> MicrofactoryInputs {
+        MicrofactoryRig::inputs(self)
+    }
+
+    fn apply(&mut self, event: &MicrofactoryEvent) {
+        MicrofactoryRig::apply(self, event);
+    }
+}
+
+impl Plant for MicromillRig {
+    type Inputs = MicromillInputs;
+    type Event = MicromillEvent;
+
+    fn inputs(&self) -> MicromillInputs {
+        MicromillRig::inputs(self)
+    }
+
+    fn apply(&mut self, event: &MicromillEvent) {
+        MicromillRig::apply(self, event);
+    }
+}

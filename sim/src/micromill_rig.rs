@@ -1,0 +1,133 @@
+//! The micro mill's mechanics: three motors behind PBL3717A drivers, screws with backlash, home
+//! switches, a spindle.
+
+use husillo_controllers::{MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep};
+use husillo_gcode::SpindleDirection;
+use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
+
+use crate::{AxisModel, Rig};
+
+/// The micro mill, in events.
+#[derive(Clone, Debug)]
+pub struct MicromillRig {
+    motors: [Sequencer; 3],
+    rig: Rig<3>,
+    /// Load steps at which the home switches close, from where the axes were at first.
+    switches: [i32; 3],
+    /// Switches held closed, or open, by hand.
+    held: [Option<bool>; 3],
+    spindle: SpindleDirection,
+    rpm: u16,
+    tool: u8,
+}
+
+impl MicromillRig {
+    /// Axes so many load steps above their home switches, with the backlash of the configuration.
+    ///
+    /// Motors lose steps above `pull_out_ticks` of the timer, the shortest time of a step; 0: none.
+    #[must_use]
+    pub fn new(
+        config: &MicromillConfig,
+        above_switches: [u32; 3],
+        pull_out_ticks: u32,
+    ) -> MicromillRig {
+        let driver = Driver::Pbl3717a;
+        let motor = Sequencer::new(driver, Mode::Full).unwrap_or_else(|_| unreachable!());
+        let axis = |axis: &husillo_machine::Axis| {
+            AxisModel::coils(driver, Mode::Full)
+                .with_lash(axis.lash_steps)
+                .with_pull_out_ticks(pull_out_ticks)
+        };
+        MicromillRig {
+            motors: [motor; 3],
+            rig: Rig::new(
+                config.machine.axes.each_ref().map(axis),
+                [motor.levels(); 3],
+            ),
+            switches: above_switches.map(|steps| -i32::try_from(steps).unwrap_or(i32::MAX)),
+            held: [None; 3],
+            spindle: SpindleDirection::Off,
+            rpm: 0,
+            tool: 0,
+        }
+    }
+
+    /// The switches as they are.
+    #[must_use]
+    pub fn inputs(&self) -> MicromillInputs {
+        let tool = self.rig.tool();
+        let closed = tool.iter().zip(self.switches).zip(self.held);
+        let home = closed.rev().fold(0, |word, ((at, switch), held)| {
+            word << 1 | u8::from(held.unwrap_or(*at <= switch))
+        });
+        MicromillInputs { home }
+    }
+
+    /// Holds a switch closed or open, or lets go of it: 0 of X, 1 of Y, 2 of Z.
+    pub fn hold(&mut self, switch: usize, closed: Option<bool>) {
+        if let Some(held) = self.held.get_mut(switch) {
+            *held = closed;
+        }
+    }
+
+    /// Turns the rotor of an axis by about so many steps against its field, as a load that is
+    /// stronger does: by how many.
+    pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
+        self.rig.push(axis, steps)
+    }
+
+    /// Makes an event happen.
+    pub fn apply(&mut self, event: &MicromillEvent) {
+        match event {
+            MicromillEvent::Step(step) => self.step(step),
+            MicromillEvent::Spindle { direction, rpm } => {
+                (self.spindle, self.rpm) = (*direction, *rpm);
+            }
+            MicromillEvent::Tool { number } => self.tool = *number,
+        }
+    }
+
+    fn step(&mut self, step: &MicromillStep) {
+        if step.axes == 0 {
+            return self.rig.wait(step.wait_ticks.into());
+        }
+        for (motor, delta) in self.motors.iter_mut().zip(step.deltas()) {
+            if delta != 0 {
+                motor.step(delta);
+            }
+        }
+        self.rig.apply(&self.levels(), step.wait_ticks);
+    }
+
+    /// The wires of the motors of X, Y and Z.
+    #[must_use]
+    pub fn levels(&self) -> [Levels; 3] {
+        self.motors.each_ref().map(CoilDriver::levels)
+    }
+
+    /// Load steps of X, Y and Z above their home switches.
+    #[must_use]
+    pub fn place(&self) -> [i32; 3] {
+        let mut switches = self.switches.into_iter();
+        let above = |at: i32| at.wrapping_sub(switches.next().unwrap_or(0));
+        self.rig.tool().map(above)
+    }
+
+    /// The spindle's direction, and its turns per minute.
+    #[must_use]
+    pub const fn spindle(&self) -> (SpindleDirection, u16) {
+        (self.spindle, self.rpm)
+    }
+
+    /// The tool that was asked for last; 0: none.
+    #[must_use]
+    pub const fn tool_number(&self) -> u8 {
+        self.tool
+    }
+
+    /// Steps that the motors lost, by motor.
+    #[must_use]
+    pub fn lost_steps(&self) -> [u64; 3] {
+        self.rig.lost_steps()
+    }
+}
