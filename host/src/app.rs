@@ -212,6 +212,12 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
         return Ok(OK);
     }
     #[cfg(unix)]
+    if args.machine == "micromill" {
+        args.expect_micromill()?;
+        micromill::emulate(args, made(args)?, &mut console::stdout())?;
+        return Ok(OK);
+    }
+    #[cfg(unix)]
     if args.machine == "drill" {
         args.expect_drill()?;
         drill::emulate(args, made(args)?, &mut console::stdout())?;

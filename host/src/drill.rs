@@ -186,31 +186,18 @@ pub fn emulate(
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
 ) -> Result<(), String> {
-    use crate::emulate::terminal::{self, Pace, Terminal};
-    use std::path::Path;
-    use std::time::Duration;
-
     let baud = args.baud.unwrap_or(BAUD);
     let mut device = Device::new(baud, args.faithful);
-    let pace = Pace {
-        speed: args.speed,
-        limit: args.seconds.map(Duration::from_secs_f64),
-        is_over: terminal::stop_flag()?,
-    };
     if steps.is_some() {
         device = device.with_rows();
     }
-    let link = &args.link;
-    Terminal::new(Path::new(link))
-        .and_then(|terminal| {
-            let mut terminal = terminal.with_steps(steps);
-            writeln!(
-                out,
-                "Drill at {link}, {baud} baud; Ctrl-C ends it\nConnect: husillo send board.drl -m drill --port {link}\nPanel: {}",
-                device::PANEL
-            )?;
-            out.flush()?;
-            terminal.run(&mut device, &pace, out)
-        })
-        .map_err(|error| format!("{link}: {error}"))
+    let name = format!("Drill, {baud} baud,");
+    let hint = "husillo send board.drl -m drill --port {port}";
+    crate::emulate::terminal::serve(
+        &mut device,
+        args,
+        steps,
+        out,
+        [&name, hint, &Device::panel()],
+    )
 }

@@ -1,5 +1,6 @@
 //! Simulated controllers behind a port.
 
+pub mod device;
 pub mod emulation;
 pub mod step_rows;
 #[cfg(unix)]

@@ -365,10 +365,6 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    use crate::emulate::terminal::{self, Pace, Terminal};
-    use std::path::Path;
-    use std::time::Duration;
-
     let machine = CmmFile::load(&args.machine).map_err(Stopped::File)?;
     let versions = match &args.modules {
         Some(list) => emulated::versions(list)?,
@@ -380,31 +376,16 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         mounted(args.piece.as_deref(), &machine)?,
     )?
     .with_noise(args.noise);
-    let pace = Pace {
-        speed: args.speed,
-        limit: args.seconds.map(Duration::from_secs_f64),
-        is_over: terminal::stop_flag()?,
-    };
-    let mut terminal =
-        Terminal::new(Path::new(&args.link)).map_err(|error| format!("{}: {error}", args.link))?;
     let modules = if versions.len() == 1 {
         "module"
     } else {
         "modules"
     };
-    writeln!(
-        out,
-        "{}: {} {modules} at {}; Ctrl-C ends it\nConnect: husillo measure -m {} --port {} status\nPanel: {}",
-        machine.title,
-        versions.len(),
-        args.link,
-        args.machine,
-        args.link,
-        emulated::PANEL
-    )
-    .and_then(|()| out.flush())
-    .and_then(|()| terminal.run(&mut emulated, &pace, out))
-    .map_err(|error| Stopped::Machine(format!("error: {}: {error}", args.link)))
+    let name = format!("{}: {} {modules}", machine.title, versions.len());
+    let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
+    let heading = [&name[..], &hint, emulated::PANEL];
+    crate::emulate::terminal::serve(&mut emulated, args, None, out, heading)
+        .map_err(|error| Stopped::Machine(format!("error: {error}")))
 }
 
 /// `husillo emulate`, where there are no pseudo-terminals.

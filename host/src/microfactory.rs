@@ -51,11 +51,9 @@ impl Links<'_> {
         let port = place.port;
         let wire = if place.is_simulated() {
             let figure = figure_of(self.figure, self.settings)?;
-            let device = Device::new(self.settings, figure, self.answers, self.baud);
-            Wire::simulated(match place.machine {
-                Some(_) => device.with_two_machines(),
-                None => device,
-            })
+            let machines = if place.machine.is_some() { 2 } else { 1 };
+            let device = Device::new(self.settings, &figure, self.answers, self.baud, machines)?;
+            Wire::simulated(device)
         } else {
             Wire::open(port, self.baud).map_err(|error| format!("{port}: {error}"))?
         };
@@ -230,38 +228,22 @@ pub fn emulate(
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
 ) -> Result<(), String> {
-    use crate::emulate::terminal::{self, Pace, Terminal};
-    use std::path::Path;
-    use std::time::Duration;
-
     let mut device = Device::new(
         settings,
-        figure_of(args.figure.as_deref(), settings)?,
+        &figure_of(args.figure.as_deref(), settings)?,
         !args.faithful,
         args.baud.unwrap_or(BAUD),
-    );
-    if args.machines > 1 {
-        device = device.with_two_machines();
-    }
-    let pace = Pace {
-        speed: args.speed,
-        limit: args.seconds.map(Duration::from_secs_f64),
-        is_over: terminal::stop_flag()?,
-    };
+        args.machines,
+    )?;
     if steps.is_some() {
         device = device.with_rows();
     }
-    let link = &args.link;
-    Terminal::new(Path::new(link))
-        .and_then(|terminal| {
-            let mut terminal = terminal.with_steps(steps);
-            writeln!(
-                out,
-                "Microfactory at {link}; Ctrl-C ends it\nConnect: husillo jog --port {link} home\nPanel: {}",
-                device::PANEL
-            )?;
-            out.flush()?;
-            terminal.run(&mut device, &pace, out)
-        })
-        .map_err(|error| format!("{link}: {error}"))
+    let hint = "husillo jog --port {port} home";
+    crate::emulate::terminal::serve(
+        &mut device,
+        args,
+        steps,
+        out,
+        ["Microfactory", hint, &Device::panel()],
+    )
 }

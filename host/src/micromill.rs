@@ -9,6 +9,7 @@
 //! ```
 
 mod action;
+mod device;
 mod hand;
 mod sender;
 mod session;
@@ -17,18 +18,56 @@ mod translate;
 pub use sender::{Sending, send};
 pub use translate::{Translated, translate};
 
-use crate::link::wire::stop_flag;
-use crate::measuring::Port;
+use crate::link::wire::{Wire, stop_flag};
 use crate::microfactory::Jog;
 use action::Action;
+use device::Device;
 use hand::Hand;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
-use std::time::Instant;
 
 /// The original's link, bits a second.
 pub const BAUD: u32 = 9600;
+
+/// A controller at a port, or a simulated one at `sim`.
+///
+/// # Errors
+///
+/// A sentence about the port.
+pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
+    if port == "sim" {
+        return Ok(Wire::simulated(Device::new(bits_per_s)));
+    }
+    Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))
+}
+
+/// `husillo emulate micromill`; what it makes goes to `steps`, where there is that.
+///
+/// # Errors
+///
+/// A sentence about the port.
+#[cfg(unix)]
+pub fn emulate(
+    args: &crate::cli::Emulate,
+    steps: Option<Box<dyn io::Write>>,
+    out: &mut dyn io::Write,
+) -> Result<(), String> {
+    let baud = args.baud.unwrap_or(BAUD);
+    let mut device = Device::new(baud);
+    if steps.is_some() {
+        device = device.with_rows();
+    }
+    let name = format!("Micro mill, {baud} baud,");
+    let hint = "husillo jog -m micromill --port {port} home";
+    crate::emulate::terminal::serve(
+        &mut device,
+        args,
+        steps,
+        out,
+        [&name, hint, &Device::panel()],
+    )
+}
 
 /// The lines as a file has them: one string a line.
 pub fn text(lines: &[(usize, Line)]) -> String {
@@ -51,16 +90,12 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
     let [name] = &args.port[..] else {
         return Err("a mill is driven alone: one --port".into());
     };
-    if name == "sim" {
-        return Err("the micro mill needs a --port; without one `husillo run` simulates it".into());
-    }
     if args.figure.is_some() || args.without_answers {
         return Err("--figure and --without-answers are for the microfactory".into());
     }
     let baud = args.baud.unwrap_or(BAUD);
     let stop = stop_flag()?;
-    let port = Port::open_at(name, baud).map_err(|error| format!("{name}: {error}"))?;
-    let mut hand = match Hand::new(port, baud, stop) {
+    let mut hand = match Hand::new(open(name, baud)?, baud, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
             // A terminal that has gone away does not matter.
@@ -69,10 +104,15 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
         }
     };
     for action in &actions {
-        let start = Instant::now();
-        match hand.carry_out(action) {
+        let start = hand.elapsed();
+        let made = hand.carry_out(action);
+        for line in hand.panel() {
+            // A reader that has gone away does not stop a machine.
+            let _ = writeln!(out, "  {line}");
+        }
+        match made {
             Ok(how) => {
-                let seconds = start.elapsed().as_secs_f64();
+                let seconds = (hand.elapsed() - start).as_secs_f64();
                 // A reader that has gone away does not stop a machine.
                 let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
             }

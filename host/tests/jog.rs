@@ -100,13 +100,13 @@ fn a_switch_and_an_emergency_at_the_panel() {
         return;
     };
     jog(&device, &["home"]).success();
-    device.type_line("close y", "y is closed");
+    device.type_line("close y", "y is held closed");
     jog(&device, &["y", "-10"])
         .code(1)
         .stderr(contains("home switch y is closed still"));
     device.read_until("home switch y closed");
     device.read_until("closed still");
-    device.type_line("open y", "let go");
+    device.type_line("free y", "y is free");
     jog(&device, &["emergency"]).success();
     device.read_until("until a reset nothing moves");
     jog(&device, &["x", "10"])
@@ -191,11 +191,11 @@ fn one_host_drives_both_machines_of_a_controller() {
     let place = device.type_line("2: where", "lost");
     assert!(place.starts_with("x 30 y 1380 z "), "{place}");
     // A machine in trouble does not stop the other one.
-    device.type_line("2: close y", "y is closed");
+    device.type_line("2: close y", "y is held closed");
     jog(&["y", "-10"])
         .code(1)
         .stdout(contains("home switch y").and(contains("1 of 2 machines")));
-    device.type_line("2: open y", "let go");
+    device.type_line("2: free y", "y is free");
     let place = device.type_line("where", "lost");
     assert!(place.starts_with("x 30 y 1365 z "), "{place}");
     jog(&["1:", "emergency"]).success();

@@ -75,6 +75,12 @@ where
         &self.controller
     }
 
+    /// How many machines there are.
+    #[must_use]
+    pub fn plants(&self) -> u8 {
+        u8::try_from(self.plants.len()).unwrap_or(u8::MAX)
+    }
+
     /// A machine.
     #[must_use]
     pub fn plant(&self, machine: u8) -> Option<&P> {

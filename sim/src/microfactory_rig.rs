@@ -22,8 +22,8 @@ pub struct MicrofactoryRig {
     switches: [i32; 3],
     /// Position of Y in load steps where the tool touches.
     face: i32,
-    /// Switches held closed by hand.
-    held: MicrofactoryInputs,
+    /// Switches held closed or open by hand.
+    held: [Option<bool>; 4],
     ticks: u64,
 }
 
@@ -66,7 +66,7 @@ impl MicrofactoryRig {
             ),
             switches: above_switches.map(|steps| -i32::from(steps)),
             face,
-            held: MicrofactoryInputs::default(),
+            held: [None; 4],
             ticks: 0,
         }
     }
@@ -75,19 +75,23 @@ impl MicrofactoryRig {
     #[must_use]
     pub fn inputs(&self) -> MicrofactoryInputs {
         let [x, y, z, _] = self.rig.tool();
-        let mut home = self.held.home;
-        for ((closed, at), switch) in home.iter_mut().zip([x, y, z]).zip(self.switches) {
-            *closed |= at <= switch;
-        }
+        let [switch_x, switch_y, switch_z] = self.switches;
+        let [held_x, held_y, held_z, held_contact] = self.held;
         MicrofactoryInputs {
-            home,
-            contact: self.held.contact || y >= self.face,
+            home: [
+                held_x.unwrap_or(x <= switch_x),
+                held_y.unwrap_or(y <= switch_y),
+                held_z.unwrap_or(z <= switch_z),
+            ],
+            contact: held_contact.unwrap_or(y >= self.face),
         }
     }
 
-    /// Holds switches closed by hand, or releases them.
-    pub fn hold(&mut self, held: MicrofactoryInputs) {
-        self.held = held;
+    /// Holds a switch closed or open, or releases it: 0 of X, 1 of Y, 2 of Z, 3 the contact.
+    pub fn hold(&mut self, switch: usize, closed: Option<bool>) {
+        if let Some(held) = self.held.get_mut(switch) {
+            *held = closed;
+        }
     }
 
     /// Carries out an event.
@@ -152,7 +156,13 @@ impl MicrofactoryRig {
         self.rig.tool()
     }
 
-    /// Steps lost by each motor.
+    /// Whether the motors have current.
+    #[must_use]
+    pub const fn has_current(&self) -> bool {
+        self.inputs.enable
+    }
+
+    /// Steps that the motors lost, by motor.
     #[must_use]
     pub fn lost_steps(&self) -> [u64; MICROFACTORY_MOTORS] {
         self.rig.lost_steps()

@@ -5,7 +5,6 @@ use crate::cli::{Compile, Send, Target};
 use crate::console;
 use crate::diagnostics::Format;
 use crate::link::wire::{stop_flag, stops_asked, typed_line};
-use crate::measuring::Port;
 use crate::measuring::interrupt::INTERRUPTED;
 use crate::micromill::{self, Sending, Translated};
 use crate::programs::feeder;
@@ -44,14 +43,9 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
-    if port == "sim" {
-        let message = "the micro mill needs a --port; without one `husillo run` simulates it";
-        return Err(Failure::Usage(message.into()));
-    }
     let baud = args.baud.unwrap_or(micromill::BAUD);
     let stop = stop_flag()?;
-    let port =
-        Port::open_at(port, baud).map_err(|error| Failure::Usage(format!("{port}: {error}")))?;
+    let wire = micromill::open(port, baud)?;
     let sending = Sending {
         bits_per_s: baud,
         streams: args.stream,
@@ -66,7 +60,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         }
     };
     let operator = |tool| args.yes || asks(tool);
-    let sent = match micromill::send(port, &sending, &made.lines, stop, progress, operator) {
+    let sent = match micromill::send(wire, &sending, &made.lines, stop, progress, operator) {
         Ok(sent) => sent,
         Err(message) => {
             let _ = writeln!(io::stderr(), "{}: {message}", job.name());

@@ -74,7 +74,7 @@ pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
-    /// Machine: microfactory, drill, cmm, cmm3, or a TOML file of a measuring machine
+    /// Machine: micromill, drill, microfactory, cmm, cmm3, or a TOML file of a measuring machine
     pub machine: String,
     /// Figure of a microfactory: a G-code program of straight moves in X and Z
     #[arg(long, value_name = "FILE")]
@@ -85,15 +85,18 @@ pub struct Emulate {
     /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
     #[arg(long)]
     pub faithful: bool,
-    /// Bits a second of the link of a drill or a microfactory [default: 2400, 9600]
+    /// Bits a second of the link of a micro mill, drill or microfactory [default: 9600, 2400, 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
     #[arg(long, value_name = "servo:V,..")]
     pub modules: Option<String>,
-    /// Name for clients to open: a symbolic link, removed at the end
-    #[arg(long, value_name = "PATH")]
-    pub link: String,
+    /// Name for clients to open: a symbolic link to a pseudo-terminal, removed at the end
+    #[arg(long, value_name = "PATH", required_unless_present = "listen")]
+    pub link: Option<String>,
+    /// Address for clients to connect to, as tcp:HOST:PORT; port 0 chooses a free one
+    #[arg(long, value_name = "IP:PORT", conflicts_with = "link")]
+    pub listen: Option<std::net::SocketAddr>,
     /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<crate::measuring::Contact>,
@@ -103,7 +106,7 @@ pub struct Emulate {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
-    /// CSV file of all that a drill or a microfactory makes: step events, dwells, outputs
+    /// CSV file of all that a micro mill, drill or microfactory makes: step events, dwells, outputs
     #[arg(long, value_name = "FILE.csv")]
     pub steps: Option<String>,
     /// End after this time instead of at Ctrl-C
@@ -123,6 +126,25 @@ impl Emulate {
     pub fn expect_drill(&self) -> Result<(), String> {
         self.of_microfactory()?;
         self.of_chain()
+    }
+
+    /// The port, as it was asked for.
+    pub fn port(&self) -> String {
+        match (&self.link, self.listen) {
+            (Some(link), _) => link.clone(),
+            (None, Some(address)) => format!("tcp:{address}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// Whether nothing is said that a micro mill has not.
+    ///
+    /// # Errors
+    ///
+    /// The option.
+    pub fn expect_micromill(&self) -> Result<(), String> {
+        self.expect_drill()?;
+        self.not_given("--faithful", self.faithful)
     }
 
     /// Whether nothing is said that a microfactory has not.

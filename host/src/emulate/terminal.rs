@@ -1,9 +1,11 @@
-//! `husillo emulate`: a simulated device behind a pseudo-terminal, in real time.
+//! `husillo emulate`: a simulated device behind a pseudo-terminal or a socket, in real time.
 
+use crate::cli::Emulate;
 use crate::emulate::emulation::Emulation;
 use crate::measuring::read_port;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -11,37 +13,80 @@ use std::time::{Duration, Instant};
 
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
 const MOST_BEHIND: u64 = 2000;
+/// Waiting for a byte is what paces the simulation.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// How fast and how long an emulation runs.
-pub struct Pace {
+struct Pace {
     /// Multiple of real time.
-    pub speed: f64,
+    speed: f64,
     /// End after so long.
-    pub limit: Option<Duration>,
+    limit: Option<Duration>,
     /// End when this is set.
-    pub is_over: Arc<AtomicBool>,
+    is_over: Arc<AtomicBool>,
 }
 
-/// A pseudo-terminal with a name of its own, until it is dropped.
-pub struct Terminal {
-    master: TTYPort,
-    /// Kept open, so that clients may come and go and find it raw.
-    _slave: TTYPort,
-    link: PathBuf,
-    /// What the device makes goes there.
+/// Runs a device behind the port that the options name, until Ctrl-C or for the time asked for.
+///
+/// `name` opens what is printed first, `hint` is a command that connects, with `{port}` in the place
+/// of the port. What the device makes goes to `steps`.
+///
+/// # Errors
+///
+/// A sentence about the port.
+pub fn serve<E: Emulation>(
+    device: &mut E,
+    args: &Emulate,
     steps: Option<Box<dyn Write>>,
+    out: &mut dyn Write,
+    [name, hint, panel]: [&str; 3],
+) -> Result<(), String> {
+    let pace = Pace {
+        speed: args.speed,
+        limit: args.seconds.map(Duration::from_secs_f64),
+        is_over: stop_flag()?,
+    };
+    let asked = args.port();
+    let outlet = match (&args.link, args.listen) {
+        (Some(link), _) => Outlet::terminal(Path::new(link)),
+        (None, Some(address)) => Outlet::socket(address),
+        (None, None) => Err(ErrorKind::InvalidInput.into()),
+    };
+    outlet
+        .and_then(|outlet| {
+            let port = outlet.port()?;
+            let hint = hint.replace("{port}", &port);
+            writeln!(
+                out,
+                "{name} at {port}; Ctrl-C ends it\nConnect: {hint}\nPanel: {panel}"
+            )?;
+            out.flush()?;
+            Server { outlet, steps }.run(device, &pace, out)
+        })
+        .map_err(|error| format!("{asked}: {error}"))
 }
 
-impl Terminal {
-    /// Makes one whose client's end is found at `link`.
-    ///
-    /// # Errors
-    ///
-    /// There is no pseudo-terminal to be had, or something else has that name.
-    pub fn new(link: &Path) -> io::Result<Self> {
+/// Where clients connect.
+enum Outlet {
+    /// A pseudo-terminal with a name of its own, until it is dropped.
+    Terminal {
+        master: TTYPort,
+        /// Kept open, so that clients may come and go and find it raw.
+        _slave: TTYPort,
+        link: PathBuf,
+    },
+    /// A socket for one client at a time: another one is turned away.
+    Socket {
+        listener: TcpListener,
+        client: Option<TcpStream>,
+    },
+}
+
+impl Outlet {
+    /// A pseudo-terminal whose client's end is found at `link`.
+    fn terminal(link: &Path) -> io::Result<Self> {
         let (mut master, slave) = TTYPort::pair()?;
-        // Waiting for a byte is also what paces the simulation.
-        master.set_timeout(Duration::from_millis(2))?;
+        master.set_timeout(LOOK)?;
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
         let is_symlink = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
         if is_symlink && !link.exists() {
@@ -49,28 +94,102 @@ impl Terminal {
             std::fs::remove_file(link)?;
         }
         std::os::unix::fs::symlink(name, link)?;
-        Ok(Self {
+        Ok(Self::Terminal {
             master,
             _slave: slave,
             link: link.to_owned(),
-            steps: None,
         })
     }
 
-    /// The same; what the device makes goes to a file.
-    #[must_use]
-    pub fn with_steps(mut self, steps: Option<Box<dyn Write>>) -> Self {
-        self.steps = steps;
-        self
+    /// A socket that listens; port 0: a free one.
+    fn socket(address: SocketAddr) -> io::Result<Self> {
+        let listener = TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        Ok(Self::Socket {
+            listener,
+            client: None,
+        })
     }
 
-    /// Runs the device at `speed` times real time until told to stop, or for some time. Lines of standard input are its panel, and what
-    /// it tells goes to `out`.
-    ///
-    /// # Errors
-    ///
-    /// The terminal fails.
-    pub fn run<E: Emulation>(
+    /// What a client names as its port.
+    fn port(&self) -> io::Result<String> {
+        match self {
+            Self::Terminal { link, .. } => Ok(link.display().to_string()),
+            Self::Socket { listener, .. } => Ok(format!("tcp:{}", listener.local_addr()?)),
+        }
+    }
+
+    /// What a client has sent; waits for it for a moment.
+    fn read(&mut self) -> io::Result<Vec<u8>> {
+        match self {
+            Self::Terminal { master, .. } => read_port(master),
+            Self::Socket { listener, client } => {
+                match listener.accept() {
+                    // One that is dropped is turned away.
+                    Ok((new, _)) if client.is_none() => {
+                        new.set_nodelay(true)?;
+                        new.set_nonblocking(false)?;
+                        new.set_read_timeout(Some(LOOK))?;
+                        new.set_write_timeout(Some(LOOK))?;
+                        *client = Some(new);
+                    }
+                    Ok(_) => {}
+                    Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                    Err(error) => return Err(error),
+                }
+                let Some(connected) = client else {
+                    std::thread::sleep(LOOK);
+                    return Ok(Vec::new());
+                };
+                match read_port(connected) {
+                    Ok(bytes) => Ok(bytes),
+                    // It has gone; the next one may come.
+                    Err(_) => {
+                        *client = None;
+                        Ok(Vec::new())
+                    }
+                }
+            }
+        }
+    }
+
+    /// What nobody reads is lost, as on a line.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let written = match self {
+            Self::Terminal { master, .. } => master.write_all(bytes),
+            Self::Socket { client, .. } => {
+                // A client that has gone is seen when it is read from.
+                let _ = client.as_mut().map(|client| client.write_all(bytes));
+                Ok(())
+            }
+        };
+        match written {
+            Err(error) if error.kind() != ErrorKind::TimedOut => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Outlet {
+    fn drop(&mut self) {
+        if let Self::Terminal { link, .. } = self {
+            // Somebody may have removed it already.
+            let _ = std::fs::remove_file(link);
+        }
+    }
+}
+
+/// A device that is served.
+struct Server {
+    outlet: Outlet,
+    /// What the device makes goes there.
+    steps: Option<Box<dyn Write>>,
+}
+
+impl Server {
+    /// Runs the device at a multiple of real time. Lines of standard input are its panel, and what
+    /// it reports goes to `out`.
+    fn run<E: Emulation>(
         &mut self,
         device: &mut E,
         pace: &Pace,
@@ -84,27 +203,13 @@ impl Terminal {
             is_late || pace.is_over.load(Ordering::Relaxed)
         };
         while !is_over() {
-            for byte in read_port(&mut self.master)? {
+            for byte in self.outlet.read()? {
                 if is_plugged {
                     device.send(byte);
                 }
             }
             while let Ok(line) = panel.try_recv() {
-                let line = line.trim();
-                // The cable is the same for every device.
-                let answer = match line {
-                    "unplug" | "plug" => {
-                        is_plugged = line == "plug";
-                        if is_plugged {
-                            "plugged in"
-                        } else {
-                            "unplugged"
-                        }
-                        .to_owned()
-                    }
-                    _ => device.control(line),
-                };
-                writeln!(out, "{answer}")?;
+                writeln!(out, "{}", typed(device, line.trim(), &mut is_plugged))?;
             }
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
             let behind = (periods as u64).saturating_sub(done + left_out);
@@ -113,11 +218,10 @@ impl Terminal {
                 done += 1;
                 let bytes = device.tick();
                 if !bytes.is_empty() && is_plugged {
-                    self.write(&bytes)?;
+                    self.outlet.write(&bytes)?;
                 }
             }
-            let told = device.tell();
-            for line in &told {
+            for line in device.tell() {
                 writeln!(out, "{line}")?;
             }
             out.flush()?;
@@ -129,20 +233,20 @@ impl Terminal {
         }
         Ok(())
     }
-
-    /// What nobody reads is lost, as on a line.
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        match self.master.write_all(bytes) {
-            Err(error) if error.kind() != ErrorKind::TimedOut => Err(error),
-            _ => Ok(()),
-        }
-    }
 }
 
-impl Drop for Terminal {
-    fn drop(&mut self) {
-        // Somebody may have removed it already.
-        let _ = std::fs::remove_file(&self.link);
+/// A line of the panel, and the answer to it. The cable is the same for every device.
+fn typed<E: Emulation>(device: &mut E, line: &str, is_plugged: &mut bool) -> String {
+    match line {
+        "plug" => {
+            *is_plugged = true;
+            "plugged in".to_owned()
+        }
+        "unplug" => {
+            *is_plugged = false;
+            "unplugged".to_owned()
+        }
+        _ => device.control(line),
     }
 }
 

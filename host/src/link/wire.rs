@@ -84,6 +84,31 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
+    /// Sends bytes.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn send_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Simulated { device, .. } => {
+                bytes.iter().for_each(|byte| device.send(*byte));
+                Ok(())
+            }
+            Self::Real { port, .. } => port.send(bytes),
+        }
+    }
+
+    /// All bytes that have come, the first one within a time.
+    ///
+    /// # Errors
+    ///
+    /// The device is gone.
+    pub fn receive_all(&mut self, within: Duration) -> io::Result<Vec<u8>> {
+        let first = self.receive(within)?;
+        Ok(first.into_iter().chain(self.answers().drain(..)).collect())
+    }
+
     /// The next byte that comes within a time.
     ///
     /// # Errors

@@ -31,11 +31,7 @@ fn client() -> Client {
 /// Of a machine alone on its controller, or of the second one of two.
 fn client_of(machine: u8) -> Client {
     let settings = settings();
-    let device = Device::new(&settings, vec![[500, 500]], true, 9600);
-    let device = match machine {
-        0 => device,
-        _ => device.with_two_machines(),
-    };
+    let device = Device::new(&settings, &[[500, 500]], true, 9600, machine + 1).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
     Client::new(Wire::simulated(device), settings.table, true, stop).of_machine(machine)
 }
@@ -80,7 +76,7 @@ fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
 /// The same of another machine.
 fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
-    let [x, _, z, _] = device.rig_of(machine.into()).tool();
+    let [x, _, z, _] = device.rig_of(machine).tool();
     let told = device.tell();
     let figures = told.iter().filter(|line| line.contains("the tool touches"));
     ([x - zero[0], z - zero[1]], figures.count())
@@ -247,7 +243,7 @@ fn a_table_of_its_own_is_used_at_both_ends() {
     let mut settings = settings();
     settings.table.home = b'k';
     settings.table.ask = 0xF0;
-    let device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
     let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
     assert_eq!(client.carry_out(&Action::Home), Ok("homed".into()));
@@ -256,7 +252,7 @@ fn a_table_of_its_own_is_used_at_both_ends() {
 #[test]
 fn behind_ctrl_c_nothing_begins() {
     let settings = settings();
-    let device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
     let stop = Arc::new(AtomicBool::new(true));
     let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
     assert!(
@@ -315,7 +311,7 @@ fn steps_into_a_switch_are_told_and_end() {
 #[test]
 fn what_is_refused_is_not_acknowledged() {
     let settings = settings();
-    let mut device = Device::new(&settings, vec![[5, 5]], true, 9600);
+    let mut device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
     let say = |device: &mut Device, byte: u8| {
         device.send(byte);
         std::iter::from_fn(|| Some(device.tick()))
@@ -341,7 +337,7 @@ fn what_is_refused_is_not_acknowledged() {
 #[test]
 fn two_machines_of_one_controller() {
     let settings = settings();
-    let device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
     let mut wire = Wire::simulated(device);
     let stop = Arc::new(AtomicBool::new(false));
     let on = |wire, machine| {
@@ -383,7 +379,7 @@ fn two_machines_of_one_controller() {
 #[test]
 fn two_machines_move_at_once() {
     let settings = settings();
-    let mut device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let mut device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
     let said: Vec<u8> = b"JYtJX"
         .iter()
         .flat_map(|byte| {
@@ -416,7 +412,7 @@ fn two_machines_move_at_once() {
 #[test]
 fn a_reset_does_not_exchange_the_machines() {
     let settings = settings();
-    let device = Device::new(&settings, vec![[5, 5]], true, 9600).with_two_machines();
+    let device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
     let wire = Wire::simulated(device);
     let mut client = Client::new(wire, settings.table, true, stop).of_machine(1);

@@ -1,8 +1,9 @@
 //! A mill moved by hand.
 
 use super::action::{Action, Leg, Pace};
+use super::device::Device;
 use super::session::{Session, why};
-use crate::measuring::Port;
+use crate::link::wire::Wire;
 use husillo_transports::micromill::{Axis, Order, Outcome};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -27,8 +28,8 @@ impl Hand {
     /// # Errors
     ///
     /// A sentence about the port or the controller.
-    pub fn new(port: Port, bits_per_s: u32, stop: Arc<AtomicBool>) -> Result<Self, String> {
-        let mut session = Session::new(port, bits_per_s, stop);
+    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Result<Self, String> {
+        let mut session = Session::new(wire, bits_per_s, stop);
         session.order(Order::Stop, "stop")?;
         session.order(Order::Stream(false), "no streaming")?;
         session.order(Order::Every(1), "report of steps")?;
@@ -78,6 +79,16 @@ impl Hand {
         }
         let [x, y, z] = self.place;
         Ok(format!("{told} steps; motors at x {x} y {y} z {z}"))
+    }
+
+    /// Time since the port was opened.
+    pub fn elapsed(&self) -> Duration {
+        self.session.elapsed()
+    }
+
+    /// What a simulated mill has reported on its panel.
+    pub fn panel(&mut self) -> Vec<String> {
+        self.session.panel()
     }
 
     fn ordered(&mut self, order: Order) -> Result<(), String> {

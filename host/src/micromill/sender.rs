@@ -1,7 +1,8 @@
 //! Lines to a controller, and the steps that it tells.
 
+use super::device::Device;
 use super::session::Session;
-use crate::measuring::Port;
+use crate::link::wire::Wire;
 use husillo_transports::micromill::{Line, Order};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -35,14 +36,14 @@ pub struct Sent {
 /// A sentence about the line of the file, or the port; or `stop` was set, and where the motors are
 /// then.
 pub fn send(
-    port: Port,
+    wire: Wire<Device>,
     sending: &Sending,
     lines: &[(usize, Line)],
     stop: Arc<AtomicBool>,
     progress: impl FnMut(usize),
     operator: impl FnMut(u8) -> bool,
 ) -> Result<Sent, String> {
-    let mut session = Session::new(port, sending.bits_per_s, stop);
+    let mut session = Session::new(wire, sending.bits_per_s, stop);
     let mut is_counted = false;
     let made = made(
         &mut session,

@@ -1,22 +1,26 @@
 //! A controller on a port: orders, one after the other, and what it tells meanwhile.
 
-use crate::link::wire::stops_asked;
-use crate::measuring::Port;
+use super::device::Device;
+use crate::link::wire::{Wire, stops_asked};
 use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// The longest wait for a byte before the machine is asked how far it is, us.
 const TURN_US: u32 = 100_000;
 /// The longest wait before Ctrl-C is looked for, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
+/// What a controller that was just switched on, or reset by opening the port, reports comes within
+/// this.
+const GREETING: Duration = Duration::from_millis(20);
 /// A controller that has not confirmed a stop after this does not answer, us.
 const HALT_US: u32 = 3_000_000;
 
 /// The host's end of the line, and what has come.
 pub struct Session {
-    port: Port,
+    wire: Wire<Device>,
     timing: HostTiming,
     host: Host,
     waiting: VecDeque<u8>,
@@ -33,10 +37,12 @@ pub struct Session {
 impl Session {
     /// A controller in any state: [`Order::Stop`] is a good beginning. It is stopped, whatever it
     /// does, as soon as `stop` is set.
-    pub fn new(port: Port, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+    pub fn new(mut wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+        // Whatever came before is for nobody. Where the line is dead the first order says so.
+        let _ = wire.receive_all(GREETING);
         let timing = HostTiming::of(bits_per_s);
         Self {
-            port,
+            wire,
             timing,
             host: Host::new(timing),
             waiting: VecDeque::new(),
@@ -99,7 +105,7 @@ impl Session {
                 let now = self.now();
                 let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now)).collect();
                 if !bytes.is_empty() {
-                    self.port.send(&bytes).map_err(gone)?;
+                    self.wire.send_all(&bytes).map_err(gone)?;
                     return Ok(None);
                 }
                 // The guard before a `;` has begun.
@@ -109,10 +115,16 @@ impl Session {
             Progress::Idle => longest_us,
         };
         let wait_us = wait_us.min(longest_us).min(LOOK_US);
-        let bytes = self.port.receive(wait_us).map_err(gone)?;
+        let wait = Duration::from_micros(wait_us.into());
+        let bytes = self.wire.receive_all(wait).map_err(gone)?;
         self.waiting.extend(bytes);
         self.hear()?;
         Ok(None)
+    }
+
+    /// What a simulated mill has reported on its panel.
+    pub fn panel(&mut self) -> Vec<String> {
+        self.wire.told()
     }
 
     /// Whether Ctrl-C has ended it.
@@ -165,9 +177,14 @@ impl Session {
         Ok(())
     }
 
+    /// Time since the port was opened; that of a simulated mill is its own.
+    pub fn elapsed(&self) -> Duration {
+        self.wire.elapsed()
+    }
+
     /// Time at the port, wrapping.
     pub fn now(&self) -> u32 {
-        self.port.elapsed_us() as u32
+        self.wire.elapsed().as_micros() as u32
     }
 }
 

@@ -44,6 +44,37 @@ impl Emulated {
         Some(device)
     }
 
+    /// One that listens on a socket; what a client opens is `tcp:HOST:PORT`.
+    pub fn listening(machine: &str, args: &[&str]) -> Emulated {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args([
+                "emulate",
+                machine,
+                "--for",
+                "120",
+                "--listen",
+                "127.0.0.1:0",
+            ])
+            .args(args)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
+        let mut first = String::new();
+        output.read_line(&mut first).unwrap();
+        let port = first
+            .split([' ', ';'])
+            .find(|word| word.starts_with("tcp:"));
+        Emulated {
+            panel: process.stdin.take().unwrap(),
+            link: PathBuf::from(port.unwrap()),
+            process,
+            output,
+        }
+    }
+
     /// The link as an argument.
     pub fn port(&self) -> &str {
         self.link.to_str().unwrap()

@@ -1,0 +1,176 @@
+//! The same session with every emulated controller, behind a pseudo-terminal and behind a socket.
+
+#![cfg(unix)]
+
+mod common;
+mod emulated;
+
+use common::signal;
+use emulated::Emulated;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A machine, and what is asked of it.
+struct Session {
+    machine: &'static str,
+    /// Times real time.
+    speed: &'static str,
+    /// Moves from home, and what the panel reports after them.
+    moves: [&'static str; 2],
+    place: &'static str,
+    /// A jog that lasts longer than the test.
+    jog: [&'static str; 2],
+}
+
+/// Checks a machine behind both kinds of port; behind a pseudo-terminal where there are some.
+fn check(session: &Session) {
+    // The line is as much faster, too; leases and dead-man's times are as much shorter.
+    let args = ["--speed", session.speed];
+    let terminal = Emulated::new(session.machine, session.machine, &args);
+    let socket = Emulated::listening(session.machine, &args);
+    for mut device in terminal.into_iter().chain([socket]) {
+        is_homed_and_moved(session, &mut device);
+        ctrl_c_stops_it(session, &mut device);
+        a_second_client_is_turned_away(session, &mut device);
+        the_next_client_takes_over_from_a_killed_one(session, &mut device);
+    }
+}
+
+#[test]
+fn a_session_with_the_micro_mill() {
+    check(&Session {
+        machine: "micromill",
+        speed: "2",
+        moves: ["y", "30"],
+        place: "y 30 z 0 steps from machine zero",
+        jog: ["x+", "60s"],
+    });
+}
+
+#[test]
+fn a_session_with_the_drill() {
+    check(&Session {
+        machine: "drill",
+        speed: "8",
+        moves: ["y", "30"],
+        place: "y 30 steps from home",
+        jog: ["x+", "60s"],
+    });
+}
+
+#[test]
+fn a_session_with_the_microfactory() {
+    check(&Session {
+        machine: "microfactory",
+        speed: "2",
+        moves: ["y", "30"],
+        place: "y 30 z 0 spindle 0 steps, from home",
+        jog: ["x+", "60s"],
+    });
+}
+
+fn jog(session: &Session, device: &Emulated, actions: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_husillo"));
+    command
+        .args(["jog", "-m", session.machine, "--port", device.port()])
+        .args(actions)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+fn well(session: &Session, device: &Emulated, actions: &[&str]) {
+    let output = jog(session, device, actions).output().unwrap();
+    assert!(output.status.success(), "{actions:?}: {}", text(&output));
+}
+
+fn text(output: &Output) -> String {
+    let [out, error] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    format!("{out}{error}")
+}
+
+/// A jog under way, after homing where the client does that first.
+fn begin(session: &Session, device: &mut Emulated) -> Child {
+    let child = jog(session, device, &session.jog).spawn().unwrap();
+    moves(device);
+    child
+}
+
+/// Waits until it moves, with its axes homed.
+fn moves(device: &mut Emulated) {
+    let end = Instant::now() + Duration::from_secs(30);
+    loop {
+        let before = device.type_line("where", "lost");
+        sleep(Duration::from_millis(50));
+        let place = device.type_line("where", "lost");
+        if place != before
+            && ![&before, &place]
+                .iter()
+                .any(|text| text.contains("not homed"))
+        {
+            return;
+        }
+        assert!(Instant::now() < end, "it does not jog: {place}");
+    }
+}
+
+/// Where it stands, after the time that a stop may take.
+fn stands(device: &mut Emulated, within: Duration) -> String {
+    let end = Instant::now() + within;
+    loop {
+        let before = device.type_line("where", "lost");
+        sleep(Duration::from_millis(300));
+        let place = device.type_line("where", "lost");
+        if place == before {
+            return place;
+        }
+        assert!(Instant::now() < end, "it goes on: {before} {place}");
+    }
+}
+
+fn is_homed_and_moved(session: &Session, device: &mut Emulated) {
+    well(session, device, &["home"]);
+    well(session, device, &session.moves);
+    let place = device.type_line("where", "lost");
+    assert!(
+        place.contains(session.place),
+        "{}: {place}",
+        session.machine
+    );
+    let is_whole = place.contains(" 0 steps lost") || place.contains("; 0 lost");
+    assert!(is_whole, "{}: {place}", session.machine);
+}
+
+fn ctrl_c_stops_it(session: &Session, device: &mut Emulated) {
+    let child = begin(session, device);
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert!(!output.status.success(), "{}", text(&output));
+    stands(device, Duration::from_millis(900));
+}
+
+fn a_second_client_is_turned_away(session: &Session, device: &mut Emulated) {
+    let child = begin(session, device);
+    let second = jog(session, device, &session.moves).output().unwrap();
+    assert!(
+        !second.status.success(),
+        "{}: {}",
+        session.machine,
+        text(&second)
+    );
+    // The first one has not heard of it.
+    moves(device);
+    signal(&child, "INT");
+    child.wait_with_output().unwrap();
+}
+
+fn the_next_client_takes_over_from_a_killed_one(session: &Session, device: &mut Emulated) {
+    let mut child = begin(session, device);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // A drill carries out the words that it has; the others have a lease.
+    stands(device, Duration::from_secs(20));
+    is_homed_and_moved(session, device);
+}
