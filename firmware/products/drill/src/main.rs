@@ -13,7 +13,7 @@
 mod switches;
 
 use board::{CriticalSection, Shared, Step, Steps};
-use husillo_controllers::{Drill, DrillConfig, DrillEvent};
+use husillo_controllers::{Controller, Drill, DrillConfig, DrillEvent, Timed};
 use husillo_machine::{Idle, Motors};
 use husillo_stepper::{Driver, Levels, Mode, Sequencer};
 use husillo_transports::drill::MEMORY_BYTES;
@@ -62,25 +62,19 @@ fn main() -> ! {
         let mut is_idle = true;
         let are_made = STEPS.are_made();
         if are_made {
-            let event = DRILL.with(|drill| drill.next_event(&switches.inputs()));
-            let wait_us = match event {
-                DrillEvent::Step(step) => {
+            let inputs = switches.inputs();
+            let event = DRILL.with(|drill| Controller::next_event(drill, 0, &inputs));
+            match event {
+                Some(DrillEvent::Step(step)) => {
                     switches.moved(&step.delta);
                     motors.step(step.wait_ticks, &step.delta, |_, all| levels = pins(all));
-                    Some(step.wait_ticks)
                 }
-                // Another task follows at once: its waits go on from where this one's ended.
-                DrillEvent::Dwell { wait_ticks: 0 } => None,
-                DrillEvent::Dwell { wait_ticks } => Some(wait_ticks),
-                DrillEvent::Spindle(on) => {
-                    board::switch(on.into());
-                    None
-                }
+                Some(DrillEvent::Spindle(on)) => board::switch(on.into()),
                 // There is no panel.
-                DrillEvent::Report(_) | DrillEvent::Idle => None,
-            };
-            is_idle = event == DrillEvent::Idle;
-            if let Some(wait_us) = wait_us {
+                _ => {}
+            }
+            is_idle = event.is_none();
+            if let Some(wait_us) = event.and_then(|event| event.wait_ticks()) {
                 STEPS.push(Step {
                     wait_us,
                     levels,

@@ -10,15 +10,26 @@
 #![no_std]
 #![no_main]
 
-mod link;
 mod switches;
 
 use core::iter;
 
 use board::{CriticalSection, Shared, Step, Steps};
-use husillo_controllers::{MICROFACTORY_MOTORS, MicrofactoryEvent, MicrofactoryReport};
-use link::Link;
+use husillo_controllers::{
+    Controller, MICROFACTORY_MOTORS, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryStation,
+    Timed,
+};
+use husillo_transports::microfactory::{ByteTable, Device};
 use switches::Switches;
+
+/// Moves of a figure that there is room for.
+const ROOM: usize = 500;
+
+/// As the simulated one of `husillo` is: a jog ends half a second after it was sent last.
+const CONFIG: MicrofactoryConfig = MicrofactoryConfig {
+    dead_man_ticks: Some(500_000),
+    ..MicrofactoryConfig::ORIGINAL
+};
 
 /// A step, and the end of its CLOCK pulse.
 static STEPS: Shared<Steps<(), 2>> = Shared::new(Steps::new(()));
@@ -48,52 +59,37 @@ fn main() -> ! {
     board::start();
     let mut outputs = NOT_RESET;
     board::switch(outputs);
-    let mut link = Link::new();
+    let link = Device::new(ByteTable::DEFAULT);
+    let link = link.acknowledging().storing(ROOM as u16);
+    let mut station = MicrofactoryStation::<ROOM>::new(link, CONFIG);
     let mut switches = Switches::new();
     let mut unsent = None;
     // The part of the next wait that the pulse before it took.
     let mut used_us = 0;
     loop {
         while let Some(byte) = board::received() {
-            link.receive(byte);
+            station.receive(byte);
         }
         let mut is_idle = true;
         let are_made = STEPS.are_made();
         if are_made {
             outputs |= NOT_RESET;
-            let event = link.machine.next_event(&switches.inputs());
-            let (wait_us, clocks) = match event {
-                MicrofactoryEvent::Step(step) => {
+            let event = station.next_event(0, &switches.inputs());
+            let mut clocks = 0;
+            match event {
+                Some(MicrofactoryEvent::Step(step)) => {
                     switches.moved(&step.delta);
-                    (Some(step.wait_ticks), clocks(&step.delta))
+                    clocks = self::clocks(&step.delta);
                 }
-                // Another task follows at once: its waits go on from where this one's ended.
-                MicrofactoryEvent::Dwell { wait_ticks: 0 } => (None, 0),
-                MicrofactoryEvent::Dwell { wait_ticks } => (Some(wait_ticks), 0),
-                MicrofactoryEvent::Reset { ticks } => {
-                    outputs &= !NOT_RESET;
-                    (Some(ticks), 0)
-                }
-                MicrofactoryEvent::Enable(on) => {
-                    outputs = if on {
-                        outputs | ENABLE
-                    } else {
-                        outputs & !ENABLE
-                    };
-                    // It needs its time: what follows waits from now on.
-                    (on.then_some(0), 0)
-                }
-                MicrofactoryEvent::Report(report) => {
-                    if matches!(report, MicrofactoryReport::Switch { .. }) {
-                        link.leave_mode();
-                    }
-                    (None, 0)
-                }
-                MicrofactoryEvent::Idle => (None, 0),
-            };
+                Some(MicrofactoryEvent::Reset { .. }) => outputs &= !NOT_RESET,
+                Some(MicrofactoryEvent::Enable(true)) => outputs |= ENABLE,
+                Some(MicrofactoryEvent::Enable(false)) => outputs &= !ENABLE,
+                // There is no panel.
+                _ => {}
+            }
             board::switch(outputs);
-            is_idle = event == MicrofactoryEvent::Idle;
-            if let Some(wait_us) = wait_us {
+            is_idle = event.is_none();
+            if let Some(wait_us) = event.and_then(|event| event.wait_ticks()) {
                 let ways = WAYS.with(|ways| *ways);
                 let rise = Step {
                     wait_us: wait_us.saturating_sub(used_us),
@@ -109,7 +105,7 @@ fn main() -> ! {
                 used_us = if fall.is_some() { PULSE_US } else { 0 };
             }
         }
-        unsent = unsent.or_else(|| link.transmit());
+        unsent = unsent.or_else(|| station.transmit());
         if let Some(byte) = unsent {
             if board::send(byte) {
                 unsent = None;

@@ -3,12 +3,13 @@
 use core::hint::black_box;
 
 use husillo_controllers::{
-    Drill as AnyDrill, Microfactory as AnyMicrofactory, MicrofactoryPair as AnyMicrofactoryPair,
-    Micromill as AnyMicromill, MicromillStep, ServoModule, servo_law,
+    Controller, Drill as AnyDrill, DrillEvent, Microfactory as AnyMicrofactory, MicrofactoryEvent,
+    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillEvent,
+    MicromillStep, ServoModule, ServoModuleOutput, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
-type MicrofactoryPair = AnyMicrofactoryPair<&'static [[i16; 2]]>;
+type MicrofactoryStation = AnyMicrofactoryStation<100, 2>;
 type Drill = AnyDrill<64>;
 type Micromill = AnyMicromill<'static>;
 
@@ -26,13 +27,25 @@ pub fn keep() {
         Microfactory::figure as *const (),
         Microfactory::set_figure as *const (),
         Microfactory::next_event as *const (),
-        MicrofactoryPair::new as *const (),
-        MicrofactoryPair::command as *const (),
-        MicrofactoryPair::next_event as *const (),
-        MicrofactoryPair::is_moving as *const (),
-        MicrofactoryPair::reset as *const (),
-        MicrofactoryPair::machine as *const (),
-        MicrofactoryPair::machine_mut as *const (),
+        MicrofactoryStation::new as *const (),
+        MicrofactoryStation::store as *const (),
+        MicrofactoryStation::command as *const (),
+        MicrofactoryStation::is_moving as *const (),
+        MicrofactoryStation::machine as *const (),
+        <MicrofactoryStation as Controller>::machines as *const (),
+        <MicrofactoryStation as Controller>::receive as *const (),
+        <MicrofactoryStation as Controller>::next_event as *const (),
+        <MicrofactoryStation as Controller>::transmit as *const (),
+        <MicrofactoryStation as Controller>::reset as *const (),
+        <Micromill as Controller>::receive as *const (),
+        <Micromill as Controller>::next_event as *const (),
+        <Micromill as Controller>::reset as *const (),
+        <Drill as Controller>::receive as *const (),
+        <Drill as Controller>::next_event as *const (),
+        <ServoModule as Controller>::receive as *const (),
+        <ServoModule as Controller>::next_event as *const (),
+        <ServoModule as Controller>::transmit as *const (),
+        <ServoModule as Controller>::reset as *const (),
         Micromill::halted as *const (),
         Micromill::homed as *const (),
         Micromill::is_homed as *const (),
@@ -56,6 +69,10 @@ pub fn keep() {
         Drill::is_working as *const (),
         Drill::spindle_turns as *const (),
         Drill::next_event as *const (),
+        <DrillEvent as Timed>::wait_ticks as *const (),
+        <MicrofactoryEvent as Timed>::wait_ticks as *const (),
+        <MicromillEvent as Timed>::wait_ticks as *const (),
+        <ServoModuleOutput as Timed>::wait_ticks as *const (),
         servo_law as *const (),
         ServoModule::new as *const (),
         ServoModule::link as *const (),
