@@ -2,8 +2,8 @@
 
 /// A controller of one machine, or of several: bytes and inputs in, events and bytes out.
 ///
-/// It has no clock, no pin and no port. A firmware's main loop and an emulator are written once for
-/// all controllers: see `board` in the project's firmware and `husillo_sim::Emulated`.
+/// It has no clock, no pin and no port. What runs a controller is written once for all of them:
+/// `husillo_sim::Emulated` does it in simulated time.
 ///
 /// | when | call |
 /// | --- | --- |

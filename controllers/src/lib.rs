@@ -7,6 +7,7 @@ mod controller;
 mod drill;
 mod microfactory;
 mod micromill;
+mod ring;
 mod servo_module;
 
 pub use controller::{Controller, Timed};

@@ -123,7 +123,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// A command from the link. Says whether it is carried out: a task is begun only while none is under way, except that the
     /// jog under way may be said again, which keeps it alive where there is a dead-man's time. What concerns the stored figure
-    /// ([`Order::Clear`] and the like) is the owner's, for [`Microfactory::set_figure`].
+    /// ([`Order::Clear`] and the like) is the owner's, for [`Microfactory::figure_mut`].
     pub fn command(&mut self, command: Order) -> bool {
         if self.task == Task::Emergency {
             return false;
@@ -217,22 +217,17 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// The figure, to be read or edited while none is cut.
+    /// The figure.
     pub const fn figure(&self) -> &F {
         &self.figure
     }
 
-    /// Another figure; refused, and given back, while one is cut.
-    ///
-    /// # Errors
-    ///
-    /// The figure that was not taken.
-    pub fn set_figure(&mut self, figure: F) -> Result<(), F> {
+    /// The figure, to be replaced or edited; `None` while one is cut.
+    pub const fn figure_mut(&mut self) -> Option<&mut F> {
         if matches!(self.task, Task::Figure { .. } | Task::Approach { .. }) {
-            return Err(figure);
+            return None;
         }
-        self.figure = figure;
-        Ok(())
+        Some(&mut self.figure)
     }
 
     /// What happens next, with the switches as they are now.

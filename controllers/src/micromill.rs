@@ -8,7 +8,6 @@ mod lines;
 mod moves;
 mod orders;
 mod path;
-mod ring;
 mod task;
 mod ways;
 
@@ -19,12 +18,12 @@ use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
 use crate::controller::{Controller, Timed};
+use crate::ring::Ring;
 use course::Course;
 use entry::{Entry, Place};
 use husillo_backlash::Play;
 use husillo_machine::{MAX_WAIT_TICKS, StepGuard};
 use path::Flat;
-use ring::Ring;
 use task::Task;
 use ways::Ways;
 

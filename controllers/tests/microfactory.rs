@@ -317,13 +317,13 @@ fn an_emergency_stop_ends_going_back() {
 #[test]
 fn without_a_figure_none_is_cut() {
     let (mut machine, mut model) = homed();
-    assert_eq!(machine.set_figure(Vec::new()), Ok(()));
+    machine.figure_mut().unwrap().clear();
     assert!(!machine.command(Order::Figure));
     assert_eq!(model.run(&mut machine).0, [MicrofactoryReport::NoFigure]);
-    assert_eq!(machine.set_figure(vec![[5, 0]]), Ok(()));
+    machine.figure_mut().unwrap().push([5, 0]);
     model.face = model.nut[1];
     assert!(machine.command(Order::Figure));
-    assert_eq!(machine.set_figure(vec![[7, 0]]), Err(vec![[7, 0]]));
+    assert!(machine.figure_mut().is_none());
     assert_eq!(
         model.run(&mut machine).0,
         [MicrofactoryReport::Contact, MicrofactoryReport::Done]

@@ -123,8 +123,17 @@ impl Recurrence {
         let up = reach(start).min(meeting).min(events.into()) as u32;
         let down = reach(end).min(events.wrapping_sub(up).into()) as u32;
         let level = events.wrapping_sub(up).wrapping_sub(down);
+        let (up, level, down) = if events == 1 {
+            (1, 0, 0)
+        } else {
+            (up, level, down)
+        };
         let ends = |from: u128| root(from.wrapping_add(gain)).wrapping_sub(root(from));
-        let (first, last) = (ends(start), ends(end));
+        let (first, last) = if events == 1 {
+            (only(rates, [start, end, top], gain), 0)
+        } else {
+            (ends(start), ends(end))
+        };
         // 4 n of an event of a ramp, rounded to nearest: off by at most an eighth of an event. The
         // divisors stay below 2^31.
         let index = |from: u128, count: u32| {
@@ -259,6 +268,31 @@ impl Iterator for Recurrence {
 
 impl ExactSizeIterator for Recurrence {}
 impl FusedIterator for Recurrence {}
+
+/// Ticks of a move of one event: it speeds up, and slows down where it has to.
+///
+/// The squares are those of the start rate, the end rate and the top rate, in gains of one event;
+/// all are below 2^92.
+fn only(rates: &Rates, [start, end, top]: [u128; 3], gain: u128) -> u32 {
+    let sum = start.wrapping_add(end);
+    // With the end rate out of reach it only speeds up.
+    let peak = sum.wrapping_add(gain).wrapping_shr(1);
+    let peak = peak.min(start.wrapping_add(gain)).min(top);
+    let end = end.min(peak);
+    let up = root(peak).wrapping_sub(root(start));
+    let ramps = up.wrapping_add(root(peak).wrapping_sub(root(end)));
+    // The rest of the event at the top rate, in 2^-32: at most a whole event.
+    let on_ramps = peak.wrapping_shl(1).wrapping_sub(start).wrapping_sub(end);
+    let rest = gain.saturating_sub(on_ramps).wrapping_shl(32);
+    let period = u64::from(rates.timer_hz).checked_div(rates.top_rate_hz.into());
+    let level = u128::from(quotient(rest, gain)).wrapping_mul(period.unwrap_or(0).into());
+    let level = if peak < top {
+        0
+    } else {
+        level.wrapping_shr(32) as u32
+    };
+    ramps.wrapping_add(level)
+}
 
 /// The start interval with which the recurrence converges to the true intervals when it starts with
 /// event n: ticks and their fraction.

@@ -66,6 +66,20 @@ proptest! {
         );
     }
 
+    /// A single event speeds up and slows down: its time is that of the exact trapezoid.
+    #[test]
+    fn a_single_event_takes_its_time(rates in rates()) {
+        let (Ok(mut cheap), Ok(mut exact)) =
+            (Recurrence::new(&rates, 1), Trapezoid::new(&rates, 1))
+        else {
+            return Ok(());
+        };
+        let (Some(cheap), Some(exact)) = (cheap.next(), exact.next()) else {
+            return Err(TestCaseError::fail("no event"));
+        };
+        prop_assert!(cheap.abs_diff(exact) <= 2 + exact / 45, "{} {}", cheap, exact);
+    }
+
     /// No input panics, and the number of events is right.
     #[test]
     fn any_numbers(values: [u32; 5], shifts: [u8; 5], events: u32) {

@@ -1,16 +1,51 @@
 //! One controller of one machine, or of two, with the link before them.
 
-use heapless::{Deque, Vec};
 use husillo_transports::microfactory::{Device, Order, REJECTED, Report};
 
 use super::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
 use crate::controller::{Controller, Timed};
+use crate::ring::Ring;
 
 /// Bytes that wait for the transmitter: an answer, and a status with it.
 const OUT: usize = 64;
 
-/// A figure in memory: at most `MOVES` moves in X and Z, in steps.
-type Figure<const MOVES: usize> = Vec<[i16; 2], MOVES, u16>;
+/// A figure in memory: at most `MOVES` moves in X and Z, in steps. While it comes in there is none.
+#[derive(Copy, Clone, Debug)]
+struct Figure<const MOVES: usize> {
+    moves: [[i16; 2]; MOVES],
+    /// At most `MOVES`.
+    count: usize,
+    is_whole: bool,
+}
+
+impl<const MOVES: usize> Figure<MOVES> {
+    const NONE: Self = Self {
+        moves: [[0; 2]; MOVES],
+        count: 0,
+        is_whole: false,
+    };
+
+    fn clear(&mut self) {
+        (self.count, self.is_whole) = (0, false);
+    }
+
+    /// Adds a move; `false`: there is no room.
+    fn push(&mut self, move_steps: [i16; 2]) -> bool {
+        let Some(slot) = self.moves.get_mut(self.count) else {
+            return false;
+        };
+        *slot = move_steps;
+        self.count = self.count.wrapping_add(1); // at most `MOVES`
+        true
+    }
+}
+
+impl<const MOVES: usize> AsRef<[[i16; 2]]> for Figure<MOVES> {
+    fn as_ref(&self) -> &[[i16; 2]] {
+        let moves = self.moves.get(..self.count).filter(|_| self.is_whole);
+        moves.unwrap_or_default()
+    }
+}
 
 /// The microfactory's controller with its link: bytes in, events and bytes out.
 ///
@@ -20,7 +55,7 @@ type Figure<const MOVES: usize> = Vec<[i16; 2], MOVES, u16>;
 /// stop, and a reset, are for both.
 ///
 /// Answers that find no room are lost: the host asks again. Its size is 4 bytes for each of `MOVES`
-/// moves, twice for each machine (a figure is kept while the next one comes in), and 0.3 kB.
+/// moves and 0.2 kB, for each machine, and 0.1 kB.
 ///
 /// ```
 /// use husillo_controllers::{
@@ -42,15 +77,8 @@ type Figure<const MOVES: usize> = Vec<[i16; 2], MOVES, u16>;
 #[derive(Clone, Debug)]
 pub struct MicrofactoryStation<const MOVES: usize, const MACHINES: usize = 1> {
     link: Device,
-    machines: [Bay<MOVES>; MACHINES],
-    out: Deque<u8, OUT>,
-}
-
-/// A machine, and a figure for it that comes in.
-#[derive(Clone, Debug)]
-struct Bay<const MOVES: usize> {
-    machine: Microfactory<Figure<MOVES>>,
-    loading: Figure<MOVES>,
+    machines: [Microfactory<Figure<MOVES>>; MACHINES],
+    out: Ring<u8, OUT>,
 }
 
 impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHINES> {
@@ -58,22 +86,22 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
     pub fn new(link: Device, config: MicrofactoryConfig) -> Self {
         Self {
             link,
-            machines: core::array::from_fn(|_| Bay {
-                machine: Microfactory::new(config, Vec::new()),
-                loading: Vec::new(),
-            }),
-            out: Deque::new(),
+            machines: [const { Figure::NONE }; MACHINES]
+                .map(|figure| Microfactory::new(config, figure)),
+            out: Ring::new(0),
         }
     }
 
     /// Stores a figure, as the link does. `false`: it has more moves than there is room for, a figure
     /// is being cut, or there is no such machine.
     pub fn store(&mut self, machine: u8, moves: &[[i16; 2]]) -> bool {
-        let Ok(figure) = Vec::from_slice(moves) else {
+        let figure = self.machine_mut(machine).and_then(Microfactory::figure_mut);
+        let Some(figure) = figure.filter(|_| moves.len() <= MOVES) else {
             return false;
         };
-        let machine = self.machine_mut(machine);
-        machine.is_some_and(|machine| machine.set_figure(figure).is_ok())
+        figure.clear();
+        figure.is_whole = moves.iter().all(|move_steps| figure.push(*move_steps));
+        figure.is_whole
     }
 
     /// A command for a machine, 0 or 1: whether it is carried out, see [`Microfactory::command`].
@@ -81,8 +109,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
     pub fn command(&mut self, machine: u8, command: Order) -> bool {
         if command == Order::Emergency {
             let mut is_taken = false;
-            for bay in &mut self.machines {
-                is_taken |= bay.machine.command(command);
+            for machine in &mut self.machines {
+                is_taken |= machine.command(command);
             }
             return is_taken;
         }
@@ -100,39 +128,32 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         &self,
         machine: u8,
     ) -> Option<&Microfactory<impl AsRef<[[i16; 2]]> + use<MOVES, MACHINES>>> {
-        self.machines
-            .get(usize::from(machine))
-            .map(|bay| &bay.machine)
+        self.machines.get(usize::from(machine))
     }
 
     fn machine_mut(&mut self, machine: u8) -> Option<&mut Microfactory<Figure<MOVES>>> {
-        self.machines
-            .get_mut(usize::from(machine))
-            .map(|bay| &mut bay.machine)
+        self.machines.get_mut(usize::from(machine))
     }
 
     /// What does not concern the motors: a machine's figure, and what is asked.
     fn keep(&mut self, machine: u8, command: Order) {
-        let Some(bay) = self.machines.get_mut(usize::from(machine)) else {
+        let Some(machine) = self.machine_mut(machine) else {
             return;
         };
-        // Nothing moves while a figure comes in, so the machine takes it; the link counts its moves.
+        if command == Order::Ask {
+            let status = machine.status();
+            return self.answer(&status.bytes());
+        }
+        // Nothing moves while a figure comes in, so there is one; the link counts its moves.
+        let Some(figure) = machine.figure_mut() else {
+            return;
+        };
         match command {
-            Order::Ask => {
-                let status = bay.machine.status();
-                self.answer(&status.bytes());
-            }
-            Order::Clear => {
-                bay.loading.clear();
-                bay.machine.set_figure(Vec::new()).ok();
-            }
+            Order::Clear => figure.clear(),
             Order::Line(move_steps) => {
-                bay.loading.push(move_steps).ok();
+                figure.push(move_steps);
             }
-            Order::Keep => {
-                let figure = core::mem::take(&mut bay.loading);
-                bay.machine.set_figure(figure).ok();
-            }
+            Order::Keep => figure.is_whole = true,
             // Begun, or refused.
             _ => {}
         }
@@ -140,7 +161,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
 
     fn answer(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            self.out.push_back(*byte).ok();
+            self.out.push(*byte);
         }
     }
 }
@@ -187,12 +208,12 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
     }
 
     fn transmit(&mut self) -> Option<u8> {
-        self.out.pop_front()
+        self.out.pop()
     }
 
     fn reset(&mut self) {
-        for bay in &mut self.machines {
-            bay.machine.reset();
+        for machine in &mut self.machines {
+            machine.reset();
         }
         self.link.reset();
     }

@@ -125,6 +125,43 @@ impl<M: Machine> Device<M> {
         }
     }
 
+    /// Time passes: events happen.
+    fn pass(&mut self, us: u64) {
+        if !self.has_power {
+            return self.emulated.pass_without_power(us);
+        }
+        let (rows, reported) = (&mut self.rows, &mut self.reported);
+        let machines = self.emulated.plants();
+        self.emulated.pass(us, |machine, at_us, event, plant| {
+            keep::<M>(rows, machine, at_us, event, plant);
+            let report = M::report(event);
+            reported.extend(report.map(|text| numbered(machines, machine, text)));
+        });
+    }
+
+    /// The bytes that have arrived.
+    fn receive(&mut self, now_us: u64) {
+        while let Some(byte) = self.line.received(now_us) {
+            if self.has_power {
+                self.emulated.receive(byte);
+                let heard = self.machine.heard(self.emulated.controller());
+                self.reported.extend(heard);
+            }
+        }
+    }
+
+    /// A byte, where the transmitter is free: bytes that wait make a controller wait.
+    fn transmit(&mut self, now_us: u64) {
+        while self.has_power && self.line.is_free(now_us) {
+            let Some(byte) = self.emulated.transmit() else {
+                return;
+            };
+            if self.line.answer(byte, now_us) {
+                self.reset();
+            }
+        }
+    }
+
     /// A line for one machine.
     fn control_of(&mut self, machine: u8, words: &[&str]) -> String {
         if self.emulated.plant(machine).is_none() {
@@ -175,32 +212,14 @@ impl<M: Machine> Emulation for Device<M> {
     }
 
     fn tick(&mut self) -> Vec<u8> {
-        let now_us = self.emulated.now_us() + PERIOD_US;
-        while let Some(byte) = self.line.received(now_us) {
-            if self.has_power {
-                self.emulated.receive(byte);
-                let heard = self.machine.heard(self.emulated.controller());
-                self.reported.extend(heard);
-            }
+        let end_us = self.emulated.now_us() + PERIOD_US;
+        while self.emulated.now_us() < end_us {
+            let now_us = self.line.next_us(self.emulated.now_us()).min(end_us);
+            self.pass(now_us - self.emulated.now_us());
+            self.receive(now_us);
+            self.transmit(now_us);
         }
-        if self.has_power {
-            let (rows, reported) = (&mut self.rows, &mut self.reported);
-            let machines = self.emulated.plants();
-            self.emulated
-                .pass(PERIOD_US, |machine, at_us, event, plant| {
-                    keep::<M>(rows, machine, at_us, event, plant);
-                    let report = M::report(event);
-                    reported.extend(report.map(|text| numbered(machines, machine, text)));
-                });
-            while let Some(byte) = self.emulated.transmit() {
-                if self.line.answer(byte, now_us) {
-                    self.reset();
-                }
-            }
-        } else {
-            self.emulated.pass_without_power(PERIOD_US);
-        }
-        std::iter::from_fn(|| self.line.answered(now_us)).collect()
+        std::iter::from_fn(|| self.line.answered(end_us)).collect()
     }
 
     fn control(&mut self, line: &str) -> String {

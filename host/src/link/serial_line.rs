@@ -119,6 +119,19 @@ impl Line {
         self.there.take(now_us)
     }
 
+    /// When something happens next at the device's end after now: a byte arrives there, or its
+    /// transmitter is free again.
+    pub fn next_us(&self, now_us: u64) -> u64 {
+        let arrives = self.there.bytes.front().map(|(at, _)| *at);
+        let later = [arrives, Some(self.back.free_us)].into_iter().flatten();
+        later.filter(|at| *at > now_us).min().unwrap_or(u64::MAX)
+    }
+
+    /// Whether the device's transmitter is free.
+    pub fn is_free(&self, now_us: u64) -> bool {
+        self.back.free_us <= now_us
+    }
+
     /// A byte from the device; the same.
     pub fn answer(&mut self, byte: u8, now_us: u64) -> bool {
         self.carry(false, byte, now_us)

@@ -25,7 +25,7 @@ pub fn keep() {
         Microfactory::position_steps as *const (),
         Microfactory::status as *const (),
         Microfactory::figure as *const (),
-        Microfactory::set_figure as *const (),
+        Microfactory::figure_mut as *const (),
         Microfactory::next_event as *const (),
         MicrofactoryStation::new as *const (),
         MicrofactoryStation::store as *const (),

@@ -2,7 +2,7 @@
 
 /// First in, first out; at most `N`, a power of two.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Ring<T, const N: usize> {
+pub(crate) struct Ring<T, const N: usize> {
     slots: [T; N],
     /// Below `N`.
     first: usize,
@@ -12,7 +12,7 @@ pub(super) struct Ring<T, const N: usize> {
 
 impl<T: Copy, const N: usize> Ring<T, N> {
     /// Empty; `blank` fills the places.
-    pub(super) const fn new(blank: T) -> Self {
+    pub(crate) const fn new(blank: T) -> Self {
         const { assert!(N.is_power_of_two(), "places wrap by a mask") };
         Ring {
             slots: [blank; N],
@@ -21,19 +21,19 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         }
     }
 
-    pub(super) const fn len(&self) -> usize {
+    pub(crate) const fn len(&self) -> usize {
         self.length
     }
 
-    pub(super) const fn is_empty(&self) -> bool {
+    pub(crate) const fn is_empty(&self) -> bool {
         self.length == 0
     }
 
-    pub(super) const fn is_full(&self) -> bool {
+    pub(crate) const fn is_full(&self) -> bool {
         self.length >= N
     }
 
-    pub(super) const fn clear(&mut self) {
+    pub(crate) const fn clear(&mut self) {
         self.length = 0;
     }
 
@@ -43,7 +43,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     }
 
     /// Appends; dropped when it is full: ask before.
-    pub(super) fn push(&mut self, element: T) {
+    pub(crate) fn push(&mut self, element: T) {
         let place = self.place(self.length);
         if let (false, Some(slot)) = (self.is_full(), self.slots.get_mut(place)) {
             *slot = element;
@@ -52,13 +52,13 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     }
 
     /// The one that was pushed last.
-    pub(super) fn last_mut(&mut self) -> Option<&mut T> {
+    pub(crate) fn last_mut(&mut self) -> Option<&mut T> {
         let behind = self.length.checked_sub(1)?;
         let place = self.place(behind);
         self.slots.get_mut(place)
     }
 
-    pub(super) fn first(&self) -> Option<T> {
+    pub(crate) fn first(&self) -> Option<T> {
         if self.is_empty() {
             return None;
         }
@@ -66,24 +66,24 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     }
 
     /// From the first one on.
-    pub(super) fn iter(&self) -> impl Iterator<Item = T> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
         (0..self.length).filter_map(|behind| self.slots.get(self.place(behind)).copied())
     }
 
     /// Takes back the one that was pushed last.
-    pub(super) fn pop_last(&mut self) -> Option<T> {
+    pub(crate) fn pop_last(&mut self) -> Option<T> {
         let element = self.last_mut().copied()?;
         self.length = self.length.wrapping_sub(1); // it was not 0
         Some(element)
     }
 
     /// Without so many of the oldest; it holds more.
-    pub(super) const fn drop_first(&mut self, elements: usize) {
+    pub(crate) const fn drop_first(&mut self, elements: usize) {
         self.first = self.place(elements);
         self.length = self.length.wrapping_sub(elements);
     }
 
-    pub(super) fn pop(&mut self) -> Option<T> {
+    pub(crate) fn pop(&mut self) -> Option<T> {
         let element = self.first()?;
         self.drop_first(1);
         Some(element)
