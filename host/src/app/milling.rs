@@ -163,6 +163,7 @@ pub(super) fn failed() -> u8 {
 
 /// Whether the operator goes on.
 fn asks(tool: u8) -> bool {
+    let before = stops_asked();
     eprintln!("Tool {tool}: put it in, then Enter (or q to end)");
-    typed_line().is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
+    typed_line(before).is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
 }

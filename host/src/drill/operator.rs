@@ -1,7 +1,7 @@
 //! The operator before a terminal.
 
 use super::sender::{Operator, left};
-use crate::link::wire::typed_line;
+use crate::link::wire::{stops_asked, typed_line};
 use husillo_gcode::Nm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
@@ -25,9 +25,9 @@ impl<'a> Console<'a> {
         Self { out, bar }
     }
 
-    /// The next line; `None` where the input has ended, or Ctrl-C was pressed.
-    fn line() -> Option<String> {
-        typed_line().map(|line| line.trim().to_owned())
+    /// The next line; `None` where the input has ended, or Ctrl-C was pressed since so many times.
+    fn line(stops_before: u32) -> Option<String> {
+        typed_line(stops_before).map(|line| line.trim().to_owned())
     }
 
     /// Takes the bar away.
@@ -45,11 +45,12 @@ impl Operator for Console<'_> {
     }
 
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String> {
+        let before = stops_asked();
         let wanted = diameter.map_or(String::new(), |nm| format!(" It should be {nm}."));
         self.tell(&format!(
             "{tool}: the spindle stands. Put it in and type its diameter in mm.{wanted}"
         ));
-        Self::line()
+        Self::line(before)
     }
 
     fn progress(&mut self, share: f64, left_s: f64) {

@@ -177,13 +177,13 @@ pub fn stops_asked() -> u32 {
     0
 }
 
-/// The next line of standard input; `None` where that has ended, or Ctrl-C is pressed meanwhile.
-pub fn typed_line() -> Option<String> {
+/// The next line of standard input; `None` where that has ended, or Ctrl-C was pressed more often
+/// than [`stops_asked`] said before the operator was asked.
+pub fn typed_line(before: u32) -> Option<String> {
     static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
     let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
     // A line that is waited for is not interrupted by Ctrl-C: so another thread waits.
     let typed = typed.get_or_insert_with(typed_lines);
-    let before = stops_asked();
     loop {
         match typed.recv_timeout(LOOK) {
             Ok(line) => return Some(line),
