@@ -277,7 +277,7 @@ fn power_and_contact_at_the_panel() {
     jog(&device, &["figure"])
         .code(1)
         .stderr(contains("not homed"));
-    device.type_line("close contact", "contact is closed");
+    device.type_line("close contact", "contact is held closed");
     jog(&device, &["home", "figure"]).success();
     let place = device.type_line("where", "lost");
     // The square and its diagonal, from where the tool has touched at once.

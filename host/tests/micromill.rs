@@ -119,9 +119,14 @@ fn what_the_mill_cannot_do_is_an_error() {
         .arg(file("far.nc", program))
         .assert()
         .code(1);
+}
+
+#[test]
+fn a_simulated_mill_makes_each_step() {
     husillo()
         .args(["send", "-m", "micromill"])
         .arg(file("near.nc", "G21 G90\nG0 X1\nM30\n"))
         .assert()
-        .code(2);
+        .success()
+        .stdout(predicates::str::contains("7143, each as in the simulator"));
 }
