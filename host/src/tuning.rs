@@ -24,13 +24,12 @@ mod trial;
 mod ultimate;
 
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
-use crate::measuring::emulated::Emulated;
-use crate::measuring::file::{AxisFile, CmmFile};
-use crate::measuring::interrupt::{INTERRUPTED, Interrupt};
-use crate::measuring::line::Line;
-use crate::measuring::port::Port;
-use crate::measuring::trouble::Trouble;
+use crate::measuring::interrupt::{INTERRUPTED, Interrupt, User};
 use crate::measuring::{Stopped, told};
+use crate::measuring::{file, port};
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
+use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};
 use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::Gains;
@@ -46,7 +45,7 @@ use std::io::Write;
 ///
 /// [`Stopped`]; what was found before is printed.
 pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), Stopped> {
-    let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut file = machine.axis(args.axis)?;
     file.gains = given(args, &file.gains)?;
     let size = step_size(args, &file)?;
@@ -124,7 +123,7 @@ fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
 }
 
 /// The step of an experiment, which must be within what the servo takes for an error.
-fn step_size(args: &Tune, file: &AxisFile) -> Result<i32, String> {
+fn step_size(args: &Tune, file: &AxisSettings) -> Result<i32, String> {
     let size = args.size;
     let limit = i32::from(file.gains.error_limit);
     let [low, high] = file.travel;
@@ -144,19 +143,26 @@ fn step_size(args: &Tune, file: &AxisFile) -> Result<i32, String> {
 /// The axis at the port of the arguments.
 fn open(
     args: &Tune,
-    machine: &CmmFile,
-    file: &AxisFile,
+    machine: &Machine,
+    file: &AxisSettings,
     interrupt: &Interrupt,
 ) -> Result<Box<dyn Rig>, Stopped> {
-    let port = match args.port.as_str() {
+    let port: Box<dyn Port> = match args.port.as_str() {
         "sim" => return Ok(Box::new(direct::Direct::new(DcMotorModel::PROTOTYPE))),
         "line" => {
             let versions = vec![4; usize::from(machine.modules())];
-            Port::Simulated(Box::new(Emulated::new(&versions, &[], None)?), 0)
+            Box::new(SimulatedPort::new(SimulatedChain::new(
+                &versions,
+                &[],
+                None,
+            )?))
         }
-        name => Port::open(name).map_err(|error| format!("{name}: {error}"))?,
+        name => {
+            let port = port::Port::open(name);
+            Box::new(port.map_err(|error| format!("{name}: {error}"))?)
+        }
     };
-    let line = Line::new(port, args.raw).with_interrupt(interrupt.clone());
+    let line = Line::new(port).with_operator(User::new(interrupt, args.raw));
     let linked = linked::Linked::start(line, machine, file);
     // The motor runs in all of the experiment, with or without its servo.
     interrupt.set_moving(linked.is_ok());

@@ -6,8 +6,8 @@ use super::survey::{CELLS, Leftover, survey};
 use super::{Bench, Map, PlaceTable, two_lines};
 use crate::calibrating::BacklashArgs;
 use crate::machines::machine_file::{MachineFile, Travel};
-use crate::machines::quantity::{self, Quantity};
 use crate::programs::setup;
+use husillo_metrology::quantity::{self, Quantity};
 use std::io::Write;
 
 /// What a calibration makes besides what it prints.

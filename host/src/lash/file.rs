@@ -1,8 +1,8 @@
 //! `[lash]` and `[simulated_lash]` of machine files.
 
-use crate::machines::quantity::Fraction;
 use crate::machines::table::Table;
 use husillo_backlash::{LashMap, MapError};
+use husillo_metrology::quantity::Fraction;
 use husillo_sim::LashField;
 use std::f64::consts::TAU;
 use std::fmt::Write;

@@ -2,7 +2,7 @@
 
 use super::PlaceTable;
 use crate::calibrating::columns::{Columns, Row};
-use crate::machines::quantity::{self, Quantity};
+use husillo_metrology::quantity::{self, Quantity};
 
 /// What the reading of a mark may be off, um: so far below zero is no lash at all.
 const NOISE_UM: f64 = 10.0;

@@ -1,25 +1,21 @@
 //! `husillo measure`: actions on a machine, and what they give.
 
 use super::action::Action;
-use super::calibrated::Calibrated;
-use super::contact::Contact;
 use super::direction::Towards;
-use super::emulated::Emulated;
-use super::file::{CmmFile, Stylus, both_ways};
-use super::head::Head;
-use super::line::Line;
-use super::piece::Mounted;
-use super::port::Port;
-use super::prober::Prober;
-use super::reference::{Body, FoundProbe};
+use super::port;
 use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
-use super::scale::Scale;
-use super::trouble::Trouble;
 use crate::cli::Measure;
+use husillo_metrology::calibration::{Body, Calibrated, FoundProbe};
+use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
+use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
+use husillo_metrology::{Scale, Trouble};
 use husillo_probe::{Measurement, PreTravel, UnitVector};
 use husillo_transports::nmc::{Auxiliary, Reply, Status};
+
+/// The port of a machine: simulated or real.
+pub type AnyPort = Box<dyn Port>;
 
 /// All that `husillo measure` was asked for.
 pub struct Session {
@@ -27,7 +23,7 @@ pub struct Session {
     pub scale: Scale,
     /// The axis that is meant where an action names none.
     axis: usize,
-    machine: CmmFile,
+    machine: Machine,
     /// X, Y and Z as far as the machine has them.
     axes: Vec<usize>,
     stylus: Stylus,
@@ -40,7 +36,7 @@ impl Session {
     /// # Errors
     ///
     /// A sentence about them.
-    pub fn new(args: &Measure, machine: &CmmFile) -> Result<Self, String> {
+    pub fn new(args: &Measure, machine: &Machine) -> Result<Self, String> {
         let scale = machine.scale;
         let axis = machine.axis(args.axis)?.coordinate();
         let axes = machine.axes.iter().map(|axis| axis.coordinate()).collect();
@@ -86,7 +82,7 @@ impl Session {
     pub fn run(
         &mut self,
         actions: &[Action],
-        head: &mut Calibrated<Head>,
+        head: &mut Calibrated<Head<AnyPort>>,
         mut tell: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for action in actions.iter().copied() {
@@ -135,7 +131,7 @@ impl Session {
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    self.calibrate(&measurement, &towards, head.inner().probe.over_travel)?;
+                    self.calibrate(&measurement, &towards, head.inner().probe().over_travel)?;
                     row.touch = Some(TouchFigures {
                         table: self.table(),
                         ..self.figures(&measurement, &towards, &axes)
@@ -146,7 +142,7 @@ impl Session {
                     // Four times the way back after a touch.
                     let clearance = self
                         .scale
-                        .of_counts(i64::from(head.inner().probe.back_off) * 4);
+                        .of_counts(i64::from(head.inner().probe().back_off) * 4);
                     let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
                     self.stylus = found.stylus;
                     row.calibration = Some(self.found(&found, body.body));
@@ -321,7 +317,7 @@ fn letters(axes: &[usize]) -> String {
 /// # Errors
 ///
 /// A sentence about it.
-pub fn stylus(args: &Measure, machine: &CmmFile) -> Result<Stylus, String> {
+pub fn stylus(args: &Measure, machine: &Machine) -> Result<Stylus, String> {
     let mut stylus = machine.probe.stylus;
     if let Some(amount) = amount(machine.scale, "--pretravel", args.pretravel.as_deref())? {
         let amount = i32::try_from(amount);
@@ -353,23 +349,26 @@ fn amount(scale: Scale, option: &str, text: Option<&str>) -> Result<Option<i64>,
 /// # Errors
 ///
 /// A sentence about it.
-pub fn open(args: &Measure, machine: &CmmFile, piece: Option<Mounted>) -> Result<Line, String> {
+pub fn open(
+    args: &Measure,
+    machine: &Machine,
+    piece: Option<Mounted>,
+) -> Result<Line<AnyPort>, String> {
     let contacts: &[Contact] = &args.contact;
-    let port = if args.port == "sim" {
+    let port: AnyPort = if args.port == "sim" {
         let versions = vec![4; usize::from(machine.modules())];
-        Port::Simulated(
-            Box::new(Emulated::new(&versions, contacts, piece)?.with_noise(args.noise)),
-            0,
-        )
+        let chain = SimulatedChain::new(&versions, contacts, piece)?;
+        Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
-        Port::open(&args.port).map_err(|error| format!("{}: {error}", args.port))?
+        let port = port::Port::open(&args.port);
+        Box::new(port.map_err(|error| format!("{}: {error}", args.port))?)
     } else {
         return Err(
             "--contact, --piece and --noise are for --port sim; `husillo emulate` has its own"
                 .into(),
         );
     };
-    Ok(Line::new(port, args.raw))
+    Ok(Line::new(port))
 }
 
 /// The bits of a status that are set.

@@ -7,8 +7,8 @@ use super::relay::{RelaySettings, relay};
 use super::stand::Stand;
 use super::stepwise::stepwise;
 use super::ultimate::ultimate;
-use crate::measuring::file::CmmFile;
 use fixed::types::{I16F16, I32F0};
+use husillo_metrology::simulated::one_axis;
 use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_pid::{Conditional, Integration, Limits, Pid, State};
 use husillo_sim::{DcMotor, DcMotorModel, SERVO_PERIOD_S};
@@ -66,7 +66,7 @@ fn known_of_slow(model: &DcMotorModel) -> Ultimate {
 
 /// A stand for a motor, with room for its swings.
 fn stand(model: DcMotorModel, rate_divisor: u8) -> Stand {
-    let mut file = CmmFile::load("cmm").unwrap().axis('x').unwrap();
+    let mut file = one_axis().axis('x').unwrap();
     file.gains.rate_divisor = rate_divisor;
     file.gains.error_limit = 0x3fff;
     Stand::new(Box::new(Direct::new(model)), file).unwrap()
@@ -133,7 +133,7 @@ fn they_agree_on_the_prototype() {
 #[test]
 fn gains_place_every_move() {
     let prototype = || stand(DcMotorModel::PROTOTYPE, 1);
-    let limits = CmmFile::load("cmm").unwrap().axis('x').unwrap().gains;
+    let limits = one_axis().axis('x').unwrap().gains;
     let (gain, _) = ultimate(&mut prototype(), &mut Vec::new())
         .unwrap()
         .unwrap();

@@ -1,16 +1,15 @@
 //! An axis behind a line of modules, real or simulated.
 
 use super::rig::{Rig, Sample, profile};
-use crate::measuring::file::{AxisFile, CmmFile};
-use crate::measuring::line::Line;
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_transports::nmc::{
     CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
 };
 
 /// A module at the other end of a line.
-pub struct Linked {
-    line: Line,
+pub struct Linked<P> {
+    line: Line<P>,
     module: u8,
     gains: Gains,
     /// The duty that a drive has set the gains for.
@@ -23,13 +22,17 @@ const ERROR_LIMIT_MOST: u16 = 0x3FFF;
 /// What every reading asks for.
 const READ: Items = Items::POSITION.with(Items::CURRENT);
 
-impl Linked {
+impl<P: Port> Linked<P> {
     /// Starts the line: flush, reset, addresses, rate.
     ///
     /// # Errors
     ///
     /// No answer, fewer modules than the machine has, no motor power.
-    pub fn start(mut line: Line, machine: &CmmFile, file: &AxisFile) -> Result<Self, Trouble> {
+    pub fn start(
+        mut line: Line<P>,
+        machine: &Machine,
+        file: &AxisSettings,
+    ) -> Result<Self, Trouble> {
         let modules = line.start_up(machine.baud)?.modules;
         if modules < file.module {
             return Err(Trouble::NoModule {
@@ -64,7 +67,7 @@ impl Linked {
     }
 }
 
-impl Rig for Linked {
+impl<P: Port> Rig for Linked<P> {
     fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
         self.gains = *gains;
         self.duty = None;
@@ -147,17 +150,16 @@ impl Rig for Linked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measuring::Port;
-    use crate::measuring::emulated::Emulated;
+    use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
 
     /// A host that says nothing more after a drive: the axis goes to the end that was named, and stays.
     #[test]
     fn a_drive_ends_without_the_host() {
-        let machine = CmmFile::load("cmm").unwrap_or_else(|_| panic!("cmm"));
+        let machine = one_axis();
         let file = machine.axes[0];
         for (pwm, end) in [(60, 300), (-60, -300), (255, 150)] {
-            let emulated = Emulated::new(&[4], &[], None).unwrap();
-            let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+            let chain = SimulatedChain::new(&[4], &[], None).unwrap();
+            let line = Line::new(SimulatedPort::new(chain));
             let mut linked = Linked::start(line, &machine, &file).unwrap();
             linked.set_gains(&file.gains).unwrap();
             linked.engage().unwrap();

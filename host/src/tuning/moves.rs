@@ -1,7 +1,7 @@
 //! The proof of gains: moves, and where they end.
 
 use super::stand::Stand;
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 use serde::Serialize;
 

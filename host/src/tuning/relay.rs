@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::{PERIOD_S, fundamental};
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
 use husillo_pid::tuning::{Oscillation, Relay, Ultimate, oscillation};
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! The axis on the test stand: everything that is watched while an experiment goes on.
 
 use super::rig::{Rig, Sample};
-use crate::measuring::file::AxisFile;
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::AxisSettings;
 use husillo_transports::nmc::{Gains, Status};
 
 /// A stretch of an experiment, to be drawn.
@@ -24,7 +24,7 @@ pub struct Trace {
 pub struct Stand {
     rig: Box<dyn Rig>,
     /// The axis in the machine file; its gains are the limits of all trials.
-    pub file: AxisFile,
+    pub file: AxisSettings,
     /// Place of the experiments, counts.
     pub centre: i32,
     /// The stretches worth a picture.
@@ -40,7 +40,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub fn new(mut rig: Box<dyn Rig>, file: AxisFile) -> Result<Self, Trouble> {
+    pub fn new(mut rig: Box<dyn Rig>, file: AxisSettings) -> Result<Self, Trouble> {
         let centre = rig.sample()?.position;
         Ok(Self {
             rig,

@@ -3,7 +3,7 @@
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 

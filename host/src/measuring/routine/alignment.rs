@@ -5,7 +5,7 @@ use super::feature::{Feature, Shape};
 use super::frame::{
     Frame, Vector, across, components, cross, dot, floats, nearest_axis, plus, scaled,
 };
-use crate::measuring::file::Stylus;
+use husillo_metrology::heads::Stylus;
 use husillo_probe::UnitVector;
 
 /// 3-2-1: the plane gives the direction of one axis and the place along it, the line the direction of another and the place

@@ -1,6 +1,6 @@
 //! Why a statement of a routine has no result.
 
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
 use husillo_probe::FitError;
 use std::fmt;
 
@@ -27,7 +27,7 @@ impl Failure {
     /// What to look at.
     pub const fn help(&self) -> Option<&'static str> {
         match self {
-            Self::Machine(trouble) => trouble.help(),
+            Self::Machine(trouble) => crate::measuring::help::help(trouble),
             Self::Fit(_) => Some("touch more points, farther apart"),
             Self::BothSides => {
                 Some("points of a hole are touched from inside, those of a pin from outside")

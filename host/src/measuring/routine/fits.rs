@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::feature::{Mark, Shape};
 use super::frame::{Frame, Vector, components, cross, direction, dot, floats, minus, scaled};
 use super::site::{Contact, outward};
-use crate::measuring::file::Stylus;
+use husillo_metrology::heads::Stylus;
 use husillo_probe::{Circle, Line, Middle, Plane, Sphere, UnitVector};
 
 /// What features are fitted to, on the machine.

@@ -8,9 +8,9 @@ use super::statement::Statement;
 use super::{listing, page, program, record};
 use crate::cli::{Measure, Results};
 use crate::diagnostics::{Finding, Format, Place};
-use crate::measuring::file::{CmmFile, Stylus};
-use crate::measuring::prober::Prober;
 use crate::output::Outputs;
+use husillo_metrology::heads::Prober;
+use husillo_metrology::heads::{Machine, Stylus};
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 
 /// How a routine without mistakes ended.
@@ -119,7 +119,7 @@ impl Routine {
 pub fn run(
     routine: &Routine,
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     prober: &mut dyn Prober,
     stylus: Stylus,
     out: &mut dyn Write,

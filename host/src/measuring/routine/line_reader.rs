@@ -3,7 +3,7 @@
 use super::frame::Vector;
 use super::words::{Word, is_number, words};
 use crate::diagnostics::{Finding, Place};
-use crate::machines::quantity::{self, Quantity};
+use husillo_metrology::quantity::{self, Quantity};
 use std::ops::Range;
 
 /// What is wrong with a line, and where.

@@ -8,11 +8,11 @@ use super::frame::Frame;
 use super::line_reader::code;
 use super::runner::Runner;
 use crate::diagnostics::Finding;
-use crate::measuring::trouble::Trouble;
 use crate::programs::explain::{self, At};
 use husillo_excellon::lines;
 use husillo_gcode::parameters::{Program, System, Value, needs_program};
 use husillo_gcode::{Block, Command, Dialect, Feed, Modal, Nm, SpindleDirection, Units, words};
+use husillo_metrology::Trouble;
 use husillo_probe::{Edge, UnitVector};
 use std::collections::HashMap;
 

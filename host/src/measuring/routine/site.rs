@@ -3,8 +3,8 @@
 use super::failure::Failure;
 use super::frame::{Frame, Vector, components, plus, scaled};
 use super::statement::Place;
-use crate::measuring::file::Stylus;
-use crate::measuring::prober::Prober;
+use husillo_metrology::heads::Prober;
+use husillo_metrology::heads::Stylus;
 use husillo_probe::UnitVector;
 
 /// A touch, on the machine.

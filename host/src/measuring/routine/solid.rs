@@ -1,9 +1,9 @@
 //! Ideal solids and a machine that touches them: for tests.
 
 use super::frame::{Frame, Vector, components, dot, floats, minus, plus, scaled};
-use crate::measuring::file::Stylus;
-use crate::measuring::prober::{Probed, Prober, Touched};
-use crate::measuring::trouble::Trouble;
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::Stylus;
+use husillo_metrology::heads::{Probed, Prober, Touched};
 use husillo_probe::{Edge, UnitVector};
 
 /// A body on the part; lengths in nm.

@@ -8,7 +8,7 @@ use super::parser::Parser;
 use super::runner::Runner;
 use super::site::Site;
 use super::solid::{Body, Ideal};
-use crate::measuring::file::Stylus;
+use husillo_metrology::heads::Stylus;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 
 const MM: i64 = 1_000_000;
@@ -310,7 +310,7 @@ fn a_missing_surface_is_trouble() {
     assert!(matches!(
         failed,
         Err(Failure::Machine(
-            crate::measuring::trouble::Trouble::NoContact { .. }
+            husillo_metrology::Trouble::NoContact { .. }
         ))
     ));
 }

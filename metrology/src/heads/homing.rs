@@ -1,13 +1,14 @@
 //! Home on the index of an encoder.
 
 use super::head::Head;
+use super::port::Port;
 use super::touching::is_closed;
-use super::trouble::Trouble;
 use super::way::{Search, Way};
+use crate::trouble::Trouble;
 use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Searches the index of an axis in the positive direction, once at the speed of a search and once slowly, as every turn of the
     /// encoder has one and only the edge that is met from this side counts. It becomes position 0, and the axis goes there.
     ///
@@ -35,7 +36,7 @@ impl Head {
 
     /// Goes to before some count.
     fn back_from(&mut self, index: usize, count: i32) -> Result<(), Trouble> {
-        let [low, _] = self.axes[index].file.travel;
+        let [low, _] = self.axes[index].settings.travel;
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let before = count.saturating_sub(back_off).max(low);
         self.only(index, before, None, self.probe.rate).map(drop)
@@ -44,7 +45,7 @@ impl Head {
     /// The count of the next index.
     fn search_index(&mut self, index: usize, rate: u32) -> Result<i32, Trouble> {
         let axis = &self.axes[index];
-        let (letter, [_, high]) = (axis.file.letter, axis.file.travel);
+        let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
         let search = Search {
             // The contact ends it as well: a collision.
             events: Homing::INDEX.with(Homing::LIMIT_1),

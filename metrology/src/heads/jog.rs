@@ -1,12 +1,13 @@
 //! An axis that runs for some time.
 
 use super::head::{Head, is_done, stop};
+use super::port::Port;
 use super::touching::is_closed;
-use super::trouble::Trouble;
 use super::way::per_period;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it
     /// smoothly. From a
     /// contact it runs at that of a search. It is a move to the end of the
@@ -34,9 +35,9 @@ impl Head {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         let axis = self.axes[index];
-        let [low, high] = axis.file.travel;
+        let [low, high] = axis.settings.travel;
         // It may stand as far beyond its goal.
-        let slack = axis.file.in_position as i32;
+        let slack = axis.settings.in_position as i32;
         let goal = if is_positive {
             high.saturating_sub(slack)
         } else {
@@ -52,14 +53,14 @@ impl Head {
         let mut watch = self.watch(&goals);
         self.begin_watch(&mut watch, is_touching)?;
         let rate = if is_slow || is_touching {
-            self.probe.rate.min(axis.file.rate)
+            self.probe.rate.min(axis.settings.rate)
         } else {
-            axis.file.rate
+            axis.settings.rate
         };
         let (velocity, acceleration) =
-            per_period(rate, axis.file.acceleration.into(), self.period_s);
+            per_period(rate, axis.settings.acceleration.into(), self.period_s);
         self.line.command(
-            axis.file.module,
+            axis.settings.module,
             Command::LoadTrajectory(Trajectory {
                 position: Some(goal),
                 velocity: Some(velocity),
@@ -78,7 +79,8 @@ impl Head {
                 break;
             }
         }
-        self.line.command(axis.file.module, stop(StopWay::Smooth))?;
+        self.line
+            .command(axis.settings.module, stop(StopWay::Smooth))?;
         let was_armed = self.end_watch(&mut watch)?;
         let replies = self.settle()?;
         if was_armed && replies.iter().any(is_closed) {

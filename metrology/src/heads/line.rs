@@ -1,50 +1,61 @@
 //! A line of modules behind a port: one step of the protocol after another.
 
-use super::interrupt::Interrupt;
+use super::operator::Operator;
 use super::port::Port;
-use super::trouble::Trouble;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{
     Baud, Chain, Command, Host, Items, Next, Outcome, Progress, Reply, Startup, Step,
 };
-use std::fmt::Write as _;
+use std::fmt;
 
 /// The host's end of the line.
-pub struct Line {
-    port: Port,
+pub struct Line<P> {
+    port: P,
     host: Host,
-    is_raw: bool,
-    interrupt: Interrupt,
+    operator: Box<dyn Operator>,
 }
 
-impl Line {
-    /// At a port; `is_raw` prints all bytes on standard error.
-    pub fn new(port: Port, is_raw: bool) -> Self {
+impl<P: fmt::Debug> fmt::Debug for Line<P> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { port, host, .. } = self;
+        let mut text = out.debug_struct("Line");
+        text.field("port", port).field("host", host);
+        text.finish_non_exhaustive()
+    }
+}
+
+impl<P: Port> Line<P> {
+    /// At a port, without an operator.
+    pub fn new(port: P) -> Self {
         let host = Host::new(port.timing(Baud::default()));
         Self {
             port,
             host,
-            is_raw,
-            interrupt: Interrupt::default(),
+            operator: Box::new(()),
         }
     }
 
-    /// No step begins while this is asked for and not seen to.
-    pub fn with_interrupt(self, interrupt: Interrupt) -> Self {
-        Self { interrupt, ..self }
+    /// No step begins while the operator wants a stop that nobody has seen to.
+    #[must_use]
+    pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
+        Self {
+            operator: Box::new(operator),
+            ..self
+        }
     }
 
-    /// What breaks it off.
-    pub const fn interrupt(&self) -> &Interrupt {
-        &self.interrupt
+    /// Who stands before the machine.
+    pub(crate) fn operator(&self) -> &dyn Operator {
+        &*self.operator
     }
 
     #[cfg(test)]
-    pub fn port(&mut self) -> &mut Port {
+    pub(super) fn port(&mut self) -> &mut P {
         &mut self.port
     }
 
     #[cfg(test)]
-    pub fn into_port(self) -> Port {
+    pub(super) fn into_port(self) -> P {
         self.port
     }
 
@@ -125,7 +136,7 @@ impl Line {
     }
 
     fn step(&mut self, step: Step) -> Result<Outcome, Trouble> {
-        if self.interrupt.is_asked() {
+        if self.operator.is_stop_wanted() {
             return Err(Trouble::Interrupted);
         }
         if let Step::Switch(baud) = step {
@@ -137,14 +148,16 @@ impl Line {
             let now_us = self.now_us();
             let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now_us)).collect();
             if !bytes.is_empty() {
-                self.show('>', &bytes);
+                self.operator.sent(&bytes);
                 self.port.send(&bytes)?;
             }
             match self.host.poll(self.now_us()) {
                 Progress::Done(outcome) => return Ok(outcome),
                 Progress::Waiting { us } => {
                     let bytes = self.port.receive(us)?;
-                    self.show('<', &bytes);
+                    if !bytes.is_empty() {
+                        self.operator.received(&bytes);
+                    }
                     let now_us = self.now_us();
                     bytes.iter().for_each(|byte| self.host.push(*byte, now_us));
                 }
@@ -157,30 +170,19 @@ impl Line {
     fn now_us(&self) -> u32 {
         self.port.elapsed_us() as u32
     }
-
-    fn show(&self, sign: char, bytes: &[u8]) {
-        if self.is_raw && !bytes.is_empty() {
-            let mut text = String::from(sign);
-            for byte in bytes {
-                // Writing to a string does not fail.
-                let _ = write!(text, " {byte:02x}");
-            }
-            eprintln!("{text}");
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measuring::emulated::Emulated;
+    use crate::simulated::{SimulatedChain, SimulatedPort};
     use husillo_transports::nmc::Group;
 
     /// As any program may leave them: other addresses, another group.
     #[test]
     fn modules_in_other_groups_are_found() {
-        let emulated = Emulated::new(&[4; 2], &[], None).unwrap();
-        let mut line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        let chain = SimulatedChain::new(&[4; 2], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(chain));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
         let group = Group {
             address: 0x90,
@@ -198,8 +200,8 @@ mod tests {
 
     #[test]
     fn a_line_without_modules_is_told() {
-        let emulated = Emulated::new(&[], &[], None).unwrap();
-        let mut line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        let chain = SimulatedChain::new(&[], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(chain));
         assert!(matches!(
             line.start_up(Baud::B19200),
             Err(Trouble::NoModules)

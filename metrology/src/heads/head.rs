@@ -1,13 +1,13 @@
 //! The head of a measuring machine: one to three servo axes on a line, moved together in straight lines.
 
-use super::calibration_file::Errors;
-use super::file::{CmmFile, ProbeFile};
 use super::line::Line;
+use super::machine::{Machine, ProbeSettings};
+use super::port::Port;
 use super::prober::{Probed, Prober, Touched};
-use super::scale::Scale;
 use super::servo::Servo;
-use super::trouble::Trouble;
-use super::view::View;
+use super::view::{Errors, View};
+use crate::scale::Scale;
+use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
     CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
@@ -18,10 +18,11 @@ pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
 
 /// All axes of a machine with their servos on. Positions are amounts of the scale in the order X, Y, Z; an axis that is not there is
 /// always at 0.
-pub struct Head {
-    pub(super) line: Line,
+#[derive(Debug)]
+pub struct Head<P> {
+    pub(super) line: Line<P>,
     pub(super) axes: Vec<Servo>,
-    pub(super) probe: ProbeFile,
+    pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
     /// What readings are called in messages.
     view: View,
@@ -39,13 +40,16 @@ pub struct Head {
     pub(super) has_collided: bool,
 }
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Starts the line and the servos of all axes of the machine.
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has, no motor power.
-    pub fn start(mut line: Line, machine: &CmmFile, touches: u8) -> Result<Self, Trouble> {
+    /// No answer, fewer modules than the machine has, no motor power; a machine without axes.
+    pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+        if machine.axes.is_empty() {
+            return Err(Trouble::NoAxis { axis: 'X' });
+        }
         let chain = line.start_up(machine.baud)?;
         let wanted = machine.modules();
         if chain.modules < wanted {
@@ -67,9 +71,13 @@ impl Head {
         };
         // A divisor makes the profiles of old modules slower, but only the derivative of version 10.
         let periods = head.axes.iter().map(|axis| {
-            let (_, version) = chain.devices[usize::from(axis.file.module) - 1];
-            if version < 10 {
-                axis.file.gains.rate_divisor
+            let place = usize::from(axis.settings.module).wrapping_sub(1);
+            if chain
+                .devices
+                .get(place)
+                .is_some_and(|(_, version)| *version < 10)
+            {
+                axis.settings.gains.rate_divisor
             } else {
                 1
             }
@@ -85,7 +93,7 @@ impl Head {
                 address: EVERY_GROUP,
                 is_leader: true,
             };
-            let address = first.file.module;
+            let address = first.settings.module;
             head.line
                 .command(address, Command::SetAddress { address, group })?;
         }
@@ -97,9 +105,9 @@ impl Head {
 
     fn switch_on(&mut self, index: usize) -> Result<(), Trouble> {
         let axis = self.axes[index];
-        let module = axis.file.module;
+        let module = axis.settings.module;
         self.line
-            .command(module, Command::SetGain(axis.file.gains))?;
+            .command(module, Command::SetGain(axis.settings.gains))?;
         self.line.command(module, stop(StopWay::Abrupt))?;
         self.line.command(module, Command::ClearBits)?;
         // A reset has done it already, but not on every module.
@@ -109,6 +117,11 @@ impl Head {
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;
         self.hold(index, reply.readings.position)
+    }
+
+    /// How it probes.
+    pub const fn probe(&self) -> &ProbeSettings {
+        &self.probe
     }
 
     /// What the module of a standing axis says of itself.
@@ -152,9 +165,9 @@ impl Head {
     }
 
     /// The place in the machine file of an axis, 0 for X to 2 for Z.
-    pub(super) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
+    pub(crate) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
         let mut axes = self.axes.iter();
-        let found = axes.position(|axis| axis.file.coordinate() == coordinate);
+        let found = axes.position(|axis| axis.settings.coordinate() == coordinate);
         found.ok_or(Trouble::NoAxis {
             axis: "XYZ".chars().nth(coordinate).unwrap_or('?'),
         })
@@ -184,10 +197,10 @@ impl Head {
     pub fn text(&self, readings: [i64; 3]) -> String {
         let place = self.view.position(readings);
         let numbers = self.axes.iter().map(|axis| {
-            let position = place[axis.file.coordinate()];
+            let position = place[axis.settings.coordinate()];
             match self.axes.len() {
                 1 => self.scale.text(position),
-                _ => format!("{} {}", axis.file.letter, self.scale.text(position)),
+                _ => format!("{} {}", axis.settings.letter, self.scale.text(position)),
             }
         });
         numbers.collect::<Vec<_>>().join(", ")
@@ -197,13 +210,13 @@ impl Head {
     pub(super) fn axis_text(&self, index: usize, counts: i32) -> String {
         let axis = &self.axes[index];
         let text = self.scale.text(self.seen(index, self.held(), counts));
-        format!("{} {text}", axis.file.letter)
+        format!("{} {text}", axis.settings.letter)
     }
 
     /// The position of an axis at these counts, with the others at these readings.
     fn seen(&self, index: usize, mut readings: [i64; 3], counts: i32) -> i64 {
         let axis = &self.axes[index];
-        let coordinate = axis.file.coordinate();
+        let coordinate = axis.settings.coordinate();
         readings[coordinate] = axis.position(self.scale, counts);
         self.view.position(readings)[coordinate]
     }
@@ -211,7 +224,7 @@ impl Head {
     fn place(&self, counts: impl Fn(usize, &Servo) -> i32) -> [i64; 3] {
         let mut place = [0; 3];
         for (index, axis) in self.axes.iter().enumerate() {
-            place[axis.file.coordinate()] = axis.position(self.scale, counts(index, axis));
+            place[axis.settings.coordinate()] = axis.position(self.scale, counts(index, axis));
         }
         place
     }
@@ -223,11 +236,11 @@ impl Head {
     /// It is beside the axes of the machine.
     pub(super) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
         for (axis, position) in "XYZ".chars().zip(place) {
-            if position != 0 && !self.axes.iter().any(|there| there.file.letter == axis) {
+            if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
                 return Err(Trouble::NoAxis { axis });
             }
         }
-        let of = |axis: &Servo| axis.counts(self.scale, place[axis.file.coordinate()]);
+        let of = |axis: &Servo| axis.counts(self.scale, place[axis.settings.coordinate()]);
         Ok(self.axes.iter().map(of).collect())
     }
 
@@ -238,13 +251,13 @@ impl Head {
     /// The first that may not.
     pub(super) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
-            let [low, high] = axis.file.travel;
+            let [low, high] = axis.settings.travel;
             if !(low..=high).contains(goal) {
-                let there = self.view.position(meant)[axis.file.coordinate()];
+                let there = self.view.position(meant)[axis.settings.coordinate()];
                 let text = |counts| self.scale.text(self.seen(index, meant, counts));
                 return Err(Trouble::OutsideTravel {
-                    goal: format!("{} {}", axis.file.letter, self.scale.text(there)),
-                    travel: axis.file.travel.map(text),
+                    goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
+                    travel: axis.settings.travel.map(text),
                 });
             }
         }
@@ -258,7 +271,7 @@ impl Head {
             let [low, high] = axis.travel(self.scale);
             let at = axis.position(self.scale, axis.held);
             // Travels are far below 2^53 nm, and 0 / 0 is no room to `min`.
-            match components[axis.file.coordinate()] {
+            match components[axis.settings.coordinate()] {
                 part if part > 0.0 => (high - at) as f64 / part,
                 part if part < 0.0 => (low - at) as f64 / part,
                 _ => f64::INFINITY,
@@ -276,7 +289,7 @@ impl Head {
     pub(super) fn read(&mut self) -> Result<Vec<Reply>, Trouble> {
         let mut replies = Vec::with_capacity(self.axes.len());
         for axis in &self.axes {
-            let module = axis.file.module;
+            let module = axis.settings.module;
             replies.push(self.line.command(module, Command::ReadStatus(READ))?);
         }
         for (index, (axis, reply)) in self.axes.iter().zip(&replies).enumerate() {
@@ -299,14 +312,13 @@ impl Head {
         &mut self,
         what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
-        self.line.interrupt().set_moving(true);
+        self.line.operator().set_moving(true);
         let result = self
             .find_again()
             .and_then(|()| what(self))
             .and_then(|done| {
                 // Too late to break it off; all the same nothing comes after it.
-                let is_asked = self.line.interrupt().is_asked();
-                if is_asked {
+                if self.line.operator().is_stop_wanted() {
                     Err(Trouble::Interrupted)
                 } else {
                     Ok(done)
@@ -314,16 +326,16 @@ impl Head {
             });
         if let Err(trouble) = &result {
             self.is_astray = true;
-            self.line.interrupt().see_to();
+            self.line.operator().stop_is_seen_to();
             let way = match trouble {
                 Trouble::Interrupted => StopWay::Smooth,
                 _ => StopWay::Abrupt,
             };
             if self.stop(way).is_err() {
-                eprintln!("warning: not every axis has answered the stop: be ready to switch off");
+                self.line.operator().stop_is_unanswered();
             }
         }
-        self.line.interrupt().set_moving(false);
+        self.line.operator().set_moving(false);
         result
     }
 
@@ -333,7 +345,7 @@ impl Head {
             return Ok(());
         }
         for index in 0..self.axes.len() {
-            let module = self.axes[index].file.module;
+            let module = self.axes[index].settings.module;
             self.line.command(module, stop(StopWay::Abrupt))?;
             self.line.command(module, Command::ClearBits)?;
         }
@@ -355,13 +367,14 @@ impl Head {
     }
 
     fn read_axis_twice(&mut self, axis: &Servo, items: Items) -> Result<Reply, Trouble> {
-        let jitter_counts = axis.file.in_position.saturating_mul(2);
-        self.line.read_twice(axis.file.module, items, jitter_counts)
+        let jitter_counts = axis.settings.in_position.saturating_mul(2);
+        self.line
+            .read_twice(axis.settings.module, items, jitter_counts)
     }
 
     /// Tells an axis that stands what to hold, so that the next way is known exactly.
     pub(super) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
-        let module = self.axes[index].file.module;
+        let module = self.axes[index].settings.module;
         self.line.command(module, stop(StopWay::Here(counts)))?;
         self.axes[index].held = counts;
         Ok(())
@@ -381,7 +394,7 @@ impl Head {
             } else {
                 stop(way)
             };
-            let answer = self.line.command(axis.file.module, command);
+            let answer = self.line.command(axis.settings.module, command);
             result = result.and(answer.map(drop));
         }
         result
@@ -401,7 +414,7 @@ pub(super) const fn stop(way: StopWay) -> Command {
     })
 }
 
-impl Prober for Head {
+impl<P: Port> Prober for Head<P> {
     fn position(&mut self) -> Result<[i64; 3], Trouble> {
         let replies = self.read_twice()?;
         Ok(self.place_of(&replies))
@@ -445,19 +458,25 @@ impl Prober for Head {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measuring::emulated::Emulated;
-    use crate::measuring::port::Port;
+    use crate::heads::operator::Operator as _;
+    use crate::heads::operator::StopButton;
+    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
     use husillo_probe::Failure;
+
+    type Head = super::Head<SimulatedPort>;
 
     const MM: i64 = 1_000_000;
 
     /// The machine of three axes with a face 4 mm below.
     fn head() -> Head {
-        let machine = CmmFile::load("cmm3").unwrap_or_else(|_| panic!("cmm3"));
-        let face = "3:..-2000".parse().unwrap();
-        let emulated = Emulated::new(&[4; 3], &[face], None).unwrap();
-        let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
-        Head::start(line, &machine, 1).unwrap()
+        started("3:..-2000", StopButton::default())
+    }
+
+    /// The machine of three axes with a face.
+    fn started(face: &str, button: StopButton) -> Head {
+        let chain = SimulatedChain::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
+        let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
+        Head::start(line, &three_axes(), 1).unwrap()
     }
 
     /// Seconds of what is done.
@@ -485,26 +504,21 @@ mod tests {
 
     /// Where the motors are, now and a second later.
     fn motors(head: &mut Head) -> [[i64; 3]; 2] {
-        let Port::Simulated(emulated, _) = head.line.port() else {
-            unreachable!("simulated")
-        };
-        let mut at = || [0, 1, 2].map(|module| emulated.chain().motor(module).unwrap().counts());
+        let chain = &mut head.line.port().chain;
+        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
         let before = at();
         for _ in 0..2000 {
-            emulated.tick();
+            chain.tick();
         }
-        let mut at = || [0, 1, 2].map(|module| emulated.chain().motor(module).unwrap().counts());
+        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
         [before, at()]
     }
 
     #[test]
     fn a_module_that_is_gone_stops_the_others() {
         let mut head = head();
-        let Port::Simulated(emulated, _) = head.line.port() else {
-            unreachable!("simulated")
-        };
         // Without supply from 1 to 1.5 s on; the way takes 3.
-        emulated.interrupt(1, 3000);
+        head.line.port().chain.interrupt(1, 3000);
         let gone = head.go_to([6 * MM, 6 * MM, 0]);
         assert!(gone.is_err(), "{gone:?}");
         motors(&mut head);
@@ -517,15 +531,12 @@ mod tests {
 
     #[test]
     fn an_interrupted_move_ends_before_its_goal_and_another_may_follow() {
-        let mut head = head();
-        let interrupt = head.line.interrupt().clone();
-        let Port::Simulated(emulated, _) = head.line.port() else {
-            unreachable!("simulated")
-        };
-        emulated.ask_after(2000, interrupt.clone());
+        let button = StopButton::default();
+        let mut head = started("3:..-2000", button.clone());
+        head.line.port().chain.ask_after(2000, button.clone());
         let ended = head.go_to([6 * MM, 6 * MM, 0]);
         assert!(matches!(ended, Err(Trouble::Interrupted)), "{ended:?}");
-        assert!(interrupt.has_stopped() && !interrupt.is_asked());
+        assert!(button.has_stopped() && !button.is_stop_wanted());
         motors(&mut head);
         let [at, later] = motors(&mut head);
         assert!((100..2900).contains(&at[0]), "{at:?}");
@@ -535,10 +546,7 @@ mod tests {
         let wanted = [5 * MM, 2 * MM, MM];
         assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
         // A jog, in the same way.
-        let Port::Simulated(emulated, _) = head.line.port() else {
-            unreachable!("simulated")
-        };
-        emulated.ask_after(1000, interrupt);
+        head.line.port().chain.ask_after(1000, button);
         assert!(head.jog(0, true, 60.0, false).is_err());
         motors(&mut head);
         let [at, later] = motors(&mut head);
@@ -549,7 +557,7 @@ mod tests {
     #[test]
     fn a_jog_that_nobody_stops_ends_at_the_end_of_the_travel() {
         let mut head = head();
-        head.axes[0].file.travel = [-1000, 1000];
+        head.axes[0].settings.travel = [-1000, 1000];
         head.jog(0, true, 60.0, false).unwrap();
         assert!((998..=1000).contains(&head.axes[0].held));
         // Already there.
@@ -605,11 +613,7 @@ mod tests {
     /// The index of Z is below the face: a homing that meets it is no home.
     #[test]
     fn homing_against_a_face_is_a_collision() {
-        let machine = CmmFile::load("cmm3").unwrap_or_else(|_| panic!("cmm3"));
-        let face = "3:150".parse().unwrap();
-        let emulated = Emulated::new(&[4; 3], &[face], None).unwrap();
-        let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
-        let mut head = Head::start(line, &machine, 1).unwrap();
+        let mut head = started("3:150", StopButton::default());
         head.go_to([0, 0, MM / 10]).unwrap();
         let met = head.home(2);
         assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");

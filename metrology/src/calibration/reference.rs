@@ -1,9 +1,10 @@
 //! Calibration of the probe on a body of known size.
 
-use super::file::Stylus;
-use super::prober::Prober;
-use super::trouble::Trouble;
-use husillo_probe::{Calibration, PreTravel, Reference, Residuals, Tip, Touch, UnitVector};
+use crate::heads::{Prober, Stylus};
+use crate::trouble::Trouble;
+use husillo_probe::{
+    Calibration, FitError, PreTravel, Reference, Residuals, Tip, Touch, UnitVector,
+};
 
 /// What the probe is calibrated on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,6 +186,9 @@ impl ReferenceBody {
     }
 }
 
+/// Of a table that is none.
+const NONE: Trouble = Trouble::Fit(FitError::TooFewPoints);
+
 fn fitted<const K: usize>(
     touches: Vec<Touch>,
     reference: &Reference,
@@ -195,7 +199,7 @@ fn fitted<const K: usize>(
         .iter()
         .map(|direction| unit(*direction))
         .collect();
-    let units: [UnitVector; K] = units.try_into().expect("as many as were touched");
+    let units: [UnitVector; K] = units.try_into().map_err(|_| NONE)?;
     let uniform = Calibration::fit(
         touches.clone(),
         reference,
@@ -209,7 +213,7 @@ fn fitted<const K: usize>(
     Ok(FoundProbe {
         stylus: Tip {
             radius_nm: tip_radius,
-            pre_travel: PreTravel::of(entries).expect("fewer than the places"),
+            pre_travel: PreTravel::of(entries).ok_or(NONE)?,
         },
         table: table
             .map(|(direction, (_, nm))| (*direction, *nm))
@@ -231,14 +235,12 @@ fn plus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measuring::emulated::Emulated;
-    use crate::measuring::file::CmmFile;
-    use crate::measuring::head::Head;
-    use crate::measuring::line::Line;
-    use crate::measuring::piece::{Mounted, Piece};
-    use crate::measuring::port::Port;
+    use crate::heads::Line;
+    use crate::simulated::{Mounted, Piece, SimulatedChain, SimulatedPort, three_axes};
     use husillo_probe::{Repeatability, Sphere};
     use husillo_sim::{Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
+
+    type Head = crate::heads::Head<SimulatedPort>;
 
     const RADIUS: i64 = 10_000_000;
     const BALL: i32 = 1_000_000;
@@ -272,10 +274,10 @@ mod tests {
             work,
             probe: TouchProbe::new(model, seed),
         };
-        let file = CmmFile::load("cmm3").unwrap();
+        let file = three_axes();
         let mounted = Mounted::new(piece, &file).unwrap();
-        let emulated = Emulated::new(&[4; 3], &[], Some(mounted)).unwrap();
-        let line = Line::new(Port::Simulated(Box::new(emulated), 0), false);
+        let chain = SimulatedChain::new(&[4; 3], &[], Some(mounted)).unwrap();
+        let line = Line::new(SimulatedPort::new(chain));
         Head::start(line, &file, 1).unwrap()
     }
 

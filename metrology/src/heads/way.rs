@@ -1,8 +1,9 @@
 //! Straight ways of all axes of a head.
 
 use super::head::{Head, is_done};
+use super::port::Port;
 use super::servo::Servo;
-use super::trouble::Trouble;
+use crate::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};
 use husillo_transports::nmc::{
     Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Status, Trajectory,
@@ -18,6 +19,7 @@ const STILL_READINGS: u32 = 3;
 const STARTS: u32 = 3;
 
 /// A way of the axes, or the end of one.
+#[derive(Debug)]
 pub struct Way {
     /// The last reading of each.
     pub replies: Vec<Reply>,
@@ -68,7 +70,7 @@ pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u
     (velocity.max(1), acceleration.max(1))
 }
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate` counts/s, and waits until all stand. With
     /// a `search` each module ends it at the event, latches where it was and stops, whatever the
     /// host does; without event and
@@ -119,13 +121,13 @@ impl Head {
                 replies = self.read()?;
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
-                    let axis = self.axes[*index].file.letter;
+                    let axis = self.axes[*index].settings.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
                 let replies = self.settle()?;
                 // One reading may be wrong and not show it; two alike are not.
                 if let Some(index) = replies.iter().position(searches) {
-                    let axis = self.axes[index].file.letter;
+                    let axis = self.axes[index].settings.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
                 if let Some(watch) = &mut watch {
@@ -158,7 +160,7 @@ impl Head {
                 continue;
             }
             let command = Command::SetHoming(search.events.with(search.stop));
-            let reply = self.line.command(axis.file.module, command)?;
+            let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
                 // It has heard something else, and what it has latched is of another search.
                 return Err(Trouble::Link(Failure::Uncertain));
@@ -172,7 +174,7 @@ impl Head {
         for (index, axis) in self.axes.iter().enumerate() {
             if search.is_for(index) {
                 let command = Command::SetHoming(Homing::default());
-                self.line.command(axis.file.module, command)?;
+                self.line.command(axis.settings.module, command)?;
             }
         }
         Ok(())
@@ -182,11 +184,11 @@ impl Head {
     pub(super) fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
         let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
-            let coordinate = axis.file.coordinate();
+            let coordinate = axis.settings.coordinate();
             // Beyond 2^31 counts it would only be slower.
             ways[coordinate] = goal.saturating_sub(axis.held);
-            rates[coordinate] = axis.file.rate;
-            accelerations[coordinate] = axis.file.acceleration.into();
+            rates[coordinate] = axis.settings.rate;
+            accelerations[coordinate] = axis.settings.acceleration.into();
         }
         let direction = Direction::new(ways.map(i64::from))?;
         let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
@@ -212,7 +214,7 @@ impl Head {
         let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
         for (index, goal) in goal.iter().enumerate() {
             let axis = &mut self.axes[index];
-            let of = |all: [u32; 3]| match all[axis.file.coordinate()] {
+            let of = |all: [u32; 3]| match all[axis.settings.coordinate()] {
                 // Where there is no way: nothing that could last.
                 0 => fastest(all),
                 part => part,
@@ -225,7 +227,7 @@ impl Head {
                 start_now: is_alone,
                 ..Trajectory::default()
             };
-            let module = axis.file.module;
+            let module = axis.settings.module;
             self.line
                 .command(module, Command::LoadTrajectory(trajectory))?;
         }
@@ -249,7 +251,7 @@ impl Head {
             let replies = self.read()?;
             // Of ways so short that it cannot be told the end will tell.
             let is_long = |(axis, (_, goal)): &(&Servo, (&Reply, &i32))| {
-                goal.abs_diff(axis.held) > 4 * axis.file.in_position
+                goal.abs_diff(axis.held) > 4 * axis.settings.in_position
             };
             let has_begun = |(axis, (reply, goal)): (&Servo, (&Reply, &i32))| {
                 let at = reply.readings.position;
@@ -313,7 +315,7 @@ impl Head {
     fn braking_us(&self) -> u64 {
         let axes = self.axes.iter().map(|axis| {
             // Not 0 in any machine file; 2^32 s at most.
-            u64::from(axis.file.rate) * 1_000_000 / u64::from(axis.file.acceleration.max(1))
+            u64::from(axis.settings.rate) * 1_000_000 / u64::from(axis.settings.acceleration.max(1))
         });
         axes.max().unwrap_or_default()
     }

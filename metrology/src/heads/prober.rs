@@ -1,7 +1,7 @@
 //! What measuring routines ask of a machine.
 
-use super::trouble::Trouble;
 use super::view::View;
+use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 
 /// What carries a probe in straight lines. Positions are those of the tip's centre in nm, on the axes of the machine; an axis that is

@@ -1,8 +1,10 @@
 //! What readings of a machine are called.
 
-use super::calibration_file::Errors;
-use husillo_backlash::Flank;
+use husillo_backlash::{Calibration, Flank, Knot};
 use std::rc::Rc;
+
+/// The errors of a machine, with as many knots as were measured.
+pub type Errors = Calibration<Vec<Knot>>;
 
 /// Positions by readings: the errors that are taken off, and what is called 0. Results, goals and messages all come through it.
 #[derive(Clone, Debug)]

@@ -1,16 +1,16 @@
 //! Sessions on a bad line: every move and every touch is right or reported.
 
-use super::contact::Contact;
-use super::emulated::Emulated;
-use super::file::CmmFile;
-use super::head::Head;
 use super::line::Line;
-use super::port::Port;
-use super::trouble::Trouble;
+use super::machine::Machine;
+use super::port::Port as _;
+use crate::simulated::{Contact, SimulatedChain, SimulatedPort, three_axes};
+use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_sim::{Damage, Noise};
 use husillo_transports::nmc::{Baud, Command, Group};
 use std::collections::BTreeMap;
+
+type Head = super::Head<SimulatedPort>;
 
 /// Counts at which the probe of every axis closes, in both directions.
 const FACE: i64 = 3000;
@@ -67,12 +67,9 @@ impl Tally {
         collisions.map(|(_, count)| count).sum()
     }
 
-    fn close(&mut self, mut port: Port) {
-        let Port::Simulated(emulated, ns) = &mut port else {
-            unreachable!("simulated")
-        };
-        self.seconds += *ns as f64 * 1e-9;
-        self.add_damage(emulated.chain().damage());
+    fn close(&mut self, mut port: SimulatedPort) {
+        self.seconds += port.elapsed_us() as f64 * 1e-6;
+        self.add_damage(port.chain.chain().damage());
     }
 
     fn add_damage(&mut self, damage: Damage) {
@@ -101,38 +98,32 @@ impl Tally {
 }
 
 /// The first axes of the machine of three.
-fn machine(modules: usize, baud: Baud) -> CmmFile {
-    let mut machine = CmmFile::load("cmm3").unwrap_or_else(|_| panic!("cmm3"));
+fn machine(modules: usize, baud: Baud) -> Machine {
+    let mut machine = three_axes();
     machine.axes.truncate(modules);
     machine.baud = baud;
     machine
 }
 
-fn port(modules: usize, noise: Noise, seed: u64) -> Port {
+fn port(modules: usize, noise: Noise, seed: u64) -> SimulatedPort {
     let faces: Vec<Contact> = (1..=modules)
         .flat_map(|module| [format!("{module}:{FACE}"), format!("{module}:..-{FACE}")])
         .map(|face| face.parse().expect("a face"))
         .collect();
-    let emulated = Emulated::new(&vec![4; modules], &faces, None).expect("a chain");
-    Port::Simulated(Box::new(emulated.with_faults(noise, seed)), 0)
+    let chain = SimulatedChain::new(&vec![4; modules], &faces, None).expect("a chain");
+    SimulatedPort::new(chain.with_faults(noise, seed))
 }
 
 /// Where the motor of a module is, whatever it says.
-fn truth(port: &mut Port, module: u8) -> i64 {
-    let Port::Simulated(emulated, _) = port else {
-        unreachable!("simulated")
-    };
-    let motor = emulated.chain().motor(usize::from(module - 1));
+fn truth(port: &mut SimulatedPort, module: u8) -> i64 {
+    let motor = port.chain.chain().motor(usize::from(module - 1));
     motor.expect("a motor").counts()
 }
 
 /// Where the motors are when the modules say 0: anywhere, since a session begins where the head happens to be.
 fn zeros(head: &mut Head) -> [i64; 3] {
-    let Port::Simulated(emulated, _) = head.line.port() else {
-        unreachable!("simulated")
-    };
     [0, 1, 2].map(|module| {
-        let chain = emulated.chain();
+        let chain = head.line.port().chain.chain();
         let motor = chain.motor(module).map_or(0, |motor| motor.counts());
         motor - i64::from(chain.axis(module).map_or(0, |axis| axis.position()))
     })
@@ -172,20 +163,21 @@ fn sessions(plan: Plan) -> Tally {
             modules,
             [Baud::B19200, Baud::B115200][random.below(2) as usize],
         );
-        if let (true, Port::Simulated(emulated, _)) = (plan.has_outages, &mut port) {
+        if plan.has_outages {
             let module = random.below(modules as u64) as usize;
-            emulated.interrupt(module, 1000 + random.below(40_000));
+            let periods = 1000 + random.below(40_000);
+            port.chain.interrupt(module, periods);
         }
         let touches = 1 + random.below(2) as u8;
-        match Head::start(Line::new(port, false), &machine, touches) {
+        match Head::start(Line::new(port), &machine, touches) {
             Ok(mut head) => {
                 if let Err(trouble) = session(&mut head, &mut random, &mut tally) {
                     tally.report(&trouble);
                 }
                 let port = head.line.into_port();
                 // The simulation goes on where it is, for an hour at most.
-                let end_ns = seconds.min(3600.0) * 1e9;
-                if matches!(&port, Port::Simulated(_, ns) if (*ns as f64) < end_ns) {
+                let end_us = seconds.min(3600.0) * 1e6;
+                if (port.elapsed_us() as f64) < end_us {
                     open = Some(port);
                 } else {
                     tally.close(port);
@@ -319,7 +311,7 @@ fn two_modules_that_answer_are_reported() {
     let mut random = Random(3);
     let (mut reported, mut right) = (0, 0);
     for seed in 0..40 {
-        let line = Line::new(port(2, Noise::default(), seed), false);
+        let line = Line::new(port(2, Noise::default(), seed));
         let machine = machine(1, Baud::B115200);
         let mut head = Head::start(line, &machine, 1).expect("a good line");
         let mut goal = || [(random.below(800) as i64 - 400) * COUNT, 0, 0];
@@ -346,7 +338,7 @@ fn two_modules_that_answer_are_reported() {
     assert!(reported > 100, "{reported}");
 }
 
-/// A day of one wrong bit in 10^5, as four lines of six hours side by side; three of them: `cargo test --release -p husillo-host -- --ignored
+/// A day of one wrong bit in 10^5, as four lines of six hours side by side; three of them: `cargo test --release -p husillo-metrology -- --ignored
 /// --nocapture hours`. `HOURS=6` before it makes each of them shorter.
 fn day(modules: usize) {
     const LINES: u64 = 4;

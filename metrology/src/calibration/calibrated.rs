@@ -1,10 +1,7 @@
 //! A machine whose errors are known: positions and goals are true ones.
 
-use super::calibration_file::Errors;
-use super::head::Head;
-use super::prober::{Probed, Prober, Touched};
-use super::trouble::Trouble;
-use super::view::View;
+use crate::heads::{Errors, Head, Port, Probed, Prober, Touched, View};
+use crate::trouble::Trouble;
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
@@ -12,6 +9,7 @@ use std::rc::Rc;
 
 /// A prober with its errors taken off. What it is asked for and what it tells are true positions, on square axes; the prober behind it works
 /// with readings, and keeps its own zero.
+#[derive(Debug)]
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
@@ -52,7 +50,7 @@ impl<P: Prober> Calibrated<P> {
     }
 
     /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its places.
-    fn set_homed(&mut self, coordinate: usize) {
+    pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
         self.view.zero[coordinate] = 0;
@@ -208,7 +206,7 @@ const fn undisturbed(at_nm: [i64; 3]) -> Probed {
     }
 }
 
-impl Calibrated<Head> {
+impl<P: Port> Calibrated<Head<P>> {
     /// Where the axes are to be.
     pub fn held(&self) -> [i64; 3] {
         let readings = self.sent.unwrap_or(self.prober.held());
@@ -288,12 +286,7 @@ impl Calibrated<Head> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrating::{AxisArgs, SquarenessArgs};
-    use crate::measuring::file::CmmFile;
-    use crate::measuring::{calibrate_axis, calibrate_squareness};
-    use std::fmt::Write;
-
-    const CMM3: &str = include_str!("../../../machines/cmm3.toml");
+    use crate::calibration::{AxisFit, Reading, SquareFit};
 
     /// A machine whose scales and angles are wrong: truth from readings, in nm.
     #[derive(Clone, Copy)]
@@ -438,18 +431,15 @@ mod tests {
         }
     }
 
-    /// What the commands make of three passes of reference lengths every 10 mm and a bar of 250 mm on the machine: its file.
-    fn calibrated(machine: &Wrong, name: &str) -> CmmFile {
-        let folder = std::env::temp_dir().join(format!("husillo-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
-        let mut text = CMM3.to_owned();
-        for (axis, letter) in [(0, 'x'), (1, 'y'), (2, 'z')] {
-            let mut table = "nominal,reading,direction\n".to_owned();
+    /// What three passes of reference lengths every 10 mm and a bar of 250 mm say of the machine.
+    fn calibrated(machine: &Wrong) -> Errors {
+        let mut errors = Errors::default();
+        for axis in 0..3 {
+            let mut readings = Vec::new();
             // Each pass somewhat farther, so that counts do not fall together.
             let pass = |shift: f64| (-20..20).map(move |step| f64::from(step) * 10.0 + shift);
             for nominal in [0.0, 3.3337, 6.6671].into_iter().flat_map(pass) {
-                for (sign, flank) in [('+', Flank::Positive), ('-', Flank::Negative)] {
+                for flank in [Flank::Positive, Flank::Negative] {
                     let mut truth = [0.0; 3];
                     truth[axis] = nominal * 1e6;
                     // The lengths lie along the axis, wherever that leans.
@@ -457,56 +447,36 @@ mod tests {
                         leans: [0.0; 3],
                         ..*machine
                     };
-                    let reading = alone.reading(truth, [flank; 3])[axis];
-                    let _ = writeln!(table, "{nominal:.4},{},{sign}", reading as f64 / 1e6);
+                    readings.push(Reading {
+                        nominal: (nominal * 1e6).round() as i64,
+                        reading: alone.reading(truth, [flank; 3])[axis],
+                        flank,
+                    });
                 }
             }
-            std::fs::write(path("axis.csv"), table).unwrap();
-            let args = AxisArgs {
-                file: path("axis.csv"),
-                machine: "cmm3".into(),
-                axis: letter,
-                no_table: false,
-            };
-            let mut lines = Vec::new();
-            assert!(calibrate_axis(&args, &mut lines).is_ok());
-            text += str::from_utf8(&lines).unwrap();
+            let fit = AxisFit::new(&readings, 2000.0, false);
+            errors.axes[axis] = fit.unwrap().table;
         }
         // The machine as it reads with its axes corrected.
-        let scaled = CmmFile::parse("scaled.toml", &text).unwrap();
-        let mut table = "x1,y1,z1,x2,y2,z2\n".to_owned();
+        let mut places = Vec::new();
         let half = 125e6 / 2.0_f64.sqrt();
         for (a, b) in [(0, 1), (0, 2), (1, 2)] {
             for side in [1.0, -1.0] {
                 for place in 0..4 {
                     let centre =
                         [0.37, -0.21, 0.11].map(|part: f64| part * f64::from(place) * 50e6);
-                    let mut line = Vec::new();
-                    for end in [-1.0, 1.0] {
+                    places.push([-1.0, 1.0].map(|end| {
                         let mut truth = centre;
                         truth[a] += end * half;
                         truth[b] += end * side * half;
                         let flanks = [Flank::Positive; 3];
-                        let reading = machine.ball(truth, flanks);
-                        let shown = scaled.errors.position_nm(reading, flanks);
-                        line.extend(shown.map(|nm| format!("{}", nm as f64 / 1e6)));
-                    }
-                    let _ = writeln!(table, "{}", line.join(","));
+                        errors.position_nm(machine.ball(truth, flanks), flanks)
+                    }));
                 }
             }
         }
-        std::fs::write(path("bar.csv"), table).unwrap();
-        std::fs::write(path("scaled.toml"), &text).unwrap();
-        let args = SquarenessArgs {
-            file: path("bar.csv"),
-            machine: path("scaled.toml"),
-            length: None,
-        };
-        let mut lines = Vec::new();
-        assert!(calibrate_squareness(&args, &mut lines).is_ok());
-        text += str::from_utf8(&lines).unwrap();
-        std::fs::remove_dir_all(&folder).unwrap();
-        CmmFile::parse("mine.toml", &text).unwrap()
+        errors.squareness = SquareFit::new(&places, None).unwrap().squareness;
+        errors
     }
 
     /// The machine with its errors known, and homed where it stands.
@@ -554,8 +524,8 @@ mod tests {
         let machine = Wrong::ASKED;
         let [before, _] = worst(&machine, Errors::default());
         assert!(before > 50_000.0, "{before}");
-        let file = calibrated(&machine, "asked");
-        let [known, sent] = worst(&machine, file.errors);
+        let errors = calibrated(&machine);
+        let [known, sent] = worst(&machine, errors);
         println!(
             "{before} nm before, {known} nm after, {sent} nm from the goal with its half count"
         );
@@ -570,9 +540,9 @@ mod tests {
             count: 100,
             ..Wrong::ASKED
         };
-        let file = calibrated(&machine, "pitch");
-        assert_eq!(file.errors.axes[1].knots().len(), 120);
-        let [known, _] = worst(&machine, file.errors);
+        let errors = calibrated(&machine);
+        assert_eq!(errors.axes[1].knots().len(), 120);
+        let [known, _] = worst(&machine, errors);
         println!("{known} nm");
         assert!(known < 1000.0, "{known}");
     }
@@ -585,8 +555,8 @@ mod tests {
             ..Wrong::ASKED
         };
         machine.go_to([0, 80_000_000, -60_000_000]).unwrap();
-        let file = calibrated(&machine, "touch");
-        let mut calibrated = homed(machine, file.errors);
+        let errors = calibrated(&machine);
+        let mut calibrated = homed(machine, errors);
         calibrated
             .go_to([5_000_000, 90_000_000, 70_000_000])
             .unwrap();

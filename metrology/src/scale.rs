@@ -1,6 +1,6 @@
 //! What a count of an encoder is worth.
 
-use crate::machines::quantity::{self, Fraction, Quantity};
+use crate::quantity::{self, Fraction, Quantity};
 
 /// The way of a count, where it is known. Amounts are in nanometres then, and in counts where not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

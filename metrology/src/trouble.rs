@@ -16,53 +16,113 @@ pub enum Trouble {
     /// Nobody on the line.
     NoModules,
     /// Fewer on the line than the machine has.
-    NoModule { wanted: u8, modules: u8 },
+    NoModule {
+        /// Highest address of a module that the machine has.
+        wanted: u8,
+        /// Modules on the line.
+        modules: u8,
+    },
     /// The line is disturbed, or two modules answer at once.
     Doubtful,
     /// A motor has no supply.
-    NoPower { axis: char },
+    NoPower {
+        /// Its letter.
+        axis: char,
+    },
     /// The machine has no such axis.
-    NoAxis { axis: char },
+    NoAxis {
+        /// Its letter.
+        axis: char,
+    },
     /// The profiles of the axes are not of one time.
     Periods,
     /// Not all modules have begun a move.
     NotTogether,
     /// A module has not seen what the others have.
-    NotSeen { axis: char },
+    NotSeen {
+        /// Its letter.
+        axis: char,
+    },
     /// The servo has given up.
-    PositionError { at: String },
+    PositionError {
+        /// Where.
+        at: String,
+    },
     /// The motor's current was beyond its limit.
-    OverCurrent { at: String },
+    OverCurrent {
+        /// Where.
+        at: String,
+    },
     /// An axis has not come to rest in the time that it may take.
-    StillMoving { at: String },
+    StillMoving {
+        /// Where.
+        at: String,
+    },
     /// Ctrl-C.
     Interrupted,
     /// A calibration found a pre-travel that no probe has.
-    PreTravel { found: String, most: String },
+    PreTravel {
+        /// What was found.
+        found: String,
+        /// The most that is possible.
+        most: String,
+    },
     /// The move did not end at its goal.
-    NotThere { goal: String, at: String },
+    NotThere {
+        /// Where it was to be.
+        goal: String,
+        /// Where.
+        at: String,
+    },
     /// What is known of an axis' errors belongs to places of it, and nobody knows where it is.
-    NotHomed { axis: char },
+    NotHomed {
+        /// Its letter.
+        axis: char,
+    },
     /// The goal is not within the travel.
-    OutsideTravel { goal: String, travel: [String; 2] },
+    OutsideTravel {
+        /// Where it was to go.
+        goal: String,
+        /// Both ends of the travel.
+        travel: [String; 2],
+    },
     /// A contact where nothing was to be touched; the speed is that of the last reading before it.
     Collision {
+        /// Letters of the axes that moved.
         axes: String,
+        /// Where.
         at: String,
+        /// How fast they went; `None`: they began to move.
         speed: Option<String>,
     },
     /// A contact that was told once, and not again.
     DoubtfulContact,
     /// No index on the way.
-    NoIndex { axis: char },
+    NoIndex {
+        /// Its letter.
+        axis: char,
+    },
     /// No contact on the way.
-    NoContact { from: String, to: String },
+    NoContact {
+        /// Where the move began.
+        from: String,
+        /// Where it ended.
+        to: String,
+    },
     /// Nothing touched where the end of a contact was to be found.
     NotTouching,
     /// The contact changed only after the search had ended.
-    NotLatched { at: String },
+    NotLatched {
+        /// Where.
+        at: String,
+    },
     /// The contact lasted all the way.
-    Kept { from: String, to: String },
+    Kept {
+        /// Where the move began.
+        from: String,
+        /// Where it ended.
+        to: String,
+    },
     /// Another end of the probing cycle.
     Probe(husillo_probe::Failure),
     /// A plan that is none.
@@ -83,63 +143,6 @@ impl Trouble {
                 | Self::Plan(_)
                 | Self::Probe(husillo_probe::Failure::ContactAtStart)
         )
-    }
-
-    /// What to look at.
-    pub const fn help(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Link(nmc::Failure::Silent) | Self::NoModules => {
-                "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? Switching them off and on makes them hear again what all are told. --raw shows the bytes"
-            }
-            Self::NoModule { .. } => {
-                "`module` of an axis in the machine file is its address; 1 is the far end"
-            }
-            Self::Doubtful => "switch the modules off and on; --raw shows the bytes",
-            Self::NoPower { .. } => "switch the supply of the motor on",
-            Self::NoAxis { .. } => "the axes are those of the machine file",
-            Self::Periods => "give all axes the same `rate_divisor`",
-            Self::NotHomed { .. } => {
-                "`home` it first, on the index that the table was made from; scale and squareness need no home: `calibrate axis --no-table`"
-            }
-            Self::NoIndex { .. } => "is the index of the encoder connected? A scale may have none",
-            Self::NotTogether => "the line is disturbed: all axes have been stopped",
-            Self::NotSeen { .. } => {
-                "the contact of the probe is to be wired to limit 1 of every module; all axes have been stopped"
-            }
-            Self::PositionError { .. } => {
-                "something blocks the axis, or `gains` and `rate` do not suit the motor"
-            }
-            Self::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
-            Self::StillMoving { .. } => {
-                "`gains` do not suit the motor, or `acceleration` is more than it makes; all axes have been stopped"
-            }
-            Self::PreTravel { .. } => {
-                "is --reference the place of this face, and in the unit of the machine?"
-            }
-            Self::NotThere { .. } => {
-                "`gains` do not suit the motor: friction holds it, or it oscillates"
-            }
-            Self::NoContact { .. } => {
-                "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
-            }
-            Self::Collision { .. } => {
-                "look at the stylus, go back the way it came (until the contact is open that is slow), and calibrate the probe again. `safe` in a routine leads over the part"
-            }
-            Self::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
-            Self::NotTouching => "first touch it: G38.2 stops at the contact and stays there",
-            Self::NotLatched { .. } => {
-                "it changed as the axes came to rest at the end of the search: search farther"
-            }
-            Self::Kept { .. } => "is this the way off the surface? A probe may stick, too",
-            Self::Probe(husillo_probe::Failure::ContactAtStart) => {
-                "move away from the contact first: goto, or G38.4 in a program"
-            }
-            Self::Probe(husillo_probe::Failure::OverTravel) => {
-                "lower `rate` of [probe], or raise `over_travel`"
-            }
-            Self::Probe(_) => "a loose probe, or vibration: lower the rates of [probe]",
-            _ => return None,
-        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The simulated work piece before the probe of a simulated machine.
 
-use super::file::CmmFile;
+use crate::heads::Machine;
 use husillo_sim::{PointMm, ServoChain, TouchProbe, WorkPiece};
 
 /// A work piece and what touches it, in the machine's own frame: 0 is where the axes were when the modules got their supply.
@@ -27,7 +27,7 @@ impl Mounted {
     /// # Errors
     ///
     /// Nobody knows the way of a count of this machine.
-    pub fn new(piece: Piece, machine: &CmmFile) -> Result<Self, String> {
+    pub fn new(piece: Piece, machine: &Machine) -> Result<Self, String> {
         let count_mm = machine.scale.count_mm().ok_or_else(|| {
             let title = &machine.title;
             format!("--piece is in mm, and {title} has no `count` (the way of one)")

@@ -1,15 +1,15 @@
 //! An axis of the machine: a servo that is on, and where its counts lie.
 
-use super::file::AxisFile;
-use super::scale::Scale;
-use super::trouble::Trouble;
+use super::machine::AxisSettings;
+use crate::scale::Scale;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Reply, Status};
 
 /// An axis behind a module. Counts are the module's own, which begin with 0 where it was reset.
 #[derive(Clone, Copy, Debug)]
 pub struct Servo {
-    /// As the machine file has it.
-    pub file: AxisFile,
+    /// What is known of it.
+    pub settings: AxisSettings,
     /// Counts at position 0.
     pub origin: i32,
     /// What it was told to hold last, or to go to.
@@ -18,9 +18,9 @@ pub struct Servo {
 
 impl Servo {
     /// At its reset position.
-    pub const fn new(file: AxisFile) -> Self {
+    pub const fn new(settings: AxisSettings) -> Self {
         Self {
-            file,
+            settings,
             origin: 0,
             held: 0,
         }
@@ -39,12 +39,12 @@ impl Servo {
 
     /// The travel as positions.
     pub fn travel(&self, scale: Scale) -> [i64; 2] {
-        self.file.travel.map(|end| self.position(scale, end))
+        self.settings.travel.map(|end| self.position(scale, end))
     }
 
     /// Whether counts are as near as a move may end.
     pub const fn is_near(&self, counts: i32, other: i32) -> bool {
-        counts.abs_diff(other) <= self.file.in_position
+        counts.abs_diff(other) <= self.settings.in_position
     }
 
     /// Whether it goes on as it should; `at` is where it is, for people.
@@ -54,7 +54,7 @@ impl Servo {
     /// What it says of itself.
     pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
         if !reply.status.contains(Status::POWER_ON) {
-            let axis = self.file.letter;
+            let axis = self.settings.letter;
             Err(Trouble::NoPower { axis })
         } else if reply.status.contains(Status::OVERCURRENT) {
             Err(Trouble::OverCurrent { at: at() })

@@ -1,13 +1,14 @@
 //! Probing by a head: moves until the contact changes, and the probing cycle.
 
 use super::head::Head;
+use super::port::Port;
 use super::prober::Probed;
-use super::trouble::Trouble;
 use super::way::{Search, Way};
+use crate::trouble::Trouble;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Reply, Status};
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until the contact is made or broken, and stays
     /// where it has braked.
     ///
@@ -164,11 +165,11 @@ impl Head {
     }
 }
 
-impl Head {
+impl<P: Port> Head<P> {
     /// As far of the way there as the travel has it, in the same direction.
     fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
         let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
-            let [low, high] = axis.file.travel;
+            let [low, high] = axis.settings.travel;
             let (held, goal) = (f64::from(axis.held), f64::from(*goal));
             let end = goal.clamp(f64::from(low), f64::from(high));
             if end == goal {
@@ -183,7 +184,7 @@ impl Head {
         pairs
             .map(|(axis, goal)| {
                 let way = (f64::from(*goal) - f64::from(axis.held)) * part;
-                let [low, high] = axis.file.travel;
+                let [low, high] = axis.settings.travel;
                 // Rounding is half a count beyond at most.
                 (f64::from(axis.held) + way.round()).clamp(low.into(), high.into()) as i32
             })

@@ -1,5 +1,6 @@
 //! Angles between axes from a bar that is equally long in every direction.
 
+use crate::least_squares::least_squares;
 use husillo_backlash::Squareness;
 
 /// The two ends of the bar, along the axes, in nm.
@@ -112,56 +113,6 @@ fn long(way: &[f64; 3]) -> f64 {
 /// A way in square coordinates.
 fn leaned([x, y, z]: &[f64; 3], [xy, xz, yz]: [f64; 3]) -> [f64; 3] {
     [x + xy * y + xz * z, y + yz * z, *z]
-}
-
-/// The change of the free unknowns with the least squares of `row . change - left`; `None` where it is not determined.
-fn least_squares(rows: impl Iterator<Item = ([f64; 4], f64)>, free: [bool; 4]) -> Option<[f64; 4]> {
-    let mut normal = [[0.0; 5]; 4];
-    let mut count = 0.0;
-    for (row, left) in rows {
-        count += 1.0;
-        for (line, a) in normal.iter_mut().zip(row) {
-            for (sum, b) in line.iter_mut().zip(row.into_iter().chain([left])) {
-                *sum += a * b;
-            }
-        }
-    }
-    // Lengths: leans are a fraction of the bar each, so columns are made alike.
-    let scale: Vec<f64> = (0..4)
-        .map(|i| normal[i][i].max(f64::MIN_POSITIVE).sqrt())
-        .collect();
-    for i in 0..4 {
-        for j in 0..4 {
-            normal[i][j] /= scale[i] * scale[j];
-            if !(free[i] && free[j]) {
-                normal[i][j] = f64::from(u8::from(i == j));
-            }
-        }
-        normal[i][4] = if free[i] {
-            normal[i][4] / scale[i]
-        } else {
-            0.0
-        };
-    }
-    if count < free.iter().filter(|free| **free).count() as f64 {
-        return None;
-    }
-    // Gauss-Jordan; positive definite, so the diagonal will do for pivots.
-    for i in 0..4 {
-        let pivot = normal[i][i];
-        if pivot < 1e-6 {
-            return None;
-        }
-        let line = normal[i].map(|value| value / pivot);
-        for (j, other) in normal.iter_mut().enumerate() {
-            let factor = other[i];
-            for (value, part) in other.iter_mut().zip(line) {
-                *value = if j == i { part } else { *value - factor * part };
-            }
-        }
-    }
-    let solved: Vec<f64> = (0..4).map(|i| normal[i][4] / scale[i]).collect();
-    solved.try_into().ok()
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! Contacts where nothing was to be touched.
 
 use super::head::{Head, is_done};
+use super::port::Port;
 use super::touching::is_closed;
-use super::trouble::Trouble;
 use super::way::{Search, Way, searches};
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
 
@@ -53,7 +54,7 @@ impl Watch {
     }
 }
 
-impl Head {
+impl<P: Port> Head<P> {
     /// Whether an axis has met something where nothing was to be touched, since the beginning.
     pub const fn has_collided(&self) -> bool {
         self.has_collided
@@ -130,7 +131,7 @@ impl Head {
         let moving = moving.filter(|(axis, goal)| axis.held != **goal);
         let now = (self.line.elapsed_us(), from.clone());
         Watch {
-            axes: moving.map(|(axis, _)| axis.file.letter).collect(),
+            axes: moving.map(|(axis, _)| axis.settings.letter).collect(),
             is_armed: false,
             free_readings: 0,
             from,
@@ -287,7 +288,7 @@ impl Head {
 
     /// What axes that are held somewhere may be off, and more; counts.
     fn slack_counts(&self) -> f64 {
-        let most = self.axes.iter().map(|axis| axis.file.in_position).max();
+        let most = self.axes.iter().map(|axis| axis.settings.in_position).max();
         4.0 * f64::from(most.unwrap_or_default())
     }
 

@@ -1,5 +1,6 @@
 //! Scale and pitch errors of an axis from reference lengths.
 
+use crate::least_squares::straight_line;
 use husillo_backlash::{ErrorTable, Flank, Knot, TableError};
 use std::collections::BTreeMap;
 
@@ -52,7 +53,11 @@ impl AxisFit {
             .iter()
             .map(|(nominal, place)| (*nominal as f64, means(place)))
             .collect();
-        let (scale, offset) = line(&means)
+        let points: Vec<(f64, f64)> = means
+            .iter()
+            .map(|(nominal, [positive, negative])| (0.5 * (positive + negative), *nominal))
+            .collect();
+        let (scale, offset) = straight_line(&points)
             .ok_or("all lengths are read alike: does the axis move, and are the columns in the right order?")?;
         let scale_ppb = (scale * 1e9).round();
         if scale_ppb.abs() > 1e7 {
@@ -121,28 +126,6 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
         }
     };
     [mean(*positive, *negative), mean(*negative, *positive)]
-}
-
-/// Least squares of `nominal = reading (1 + scale) + offset`; `None` where all readings are one.
-fn line(means: &[(f64, [f64; 2])]) -> Option<(f64, f64)> {
-    let count = means.len() as f64;
-    let points = || {
-        means
-            .iter()
-            .map(|(nominal, both)| (0.5 * (both[0] + both[1]), *nominal))
-    };
-    let middle = points().map(|(reading, _)| reading).sum::<f64>() / count;
-    let error = points()
-        .map(|(reading, nominal)| nominal - reading)
-        .sum::<f64>()
-        / count;
-    let (mut along, mut across) = (0.0, 0.0);
-    for (reading, nominal) in points() {
-        along += (reading - middle).powi(2);
-        across += (reading - middle) * (nominal - reading - error);
-    }
-    let scale = (along > 0.0).then(|| across / along)?;
-    Some((scale, error - scale * middle))
 }
 
 /// Standard deviation of the mean at a place and in a direction, from repeated readings; at least that of rounding to counts.

@@ -1,0 +1,11 @@
+//! The errors of a machine: found from reference lengths, bars and bodies, and taken off.
+
+mod axis_fit;
+mod calibrated;
+mod reference;
+mod square_fit;
+
+pub use axis_fit::{AxisFit, Reading};
+pub use calibrated::Calibrated;
+pub use reference::{Body, FoundProbe, ReferenceBody};
+pub use square_fit::{Ends, SquareFit};
