@@ -7,6 +7,7 @@ pub mod calibration;
 pub mod heads;
 mod least_squares;
 pub mod quantity;
+pub mod routine;
 mod scale;
 pub mod simulated;
 mod trouble;

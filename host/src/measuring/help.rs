@@ -1,6 +1,7 @@
 //! What to look at where nothing was measured.
 
 use husillo_metrology::Trouble;
+use husillo_metrology::routine::Failure;
 use husillo_transports::nmc;
 
 /// What to look at, in the words of the program.
@@ -58,4 +59,17 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
         Trouble::Probe(_) => "a loose probe, or vibration: lower the rates of [probe]",
         _ => return None,
     })
+}
+
+/// The same for a line of a routine.
+pub const fn of_failure(failure: &Failure) -> Option<&'static str> {
+    match failure {
+        Failure::Machine(trouble) => help(trouble),
+        Failure::Fit(_) => Some("touch more points, farther apart"),
+        Failure::BothSides => {
+            Some("points of a hole are touched from inside, those of a pin from outside")
+        }
+        Failure::NoFrame => Some("the line must not be at right angles to the plane"),
+        Failure::Parallel | Failure::NoDirection | Failure::NotMeasured(_) => None,
+    }
 }

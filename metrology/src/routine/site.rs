@@ -1,11 +1,13 @@
 //! A machine with a probe, and the frame it measures in.
 
 use super::failure::Failure;
-use super::frame::{Frame, Vector, components, plus, scaled};
+use super::frame::Frame;
 use super::statement::Place;
-use husillo_metrology::heads::Prober;
-use husillo_metrology::heads::Stylus;
+use super::vector::{self, Vector, components, floats, plus, scaled};
+use crate::heads::Prober;
+use crate::heads::Stylus;
 use husillo_probe::UnitVector;
+use std::fmt;
 
 /// A touch, on the machine.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +39,17 @@ pub struct Site<'a> {
     pub safe_nm: Option<i64>,
 }
 
+impl fmt::Debug for Site<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = out.debug_struct("Site");
+        text.field("tip", &self.tip).field("frame", &self.frame);
+        text.field("clearance_nm", &self.clearance_nm)
+            .field("search_nm", &self.search_nm)
+            .field("safe_nm", &self.safe_nm);
+        text.finish_non_exhaustive()
+    }
+}
+
 impl<'a> Site<'a> {
     /// On the frame of the machine, with 2 mm of clearance and of search.
     pub fn new(prober: &'a mut dyn Prober, tip: Stylus) -> Self {
@@ -66,12 +79,12 @@ impl<'a> Site<'a> {
     }
 
     /// How far the tip's centre is from a surface where touches begin, nm.
-    pub fn standoff_nm(&self) -> i64 {
+    pub(super) fn standoff_nm(&self) -> i64 {
         self.radius_nm() + self.clearance_nm
     }
 
     /// How far a touch goes, nm.
-    pub fn way_nm(&self) -> i64 {
+    pub(super) fn way_nm(&self) -> i64 {
         self.clearance_nm + self.search_nm
     }
 
@@ -98,7 +111,7 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the line.
-    pub fn place(&mut self, place: Place) -> Result<[i64; 3], Failure> {
+    pub(super) fn place(&mut self, place: Place) -> Result<[i64; 3], Failure> {
         if let [Some(x), Some(y), Some(z)] = place {
             return Ok([x, y, z]);
         }
@@ -123,7 +136,7 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the machine.
-    pub fn travel_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
+    pub(super) fn travel_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
         let Some(safe_nm) = self.safe_nm else {
             return self.go_to(part_nm);
         };
@@ -135,7 +148,7 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the machine.
-    pub fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
+    pub(super) fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
         let [here_x, here_y, here_z] = self.position()?;
         let [x, y, z] = part_nm;
         // Nearer than it can stand still: straight down.
@@ -157,7 +170,7 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the machine, no contact among it.
-    pub fn touch(&mut self, travel: Vector, way_nm: i64) -> Result<Contact, Failure> {
+    pub(super) fn touch(&mut self, travel: Vector, way_nm: i64) -> Result<Contact, Failure> {
         let travel = self
             .frame
             .direction_to_machine(travel)
@@ -170,7 +183,11 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the machine, no contact among it.
-    pub fn touch_along(&mut self, travel: UnitVector, way_nm: u64) -> Result<Contact, Failure> {
+    pub(super) fn touch_along(
+        &mut self,
+        travel: UnitVector,
+        way_nm: u64,
+    ) -> Result<Contact, Failure> {
         let touched = self.prober.touch(&travel, way_nm)?;
         Ok(Contact {
             latched_nm: touched.centre_nm,
@@ -186,14 +203,14 @@ impl<'a> Site<'a> {
     /// # Errors
     ///
     /// Trouble of the line.
-    pub fn zero(&mut self, axes: [bool; 3]) -> Result<(), Failure> {
+    pub(super) fn zero(&mut self, axes: [bool; 3]) -> Result<(), Failure> {
         let here = self.machine_position()?;
         self.change_frame(self.frame.zeroed(here, axes), here);
         Ok(())
     }
 
     /// Measures in another frame from here on. A safe height stays where it is above the tip, which is at `here_nm`.
-    pub fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
+    pub(super) fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
         if let Some(safe_nm) = self.safe_nm {
             let [x, y, _] = self.frame.to_part(here_nm);
             let [.., safe_nm] = frame.to_part(self.frame.to_machine([x, y, safe_nm]));
@@ -208,9 +225,9 @@ const NEAR_NM: i64 = 10_000;
 
 /// The point `by_nm` from another along a direction of any length but 0.
 pub fn beyond(point_nm: [i64; 3], direction: Vector, by_nm: i64) -> [i64; 3] {
-    let size = super::frame::length(direction);
+    let size = vector::length(direction);
     let way = scaled(direction, by_nm as f64 / size);
-    plus(super::frame::floats(point_nm), way).map(|nm| nm.round() as i64)
+    plus(floats(point_nm), way).map(|nm| nm.round() as i64)
 }
 
 /// The sum of the directions of travel, turned round: out of what was touched.
@@ -218,7 +235,7 @@ pub fn outward(contacts: &[Contact]) -> Result<UnitVector, Failure> {
     let sum = contacts.iter().fold([0.0; 3], |sum, contact| {
         plus(sum, components(&contact.travel.reversed()))
     });
-    super::frame::direction(sum)
-        .filter(|_| super::frame::length(sum) > 1e-6)
+    vector::direction(sum)
+        .filter(|_| vector::length(sum) > 1e-6)
         .ok_or(Failure::BothSides)
 }

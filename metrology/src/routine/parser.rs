@@ -2,10 +2,10 @@
 
 use super::clauses::{Clauses, Spanned};
 use super::dimension::{Figure, Wanted};
-use super::frame::{Vector, nearest_axis};
-use super::line_reader::{LineReader, Wrong, axis_of, code, twice};
+use super::line_reader::{LineReader, axis_of, twice};
 use super::statement::{Fit, Job, Order, Place, Statement, Task};
-use crate::diagnostics::Finding;
+use super::vector::{Vector, nearest_axis};
+use super::wrong::{Mistake, Wrong, code};
 use std::collections::HashMap;
 
 /// What a named feature can be used for.
@@ -136,6 +136,12 @@ const RESERVED: [&str; 20] = [
     "within", "from", "to", "x", "y", "z", "diameter", "width", "form", "length",
 ];
 
+impl Default for Parser {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Parser {
     /// At the first line.
     pub fn new() -> Self {
@@ -152,20 +158,23 @@ impl Parser {
     /// # Errors
     ///
     /// Every line that is wrong.
-    pub fn file(name: &str, text: &str) -> Result<Vec<Statement>, Vec<Finding>> {
+    pub fn file(text: &str) -> Result<Vec<Statement>, Vec<Mistake>> {
         let mut parser = Self::new();
-        let mut findings = Vec::new();
+        let mut mistakes = Vec::new();
         let mut statements = Vec::new();
         for (number, line) in (1..).zip(text.lines()) {
             match parser.line(number, line) {
                 Ok(statement) => statements.extend(statement),
-                Err(wrong) => findings.push(wrong.finding(name, number, line)),
+                Err(wrong) => mistakes.push(Mistake {
+                    line: number,
+                    wrong,
+                }),
             }
         }
-        if findings.is_empty() {
+        if mistakes.is_empty() {
             Ok(statements)
         } else {
-            Err(findings)
+            Err(mistakes)
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a line of a routine says, checked.
 
 use super::dimension::Wanted;
-use super::frame::Vector;
+use super::vector::Vector;
 
 /// A line that says something.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Statement {
     /// Number of the line, from 1.
     pub line: usize,
     /// What is to be done.
-    pub order: Order,
+    pub(super) order: Order,
 }
 
 /// Coordinates of the part in nm; `None`: where the tip is.

@@ -1,6 +1,6 @@
 //! Why a statement of a routine has no result.
 
-use husillo_metrology::Trouble;
+use crate::Trouble;
 use husillo_probe::FitError;
 use std::fmt;
 
@@ -21,21 +21,6 @@ pub enum Failure {
     NoDirection,
     /// A feature that has no result itself.
     NotMeasured(String),
-}
-
-impl Failure {
-    /// What to look at.
-    pub const fn help(&self) -> Option<&'static str> {
-        match self {
-            Self::Machine(trouble) => crate::measuring::help::help(trouble),
-            Self::Fit(_) => Some("touch more points, farther apart"),
-            Self::BothSides => {
-                Some("points of a hole are touched from inside, those of a pin from outside")
-            }
-            Self::NoFrame => Some("the line must not be at right angles to the plane"),
-            Self::Parallel | Self::NoDirection | Self::NotMeasured(_) => None,
-        }
-    }
 }
 
 impl fmt::Display for Failure {

@@ -29,6 +29,14 @@ pub fn words(line: &str) -> Vec<Word<'_>> {
     words
 }
 
+/// The bytes of a line from its first to its last word.
+#[must_use]
+pub fn span(line: &str) -> Range<usize> {
+    let all = words(line);
+    let start = all.first().map_or(0, |word| word.span.start);
+    start..all.last().map_or(0, |word| word.span.end)
+}
+
 /// One word, or two where a letter of an axis and its number, or a number and its unit, are written together.
 fn split<'t>(code: &'t str, span: Range<usize>, words: &mut Vec<Word<'t>>) {
     let text = &code[span.clone()];

@@ -1,11 +1,13 @@
 //! From touches to features: probe's fits, with radius and pre-travel of the tip.
 
-use super::cycle::halfway;
 use super::failure::Failure;
 use super::feature::{Mark, Shape};
-use super::frame::{Frame, Vector, components, cross, direction, dot, floats, minus, scaled};
+use super::frame::Frame;
 use super::site::{Contact, outward};
-use husillo_metrology::heads::Stylus;
+use super::vector::{
+    self, Vector, components, cross, direction, dot, floats, halfway, minus, scaled,
+};
+use crate::heads::Stylus;
 use husillo_probe::{Circle, Line, Middle, Plane, Sphere, UnitVector};
 
 /// What features are fitted to, on the machine.
@@ -167,7 +169,7 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
         return Ok((shape, marks));
     };
     let along = components(&fitted.direction);
-    let normal = super::frame::across(components(&outward(contacts)?), along);
+    let normal = vector::across(components(&outward(contacts)?), along);
     let outward = normal.and_then(direction).ok_or(Failure::Parallel)?;
     let moved = outward.scaled(-i64::from(tip.radius_nm));
     let line = Line {
@@ -190,7 +192,7 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
 fn away(origin_nm: [i64; 3], line: &Line, at: [i64; 3]) -> UnitVector {
     let along = components(&line.direction);
     let way = minus(floats(at), floats(origin_nm));
-    let across = super::frame::across(way, along);
+    let across = vector::across(way, along);
     across.and_then(direction).unwrap_or(UnitVector::Z)
 }
 
@@ -204,7 +206,7 @@ pub fn circle(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fa
     let circle = Circle::fit(points.centres(), &axis)?;
     let ray = |at: [i64; 3]| {
         let way = minus(floats(at), floats(circle.centre_nm));
-        super::frame::across(way, components(&axis)).unwrap_or([1.0, 0.0, 0.0])
+        vector::across(way, components(&axis)).unwrap_or([1.0, 0.0, 0.0])
     };
     let side = side(points, ray)?;
     let circle = circle.grown_nm(side.growth_nm(tip));
@@ -222,7 +224,7 @@ pub fn sphere(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     let sphere = Sphere::fit(points.centres())?;
     let ray = |at: [i64; 3]| {
         let way = minus(floats(at), floats(sphere.centre_nm));
-        scaled(way, 1.0 / super::frame::length(way).max(1.0))
+        scaled(way, 1.0 / vector::length(way).max(1.0))
     };
     let side = side(points, ray)?;
     let sphere = sphere.grown_nm(side.growth_nm(tip));

@@ -2,10 +2,11 @@
 
 use super::failure::Failure;
 use super::feature::{Feature, Shape};
-use super::frame::{
-    Frame, Vector, across, components, cross, dot, floats, nearest_axis, plus, scaled,
+use super::frame::Frame;
+use super::vector::{
+    Vector, across, components, cross, direction, dot, floats, nearest_axis, plus, scaled,
 };
-use husillo_metrology::heads::Stylus;
+use crate::heads::Stylus;
 use husillo_probe::UnitVector;
 
 /// 3-2-1: the plane gives the direction of one axis and the place along it, the line the direction of another and the place
@@ -34,7 +35,7 @@ pub fn align(
     let (first, sign) = nearest_axis(before.direction_to_part(&face.normal), None);
     let normal = scaled(components(&face.normal), sign);
     let along = across(along, normal).ok_or(Failure::NoFrame)?;
-    let direction = super::frame::direction(along).ok_or(Failure::NoFrame)?;
+    let direction = direction(along).ok_or(Failure::NoFrame)?;
     let (second, sign) = nearest_axis(before.direction_to_part(&direction), Some(first));
     let along = scaled(along, sign);
     let third = 3 - first - second;

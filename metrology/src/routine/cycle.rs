@@ -1,9 +1,9 @@
 //! The ways of the tip: which touches a feature takes, and how to get from one to the next.
 
 use super::failure::Failure;
-use super::frame::{Vector, cross, minus, plus, scaled};
 use super::site::{Contact, Site, beyond};
 use super::statement::{Job, Place};
+use super::vector::{Vector, cross, scaled};
 
 const UP: Vector = [0.0, 0.0, 1.0];
 
@@ -13,7 +13,7 @@ impl Site<'_> {
     /// # Errors
     ///
     /// Trouble of the machine.
-    pub fn contacts(&mut self, job: &Job) -> Result<Vec<Contact>, Failure> {
+    pub(super) fn contacts(&mut self, job: &Job) -> Result<Vec<Contact>, Failure> {
         match job {
             Job::Touch { towards, within_nm } => {
                 let way_nm = within_nm.unwrap_or(self.way_nm());
@@ -218,12 +218,6 @@ fn whole(part: f64) -> f64 {
     if part.abs() < 1e-12 { 0.0 } else { part }
 }
 
-/// The middle of two points, to the nearest nm.
-pub fn halfway(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
-    let (a, b) = (super::frame::floats(a), super::frame::floats(b));
-    plus(a, scaled(minus(b, a), 0.5)).map(|nm| nm.round() as i64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,9 +231,8 @@ mod tests {
         let cap = hemisphere(9);
         assert_eq!((cap[0], cap[8][2]), (UP, 0.0));
         assert!(
-            cap.iter().all(
-                |spoke| (crate::measuring::routine::frame::length(*spoke) - 1.0).abs() < 1e-12
-            )
+            cap.iter()
+                .all(|spoke| (crate::routine::vector::length(*spoke) - 1.0).abs() < 1e-12)
         );
     }
 }

@@ -5,10 +5,12 @@ use super::failure::Failure;
 use super::feature::Feature;
 use super::frame::Frame;
 use super::parser::Parser;
+use super::program::{ProgramError, ProgramFault};
+use super::record::Refusal;
 use super::runner::Runner;
 use super::site::Site;
 use super::solid::{Body, Ideal};
-use husillo_metrology::heads::Stylus;
+use crate::heads::Stylus;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 
 const MM: i64 = 1_000_000;
@@ -61,13 +63,7 @@ fn plate(place: Frame) -> Ideal {
 }
 
 fn run(text: &str, machine: &mut Ideal) -> Result<Vec<Feature>, Failure> {
-    let statements = Parser::file("test.routine", text).unwrap_or_else(|findings| {
-        let told: Vec<_> = findings
-            .iter()
-            .map(|finding| finding.drawn(false))
-            .collect();
-        panic!("{}", told.join("\n"))
-    });
+    let statements = Parser::file(text).unwrap_or_else(|mistakes| panic!("{mistakes:#?}"));
     let tip = machine.tip;
     let mut runner = Runner::new(Site::new(machine, tip));
     for statement in &statements {
@@ -309,19 +305,28 @@ fn a_missing_surface_is_trouble() {
     );
     assert!(matches!(
         failed,
-        Err(Failure::Machine(
-            husillo_metrology::Trouble::NoContact { .. }
-        ))
+        Err(Failure::Machine(crate::Trouble::NoContact { .. }))
     ));
 }
 
+/// An error with all that is said of it.
+fn shown(error: &ProgramError) -> String {
+    match &error.fault {
+        ProgramFault::Code(code) => format!("E{:04}: {error}", code.kind.code()),
+        ProgramFault::Call { expected, .. } => {
+            format!("{error}: {}", expected.as_deref().unwrap_or_default())
+        }
+        _ => error.to_string(),
+    }
+}
+
 fn program(text: &str, machine: &mut Ideal) -> Result<Vec<Feature>, String> {
-    super::program::check("p.nc", text.as_bytes()).map_err(|all| all[0].message.clone())?;
+    super::program::check(text.as_bytes()).map_err(|all| all[0].fault.to_string())?;
     let tip = machine.tip;
     let mut runner = Runner::new(Site::new(machine, tip));
     let mut told = 0;
-    super::program::run("p.nc", text.as_bytes(), &mut runner, |_| told += 1, |_| {})
-        .map_err(|finding| finding.drawn(false))?;
+    super::program::run(text.as_bytes(), &mut runner, |_| told += 1, |_| {})
+        .map_err(|error| shown(&error))?;
     assert_eq!(told, runner.features.len());
     Ok(runner.features)
 }
@@ -417,7 +422,7 @@ fn programs_that_are_wrong() {
     let told = |text: &str| program(text, &mut plate(Frame::MACHINE)).unwrap_err();
     // Before anything moves.
     assert_eq!(told("G0 X5\nG2 X1 Y1 R5 F9"), "not on a measuring machine");
-    assert!(told("G0 Q#").contains('Q'), "{}", told("G0 Q#"));
+    assert_eq!(told("G0 Q#"), "E0610: line 1: value missing");
     // At their line.
     assert!(told("F9\nG38.2 Z30").contains("no contact from"));
     assert!(told("G0 Z20\no<bore> call [1] [2]").contains("o<bore> call [x] [y] [z] [diameter]"));
@@ -463,16 +468,22 @@ goto x 99
 ";
     let mut machine = plate(Frame::MACHINE);
     let tip = machine.tip;
-    let (mut routine, mut out, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut routine, mut measured, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     let first = {
         let mut runner = Runner::new(Site::new(&mut machine, tip));
         let count = super::record::record(
             &mut typed.as_bytes(),
             &mut routine,
             &mut runner,
-            &mut out,
-            |finding| {
-                refused.push(finding.message.clone());
+            |feature| {
+                measured.push(feature.name.clone());
+                Ok(())
+            },
+            |line| {
+                refused.push(match &line.why {
+                    Refusal::Wrong(wrong) => wrong.message.clone(),
+                    Refusal::Failed(failure) => failure.to_string(),
+                });
             },
         );
         assert_eq!(count.unwrap(), 3);
@@ -502,11 +513,8 @@ point far at x 0 y 20 z -3 towards +x
 goto x -9 mm y 20 mm z -3 mm
 "
     );
-    assert!(
-        String::from_utf8(out)
-            .unwrap()
-            .starts_with("touch P1\n    x            15.0000 mm\n")
-    );
+    assert_eq!(measured, ["P1", "B", "far"]);
+    assert_eq!(figure(&first[0], X), Some(15 * MM));
     let again = run(&routine, &mut plate(Frame::MACHINE)).unwrap();
     let figures = |features: &[Feature]| -> Vec<_> {
         features

@@ -1,10 +1,11 @@
 //! The clauses behind the name of a feature.
 
 use super::dimension::{Figure, Wanted};
-use super::frame::{Vector, nearest_axis};
-use super::line_reader::{LineReader, Value, Wrong, code, twice};
+use super::line_reader::{LineReader, Value, twice};
 use super::parser::{Needs, Parser};
 use super::statement::{Fit, Job, Place};
+use super::vector::{Vector, nearest_axis};
+use super::wrong::{Wrong, code};
 use std::ops::Range;
 
 /// Something and where it stands.

@@ -1,31 +1,48 @@
 //! A routine written while its statements are carried out.
 
-use super::line_reader::{Wrong, code};
-use super::listing;
+use super::failure::Failure;
+use super::feature::Feature;
 use super::parser::Parser;
 use super::runner::Runner;
 use super::statement::{Order, Statement};
 use super::words::words;
-use crate::diagnostics::Finding;
+use super::wrong::Wrong;
 use std::io::{self, BufRead, Write};
 
-/// Name of the standard input in findings.
-const INPUT: &str = "<input>";
+/// A line that is not part of the recording.
+#[derive(Debug)]
+pub struct Refused {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// As it was typed.
+    pub text: String,
+    /// Why.
+    pub why: Refusal,
+}
 
-/// Carries out lines as they come and writes those that succeed, moves as where they ended; what was measured is told on `out`. A
-/// line that is wrong, or fails, goes to `refuse` and is not written.
+/// Why a line is not part of the recording.
+#[derive(Debug)]
+pub enum Refusal {
+    /// It is not understood.
+    Wrong(Wrong),
+    /// It was not carried out.
+    Failed(Failure),
+}
+
+/// Carries out lines as they come and writes those that succeed, moves as where they ended; what was
+/// measured goes to `each`. A line that is wrong, or fails, goes to `refuse` and is not written.
 ///
 /// Returns how many were refused.
 ///
 /// # Errors
 ///
-/// Reading or writing fails.
+/// Reading or writing fails, or `each` does.
 pub fn record(
     input: &mut dyn BufRead,
     routine: &mut dyn Write,
     runner: &mut Runner<'_>,
-    out: &mut dyn Write,
-    mut refuse: impl FnMut(&Finding),
+    mut each: impl FnMut(&Feature) -> io::Result<()>,
+    mut refuse: impl FnMut(&Refused),
 ) -> io::Result<usize> {
     let mut parser = Parser::new();
     let mut refused = 0;
@@ -43,8 +60,7 @@ pub fn record(
         match carry_out(&mut parser, runner, number, line) {
             Ok(done) => {
                 if let Some(feature) = done.is_feature.then(|| runner.features.last()).flatten() {
-                    writeln!(out, "{}", listing::text(feature))?;
-                    out.flush()?;
+                    each(feature)?;
                 }
                 match done.moved {
                     Some([from, to]) => ways.push(from, to, routine)?,
@@ -54,9 +70,13 @@ pub fn record(
                     }
                 }
             }
-            Err(wrong) => {
+            Err(why) => {
                 refused += 1;
-                refuse(&wrong.finding(INPUT, number, line));
+                refuse(&Refused {
+                    line: number,
+                    text: line.to_owned(),
+                    why,
+                });
             }
         }
         routine.flush()?;
@@ -80,26 +100,14 @@ fn carry_out(
     runner: &mut Runner<'_>,
     number: usize,
     line: &str,
-) -> Result<Done, Wrong> {
-    let whole = || {
-        let all = words(line);
-        let end = all.last().map_or(0, |word| word.span.end);
-        all.first().map_or(0, |word| word.span.start)..end
-    };
-    let failed = |failure: super::failure::Failure| {
-        let wrong = Wrong::new(code::MACHINE, failure.to_string(), whole());
-        match failure.help() {
-            Some(help) => wrong.help(help),
-            None => wrong,
-        }
-    };
+) -> Result<Done, Refusal> {
     let mut done = Done {
         text: line.to_owned(),
         moved: None,
         is_feature: false,
     };
     let before = parser.clone();
-    let Some(statement) = parser.line(number, line)? else {
+    let Some(statement) = parser.line(number, line).map_err(Refusal::Wrong)? else {
         return Ok(done);
     };
     let tried = try_statement(&statement, runner, &mut done);
@@ -107,7 +115,7 @@ fn carry_out(
         // Its name is free again.
         *parser = before;
     }
-    tried.map_err(failed)?;
+    tried.map_err(Refusal::Failed)?;
     Ok(done)
 }
 
@@ -115,7 +123,7 @@ fn try_statement(
     statement: &Statement,
     runner: &mut Runner<'_>,
     done: &mut Done,
-) -> Result<(), super::failure::Failure> {
+) -> Result<(), Failure> {
     let here = runner.site.position()?;
     match &statement.order {
         Order::GoTo(place) => {

@@ -1,8 +1,9 @@
 //! Features as measured.
 
 use super::dimension::{Dimension, Figure, Verdict, Wanted};
-use super::frame::{Frame, Vector, components, cross, dot, floats, length, minus};
+use super::frame::Frame;
 use super::site::Contact;
+use super::vector::{Vector, components, cross, dot, floats, length, minus};
 use husillo_probe::{Circle, Line, Plane, Sphere, UnitVector};
 
 /// A feature with its points and its figures.
@@ -44,24 +45,41 @@ pub struct Mark {
 pub enum Shape {
     /// A point of a surface whose outward normal is thought to be this.
     Point {
+        /// Where, nm.
         at_nm: [i64; 3],
+        /// Out of the material.
         outward: UnitVector,
     },
     /// A face.
     Plane(Plane),
     /// A face along Z, and the direction in which it goes.
-    Edge { plane: Plane, along: UnitVector },
+    Edge {
+        /// The face.
+        plane: Plane,
+        /// The direction in which it goes.
+        along: UnitVector,
+    },
     /// A line; with the outward normal if it was touched.
     Line {
+        /// The line.
         line: Line,
+        /// Out of the material, if it was touched.
         outward: Option<UnitVector>,
     },
     /// Where two edges meet.
-    Corner { at_nm: [i64; 3], angle_micro: i64 },
+    Corner {
+        /// Where, nm.
+        at_nm: [i64; 3],
+        /// The angle of the material between, millionths of a degree.
+        angle_micro: i64,
+    },
     /// Two faces.
     Width {
+        /// The middle of both, nm.
         centre_nm: [i64; 3],
+        /// Their distance, nm.
         width_nm: i64,
+        /// A point of each, nm.
         ends_nm: [[i64; 3]; 2],
     },
     /// A circle.
@@ -70,11 +88,16 @@ pub enum Shape {
     Sphere(Sphere),
     /// Between two places.
     Distance {
+        /// The two places, nm.
         ends_nm: [[i64; 3]; 2],
+        /// Their distance, nm.
         length_nm: i64,
     },
     /// Between two directions.
-    Angle { angle_micro: i64 },
+    Angle {
+        /// The angle, millionths of a degree.
+        angle_micro: i64,
+    },
 }
 
 impl Shape {

@@ -1,9 +1,10 @@
 //! Ideal solids and a machine that touches them: for tests.
 
-use super::frame::{Frame, Vector, components, dot, floats, minus, plus, scaled};
-use husillo_metrology::Trouble;
-use husillo_metrology::heads::Stylus;
-use husillo_metrology::heads::{Probed, Prober, Touched};
+use super::frame::Frame;
+use super::vector::{Vector, components, dot, floats, length, minus, plus, scaled};
+use crate::Trouble;
+use crate::heads::Stylus;
+use crate::heads::{Probed, Prober, Touched};
 use husillo_probe::{Edge, UnitVector};
 
 /// A body on the part; lengths in nm.
@@ -59,7 +60,7 @@ impl Ideal {
                 Body::Block(low, high) => gap.min(outside(part, low, high)),
                 Body::Ball(centre, radius) => {
                     let way = minus(part, floats(centre));
-                    gap.min(super::frame::length(way) - radius as f64)
+                    gap.min(length(way) - radius as f64)
                 }
                 Body::Pin {
                     centre: [x, y],
@@ -100,7 +101,7 @@ fn outside(part: Vector, low: [i64; 3], high: [i64; 3]) -> f64 {
     let off: Vector = std::array::from_fn(|axis| {
         (low[axis] as f64 - part[axis]).max(part[axis] - high[axis] as f64)
     });
-    super::frame::length(off.map(|way| way.max(0.0))) + off[0].max(off[1]).max(off[2]).min(0.0)
+    length(off.map(|way| way.max(0.0))) + off[0].max(off[1]).max(off[2]).min(0.0)
 }
 
 impl Prober for Ideal {
@@ -110,7 +111,7 @@ impl Prober for Ideal {
 
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
         let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
-        let length = super::frame::length(way);
+        let length = length(way);
         self.moves += 1;
         let mut gone = 0.0;
         while gone < length {
@@ -143,7 +144,7 @@ impl Prober for Ideal {
     ) -> Result<Probed, Trouble> {
         self.speeds.push(nm_per_min);
         let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
-        let length = super::frame::length(way);
+        let length = length(way);
         let travel = UnitVector::new(way.map(|nm| nm as i64)).unwrap();
         // The stylus bends where it came from.
         let approach = match until {

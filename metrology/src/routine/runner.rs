@@ -9,6 +9,7 @@ use super::site::{Contact, Site};
 use super::statement::{Fit, Job, Order, Statement, Task};
 
 /// A machine, and what was measured with it.
+#[derive(Debug)]
 pub struct Runner<'a> {
     /// The machine.
     pub site: Site<'a>,
@@ -70,7 +71,7 @@ impl<'a> Runner<'a> {
     /// # Errors
     ///
     /// Why there is none.
-    pub fn measure(&mut self, task: &Task, line: usize) -> Result<Feature, Failure> {
+    pub(super) fn measure(&mut self, task: &Task, line: usize) -> Result<Feature, Failure> {
         let site = &mut self.site;
         let usual = (site.clearance_nm, site.search_nm);
         site.clearance_nm = task.clearance_nm.unwrap_or(site.clearance_nm);
@@ -129,9 +130,9 @@ impl<'a> Runner<'a> {
                     ),
                     None => None,
                 };
-                let along = along.map(|along| super::frame::components(&along));
+                let along = along.map(|along| super::vector::components(&along));
                 let (a, b) = (&self.find(from)?.shape, &self.find(to)?.shape);
-                let upright = super::frame::components(&frame.upright());
+                let upright = super::vector::components(&frame.upright());
                 let (ends_nm, length_nm) =
                     distance_nm(a, b, along, upright).ok_or(Failure::NoFrame)?;
                 Ok((Shape::Distance { ends_nm, length_nm }, Vec::new()))

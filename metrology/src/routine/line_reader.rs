@@ -1,75 +1,16 @@
 //! The words of a line, taken one after another.
 
-use super::frame::Vector;
+use super::vector::Vector;
 use super::words::{Word, is_number, words};
-use crate::diagnostics::{Finding, Place};
-use husillo_metrology::quantity::{self, Quantity};
+use super::wrong::{Wrong, code};
+use crate::quantity::{self, Quantity};
 use std::ops::Range;
-
-/// What is wrong with a line, and where.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wrong {
-    code: &'static str,
-    message: String,
-    span: Range<usize>,
-    label: String,
-    help: Option<String>,
-}
-
-impl Wrong {
-    pub fn new(code: &'static str, message: impl Into<String>, span: Range<usize>) -> Self {
-        Self {
-            code,
-            message: message.into(),
-            span,
-            label: String::new(),
-            help: None,
-        }
-    }
-
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = label.into();
-        self
-    }
-
-    pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
-
-    /// As it is told.
-    pub fn finding(self, file: &str, line: usize, text: &str) -> Finding {
-        let place = Place::new(file, line, text.as_bytes(), self.span);
-        let finding = Finding::error(self.code, self.message, place).label(self.label);
-        match self.help {
-            Some(help) => finding.help(help),
-            None => finding,
-        }
-    }
-}
-
-/// Codes of findings.
-pub mod code {
-    /// A word that is none.
-    pub const WORD: &str = "E1001";
-    /// A number or a unit.
-    pub const NUMBER: &str = "E1002";
-    /// Something that is not there.
-    pub const MISSING: &str = "E1003";
-    /// A name.
-    pub const NAME: &str = "E1004";
-    /// A tolerance.
-    pub const TOLERANCE: &str = "E1005";
-    /// Something that is there twice.
-    pub const TWICE: &str = "E1006";
-    /// The machine, or what was measured.
-    pub const MACHINE: &str = "E1010";
-}
 
 /// A nominal value and its tolerance, in millionths.
 pub type Value = (i64, Option<[i64; 2]>);
 
 /// A line while it is read.
+#[derive(Debug)]
 pub struct LineReader<'t> {
     text: &'t str,
     words: Vec<Word<'t>>,
