@@ -11,6 +11,7 @@ pub mod routine;
 mod scale;
 pub mod simulated;
 mod trouble;
+pub mod tuning;
 
 pub use scale::Scale;
 pub use trouble::Trouble;

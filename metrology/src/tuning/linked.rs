@@ -1,13 +1,14 @@
 //! An axis behind a line of modules, real or simulated.
 
 use super::rig::{Rig, Sample, profile};
-use husillo_metrology::Trouble;
-use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
+use crate::heads::{AxisSettings, Line, Machine, Port};
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{
     CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
 };
 
 /// A module at the other end of a line.
+#[derive(Debug)]
 pub struct Linked<P> {
     line: Line<P>,
     module: u8,
@@ -150,7 +151,7 @@ impl<P: Port> Rig for Linked<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
+    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
 
     /// A host that says nothing more after a drive: the axis goes to the end that was named, and stays.
     #[test]

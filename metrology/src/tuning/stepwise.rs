@@ -5,7 +5,7 @@ use super::stand::{Stand, Trace};
 use super::step::{StepFigures, figures};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::Gains;
 
 /// The proportional gain while the derivative one is looked for: it brings the axis back.

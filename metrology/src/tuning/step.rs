@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::PERIOD_S;
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_pid::tuning::step_response;
 use husillo_transports::nmc::Gains;
 use serde::Serialize;

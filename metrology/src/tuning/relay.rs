@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::{PERIOD_S, fundamental};
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_pid::tuning::{Oscillation, Relay, Ultimate, oscillation};
 use serde::Serialize;
 
@@ -131,25 +131,26 @@ pub enum NoRelay {
     /// The oscillation is no larger than the hysteresis.
     WithinHysteresis,
     /// The line gives too few readings of a period.
-    TooSlow { period_ms: f64, sample_ms: f64 },
+    TooSlow {
+        /// Period of the oscillation, ms.
+        period_ms: f64,
+        /// Time from one reading to the next, ms.
+        sample_ms: f64,
+    },
 }
 
 impl std::fmt::Display for NoRelay {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Trouble(trouble) => trouble.fmt(out),
-            Self::Still => out.write_str(
-                "the relay makes no steady oscillation: give it more PWM than friction takes (--amplitude)",
-            ),
-            Self::WithinHysteresis => out.write_str(
-                "the oscillation is within the hysteresis: lower --hysteresis or raise --amplitude",
-            ),
+            Self::Still => out.write_str("the relay makes no steady oscillation"),
+            Self::WithinHysteresis => out.write_str("the oscillation is within the hysteresis"),
             Self::TooSlow {
                 period_ms,
                 sample_ms,
             } => write!(
                 out,
-                "the line gives a reading every {sample_ms:.1} ms, too few for a period of {period_ms:.1} ms: raise `baud`, or use --method ultimate"
+                "the line gives a reading every {sample_ms:.1} ms, too few for a period of {period_ms:.1} ms"
             ),
         }
     }

@@ -1,9 +1,10 @@
 //! The axis on the test stand: everything that is watched while an experiment goes on.
 
 use super::rig::{Rig, Sample};
-use husillo_metrology::Trouble;
-use husillo_metrology::heads::AxisSettings;
+use crate::heads::AxisSettings;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
+use std::fmt;
 
 /// A stretch of an experiment, to be drawn.
 #[derive(Clone, Debug)]
@@ -23,8 +24,8 @@ pub struct Trace {
 /// An axis with its limits.
 pub struct Stand {
     rig: Box<dyn Rig>,
-    /// The axis in the machine file; its gains are the limits of all trials.
-    pub file: AxisSettings,
+    /// What is known of the axis; its gains are the limits of all trials.
+    pub settings: AxisSettings,
     /// Place of the experiments, counts.
     pub centre: i32,
     /// The stretches worth a picture.
@@ -34,17 +35,26 @@ pub struct Stand {
     sampled_us: u64,
 }
 
+impl fmt::Debug for Stand {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = out.debug_struct("Stand");
+        text.field("settings", &self.settings)
+            .field("centre", &self.centre);
+        text.finish_non_exhaustive()
+    }
+}
+
 impl Stand {
     /// Around where the axis is now.
     ///
     /// # Errors
     ///
     /// The link fails.
-    pub fn new(mut rig: Box<dyn Rig>, file: AxisSettings) -> Result<Self, Trouble> {
+    pub fn new(mut rig: Box<dyn Rig>, settings: AxisSettings) -> Result<Self, Trouble> {
         let centre = rig.sample()?.position;
         Ok(Self {
             rig,
-            file,
+            settings,
             centre,
             traces: Vec::new(),
             samples: 0,
@@ -53,12 +63,12 @@ impl Stand {
     }
 
     /// The limits of the machine file with other gains.
-    pub fn gains(&self, proportional: u16, integral: u16, derivative: u16) -> Gains {
+    pub(super) fn gains(&self, proportional: u16, integral: u16, derivative: u16) -> Gains {
         Gains {
             proportional,
             integral,
             derivative,
-            ..self.file.gains
+            ..self.settings.gains
         }
     }
 
@@ -72,7 +82,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub fn engage(&mut self, gains: &Gains) -> Result<(), Trouble> {
+    pub(super) fn engage(&mut self, gains: &Gains) -> Result<(), Trouble> {
         self.rig.set_gains(gains)?;
         self.rig.engage()
     }
@@ -82,7 +92,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Trouble> {
+    pub(super) fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Trouble> {
         let from = self.sample(true)?.position;
         let there = if from > self.centre {
             from - size
@@ -97,7 +107,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Trouble> {
+    pub(super) fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Trouble> {
         let start_us = self.rig.now_us();
         self.rig.hold(target)?;
         let mut samples = Vec::new();
@@ -119,16 +129,16 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub fn drive_by(
+    pub(super) fn drive_by(
         &mut self,
         us: u64,
         mut law: impl FnMut(i32) -> i16,
     ) -> Result<(Trace, f64), Trouble> {
         // For the amplifier, and the current limit.
-        let gains = self.file.gains;
+        let gains = self.settings.gains;
         self.engage(&gains)?;
         let start_us = self.rig.now_us();
-        let [low, high] = self.file.travel;
+        let [low, high] = self.settings.travel;
         let reach = i32::from(gains.error_limit);
         let (mut samples, mut drives) = (Vec::new(), Vec::new());
         let (mut duty, mut late_us) = (0, 0);
@@ -161,8 +171,9 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub fn start_move(&mut self, goal: i32) -> Result<(), Trouble> {
-        self.rig.go_to(goal, self.file.rate, self.file.acceleration)
+    pub(super) fn start_move(&mut self, goal: i32) -> Result<(), Trouble> {
+        self.rig
+            .go_to(goal, self.settings.rate, self.settings.acceleration)
     }
 
     /// The next reading, of an axis within its limits.
@@ -170,22 +181,22 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Trouble> {
+    pub(super) fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Trouble> {
         let before_us = self.rig.now_us();
         let sample = self.rig.sample()?;
         self.samples += 1;
         self.sampled_us += sample.us.saturating_sub(before_us);
         let at = || counts(sample.position);
-        let [low, high] = self.file.travel;
+        let [low, high] = self.settings.travel;
         // Without the servo the module always says so, and a drive needs twice the limit: what it would not let pass is watched here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {
-            sample.position.abs_diff(self.centre) > u32::from(self.file.gains.error_limit)
+            sample.position.abs_diff(self.centre) > u32::from(self.settings.gains.error_limit)
         };
         if !sample.status.contains(Status::POWER_ON) {
             Err(Trouble::NoPower {
-                axis: self.file.letter,
+                axis: self.settings.letter,
             })
         } else if sample.status.contains(Status::OVERCURRENT) {
             Err(Trouble::OverCurrent { at: at() })

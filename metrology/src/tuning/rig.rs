@@ -1,6 +1,6 @@
 //! An axis to experiment on, simulated or real.
 
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 
 /// What is read of an axis at a time.

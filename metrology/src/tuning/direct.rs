@@ -1,9 +1,9 @@
 //! The simulated axis itself, seen in every servo period: what no link can.
 
 use super::rig::{Rig, Sample, profile};
+use crate::trouble::Trouble;
 use husillo_controllers::servo_law;
 use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
-use husillo_metrology::Trouble;
 use husillo_pid::Drive;
 use husillo_planner::ServoMotion;
 use husillo_sim::{DcMotor, DcMotorModel, FULL_CURRENT_A, SERVO_PERIOD_S};
@@ -13,6 +13,7 @@ use husillo_transports::nmc::{CYCLE_US, Gains, Status};
 const VERSION: u8 = 4;
 
 /// Servo law and motor, without a module's link between.
+#[derive(Debug)]
 pub struct Direct {
     axis: ServoAxis,
     motor: DcMotor,

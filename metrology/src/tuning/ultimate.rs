@@ -3,7 +3,7 @@
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 
@@ -30,7 +30,7 @@ pub fn ultimate(
     stand: &mut Stand,
     trials: &mut Vec<Trial>,
 ) -> Result<Option<(Ultimate, u8)>, Trouble> {
-    let mut divisor = stand.file.gains.rate_divisor.max(1);
+    let mut divisor = stand.settings.gains.rate_divisor.max(1);
     let mut first = FIRST;
     loop {
         if let Some(found) = at_divisor(stand, divisor, first, trials)? {

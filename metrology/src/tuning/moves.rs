@@ -1,7 +1,7 @@
 //! The proof of gains: moves, and where they end.
 
 use super::stand::Stand;
-use husillo_metrology::Trouble;
+use crate::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 use serde::Serialize;
 
@@ -52,8 +52,8 @@ pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trou
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let length = length + (random >> 16) as i32 % length;
         let is_up = random >> 31 == 0;
-        let low = stand.file.travel[0].max(stand.centre - REACH);
-        let high = stand.file.travel[1].min(stand.centre + REACH);
+        let low = stand.settings.travel[0].max(stand.centre - REACH);
+        let high = stand.settings.travel[1].min(stand.centre + REACH);
         goal = match (goal + length <= high, goal - length >= low) {
             (true, true) if is_up => goal + length,
             (_, true) => goal - length,
