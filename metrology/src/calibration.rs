@@ -1,6 +1,7 @@
 //! The errors of a machine: found from reference lengths, bars and bodies, and taken off.
 
 mod axis_fit;
+pub mod backlash;
 mod calibrated;
 mod reference;
 mod square_fit;

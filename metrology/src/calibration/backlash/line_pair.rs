@@ -1,8 +1,6 @@
-//! From readings of the two-line test to a table by place.
+//! What the two-line test measures, and the table by place that comes of it.
 
-use super::PlaceTable;
-use crate::calibrating::columns::{Columns, Row};
-use husillo_metrology::quantity::{self, Quantity};
+use super::place_table::{Map, PlaceTable};
 
 /// What the reading of a mark may be off, um: so far below zero is no lash at all.
 const NOISE_UM: f64 = 10.0;
@@ -10,9 +8,9 @@ const NOISE_UM: f64 = 10.0;
 /// Places nearer to each other than this are one, mm.
 const SAME_MM: f64 = 0.001;
 
-/// What was measured between two lines.
+/// Two lines of the two-line test, and what was measured between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct LinePair {
     /// X or Y, by number.
     pub axis: usize,
     /// Where the line from above was cut, mm; `None` along an axis that bands lie along.
@@ -23,52 +21,41 @@ pub struct Reading {
     pub measured_nm: f64,
 }
 
-impl Reading {
-    /// Play at the place, where `taken_up_nm` of it was made up for.
+impl LinePair {
+    /// Play at the place, nm, where `taken_up_nm` of it was made up for.
+    #[must_use]
     pub fn lash_nm(&self, taken_up_nm: f64) -> f64 {
         taken_up_nm + self.measured_nm - self.programmed_nm
     }
-}
 
-/// Reads readings.
-///
-/// # Errors
-///
-/// A sentence with the line.
-pub fn read(path: &str) -> Result<Vec<Reading>, String> {
-    let columns = Columns::read(path, &["axis", "x", "y", "programmed", "measured"])?;
-    let length = |row: &Row<'_>, name: &str| row.parsed(name, length_nm);
-    let reading = |row: Row<'_>| -> Result<Reading, String> {
-        let axis = row.parsed("axis", |text| match text {
-            "x" | "X" => Ok(0),
-            "y" | "Y" => Ok(1),
-            other => Err(format!("`{other}`: expected X or Y")),
-        })?;
-        let place = |name: &str| match row.get(name) {
-            None | Some("") => Ok(None),
-            Some(_) => length(&row, name).map(|nm| Some(nm / 1e6)),
-        };
-        Ok(Reading {
-            axis,
-            place_mm: [place("x")?, place("y")?],
-            programmed_nm: length(&row, "programmed")?,
-            measured_nm: length(&row, "measured")?,
-        })
-    };
-    let readings: Result<Vec<_>, _> = columns.rows().map(reading).collect();
-    readings.map_err(|why| format!("{path}: {why}"))
-}
-
-/// Millimetres, or a length with its unit.
-fn length_nm(text: &str) -> Result<f64, String> {
-    if let Ok(mm) = text.parse::<f64>() {
-        if mm.is_finite() && mm.abs() < 1e6 {
-            return Ok(mm * 1e6);
-        }
+    /// What a map takes up where the pair was cut, nm; for bands, in the middle of the travel along them.
+    #[must_use]
+    pub fn taken_up_nm(&self, map: &Map, step_nm: [f64; 3], travel_mm: [[f64; 2]; 2]) -> f64 {
+        let at = map.axes().map(|axis| {
+            let place = self.place_mm.get(axis).copied().flatten();
+            let middle = travel_mm
+                .get(axis)
+                .map_or(0.0, |[low, high]| (low + high) / 2.0);
+            (place.unwrap_or(middle) * 1e6 / step_nm[axis]).round() as i32
+        });
+        f64::from(map.steps(at)) * step_nm[self.axis]
     }
-    match quantity::parse(text)? {
-        Quantity::Length(length) => Ok(length.num as f64 / length.den as f64),
-        _ => Err(format!("`{text}` is no length")),
+
+    /// Whether the pair was cut where the axes go.
+    ///
+    /// # Errors
+    ///
+    /// A sentence with the place and the travel.
+    pub fn within(&self, travel_mm: [[f64; 2]; 2]) -> Result<(), String> {
+        for ((place, [low, high]), letter) in self.place_mm.iter().zip(travel_mm).zip(["X", "Y"]) {
+            if place.is_some_and(|mm| !(low..=high).contains(&mm)) {
+                let mm = place.unwrap_or_default();
+                return Err(format!(
+                    "a reading at {letter}{mm}, and the travel is {low} to {high} mm"
+                ));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -77,15 +64,12 @@ fn length_nm(text: &str) -> Result<f64, String> {
 /// # Errors
 ///
 /// A sentence: a place of the grid without a reading, or readings of bands and of places.
-pub fn table(axis: usize, readings: &[(Reading, f64)]) -> Result<Option<PlaceTable>, String> {
-    let own: Vec<_> = readings
-        .iter()
-        .filter(|(reading, _)| reading.axis == axis)
-        .collect();
+pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<PlaceTable>, String> {
+    let own: Vec<_> = pairs.iter().filter(|(pair, _)| pair.axis == axis).collect();
     let Some((first, _)) = own.first() else {
         return Ok(None);
     };
-    let letter = ["X", "Y"][axis];
+    let letter = if axis == 0 { "X" } else { "Y" };
     let has = first.place_mm.map(|place| place.is_some());
     if own
         .iter()
