@@ -1,4 +1,13 @@
-//! A measuring machine as a library.
+#![doc = include_str!("../README.md")]
+//!
+//! ## How it fits together
+//!
+//! ```text
+//! routine ──► Prober ◄── Calibrated ──► Head ──► Line ──► Port ◄── SimulatedPort, or your own
+//! calibration ──┘                         tuning ──┘ └──► Operator
+//! ```
+//!
+//! `routine`, `calibration`, `tuning` and `simulated` use `heads`; `heads` uses none of them.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

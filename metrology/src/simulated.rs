@@ -12,3 +12,7 @@ pub use contact::Contact;
 pub use machines::{one_axis, three_axes};
 pub use piece::{Mounted, Piece};
 pub use port::SimulatedPort;
+
+pub use husillo_sim::{
+    Bore, DcMotorModel, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece,
+};

@@ -204,6 +204,8 @@ impl fmt::Display for Trouble {
     }
 }
 
+impl std::error::Error for Trouble {}
+
 impl From<io::Error> for Trouble {
     fn from(error: io::Error) -> Self {
         Self::Port(error)

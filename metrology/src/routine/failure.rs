@@ -37,6 +37,8 @@ impl fmt::Display for Failure {
     }
 }
 
+impl std::error::Error for Failure {}
+
 impl From<Trouble> for Failure {
     fn from(trouble: Trouble) -> Self {
         Self::Machine(trouble)

@@ -139,6 +139,8 @@ pub enum NoRelay {
     },
 }
 
+impl std::error::Error for NoRelay {}
+
 impl std::fmt::Display for NoRelay {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
