@@ -1,4 +1,5 @@
-//! Quantities of machine files: `"0.14 um"`, `"170 Hz"`, `"400 steps"`, exact from text to fraction.
+//! Quantities of machine files: `"0.14 um"`, `"170 Hz"`, `"400 steps"`, exact from text to
+//! fraction.
 
 /// A value with its unit, exact: `value` in the unit's base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,7 +112,8 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
     })
 }
 
-/// Digits and decimal places of a plain number; at most 18 digits, so that every factor above fits 128 bits.
+/// Digits and decimal places of a plain number; at most 18 digits, so that every factor above fits
+/// 128 bits.
 fn decimal(text: &str) -> Option<(i128, u32)> {
     let (sign, body) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),

@@ -2,7 +2,7 @@
 //! tolerances.
 //!
 //! ```text
-//! text ─► words ─► line_reader ─► clauses ─► parser ─► statement ─► runner ─► feature
+//! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature
 //! G-code ─► program ─► called ─────────────────────────────────────┘  │
 //!                               Prober ◄── site ◄── cycle ◄───────────┤ moves and touches
 //!                                          frame ◄── alignment ◄──────┤
@@ -18,6 +18,7 @@ mod failure;
 mod feature;
 mod fits;
 mod frame;
+mod jobs;
 mod line_reader;
 mod parser;
 pub mod program;
@@ -30,6 +31,7 @@ mod statement;
 #[cfg(test)]
 mod trials;
 pub mod vector;
+mod vocabulary;
 mod words;
 mod wrong;
 

@@ -40,7 +40,8 @@ impl Scale {
         }
     }
 
-    /// A position or a length as whole counts, to the nearest; `None` where it is none or does not fit.
+    /// A position or a length as whole counts, to the nearest; `None` where it is none or does not
+    /// fit.
     pub fn counts(self, quantity: Quantity) -> Option<i32> {
         match quantity {
             Quantity::Length(length) => i32::try_from(length.over(self.count?)?).ok(),

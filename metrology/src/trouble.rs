@@ -179,12 +179,16 @@ impl fmt::Display for Trouble {
             }
             Self::NotHomed { axis } => write!(
                 out,
-                "{axis} is not homed: its table of errors belongs to places, and counts begin anywhere"
+                "{axis} is not homed: its table of errors belongs to places, and counts begin \
+                 anywhere"
             ),
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
             Self::Collision { axes, at, speed } => {
-                write!(out, "collision: a contact at {at}, where nothing was to be touched")?;
+                write!(
+                    out,
+                    "collision: a contact at {at}, where nothing was to be touched"
+                )?;
                 match speed {
                     Some(speed) => write!(out, ", as {axes} went at about {speed}")?,
                     None => write!(out, ", as {axes} began to move")?,
@@ -192,7 +196,8 @@ impl fmt::Display for Trouble {
                 out.write_str("; all axes have been stopped")
             }
             Self::DoubtfulContact => out.write_str(
-                "a contact was told that a second reading does not confirm: all axes have been stopped",
+                "a contact was told that a second reading does not confirm: all axes have been \
+                 stopped",
             ),
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),

@@ -22,7 +22,8 @@ pub struct AxisFit {
     pub table: ErrorTable<Vec<Knot>>,
     /// Different lengths.
     pub places: usize,
-    /// Largest less smallest error of a reading: without the table, with the scale alone, with all of it. In nm.
+    /// Largest less smallest error of a reading: without the table, with the scale alone, with all
+    /// of it. In nm.
     pub spans: [f64; 3],
     /// What a mean of readings is uncertain by, nm.
     pub noise: f64,
@@ -32,8 +33,9 @@ pub struct AxisFit {
 type Place = [(f64, f64); 3];
 
 impl AxisFit {
-    /// Fits a straight line (least squares over the places, the mean of both directions each), and takes what is left as the table.
-    /// `resolution` is the count of the scale in nm: readings are never trusted further.
+    /// Fits a straight line (least squares over the places, the mean of both directions each), and
+    /// takes what is left as the table. `resolution` is the count of the scale in nm: readings are
+    /// never trusted further.
     ///
     /// # Errors
     ///
@@ -57,12 +59,15 @@ impl AxisFit {
             .iter()
             .map(|(nominal, [positive, negative])| (0.5 * (positive + negative), *nominal))
             .collect();
-        let (scale, offset) = straight_line(&points)
-            .ok_or("all lengths are read alike: does the axis move, and are the columns in the right order?")?;
+        let (scale, offset) = straight_line(&points).ok_or(
+            "all lengths are read alike: does the axis move, and are the columns in the \
+             right order?",
+        )?;
         let scale_ppb = (scale * 1e9).round();
         if scale_ppb.abs() > 1e7 {
             return Err(format!(
-                "the axis would be off by {:.1} %: are the columns in the right order, and in one unit?",
+                "the axis would be off by {:.1} %: are the columns in the right order, and in one \
+                 unit?",
                 scale * 100.0
             ));
         }
@@ -128,7 +133,8 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
     [mean(*positive, *negative), mean(*negative, *positive)]
 }
 
-/// Standard deviation of the mean at a place and in a direction, from repeated readings; at least that of rounding to counts.
+/// Standard deviation of the mean at a place and in a direction, from repeated readings; at least
+/// that of rounding to counts.
 fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
     let (mut squares, mut free) = (0.0, 0.0);
     for reading in readings {
@@ -170,7 +176,8 @@ mod tests {
 
     #[test]
     fn scale_pitch_and_play_are_found() {
-        // 50 um/m short, 3 um of pitch error with a period of 80 mm, 2 um of play, read to 10 nm in two passes.
+        // 50 um/m short, 3 um of pitch error with a period of 80 mm, 2 um of play, read to 10 nm in
+        // two passes.
         let truth = |reading: f64, flank| {
             let play = if flank == Flank::Positive {
                 1000.0

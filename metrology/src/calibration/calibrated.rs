@@ -7,16 +7,16 @@ use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
 use std::rc::Rc;
 
-/// A prober with its errors taken off. What it is asked for and what it tells are true positions, on square axes; the prober behind it works
-/// with readings, and keeps its own zero.
+/// A prober with its errors taken off. What it is asked for and what it tells are true positions,
+/// on square axes; the prober behind it works with readings, and keeps its own zero.
 #[derive(Debug)]
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
     /// What of them is in force: a table by place once the axis is homed.
     view: View,
-    /// The readings it was sent to last, while it is there: an axis that is sent there again does not turn round, though it stands a little
-    /// beside.
+    /// The readings it was sent to last, while it is there: an axis that is sent there again does
+    /// not turn round, though it stands a little beside.
     sent: Option<[i64; 3]>,
 }
 
@@ -49,7 +49,8 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its places.
+    /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its
+    /// places.
     pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
@@ -119,7 +120,8 @@ impl<P: Prober> Calibrated<P> {
         })
     }
 
-    /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the flanks at the contact.
+    /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the
+    /// flanks at the contact.
     fn touch_with<T>(
         &mut self,
         direction: &UnitVector,
@@ -129,7 +131,8 @@ impl<P: Prober> Calibrated<P> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
-        // Straight in truth is straight by the readings, but for what a table bends; 17 m show it as well as any more.
+        // Straight in truth is straight by the readings, but for what a table bends; 17 m show it
+        // as well as any more.
         let part = way.min(1 << 34);
         let ahead = direction.scaled(part as i64);
         let goal = [0, 1, 2].map(|axis: usize| from[axis].saturating_add(ahead[axis]));
@@ -345,7 +348,8 @@ mod tests {
             reading.map(|nm| (nm / self.count as f64).round() as i64 * self.count)
         }
 
-        /// The same as the centre of a ball comes out that is touched at 25 places: rounding to counts is averaged.
+        /// The same as the centre of a ball comes out that is touched at 25 places: rounding to
+        /// counts is averaged.
         fn ball(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
             let mut sum = [0.0; 3];
             for touch in 0..25 {
@@ -486,8 +490,8 @@ mod tests {
         calibrated
     }
 
-    /// Largest difference of truth and what the calibrated machine says, over the range, from the origin on, in nm: where it stands, and how
-    /// far that is from where it was sent.
+    /// Largest difference of truth and what the calibrated machine says, over the range, from the
+    /// origin on, in nm: where it stands, and how far that is from where it was sent.
     fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
         let mut calibrated = homed(*machine, errors);
         let mut worst = [0.0f64; 2];

@@ -39,8 +39,9 @@ pub struct FoundProbe {
     pub residuals: Residuals,
 }
 
-/// The rings of points on a sphere below its pole, at 72, 54, 36, 18 and 0 degrees: across, up, and which of the clock. Between them the table is
-/// off by the curvature of the pre-travel: with rings 30 degrees apart a sphere of the example's probe comes out 0.5 um too small, with these 0.15.
+/// The rings of points on a sphere below its pole, at 72, 54, 36, 18 and 0 degrees: across, up, and
+/// which of the clock. Between them the table is off by the curvature of the pre-travel: with rings
+/// 30 degrees apart a sphere of the example's probe comes out 0.5 um too small, with these 0.15.
 const LEVELS: [(i64, i64, usize); 5] = [
     (309, 951, 2),
     (588, 809, 2),
@@ -70,8 +71,9 @@ const CLOCK: [(i64, i64); 12] = [
 ];
 
 impl ReferenceBody {
-    /// Touches the body and finds the pre-travel by direction: first where its centre is, then all directions. The tip radius is believed, as
-    /// every approach is along the normal, where the two cannot be told apart. The sphere is reached from above it by itself; the probe has to be
+    /// Touches the body and finds the pre-travel by direction: first where its centre is, then all
+    /// directions. The tip radius is believed, as every approach is along the normal, where the two
+    /// cannot be told apart. The sphere is reached from above it by itself; the probe has to be
     /// above the ring, or in it.
     ///
     /// # Errors
@@ -246,7 +248,8 @@ mod tests {
     const BALL: i32 = 1_000_000;
     const CENTRE: [i64; 3] = [3_210_000, -2_345_000, -14_000_000];
 
-    /// The machine of 2 um a count before a sphere that no axis knows the place of, with 0.5 um of noise a touch.
+    /// The machine of 2 um a count before a sphere that no axis knows the place of, with 0.5 um of
+    /// noise a touch.
     fn machine(seed: u64) -> Head {
         machine_with_noise(seed, 0.0005)
     }

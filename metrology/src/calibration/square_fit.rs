@@ -60,7 +60,8 @@ impl SquareFit {
             });
             let free = [is_known[0], is_known[1], is_known[2], length.is_none()];
             let change = least_squares(rows, free).ok_or(
-                "the bar's places do not tell the angles apart: lay it along both diagonals of each plane",
+                "the bar's places do not tell the angles apart: lay it along both diagonals of \
+                 each plane",
             )?;
             for (lean, change) in leans.iter_mut().zip(change) {
                 *lean += change;

@@ -2,8 +2,9 @@
 
 use super::head::{Head, is_done};
 use super::port::Port;
+use super::search::{Search, searches};
 use super::touching::is_closed;
-use super::way::{Search, Way, searches};
+use super::way::Way;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;

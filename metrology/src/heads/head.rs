@@ -1,4 +1,8 @@
-//! The head of a measuring machine: one to three servo axes on a line, moved together in straight lines.
+//! The head of a measuring machine: one to three servo axes on a line, moved together in straight
+//! lines.
+
+mod guard;
+mod positions;
 
 use super::line::Line;
 use super::machine::{Machine, ProbeSettings};
@@ -16,8 +20,8 @@ use husillo_transports::nmc::{
 /// What is read of a module.
 pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
 
-/// All axes of a machine with their servos on. Positions are amounts of the scale in the order X, Y, Z; an axis that is not there is
-/// always at 0.
+/// All axes of a machine with their servos on. Positions are amounts of the scale in the order X,
+/// Y, Z; an axis that is not there is always at 0.
 #[derive(Debug)]
 pub struct Head<P> {
     pub(super) line: Line<P>,
@@ -69,7 +73,8 @@ impl<P: Port> Head<P> {
             contact_at: None,
             has_collided: false,
         };
-        // A divisor makes the profiles of old modules slower, but only the derivative of version 10.
+        // A divisor makes the profiles of old modules slower, but only the derivative of version
+        // 10.
         let periods = head.axes.iter().map(|axis| {
             let place = usize::from(axis.settings.module).wrapping_sub(1);
             if chain
@@ -88,7 +93,8 @@ impl<P: Port> Head<P> {
         }
         head.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(periods[0]);
         if let [first, _, ..] = head.axes[..] {
-            // All are in this group since the reset, and the reset of the next session still finds them there.
+            // All are in this group since the reset, and the reset of the next session still finds
+            // them there.
             let group = Group {
                 address: EVERY_GROUP,
                 is_leader: true,
@@ -171,233 +177,6 @@ impl<P: Port> Head<P> {
         found.ok_or(Trouble::NoAxis {
             axis: "XYZ".chars().nth(coordinate).unwrap_or('?'),
         })
-    }
-
-    /// Where the axes are to be.
-    pub fn held(&self) -> [i64; 3] {
-        self.place(|_, axis| axis.held)
-    }
-
-    /// Where the axes are by these replies.
-    pub fn place_of(&self, replies: &[Reply]) -> [i64; 3] {
-        self.place(|index, _| replies[index].readings.position)
-    }
-
-    /// Where the axes are at these counts, one each.
-    pub(super) fn place_at(&self, counts: &[i32]) -> [i64; 3] {
-        self.place(|index, _| counts[index])
-    }
-
-    /// Where the axes were by these replies when they found what they looked for.
-    pub fn latched(&self, replies: &[Reply]) -> [i64; 3] {
-        self.place(|index, _| replies[index].readings.home)
-    }
-
-    /// Readings of all axes for people.
-    pub fn text(&self, readings: [i64; 3]) -> String {
-        let place = self.view.position(readings);
-        let numbers = self.axes.iter().map(|axis| {
-            let position = place[axis.settings.coordinate()];
-            match self.axes.len() {
-                1 => self.scale.text(position),
-                _ => format!("{} {}", axis.settings.letter, self.scale.text(position)),
-            }
-        });
-        numbers.collect::<Vec<_>>().join(", ")
-    }
-
-    /// Counts of an axis for people, as in `X 1200 counts`, with the others where they are held.
-    pub(super) fn axis_text(&self, index: usize, counts: i32) -> String {
-        let axis = &self.axes[index];
-        let text = self.scale.text(self.seen(index, self.held(), counts));
-        format!("{} {text}", axis.settings.letter)
-    }
-
-    /// The position of an axis at these counts, with the others at these readings.
-    fn seen(&self, index: usize, mut readings: [i64; 3], counts: i32) -> i64 {
-        let axis = &self.axes[index];
-        let coordinate = axis.settings.coordinate();
-        readings[coordinate] = axis.position(self.scale, counts);
-        self.view.position(readings)[coordinate]
-    }
-
-    fn place(&self, counts: impl Fn(usize, &Servo) -> i32) -> [i64; 3] {
-        let mut place = [0; 3];
-        for (index, axis) in self.axes.iter().enumerate() {
-            place[axis.settings.coordinate()] = axis.position(self.scale, counts(index, axis));
-        }
-        place
-    }
-
-    /// Counts of a place, an axis each.
-    ///
-    /// # Errors
-    ///
-    /// It is beside the axes of the machine.
-    pub(super) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
-        for (axis, position) in "XYZ".chars().zip(place) {
-            if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
-                return Err(Trouble::NoAxis { axis });
-            }
-        }
-        let of = |axis: &Servo| axis.counts(self.scale, place[axis.settings.coordinate()]);
-        Ok(self.axes.iter().map(of).collect())
-    }
-
-    /// Whether all axes may go to these counts, meant by these readings.
-    ///
-    /// # Errors
-    ///
-    /// The first that may not.
-    pub(super) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
-        for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
-            let [low, high] = axis.settings.travel;
-            if !(low..=high).contains(goal) {
-                let there = self.view.position(meant)[axis.settings.coordinate()];
-                let text = |counts| self.scale.text(self.seen(index, meant, counts));
-                return Err(Trouble::OutsideTravel {
-                    goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
-                    travel: axis.settings.travel.map(text),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// How far it is in a direction to the end of the travel.
-    pub fn room(&self, direction: &UnitVector) -> u64 {
-        let components = direction.components().map(|part| part.to_num::<f64>());
-        let rooms = self.axes.iter().map(|axis| {
-            let [low, high] = axis.travel(self.scale);
-            let at = axis.position(self.scale, axis.held);
-            // Travels are far below 2^53 nm, and 0 / 0 is no room to `min`.
-            match components[axis.settings.coordinate()] {
-                part if part > 0.0 => (high - at) as f64 / part,
-                part if part < 0.0 => (low - at) as f64 / part,
-                _ => f64::INFINITY,
-            }
-        });
-        // Nothing is left of a negative one.
-        rooms.fold(f64::INFINITY, f64::min) as u64
-    }
-
-    /// Reads all axes.
-    ///
-    /// # Errors
-    ///
-    /// No answer, or an axis in trouble.
-    pub(super) fn read(&mut self) -> Result<Vec<Reply>, Trouble> {
-        let mut replies = Vec::with_capacity(self.axes.len());
-        for axis in &self.axes {
-            let module = axis.settings.module;
-            replies.push(self.line.command(module, Command::ReadStatus(READ))?);
-        }
-        for (index, (axis, reply)) in self.axes.iter().zip(&replies).enumerate() {
-            let checked = axis.check(reply, || self.axis_text(index, reply.readings.position));
-            if checked.is_err() {
-                self.given_up = Some(index);
-            }
-            checked?;
-        }
-        Ok(replies)
-    }
-
-    /// Does something that moves axes. Whatever goes wrong with it, the link or the user among it, all axes are told to stop, and the
-    /// next motion begins where they then are.
-    ///
-    /// # Errors
-    ///
-    /// Those of what is done.
-    pub(super) fn guarded<T>(
-        &mut self,
-        what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
-    ) -> Result<T, Trouble> {
-        self.line.operator().set_moving(true);
-        let result = self
-            .find_again()
-            .and_then(|()| what(self))
-            .and_then(|done| {
-                // Too late to break it off; all the same nothing comes after it.
-                if self.line.operator().is_stop_wanted() {
-                    Err(Trouble::Interrupted)
-                } else {
-                    Ok(done)
-                }
-            });
-        if let Err(trouble) = &result {
-            self.is_astray = true;
-            self.line.operator().stop_is_seen_to();
-            let way = match trouble {
-                Trouble::Interrupted => StopWay::Smooth,
-                _ => StopWay::Abrupt,
-            };
-            if self.stop(way).is_err() {
-                self.line.operator().stop_is_unanswered();
-            }
-        }
-        self.line.operator().set_moving(false);
-        result
-    }
-
-    /// After a trouble: waits until the axes stand, forgets their faults and holds them where they are.
-    pub(super) fn find_again(&mut self) -> Result<(), Trouble> {
-        if !self.is_astray {
-            return Ok(());
-        }
-        for index in 0..self.axes.len() {
-            let module = self.axes[index].settings.module;
-            self.line.command(module, stop(StopWay::Abrupt))?;
-            self.line.command(module, Command::ClearBits)?;
-        }
-        self.settle()?;
-        self.is_astray = false;
-        Ok(())
-    }
-
-    /// Reads all axes, which stand, until two readings of each agree: what is told or kept comes from these.
-    ///
-    /// # Errors
-    ///
-    /// No answer, or readings that do not agree.
-    pub(super) fn read_twice(&mut self) -> Result<Vec<Reply>, Trouble> {
-        let axes = self.axes.clone();
-        axes.iter()
-            .map(|axis| self.read_axis_twice(axis, READ))
-            .collect()
-    }
-
-    fn read_axis_twice(&mut self, axis: &Servo, items: Items) -> Result<Reply, Trouble> {
-        let jitter_counts = axis.settings.in_position.saturating_mul(2);
-        self.line
-            .read_twice(axis.settings.module, items, jitter_counts)
-    }
-
-    /// Tells an axis that stands what to hold, so that the next way is known exactly.
-    pub(super) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
-        let module = self.axes[index].settings.module;
-        self.line.command(module, stop(StopWay::Here(counts)))?;
-        self.axes[index].held = counts;
-        Ok(())
-    }
-
-    /// Stops all axes; each gets its command, whatever the others answer. One whose module has given up stays without drive: something
-    /// blocks it, or its motor has too much current.
-    pub(super) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
-        let given_up = self.given_up.take();
-        let mut result = Ok(());
-        for (index, axis) in self.axes.iter().enumerate() {
-            let command = if given_up == Some(index) {
-                Command::StopMotor(Stop {
-                    amplifier: false,
-                    way: Some(StopWay::Off),
-                })
-            } else {
-                stop(way)
-            };
-            let answer = self.line.command(axis.settings.module, command);
-            result = result.and(answer.map(drop));
-        }
-        result
     }
 }
 
@@ -655,7 +434,8 @@ mod tests {
             Err(Trouble::NotTouching)
         ));
 
-        // A feed beyond that of a search is that of a search, 0.4 mm/s: 2.5 s and what it takes to stand.
+        // A feed beyond that of a search is that of a search, 0.4 mm/s: 2.5 s and what it takes to
+        // stand.
         head.go_to([0, 0, -3 * MM]).unwrap();
         let (time, made) = seconds(&mut head, |head| down(head, u64::MAX).unwrap());
         assert!((2.5..2.8).contains(&time), "{time} s");

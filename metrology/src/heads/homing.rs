@@ -2,15 +2,17 @@
 
 use super::head::Head;
 use super::port::Port;
+use super::search::Search;
 use super::touching::is_closed;
-use super::way::{Search, Way};
+use super::way::Way;
 use crate::trouble::Trouble;
 use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
 
 impl<P: Port> Head<P> {
-    /// Searches the index of an axis in the positive direction, once at the speed of a search and once slowly, as every turn of the
-    /// encoder has one and only the edge that is met from this side counts. It becomes position 0, and the axis goes there.
+    /// Searches the index of an axis in the positive direction, once at the speed of a search and
+    /// once slowly, as every turn of the encoder has one and only the edge that is met from this
+    /// side counts. It becomes position 0, and the axis goes there.
     ///
     /// # Errors
     ///

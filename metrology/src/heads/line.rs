@@ -64,7 +64,8 @@ impl<P: Port> Line<P> {
         self.port.elapsed_us()
     }
 
-    /// Flush, reset, addresses, versions, rate. Where nobody answers, once more with a reset of every address.
+    /// Flush, reset, addresses, versions, rate. Where nobody answers, once more with a reset of
+    /// every address.
     ///
     /// # Errors
     ///

@@ -18,7 +18,8 @@ const FACE: i64 = 3000;
 /// Nanometres of a count.
 const COUNT: i64 = 2000;
 
-/// What a result may be off by, in counts: one, as on a good line, and the one that a servo at rest may move by.
+/// What a result may be off by, in counts: one, as on a good line, and the one that a servo at rest
+/// may move by.
 const TOLERANCE: i64 = 2;
 
 /// Random numbers, the same each time.
@@ -120,7 +121,8 @@ fn truth(port: &mut SimulatedPort, module: u8) -> i64 {
     motor.expect("a motor").counts()
 }
 
-/// Where the motors are when the modules say 0: anywhere, since a session begins where the head happens to be.
+/// Where the motors are when the modules say 0: anywhere, since a session begins where the head
+/// happens to be.
 fn zeros(head: &mut Head) -> [i64; 3] {
     [0, 1, 2].map(|module| {
         let chain = head.line.port().chain.chain();
@@ -142,8 +144,8 @@ struct Plan {
     has_outages: bool,
 }
 
-/// Sessions: each starts the line anew, takes one of its axes and does a few moves and touches, until it
-/// is done or something is reported, as `husillo measure` is used.
+/// Sessions: each starts the line anew, takes one of its axes and does a few moves and touches,
+/// until it is done or something is reported, as `husillo measure` is used.
 fn sessions(plan: Plan) -> Tally {
     let Plan {
         modules,
@@ -304,8 +306,9 @@ fn a_module_that_fails_is_reported() {
     assert_eq!((tally.wrong_moves, tally.wrong_touches), (0, 0));
 }
 
-/// A second module takes the first one's address, by a packet that is not this host's, and both answer from then on: the line carries
-/// what both would let through. No such mixture is taken for where an axis is.
+/// A second module takes the first one's address, by a packet that is not this host's, and both
+/// answer from then on: the line carries what both would let through. No such mixture is taken for
+/// where an axis is.
 #[test]
 fn two_modules_that_answer_are_reported() {
     let mut random = Random(3);
@@ -338,8 +341,9 @@ fn two_modules_that_answer_are_reported() {
     assert!(reported > 100, "{reported}");
 }
 
-/// A day of one wrong bit in 10^5, as four lines of six hours side by side; three of them: `cargo test --release -p husillo-metrology -- --ignored
-/// --nocapture hours`. `HOURS=6` before it makes each of them shorter.
+/// A day of one wrong bit in 10^5, as four lines of six hours side by side; three of them: `cargo
+/// test --release -p husillo-metrology -- --ignored --nocapture hours`. `HOURS=6` before it makes
+/// each of them shorter.
 fn day(modules: usize) {
     const LINES: u64 = 4;
     let hours = std::env::var("HOURS").map_or(24.0, |hours| hours.parse().expect("HOURS=6"));

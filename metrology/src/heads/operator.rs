@@ -1,7 +1,8 @@
 //! Who stands before the machine: may stop it, and sees what goes on.
 
 /// The operator of a machine. A stop is asked for from outside, such as by a signal; the line asks
-/// for it before each of its steps. Nothing of it has to be there: `()` never stops and sees nothing.
+/// for it before each of its steps. Nothing of it has to be there: `()` never stops and sees
+/// nothing.
 pub trait Operator {
     /// Whether a stop is wanted that nobody has seen to. No step of the line begins then.
     fn is_stop_wanted(&self) -> bool {

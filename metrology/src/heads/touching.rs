@@ -3,18 +3,20 @@
 use super::head::Head;
 use super::port::Port;
 use super::prober::Probed;
-use super::way::{Search, Way};
+use super::search::Search;
+use super::way::Way;
 use crate::trouble::Trouble;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Reply, Status};
 
 impl<P: Port> Head<P> {
-    /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until the contact is made or broken, and stays
-    /// where it has braked.
+    /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until
+    /// the contact is made or broken, and stays where it has braked.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside of the travel, nothing moves.
+    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside
+    /// of the travel, nothing moves.
     pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
         self.find_again()?;
         let replies = self.read_twice()?;
@@ -59,8 +61,9 @@ impl<P: Port> Head<P> {
         })
     }
 
-    /// Searches the work piece from where the head stands in any direction, at most so far and not beyond the travel, touches it slowly
-    /// and returns the mean of what was latched, in amounts of the scale.
+    /// Searches the work piece from where the head stands in any direction, at most so far and not
+    /// beyond the travel, touches it slowly and returns the mean of what was latched, in amounts of
+    /// the scale.
     ///
     /// # Errors
     ///

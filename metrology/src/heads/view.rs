@@ -6,7 +6,8 @@ use std::rc::Rc;
 /// The errors of a machine, with as many knots as were measured.
 pub type Errors = Calibration<Vec<Knot>>;
 
-/// Positions by readings: the errors that are taken off, and what is called 0. Results, goals and messages all come through it.
+/// Positions by readings: the errors that are taken off, and what is called 0. Results, goals and
+/// messages all come through it.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The errors in force.

@@ -2,18 +2,12 @@
 
 use super::head::{Head, is_done};
 use super::port::Port;
+use super::search::{Search, searches};
 use super::servo::Servo;
+use super::standing::SETTLING_US;
 use crate::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};
-use husillo_transports::nmc::{
-    Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Status, Trajectory,
-};
-
-/// Longest time from the end of a profile until the axes stand, us.
-const SETTLING_US: u64 = 2_000_000;
-
-/// Readings in a row, all in position, before the axes stand.
-const STILL_READINGS: u32 = 3;
+use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
 /// How often a start is sent that no module has followed.
 const STARTS: u32 = 3;
@@ -27,42 +21,8 @@ pub struct Way {
     pub is_found: bool,
 }
 
-/// What ends a way before its goal.
-#[derive(Clone, Copy, Debug)]
-pub struct Search {
-    /// Any of these, on each of the axes that search.
-    pub events: Homing,
-    /// How a module then stops its axis.
-    pub stop: Homing,
-    /// The axis, by its place in the machine file, that searches alone.
-    pub only: Option<usize>,
-}
-
-impl Search {
-    fn is_for(self, index: usize) -> bool {
-        self.only.is_none_or(|only| only == index)
-    }
-
-    /// Whether it is the contact that is searched.
-    fn is_touch(self) -> bool {
-        self.events == Homing::LIMIT_1
-    }
-
-    /// Whether a module that searched has found it.
-    fn is_found(self, reply: &Reply) -> bool {
-        !searches(reply)
-    }
-
-    /// The axes that search, and whether each has found it.
-    fn found_by(self, replies: &[Reply]) -> Vec<(usize, bool)> {
-        let all = replies.iter().enumerate();
-        all.filter(|(index, _)| self.is_for(*index))
-            .map(|(index, reply)| (index, self.is_found(reply)))
-            .collect()
-    }
-}
-
-/// Counts/s and counts/s^2 in the units of a module, 2^-16 counts a period and a period^2; at least 1.
+/// Counts/s and counts/s^2 in the units of a module, 2^-16 counts a period and a period^2; at least
+/// 1.
 pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
     // 2^31 is beyond what any motor makes, so the casts' saturation does no harm.
     let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
@@ -71,12 +31,13 @@ pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u
 }
 
 impl<P: Port> Head<P> {
-    /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate` counts/s, and waits until all stand. With
-    /// a `search` each module ends it at the event, latches where it was and stops, whatever the
-    /// host does; without event and
-    /// host the move ends at its goal. Without a search a contact is a collision.
+    /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate`
+    /// counts/s, and waits until all stand. With a `search` each module ends it at the event,
+    /// latches where it was and stops, whatever the host does; without event and host the move ends
+    /// at its goal. Without a search a contact is a collision.
     ///
-    /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and started by one command to the group.
+    /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and
+    /// started by one command to the group.
     ///
     /// # Errors
     ///
@@ -271,74 +232,4 @@ impl<P: Port> Head<P> {
         }
         Err(Trouble::NotTogether)
     }
-
-    /// Waits until all axes stand: at the goal, or where they stop.
-    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
-        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
-        let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
-        loop {
-            let replies = self.read()?;
-            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
-            let is_near = |to: &[i32]| {
-                let mut pairs = self.axes.iter().zip(at.iter().zip(to));
-                pairs.all(|(axis, (at, to))| axis.is_near(*at, *to))
-            };
-            let is_still = replies.iter().all(is_done)
-                && goal.is_none_or(is_near)
-                && before.as_deref().is_some_and(is_near);
-            still = if is_still { still + 1 } else { 0 };
-            if still >= STILL_READINGS {
-                return Ok(replies);
-            }
-            // Axes that stand at the last reading get those that they need, however late a busy computer makes them.
-            if let Some(before) = before.as_deref().filter(|_| still == 0) {
-                if self.line.elapsed_us() > end_us {
-                    return Err(self.late(goal, before, &replies));
-                }
-            }
-            before = Some(at);
-        }
-    }
-
-    /// Waits until the axes have stopped by themselves, reads them until two readings agree, and holds them there.
-    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
-        self.stand(None)?;
-        let replies = self.read_twice()?;
-        for (index, reply) in replies.iter().enumerate() {
-            self.hold(index, reply.readings.position)?;
-        }
-        Ok(replies)
-    }
-
-    /// The longest that an axis may take to brake, us. An oblique way has one time law for all axes, made of the limits of one of them,
-    /// so that it takes no longer.
-    fn braking_us(&self) -> u64 {
-        let axes = self.axes.iter().map(|axis| {
-            // Not 0 in any machine file; 2^32 s at most.
-            u64::from(axis.settings.rate) * 1_000_000 / u64::from(axis.settings.acceleration.max(1))
-        });
-        axes.max().unwrap_or_default()
-    }
-
-    /// Why the time is over: an axis that has not ended its motion, or the one that is farthest from where it was to be, or had been.
-    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
-        let meant = goal.unwrap_or(before);
-        let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
-        let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
-        let moving = replies.iter().position(|reply| !is_done(reply));
-        let index = moving.unwrap_or(farthest);
-        let at = self.axis_text(index, replies[index].readings.position);
-        match (moving, goal) {
-            (None, Some(goal)) => Trouble::NotThere {
-                goal: self.axis_text(index, goal[index]),
-                at,
-            },
-            _ => Trouble::StillMoving { at },
-        }
-    }
-}
-
-/// Whether it waits for an event.
-pub(super) fn searches(reply: &Reply) -> bool {
-    reply.status.contains(Status::HOME_IN_PROGRESS)
 }

@@ -9,12 +9,12 @@ use super::vector::{
 use crate::heads::Stylus;
 use husillo_probe::UnitVector;
 
-/// 3-2-1: the plane gives the direction of one axis and the place along it, the line the direction of another and the place
-/// along the third, the point the place along the second. Which axes those are follows from the frame so far: each is
-/// the nearest.
+/// 3-2-1: the plane gives the direction of one axis and the place along it, the line the direction
+/// of another and the place along the third, the point the place along the second. Which axes those
+/// are follows from the frame so far: each is the nearest.
 ///
-/// Where the ball touched, its radius is taken along the axes found, not along the travel: a part turned by any angle that the
-/// tip could still touch gives the same frame.
+/// Where the ball touched, its radius is taken along the axes found, not along the travel: a part
+/// turned by any angle that the tip could still touch gives the same frame.
 ///
 /// # Errors
 ///

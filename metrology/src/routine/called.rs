@@ -42,7 +42,8 @@ pub fn by_name(name: &[u8]) -> Option<&'static Cycle> {
 }
 
 impl Cycle {
-    /// What it is to do with these arguments. `lengths` are nm, `numbers` the same arguments as they are written.
+    /// What it is to do with these arguments. `lengths` are nm, `numbers` the same arguments as
+    /// they are written.
     ///
     /// # Errors
     ///

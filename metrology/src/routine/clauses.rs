@@ -1,8 +1,9 @@
 //! The clauses behind the name of a feature.
 
 use super::dimension::{Figure, Wanted};
+use super::jobs::Needs;
 use super::line_reader::{LineReader, Value, twice};
-use super::parser::{Needs, Parser};
+use super::parser::Parser;
 use super::statement::{Fit, Job, Place};
 use super::vector::{Vector, nearest_axis};
 use super::wrong::{Wrong, code};
@@ -342,7 +343,8 @@ impl Clauses {
         Ok(shape)
     }
 
-    /// What is said of the figures: those with a tolerance, and those that the feature is measured for.
+    /// What is said of the figures: those with a tolerance, and those that the feature is measured
+    /// for.
     pub fn wanted(&self, job: &Job) -> Vec<Wanted> {
         let along = |direction: &Vector| {
             let (axis, _) = nearest_axis(*direction, None);

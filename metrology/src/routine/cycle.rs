@@ -61,7 +61,8 @@ impl Site<'_> {
         }
     }
 
-    /// A touch of a surface that should be at a point of the part: from its standoff and back there.
+    /// A touch of a surface that should be at a point of the part: from its standoff and back
+    /// there.
     fn touch_surface(
         &mut self,
         surface_nm: [i64; 3],
@@ -110,7 +111,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Two touches of the first face, two of the second. From outside the tip goes round the corner.
+    /// Two touches of the first face, two of the second. From outside the tip goes round the
+    /// corner.
     fn corner(
         &mut self,
         at: Place,
@@ -137,7 +139,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches of what is round or has two faces: outwards from the middle, or inwards from around it.
+    /// Touches of what is round or has two faces: outwards from the middle, or inwards from around
+    /// it.
     fn around(
         &mut self,
         centre: [i64; 3],
@@ -167,7 +170,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches of the upper half, from the pole down to the equator; the ways between go over the top.
+    /// Touches of the upper half, from the pole down to the equator; the ways between go over the
+    /// top.
     fn sphere(
         &mut self,
         at: Place,
@@ -201,8 +205,8 @@ fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
     (0..points).map(spoke).collect()
 }
 
-/// Directions of the upper half: a spiral of equal steps in height, turned by the golden angle, so that no great circle
-/// has most of them.
+/// Directions of the upper half: a spiral of equal steps in height, turned by the golden angle, so
+/// that no great circle has most of them.
 fn hemisphere(points: u32) -> Vec<Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let spoke = |point: u32| {

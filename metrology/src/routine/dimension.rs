@@ -20,7 +20,8 @@ pub enum Figure {
     Length,
     /// Between two lines, or of one to the frame.
     Angle,
-    /// Largest signed distance from the feature less the smallest: straightness, flatness, roundness.
+    /// Largest signed distance from the feature less the smallest: straightness, flatness,
+    /// roundness.
     Form,
 }
 

@@ -220,8 +220,8 @@ const fn least_for_form(shape: &Shape) -> usize {
     }
 }
 
-/// The angle of a direction to X in the plane of X and Y, millionths of a degree: within half a turn of what is wanted, as a
-/// line has no front.
+/// The angle of a direction to X in the plane of X and Y, millionths of a degree: within half a
+/// turn of what is wanted, as a line has no front.
 fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i64 {
     const HALF_TURN: i64 = 180_000_000;
     let [x, y, _] = frame.direction_to_part(direction);
@@ -234,7 +234,8 @@ fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i6
     about + HALF_TURN / 2 - (HALF_TURN / 2 - (micro - about)).rem_euclid(HALF_TURN)
 }
 
-/// The angle of two directions without front, 0 to 90 degrees, or to 180 where the wanted one is beyond 90; millionths.
+/// The angle of two directions without front, 0 to 90 degrees, or to 180 where the wanted one is
+/// beyond 90; millionths.
 pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     let cosine = dot(components(a), components(b)).abs().min(1.0);
     let sine = length(cross(components(a), components(b)));
@@ -248,8 +249,9 @@ pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     }
 }
 
-/// The distance of two places of features, nm: at right angles to a face, if one is a face; along a direction, if given. Circles,
-/// corners, webs and pockets are where they are at any height, so between them and others `upright` does not count.
+/// The distance of two places of features, nm: at right angles to a face, if one is a face; along a
+/// direction, if given. Circles, corners, webs and pockets are where they are at any height, so
+/// between them and others `upright` does not count.
 pub fn distance_nm(
     a: &Shape,
     b: &Shape,

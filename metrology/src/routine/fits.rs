@@ -13,8 +13,8 @@ use husillo_probe::{Circle, Line, Middle, Plane, Sphere, UnitVector};
 /// What features are fitted to, on the machine.
 #[derive(Clone, Debug)]
 pub enum Points {
-    /// Touches: features go through the ball's centres, and are moved by its radius along their own normal, so that no direction
-    /// of travel makes an error.
+    /// Touches: features go through the ball's centres, and are moved by its radius along their own
+    /// normal, so that no direction of travel makes an error.
     Touched(Vec<Contact>),
     /// Places of other features, nm.
     Found(Vec<[i64; 3]>),
@@ -31,7 +31,8 @@ impl Points {
         }
     }
 
-    /// The points of the surface, for their normals out of the material, and their distances from the feature.
+    /// The points of the surface, for their normals out of the material, and their distances from
+    /// the feature.
     fn marks(
         &self,
         tip: &Stylus,
@@ -119,7 +120,8 @@ pub fn corner(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitte
     };
     let height = Plane::new(halfway(face.point_nm, other.point_nm), frame.upright());
     let at_nm = husillo_probe::corner_nm(face, other, &height).ok_or(Failure::Parallel)?;
-    // Outward normals of a right corner are at right angles, of a sharp one at more: the angle of the material between.
+    // Outward normals of a right corner are at right angles, of a sharp one at more: the angle of
+    // the material between.
     let between = dot(components(&face.normal), components(&other.normal));
     let angle = 180.0 - between.clamp(-1.0, 1.0).acos().to_degrees();
     let angle_micro = (angle * 1e6).round() as i64;

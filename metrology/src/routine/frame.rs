@@ -19,7 +19,8 @@ impl Frame {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
 
-    /// The frame with these axes whose coordinates of the point `at_nm` of the machine are `called_nm`.
+    /// The frame with these axes whose coordinates of the point `at_nm` of the machine are
+    /// `called_nm`.
     pub fn new(axes: [Vector; 3], at_nm: Vector, called_nm: [i64; 3]) -> Self {
         let mut origin_nm = at_nm;
         for (axis, called) in axes.iter().zip(called_nm) {
@@ -36,7 +37,8 @@ impl Frame {
         }
     }
 
-    /// The same axes; the coordinates of the present point `at_nm` of the machine become 0 where they `are_zero`.
+    /// The same axes; the coordinates of the present point `at_nm` of the machine become 0 where
+    /// they `are_zero`.
     pub fn zeroed(&self, at_nm: [i64; 3], are_zero: [bool; 3]) -> Self {
         let here = self.to_part(at_nm);
         let called = std::array::from_fn(|axis| if are_zero[axis] { 0 } else { here[axis] });

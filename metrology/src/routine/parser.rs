@@ -1,140 +1,32 @@
 //! Lines of a routine, read and checked against those before.
 
-use super::clauses::{Clauses, Spanned};
-use super::dimension::{Figure, Wanted};
+use super::clauses::Clauses;
+use super::jobs::offer;
 use super::line_reader::{LineReader, axis_of, twice};
-use super::statement::{Fit, Job, Order, Place, Statement, Task};
-use super::vector::{Vector, nearest_axis};
+use super::statement::{Order, Place, Statement, Task};
+use super::vocabulary::{FEATURES, Feature, ORDERS, RESERVED};
 use super::wrong::{Mistake, Wrong, code};
 use std::collections::HashMap;
 
 /// What a named feature can be used for.
 #[derive(Clone, Copy, Debug, Default)]
-struct Offer {
-    point: bool,
-    line: bool,
-    plane: bool,
+pub struct Offer {
+    /// As a point.
+    pub point: bool,
+    /// As a line.
+    pub line: bool,
+    /// As a face.
+    pub plane: bool,
 }
 
 /// Reads lines one after another and remembers what was named.
 #[derive(Clone, Debug)]
 pub struct Parser {
     unit: &'static str,
-    has_safe: bool,
+    pub(super) has_safe: bool,
     known: HashMap<String, (usize, Offer)>,
     unnamed: usize,
 }
-
-/// Statements that are no features.
-const ORDERS: [&str; 8] = [
-    "units",
-    "clearance",
-    "search",
-    "safe",
-    "goto",
-    "jog",
-    "zero",
-    "frame",
-];
-
-/// A feature: its word, the clauses it takes, and the figures it has.
-type Feature = (&'static str, &'static [&'static str], &'static [Figure]);
-
-use Figure::{Angle, Diameter, Form, Length, Width, X, Y, Z};
-
-const FEATURES: [Feature; 14] = [
-    ("touch", &["towards", "within"], &[X, Y, Z]),
-    (
-        "point",
-        &["at", "towards", "clearance", "search"],
-        &[X, Y, Z],
-    ),
-    (
-        "edge",
-        &["at", "towards", "points", "over", "clearance", "search"],
-        &[X, Y, Z, Angle, Form],
-    ),
-    (
-        "corner",
-        &["at", "towards", "inset", "inside", "clearance", "search"],
-        &[X, Y, Angle],
-    ),
-    (
-        "web",
-        &["at", "along", "width", "clearance", "search"],
-        &[X, Y, Z, Width],
-    ),
-    (
-        "pocket",
-        &["at", "along", "width", "clearance", "search"],
-        &[X, Y, Z, Width],
-    ),
-    (
-        "bore",
-        &[
-            "at",
-            "diameter",
-            "points",
-            "from",
-            "to",
-            "clearance",
-            "search",
-        ],
-        &[X, Y, Z, Diameter, Form],
-    ),
-    (
-        "boss",
-        &[
-            "at",
-            "diameter",
-            "points",
-            "from",
-            "to",
-            "clearance",
-            "search",
-        ],
-        &[X, Y, Z, Diameter, Form],
-    ),
-    (
-        "circle",
-        &[
-            "of",
-            "at",
-            "diameter",
-            "points",
-            "from",
-            "to",
-            "inside",
-            "outside",
-            "clearance",
-            "search",
-        ],
-        &[X, Y, Z, Diameter, Form],
-    ),
-    (
-        "plane",
-        &["of", "at", "towards", "clearance", "search"],
-        &[X, Y, Z, Form],
-    ),
-    (
-        "line",
-        &["of", "at", "towards", "clearance", "search"],
-        &[X, Y, Z, Angle, Form],
-    ),
-    (
-        "sphere",
-        &["of", "at", "diameter", "points", "clearance", "search"],
-        &[X, Y, Z, Diameter, Form],
-    ),
-    ("distance", &["between", "along"], &[Length]),
-    ("angle", &["between"], &[Angle]),
-];
-
-/// Names that would be read as something else.
-const RESERVED: [&str; 20] = [
-    "at", "towards", "along", "of", "between", "points", "over", "inset", "inside", "outside",
-    "within", "from", "to", "x", "y", "z", "diameter", "width", "form", "length",
-];
 
 impl Default for Parser {
     fn default() -> Self {
@@ -364,7 +256,10 @@ impl Parser {
                 format!("`{}` cannot be a name", word.text),
                 word.span,
             )
-            .help("a name is letters and digits, `_` and `-`, begins with a letter, and is no word of the language and no coordinate like x1"));
+            .help(
+                "a name is letters and digits, `_` and `-`, begins with a letter, and is no \
+             word of the language and no coordinate like x1",
+            ));
         }
         if let Some((line, _)) = self.known.get(&lower) {
             return Err(Wrong::new(
@@ -377,152 +272,8 @@ impl Parser {
         Ok(word.text.to_owned())
     }
 
-    /// What to do, from the clauses.
-    fn job(
-        &self,
-        keyword: &str,
-        clauses: &Clauses,
-        reader: &LineReader<'_>,
-    ) -> Result<(Job, Vec<Wanted>), Wrong> {
-        let needs = Needs { keyword, reader };
-        let one = || clauses.one_place(&needs);
-        let job = match keyword {
-            "touch" => Job::Touch {
-                towards: clauses.direction(&needs)?,
-                within_nm: clauses.within.map(|nm| nm.value),
-            },
-            "point" => Job::Point {
-                at: one()?,
-                towards: clauses.direction(&needs)?,
-            },
-            "edge" => {
-                let points = clauses.points.map_or(1, |count| count.value);
-                Job::Edge {
-                    at: one()?,
-                    towards: level(clauses.direction(&needs)?, reader)?,
-                    points,
-                    over_nm: match clauses.over {
-                        Some(over) => over.value,
-                        None if points == 1 => 0,
-                        None => {
-                            return Err(needs.missing("over", "the length they are spread over"));
-                        }
-                    },
-                }
-            }
-            "corner" => {
-                let &[first, second] = clauses.towards.as_slice() else {
-                    return Err(needs.missing(
-                        "towards",
-                        "the directions into both faces, as in `towards +x +y`",
-                    ));
-                };
-                if nearest_axis(first, None).0 == nearest_axis(second, None).0 {
-                    return Err(
-                        Wrong::new(code::NUMBER, "a corner of one face", reader.whole())
-                            .help("two directions across each other, as in `towards +x +y`"),
-                    );
-                }
-                Job::Corner {
-                    at: one()?,
-                    towards: [level(first, reader)?, level(second, reader)?],
-                    inset_nm: needs.given(
-                        clauses.inset,
-                        "inset",
-                        "the way from the corner to the first touch of each face",
-                    )?,
-                    is_inside: clauses.is_inside == Some(true),
-                }
-            }
-            "web" | "pocket" => Job::Width {
-                at: one()?,
-                along: level(
-                    needs.given(clauses.along, "along", "the direction across the faces")?,
-                    reader,
-                )?,
-                width_nm: needs.given(
-                    clauses.width,
-                    "width",
-                    "the distance of the faces, about",
-                )?,
-                is_inside: keyword == "pocket",
-            },
-            "bore" | "boss" | "circle" | "sphere" if clauses.of.is_empty() => {
-                let diameter_nm =
-                    needs.given(clauses.diameter, "diameter", "about how large it is")?;
-                match keyword {
-                    "sphere" => Job::Sphere {
-                        at: one()?,
-                        diameter_nm,
-                        points: clauses.points(9, 5, reader)?,
-                    },
-                    _ => Job::Round {
-                        at: one()?,
-                        diameter_nm,
-                        points: clauses.points(4, 3, reader)?,
-                        arc_deg: clauses.arc_deg(&needs)?,
-                        is_inside: match keyword {
-                            "bore" => true,
-                            "boss" => false,
-                            _ => needs.choice(clauses.is_inside)?,
-                        },
-                    },
-                }
-            }
-            "plane" | "line" if clauses.of.is_empty() => {
-                let least = if keyword == "plane" { 3 } else { 2 };
-                let at = clauses.places(least, &needs)?;
-                let towards = clauses.direction(&needs)?;
-                match keyword {
-                    "plane" => Job::Plane { at, towards },
-                    _ => Job::Line { at, towards },
-                }
-            }
-            "distance" => Job::Distance {
-                between: needs.pair(&clauses.between)?,
-                along: clauses.along.map(|along| along.value),
-            },
-            "angle" => Job::Angle {
-                between: needs.pair(&clauses.between)?,
-            },
-            _ => Job::Fit {
-                shape: clauses.fit(keyword, reader)?,
-                of: clauses.of.clone(),
-            },
-        };
-        if needs_safe(&job) && !self.has_safe {
-            return Err(Wrong::new(
-                code::MISSING,
-                format!("a {keyword} is touched from outside, and no safe height is known"),
-                reader.whole(),
-            )
-            .label("the tip goes over it")
-            .help("write `safe z ...` in a line before"));
-        }
-        let wanted = clauses.wanted(&job);
-        let is_wanted = |figure| wanted.iter().any(|wanted| wanted.figure == figure);
-        if let Some((points, least)) = points_of(&job) {
-            let figure = match job {
-                Job::Edge { .. } if points == 1 && is_wanted(Angle) => Some(Angle),
-                _ if points <= least && is_wanted(Form) => Some(Form),
-                _ => None,
-            };
-            if let Some(figure) = figure {
-                let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
-                let plural = if points == 1 { "point" } else { "points" };
-                return Err(Wrong::new(
-                    code::TOLERANCE,
-                    format!("`{keyword}` of {points} {plural} has no {name}"),
-                    reader.whole(),
-                )
-                .help(format!("{least} points at least")));
-            }
-        }
-        Ok((job, wanted))
-    }
-
     /// The names behind `of` and `between`.
-    pub fn names(
+    pub(super) fn names(
         &self,
         reader: &mut LineReader<'_>,
         as_what: &str,
@@ -548,106 +299,6 @@ impl Parser {
             names.push(name);
         }
         Ok(names)
-    }
-}
-
-/// What a statement needs, with words for what is not there.
-pub struct Needs<'a, 't> {
-    keyword: &'a str,
-    reader: &'a LineReader<'t>,
-}
-
-impl Needs<'_, '_> {
-    pub fn missing(&self, clause: &str, what: &str) -> Wrong {
-        let Self { keyword, reader } = self;
-        Wrong::new(
-            code::MISSING,
-            format!("`{keyword}` without `{clause}`"),
-            reader.whole(),
-        )
-        .label(format!("`{clause}` is missing"))
-        .help(format!("`{clause}`: {what}"))
-    }
-
-    fn given<T: Copy>(
-        &self,
-        value: Option<Spanned<T>>,
-        clause: &str,
-        what: &str,
-    ) -> Result<T, Wrong> {
-        value
-            .map(|value| value.value)
-            .ok_or_else(|| self.missing(clause, what))
-    }
-
-    fn choice(&self, is_inside: Option<bool>) -> Result<bool, Wrong> {
-        is_inside
-            .ok_or_else(|| self.missing("inside", "a hole; or `outside`, a pin; or `of` and names"))
-    }
-
-    fn pair(&self, names: &[String]) -> Result<[String; 2], Wrong> {
-        let pair = <&[String; 2]>::try_from(names).ok().cloned();
-        pair.ok_or_else(|| self.missing("between", "the names of two features"))
-    }
-}
-
-/// A direction at right angles to Z, for cycles that know no other.
-fn level(direction: Vector, reader: &LineReader<'_>) -> Result<Vector, Wrong> {
-    if direction[2] == 0.0 {
-        return Ok(direction);
-    }
-    Err(Wrong::new(
-        code::NUMBER,
-        "the direction leaves the plane of X and Y",
-        reader.whole(),
-    )
-    .help("for faces in Z there are `point` and `plane`"))
-}
-
-/// Those that the tip cannot get round at their own height.
-fn needs_safe(job: &Job) -> bool {
-    matches!(
-        job,
-        Job::Width {
-            is_inside: false,
-            ..
-        } | Job::Round {
-            is_inside: false,
-            ..
-        }
-    )
-}
-
-/// How many points a job's feature has, and how many leave no residuals.
-fn points_of(job: &Job) -> Option<(usize, usize)> {
-    // 1000 at most.
-    let count = |points: u32| points as usize;
-    Some(match job {
-        Job::Edge { points, .. } => (count(*points), 2),
-        Job::Round { points, .. } => (count(*points), 3),
-        Job::Sphere { points, .. } => (count(*points), 4),
-        Job::Plane { at, .. } => (at.len(), 3),
-        Job::Line { at, .. } => (at.len(), 2),
-        Job::Fit { shape, of } => (of.len(), shape.least_points()),
-        _ => return None,
-    })
-}
-
-/// What a job's feature can be used for.
-fn offer(job: &Job) -> Offer {
-    let shape = |point, line, plane| Offer { point, line, plane };
-    match job {
-        Job::Edge { points, .. } => shape(true, *points > 1, true),
-        Job::Plane { .. }
-        | Job::Fit {
-            shape: Fit::Plane, ..
-        } => shape(true, false, true),
-        Job::Line { .. }
-        | Job::Fit {
-            shape: Fit::Line, ..
-        } => shape(true, true, false),
-        Job::Distance { .. } | Job::Angle { .. } => Offer::default(),
-        _ => shape(true, false, false),
     }
 }
 

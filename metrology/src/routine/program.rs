@@ -1,5 +1,5 @@
-//! Measuring programs in G code: moves, probe moves, and the cycles as subroutines. A line is read when all before it are done, so
-//! that it can ask for what they found.
+//! Measuring programs in G code: moves, probe moves, and the cycles as subroutines. A line is read
+//! when all before it are done, so that it can ask for what they found.
 
 mod error;
 mod state;
@@ -32,7 +32,8 @@ pub fn cycles() -> impl Iterator<Item = &'static str> {
     CYCLES.iter().map(|cycle| cycle.name)
 }
 
-/// Everything that can be known without carrying out the program: lines without parameters, G codes that no measuring machine has.
+/// Everything that can be known without carrying out the program: lines without parameters, G codes
+/// that no measuring machine has.
 ///
 /// # Errors
 ///

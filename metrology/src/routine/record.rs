@@ -29,8 +29,9 @@ pub enum Refusal {
     Failed(Failure),
 }
 
-/// Carries out lines as they come and writes those that succeed, moves as where they ended; what was
-/// measured goes to `each`. A line that is wrong, or fails, goes to `refuse` and is not written.
+/// Carries out lines as they come and writes those that succeed, moves as where they ended; what
+/// was measured goes to `each`. A line that is wrong, or fails, goes to `refuse` and is not
+/// written.
 ///
 /// Returns how many were refused.
 ///
@@ -187,7 +188,8 @@ impl Ways {
     }
 }
 
-/// Whether a way along one axis goes on along it. Others stay as they are: their corners may lead round something.
+/// Whether a way along one axis goes on along it. Others stay as they are: their corners may lead
+/// round something.
 fn is_onward(start: [i64; 3], end: [i64; 3], to: [i64; 3]) -> bool {
     let step = |from: [i64; 3], to: [i64; 3]| -> Vec<(usize, i64)> {
         let steps = (0..3).map(|axis| (axis, (to[axis] - from[axis])));

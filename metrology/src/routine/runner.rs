@@ -168,7 +168,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// A feature by its name. The reader has made sure that there is one; after a failed line of a recording there may be none.
+    /// A feature by its name. The reader has made sure that there is one; after a failed line of a
+    /// recording there may be none.
     fn find(&self, name: &str) -> Result<&Feature, Failure> {
         let mut features = self.features.iter();
         features

@@ -209,7 +209,8 @@ impl<'a> Site<'a> {
         Ok(())
     }
 
-    /// Measures in another frame from here on. A safe height stays where it is above the tip, which is at `here_nm`.
+    /// Measures in another frame from here on. A safe height stays where it is above the tip, which
+    /// is at `here_nm`.
     pub(super) fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
         if let Some(safe_nm) = self.safe_nm {
             let [x, y, _] = self.frame.to_part(here_nm);

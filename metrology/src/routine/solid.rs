@@ -30,7 +30,8 @@ pub enum Body {
     Ball([i64; 3], i64),
 }
 
-/// A part of bodies, placed on a machine that moves exactly there and latches exactly, plus the tip's pre-travel.
+/// A part of bodies, placed on a machine that moves exactly there and latches exactly, plus the
+/// tip's pre-travel.
 pub struct Ideal {
     pub bodies: Vec<Body>,
     /// Where the part is.

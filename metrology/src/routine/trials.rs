@@ -255,7 +255,8 @@ fn the_next_part_lies_elsewhere() {
         turned(-4.0, 1.5, [-2.0, 1.0, -1.5]),
     ] {
         let features = run(ALIGNED, &mut plate(place)).unwrap();
-        // Touches are exact to a nm, directions to 2^-30 of the way; the frame from four points 40 mm apart leaves some nm.
+        // Touches are exact to a nm, directions to 2^-30 of the way; the frame from four points 40
+        // mm apart leaves some nm.
         for (name, figures) in [
             ("B", vec![(X, 15 * MM), (Y, 20 * MM), (Diameter, 12 * MM)]),
             ("S", vec![(X, 48 * MM), (Y, 20 * MM), (Diameter, 8 * MM)]),
@@ -333,7 +334,8 @@ fn program(text: &str, machine: &mut Ideal) -> Result<Vec<Feature>, String> {
 
 #[test]
 fn programs_read_what_they_found() {
-    // The second probe goes where the first one says; the pin is measured where the bore was found, in inches.
+    // The second probe goes where the first one says; the pin is measured where the bore was found,
+    // in inches.
     let text = "
         G21 G90 G94 F24
         G0 X5 Y5 Z5

@@ -37,7 +37,8 @@ pub fn span(line: &str) -> Range<usize> {
     start..all.last().map_or(0, |word| word.span.end)
 }
 
-/// One word, or two where a letter of an axis and its number, or a number and its unit, are written together.
+/// One word, or two where a letter of an axis and its number, or a number and its unit, are written
+/// together.
 fn split<'t>(code: &'t str, span: Range<usize>, words: &mut Vec<Word<'t>>) {
     let text = &code[span.clone()];
     let is_axis = text.starts_with(['x', 'y', 'z', 'X', 'Y', 'Z']);

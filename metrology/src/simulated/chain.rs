@@ -85,7 +85,8 @@ impl SimulatedChain {
         &mut self.chain
     }
 
-    /// Gives the supply of a module back after so many periods, 1000 at least; it goes away half a second before.
+    /// Gives the supply of a module back after so many periods, 1000 at least; it goes away half a
+    /// second before.
     #[cfg(test)]
     pub fn interrupt(&mut self, module: usize, periods: u64) {
         self.interruption = Some((module, periods));

@@ -41,7 +41,9 @@ impl FromStr for Contact {
             })
         });
         parsed.ok_or_else(|| {
-            "expected MODULE:COUNT, closed from this count on, or MODULE:..COUNT, closed up to it".into()
+            "expected MODULE:COUNT, closed from this count on, or MODULE:..COUNT, closed up to \
+             it"
+            .into()
         })
     }
 }

@@ -57,7 +57,8 @@ pub fn one_axis() -> Machine {
     }
 }
 
-/// Three axes with scales of 2 um, 200 mm to each side of where they are, and a ball of 1 mm radius.
+/// Three axes with scales of 2 um, 200 mm to each side of where they are, and a ball of 1 mm
+/// radius.
 #[must_use]
 pub fn three_axes() -> Machine {
     Machine {

@@ -3,7 +3,8 @@
 use crate::heads::Machine;
 use husillo_sim::{PointMm, ServoChain, TouchProbe, WorkPiece};
 
-/// A work piece and what touches it, in the machine's own frame: 0 is where the axes were when the modules got their supply.
+/// A work piece and what touches it, in the machine's own frame: 0 is where the axes were when the
+/// modules got their supply.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// What there is to touch.

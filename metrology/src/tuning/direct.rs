@@ -93,7 +93,8 @@ impl Rig for Direct {
         let duty = pwm.unsigned_abs().min(255) as u8;
         let reverse = pwm < 0;
         self.start(ServoMotion::Pwm { duty, reverse });
-        // In the period in which it is commanded, as the servo law's: what commands stands in its place.
+        // In the period in which it is commanded, as the servo law's: what commands stands in its
+        // place.
         self.drive = Drive {
             pwm: duty,
             is_reverse: reverse,

@@ -4,13 +4,16 @@ use super::trial;
 use husillo_pid::Gains as Rates;
 use husillo_transports::nmc::{CYCLE_US, Gains};
 
-/// Largest step of the integral part, PWM: the module adds in whole 256 counts and samples, and more than this at once is a blow.
+/// Largest step of the integral part, PWM: the module adds in whole 256 counts and samples, and
+/// more than this at once is a blow.
 const STEP_PWM: f64 = 4.0;
-/// What the integral part may drive at most, as a part of 255: more than stiction, less than a blow.
+/// What the integral part may drive at most, as a part of 255: more than stiction, less than a
+/// blow.
 const SHARE_PWM: f64 = 32.0;
 
-/// The gains of a rule, per second and in PWM a count, in a module whose limits are those of `limits`; and in sentences what had to be changed. `None`
-/// where they are no numbers, or too large in any proportion.
+/// The gains of a rule, per second and in PWM a count, in a module whose limits are those of
+/// `limits`; and in sentences what had to be changed. `None` where they are no numbers, or too
+/// large in any proportion.
 pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(limits.rate_divisor.max(1));
     let wanted = rule.per_sample(period_s);
@@ -19,15 +22,21 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let factor = (f64::from(trial::LARGEST) / largest).min(1.0);
     if factor < 1.0 {
         notes.push(format!(
-            "all gains of the rule are multiplied by {factor:.3}, as its {} gain would be {largest:.0} and a module has 32767 at most",
-            if wanted.derivative > wanted.proportional { "derivative" } else { "proportional" }
+            "all gains of the rule are multiplied by {factor:.3}, as its {} gain would be \
+             {largest:.0} and a module has 32767 at most",
+            if wanted.derivative > wanted.proportional {
+                "derivative"
+            } else {
+                "proportional"
+            }
         ));
     }
     let highest_integral = STEP_PWM * 256.0 / 65_536.0;
     let integral = wanted.integral * factor;
     if integral > highest_integral {
         notes.push(format!(
-            "the integral gain of the rule would be {:.0}: limited to {:.0}, which is a step of {STEP_PWM} PWM whenever the sum passes a multiple of 256",
+            "the integral gain of the rule would be {:.0}: limited to {:.0}, which is a step of \
+             {STEP_PWM} PWM whenever the sum passes a multiple of 256",
             integral * 65_536.0,
             highest_integral * 65_536.0
         ));
@@ -52,7 +61,8 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
 /// The gains as a line of a machine file.
 pub fn toml(gains: &Gains) -> String {
     let mut line = format!(
-        "gains = {{ p = {}, i = {}, d = {}, integral_limit = {}, output_limit = {}, error_limit = {}",
+        "gains = {{ p = {}, i = {}, d = {}, integral_limit = {}, output_limit = {}, error_limit = \
+         {}",
         gains.proportional,
         gains.integral,
         gains.derivative,

@@ -13,7 +13,8 @@ use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_pid::{Conditional, Integration, Limits, Pid, State};
 use husillo_sim::{DcMotor, DcMotorModel, SERVO_PERIOD_S};
 
-/// Without friction but for the viscous one, without inductance, and with an encoder as fine as no module's.
+/// Without friction but for the viscous one, without inductance, and with an encoder as fine as no
+/// module's.
 const LINEAR: DcMotorModel = DcMotorModel {
     inductance_h: 1e-9,
     coulomb_nm: 0.0,
@@ -22,10 +23,12 @@ const LINEAR: DcMotorModel = DcMotorModel {
     ..DcMotorModel::PROTOTYPE
 };
 
-/// The ultimate point of `K / (s (1 + s T1))` behind a hold, sampled every `period_s`, under proportional control.
+/// The ultimate point of `K / (s (1 + s T1))` behind a hold, sampled every `period_s`, under
+/// proportional control.
 ///
-/// With `a = exp(-T/T1)` the sampled axis is `(b1 z + b0) / ((z - 1)(z - a))`, `b1 = K (T - T1 (1 - a))`, `b0 = K (T1 (1 - a) - a T)`. The closed loop
-/// `z^2 - (1 + a - k b1) z + a + k b0` has its poles on the unit circle where their product is 1, at the angle whose cosine is half their sum.
+/// With `a = exp(-T/T1)` the sampled axis is `(b1 z + b0) / ((z - 1)(z - a))`, `b1 = K (T - T1 (1 -
+/// a))`, `b0 = K (T1 (1 - a) - a T)`. The closed loop `z^2 - (1 + a - k b1) z + a + k b0` has its
+/// poles on the unit circle where their product is 1, at the angle whose cosine is half their sum.
 fn known(model: &DcMotorModel, period_s: f64) -> Ultimate {
     let slope = model.constant_nm_per_a.powi(2) / model.resistance_ohm + model.viscous_nm_s;
     let lag_s = model.inertia_kg_m2 / slope;
@@ -49,8 +52,9 @@ const SLOW: DcMotorModel = DcMotorModel {
     ..LINEAR
 };
 
-/// Its ultimate point, by Routh: `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has poles on the imaginary axis where the product of the
-/// inner coefficients is that of the outer ones.
+/// Its ultimate point, by Routh: `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has
+/// poles on the imaginary axis where the product of the inner coefficients is that of the outer
+/// ones.
 fn known_of_slow(model: &DcMotorModel) -> Ultimate {
     let m = model;
     let inner = m.resistance_ohm * m.viscous_nm_s + m.constant_nm_per_a.powi(2);
@@ -95,7 +99,8 @@ fn by_relay(model: DcMotorModel, hysteresis: u16) -> Ultimate {
     relay(&mut stand(model, 1), settings).unwrap().1
 }
 
-/// Raising the gain finds what the sampled loop has, within 5 % of the gain and 2 % of the period, at every divisor.
+/// Raising the gain finds what the sampled loop has, within 5 % of the gain and 2 % of the period,
+/// at every divisor.
 #[test]
 fn the_ultimate_gain_of_a_sampled_loop() {
     for divisor in [1, 2, 4, 8, 16] {
@@ -104,8 +109,9 @@ fn the_ultimate_gain_of_a_sampled_loop() {
     }
 }
 
-/// Both ways find the same point: raising the gain within 5 %, the relay, whose describing function leaves the harmonics out, within 8 % of the gain and 4 % of
-/// the period; so they agree within 10 %. A hysteresis moves the relay's point to a lower gain and a longer period, as it should.
+/// Both ways find the same point: raising the gain within 5 %, the relay, whose describing function
+/// leaves the harmonics out, within 8 % of the gain and 4 % of the period; so they agree within 10
+/// %. A hysteresis moves the relay's point to a lower gain and a longer period, as it should.
 #[test]
 fn relay_and_ultimate_gain_agree() {
     let wanted = known_of_slow(&SLOW);
@@ -118,7 +124,8 @@ fn relay_and_ultimate_gain_agree() {
     near(&wide, &wanted, 0.25, 0.15);
 }
 
-/// With friction and 400 counts a turn they still agree within 30 % of the gain and 10 % of the period.
+/// With friction and 400 counts a turn they still agree within 30 % of the gain and 10 % of the
+/// period.
 #[test]
 fn they_agree_on_the_prototype() {
     let prototype = DcMotorModel::PROTOTYPE;
@@ -156,7 +163,8 @@ fn gains_place_every_move() {
     }
 }
 
-/// The gains of a rule hold the motor with the controller of `pid`, too, whose gains have no end at 0x7FFF: as the rule has them, in fixed point.
+/// The gains of a rule hold the motor with the controller of `pid`, too, whose gains have no end at
+/// 0x7FFF: as the rule has them, in fixed point.
 #[test]
 fn gains_hold_the_motor_with_a_pid() {
     let relay = by_relay(DcMotorModel::PROTOTYPE, 0);

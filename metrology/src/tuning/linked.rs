@@ -100,8 +100,9 @@ impl<P: Port> Rig for Linked<P> {
         Ok(())
     }
 
-    /// Not in the mode for it, which would go on for ever without the host: the servo goes towards `end` with no more than this duty, of which it
-    /// uses all from two counts of error on, and holds the axis there.
+    /// Not in the mode for it, which would go on for ever without the host: the servo goes towards
+    /// `end` with no more than this duty, of which it uses all from two counts of error on, and
+    /// holds the axis there.
     fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         if duty == 0 {
@@ -153,7 +154,8 @@ mod tests {
     use super::*;
     use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
 
-    /// A host that says nothing more after a drive: the axis goes to the end that was named, and stays.
+    /// A host that says nothing more after a drive: the axis goes to the end that was named, and
+    /// stays.
     #[test]
     fn a_drive_ends_without_the_host() {
         let machine = one_axis();

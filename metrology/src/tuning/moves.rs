@@ -36,8 +36,8 @@ impl Moves {
     }
 }
 
-/// Makes `moves` moves up and down, of lengths from 1 to 999 counts, with the rate and acceleration of the machine file, and holds
-/// the last goal for a while.
+/// Makes `moves` moves up and down, of lengths from 1 to 999 counts, with the rate and acceleration
+/// of the machine file, and holds the last goal for a while.
 ///
 /// # Errors
 ///

@@ -34,12 +34,14 @@ pub struct RelayFigures {
     pub period_ms: f64,
     /// Whole periods.
     pub periods: u32,
-    /// From a crossing to the drive that follows, ms: what reading and commanding through a line take; 0 where the relay acts in every servo period.
+    /// From a crossing to the drive that follows, ms: what reading and commanding through a line
+    /// take; 0 where the relay acts in every servo period.
     pub late_ms: f64,
 }
 
-/// Lets the axis oscillate and returns what it found, and the ultimate point by the describing function. Where a line is in between, that point
-/// belongs to a loop with the delay of the line in it: a lower gain and a longer period than the module's own.
+/// Lets the axis oscillate and returns what it found, and the ultimate point by the describing
+/// function. Where a line is in between, that point belongs to a loop with the delay of the line in
+/// it: a lower gain and a longer period than the module's own.
 ///
 /// # Errors
 ///
@@ -114,7 +116,8 @@ fn evaluate(
 pub fn note(figures: &RelayFigures) -> Option<String> {
     (figures.late_ms > 0.0).then(|| {
         format!(
-            "the host is the relay, and {:.1} ms late as it reads and drives through the line: Ku and Tu are those of a loop with that in it, and the gains \
+            "the host is the relay, and {:.1} ms late as it reads and drives through the line: Ku \
+             and Tu are those of a loop with that in it, and the gains \
              gentler than the module's own loop would bear",
             figures.late_ms
         )
@@ -152,7 +155,8 @@ impl std::fmt::Display for NoRelay {
                 sample_ms,
             } => write!(
                 out,
-                "the line gives a reading every {sample_ms:.1} ms, too few for a period of {period_ms:.1} ms"
+                "the line gives a reading every {sample_ms:.1} ms, too few for a period of \
+                 {period_ms:.1} ms"
             ),
         }
     }

@@ -46,8 +46,8 @@ pub trait Rig {
     /// The link fails.
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble>;
 
-    /// Drives the motor with this duty, -255 to 255, until something else is commanded; on a line at most as far as `end`, in counts, whatever
-    /// becomes of the host.
+    /// Drives the motor with this duty, -255 to 255, until something else is commanded; on a line
+    /// at most as far as `end`, in counts, whatever becomes of the host.
     ///
     /// # Errors
     ///
@@ -72,7 +72,8 @@ pub trait Rig {
     fn now_us(&self) -> u64;
 }
 
-/// Counts/s and counts/s^2 as the module has them: 16.16 counts a sample of the loop of `cycle_s`, at least the least.
+/// Counts/s and counts/s^2 as the module has them: 16.16 counts a sample of the loop of `cycle_s`,
+/// at least the least.
 pub fn profile(rate: u32, acceleration: u32, cycle_s: f64) -> [u32; 2] {
     let velocity = f64::from(rate) * cycle_s * 65536.0;
     let acceleration = f64::from(acceleration) * cycle_s * cycle_s * 65536.0;

@@ -87,7 +87,8 @@ impl Stand {
         self.rig.engage()
     }
 
-    /// Where the axis is, and a place `size` counts away, towards the middle: steps to and fro stay about it.
+    /// Where the axis is, and a place `size` counts away, towards the middle: steps to and fro stay
+    /// about it.
     ///
     /// # Errors
     ///
@@ -123,8 +124,9 @@ impl Stand {
         })
     }
 
-    /// Drives the motor as no servo does: `law` makes the duty of a position, as often as the axis can be read. Returns the
-    /// trace, and the mean time in us from a reading to the end of the command that follows from it.
+    /// Drives the motor as no servo does: `law` makes the duty of a position, as often as the axis
+    /// can be read. Returns the trace, and the mean time in us from a reading to the end of the
+    /// command that follows from it.
     ///
     /// # Errors
     ///
@@ -188,7 +190,8 @@ impl Stand {
         self.sampled_us += sample.us.saturating_sub(before_us);
         let at = || counts(sample.position);
         let [low, high] = self.settings.travel;
-        // Without the servo the module always says so, and a drive needs twice the limit: what it would not let pass is watched here.
+        // Without the servo the module always says so, and a drive needs twice the limit: what it
+        // would not let pass is watched here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {

@@ -29,7 +29,8 @@ pub struct StepFigures {
     pub peak_current: u8,
 }
 
-/// Commands a step of `size` counts with the servo on, and returns with the trace what it looks like.
+/// Commands a step of `size` counts with the servo on, and returns with the trace what it looks
+/// like.
 ///
 /// # Errors
 ///

@@ -1,4 +1,5 @@
-//! Gains step by step, as one would find them by hand: derivative, proportional, integral, its limit.
+//! Gains step by step, as one would find them by hand: derivative, proportional, integral, its
+//! limit.
 
 use super::moves;
 use super::stand::{Stand, Trace};

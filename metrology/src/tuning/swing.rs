@@ -6,7 +6,8 @@ use husillo_pid::tuning::{Oscillation, oscillation};
 /// Readings are looked at every so many seconds: a servo period.
 pub const PERIOD_S: f64 = 512e-6;
 
-/// Smallest amplitude that the steps of the encoder do not make by themselves: at a count or two they give up to 4/pi of the gain, counts.
+/// Smallest amplitude that the steps of the encoder do not make by themselves: at a count or two
+/// they give up to 4/pi of the gain, counts.
 const LEAST_COUNTS: f64 = 3.0;
 
 /// How an axis moves some time after a step.
@@ -53,11 +54,13 @@ fn half_way(positions: &[f64]) -> f64 {
     if high >= low { (high - low) / 2.0 } else { 0.0 }
 }
 
-/// Periods that a Fourier coefficient is taken over: few, as those of a relay behind a line are not all alike.
+/// Periods that a Fourier coefficient is taken over: few, as those of a relay behind a line are not
+/// all alike.
 const TOGETHER: f64 = 4.0;
 
-/// The amplitude of the part of `positions` that swings with a period: its first Fourier coefficient, which the steps of the encoder hardly disturb, over a
-/// few periods, and the mean of those.
+/// The amplitude of the part of `positions` that swings with a period: its first Fourier
+/// coefficient, which the steps of the encoder hardly disturb, over a few periods, and the mean of
+/// those.
 pub fn fundamental(positions: &[f64], period_s: f64) -> f64 {
     let length = (TOGETHER * period_s / PERIOD_S).round().max(1.0) as usize;
     let omega = std::f64::consts::TAU / period_s;

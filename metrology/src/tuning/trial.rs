@@ -26,7 +26,8 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Notes gains that are about to be tried; what comes of it follows. An experiment that is aborted leaves it open.
+    /// Notes gains that are about to be tried; what comes of it follows. An experiment that is
+    /// aborted leaves it open.
     pub fn begin(trials: &mut Vec<Self>, stage: &'static str, gains: &Gains) -> usize {
         trials.push(Self {
             stage,

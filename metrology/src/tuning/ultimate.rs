@@ -19,9 +19,10 @@ const EXACT: f64 = 1.02;
 /// The slowest servo that is tried, as its rate divisor.
 const SLOWEST: u8 = 32;
 
-/// Looks for the ultimate point with the rate divisor of the machine file. Where not even the largest gain makes the axis swing - an encoder with few counts
-/// and friction leave it no room - the divisor is doubled until one does: a slower loop swings at a lower gain. Every trial goes to `trials`; `None`: no luck.
-/// With the point comes the divisor.
+/// Looks for the ultimate point with the rate divisor of the machine file. Where not even the
+/// largest gain makes the axis swing - an encoder with few counts and friction leave it no room -
+/// the divisor is doubled until one does: a slower loop swings at a lower gain. Every trial goes to
+/// `trials`; `None`: no luck. With the point comes the divisor.
 ///
 /// # Errors
 ///

@@ -9,7 +9,8 @@ pub const CIRCLE_ENDS: [&str; 4] = ["top", "left", "bottom", "right"];
 /// The same: the axis that turns round there, and its direction before.
 const TURNS: [(usize, f64); 4] = [(1, 1.0), (0, -1.0), (1, -1.0), (0, 1.0)];
 
-/// What is left, um, at each end of a circle: how far the tool is off along the axis that turned round there, on its one flank and on the other.
+/// What is left, um, at each end of a circle: how far the tool is off along the axis that turned
+/// round there, on its one flank and on the other.
 ///
 /// # Errors
 ///

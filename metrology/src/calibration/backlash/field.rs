@@ -30,7 +30,8 @@ impl Field {
         }
     }
 
-    /// What a map leaves of measured pairs, each with the play that it says, nm, at each place the largest; cells reach half the way to the next place.
+    /// What a map leaves of measured pairs, each with the play that it says, nm, at each place the
+    /// largest; cells reach half the way to the next place.
     #[must_use]
     pub fn measured(
         axis: usize,

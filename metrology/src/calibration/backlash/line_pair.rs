@@ -15,7 +15,8 @@ pub struct LinePair {
     pub axis: usize,
     /// Where the line from above was cut, mm; `None` along an axis that bands lie along.
     pub place_mm: [Option<f64>; 2],
-    /// From the line that was reached from below to that reached from above, as programmed, nm; signed.
+    /// From the line that was reached from below to that reached from above, as programmed, nm;
+    /// signed.
     pub programmed_nm: f64,
     /// The same as measured.
     pub measured_nm: f64,
@@ -28,7 +29,8 @@ impl LinePair {
         taken_up_nm + self.measured_nm - self.programmed_nm
     }
 
-    /// What a map takes up where the pair was cut, nm; for bands, in the middle of the travel along them.
+    /// What a map takes up where the pair was cut, nm; for bands, in the middle of the travel along
+    /// them.
     #[must_use]
     pub fn taken_up_nm(&self, map: &Map, step_nm: [f64; 3], travel_mm: [[f64; 2]; 2]) -> f64 {
         let at = map.axes().map(|axis| {
@@ -59,7 +61,8 @@ impl LinePair {
     }
 }
 
-/// The table of an axis from its readings, each with the lash that it says, in nm; several at a place are averaged. `None` without readings.
+/// The table of an axis from its readings, each with the lash that it says, in nm; several at a
+/// place are averaged. `None` without readings.
 ///
 /// # Errors
 ///
@@ -103,13 +106,15 @@ pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<Plac
                 here.fold((0.0, 0_u32), |(sum, count), (_, nm)| (sum + nm, count + 1));
             if count == 0 {
                 return Err(format!(
-                    "{letter}: no reading at X{x:.3} Y{y:.3}, where others of that column and that row are"
+                    "{letter}: no reading at X{x:.3} Y{y:.3}, where others of that column and \
+                     that row are"
                 ));
             }
             let um = sum / f64::from(count) / 1e3;
             if um < -NOISE_UM {
                 return Err(format!(
-                    "{letter}: a lash of {um:.0} um at X{x:.3} Y{y:.3}: there is none below zero; is a reading mistyped?"
+                    "{letter}: a lash of {um:.0} um at X{x:.3} Y{y:.3}: there is none below zero; \
+                     is a reading mistyped?"
                 ));
             }
             lash_um.push(um.max(0.0));

@@ -19,7 +19,8 @@ pub struct PlaceTable {
 }
 
 impl PlaceTable {
-    /// The map of an axis, in whole steps. `own` is its step in nm, `steps` are those of X, Y and Z.
+    /// The map of an axis, in whole steps. `own` is its step in nm, `steps` are those of X, Y and
+    /// Z.
     ///
     /// # Errors
     ///

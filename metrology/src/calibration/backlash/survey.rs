@@ -1,4 +1,5 @@
-//! What compensation leaves over the work area: the axes go to and fro everywhere, and the tool is looked at.
+//! What compensation leaves over the work area: the axes go to and fro everywhere, and the tool is
+//! looked at.
 
 use super::bench::Bench;
 
@@ -14,8 +15,8 @@ pub struct Leftover {
     pub span_um: [f64; 2],
 }
 
-/// Goes along X through the middle of every row of cells, there and back, then along Y through that of every column, and returns what X is
-/// off in the first and Y in the second.
+/// Goes along X through the middle of every row of cells, there and back, then along Y through that
+/// of every column, and returns what X is off in the first and Y in the second.
 ///
 /// # Errors
 ///

@@ -1,4 +1,5 @@
-//! The two-line test: a line cut with the axis coming from below and one beside it with the axis coming from above.
+//! The two-line test: a line cut with the axis coming from below and one beside it with the axis
+//! coming from above.
 
 use super::bench::Bench;
 use super::line_pair::LinePair;

@@ -11,12 +11,14 @@ pub(super) struct State {
     pub(super) modal: Modal<3>,
     /// Where the last probe move ended, machine frame, and whether at a contact.
     pub(super) probed: ([Nm; 3], bool),
-    /// Figures of the cycles by their names in capitals, without `_`: nm, or millionths of a degree.
+    /// Figures of the cycles by their names in capitals, without `_`: nm, or millionths of a
+    /// degree.
     pub(super) found: HashMap<Vec<u8>, (i64, bool)>,
 }
 
 impl System for State {
-    /// #5061 to #5069 are the last probed point in the work frame, #5070 is 1 where there was a contact; the rest is the modal state's.
+    /// #5061 to #5069 are the last probed point in the work frame, #5070 is 1 where there was a
+    /// contact; the rest is the modal state's.
     fn numbered(&self, number: u16) -> Option<Value> {
         let (at, is_contact) = self.probed;
         match number {
