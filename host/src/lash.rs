@@ -10,4 +10,3 @@ mod readings;
 pub use calibrating::calibrate_backlash;
 pub use circles::print_circles;
 pub use file::LashFile;
-pub use husillo_metrology::calibration::backlash::Map;

@@ -7,11 +7,11 @@ use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
-use husillo_metrology::calibration::{Body, Calibrated, FoundProbe};
+use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
-use husillo_probe::{Measurement, PreTravel, UnitVector};
+use husillo_probe::{Measurement, UnitVector};
 use husillo_transports::nmc::{Auxiliary, Reply, Status};
 
 /// The port of a machine: simulated or real.
@@ -131,7 +131,13 @@ impl Session {
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    self.calibrate(&measurement, &towards, head.inner().probe().over_travel)?;
+                    if let (Some(axis), Some(position)) = (towards.axis, self.reference) {
+                        let face = Face { axis, position };
+                        let over_travel = head.inner().probe().over_travel;
+                        let scale = self.scale;
+                        self.stylus =
+                            face.calibrate(self.stylus, &measurement, scale, over_travel)?;
+                    }
                     row.touch = Some(TouchFigures {
                         table: self.table(),
                         ..self.figures(&measurement, &towards, &axes)
@@ -175,64 +181,6 @@ impl Session {
         Ok(())
     }
 
-    /// The pre-travel that makes of this touch the reference. In a table by direction that has this one, as a sphere or a ring gives it, all entries
-    /// change, each by its part along it: as if that body stood elsewhere by as much, which its own touches cannot tell.
-    ///
-    /// # Errors
-    ///
-    /// A pre-travel beyond `over_travel` counts, or less than none by more than the two counts that face and touch are rounded by.
-    fn calibrate(
-        &mut self,
-        measurement: &Measurement,
-        towards: &Towards,
-        over_travel: u32,
-    ) -> Result<(), Trouble> {
-        let (Some(axis), Some(reference)) = (towards.axis, self.reference) else {
-            return Ok(());
-        };
-        let face = surface(&self.stylus, measurement)[axis];
-        let direction = measurement.touch.direction;
-        let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
-        let cosine = |entry: &UnitVector| -> f64 {
-            let pairs = parts(entry).into_iter().zip(parts(&direction));
-            pairs.map(|(a, b)| a * b).sum()
-        };
-        // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
-        let beyond = (face - reference) as f64 * parts(&direction)[axis];
-        let found = i64::from(self.stylus.pre_travel.along(&direction)) + beyond as i64;
-        let possible = self.scale.of_counts(-2)..=self.scale.of_counts(over_travel.into());
-        if !possible.contains(&found) {
-            return Err(Trouble::PreTravel {
-                found: self.scale.text(found),
-                most: self.scale.text(*possible.end()),
-            });
-        }
-        let shifted = |nm: i32, part: f64| nm.saturating_add((beyond * part).round() as i32);
-        let mut entries = self.stylus.pre_travel.entries().to_vec();
-        let is_by_axis = self.is_by_axis();
-        if entries.iter().any(|(entry, _)| *entry == direction) {
-            for (entry, nm) in &mut entries {
-                let part = match is_by_axis {
-                    true => f64::from(u8::from(*entry == direction)),
-                    false => cosine(entry),
-                };
-                *nm = shifted(*nm, part);
-            }
-        } else {
-            let nm = self.stylus.pre_travel.along(&direction);
-            entries.push((direction, shifted(nm, 1.0)));
-        }
-        if let Some(pre_travel) = PreTravel::of(&entries) {
-            self.stylus.pre_travel = pre_travel;
-        }
-        Ok(())
-    }
-
-    /// Whether there is one pre-travel for each way of each axis, and no more.
-    fn is_by_axis(&self) -> bool {
-        self.stylus.pre_travel.entries().len() <= 6
-    }
-
     /// The pre-travel by direction, where it is by more than the ways of the axes.
     fn table(&self) -> Option<Vec<Entry>> {
         let entry = |(direction, nm): &(UnitVector, i32)| Entry {
@@ -242,7 +190,7 @@ impl Session {
             length: self.scale.number(i64::from(*nm)),
         };
         let entries = self.stylus.pre_travel.entries();
-        (!self.is_by_axis()).then(|| entries.iter().map(entry).collect())
+        (!is_by_axis(&self.stylus)).then(|| entries.iter().map(entry).collect())
     }
 
     fn figures(
@@ -255,7 +203,7 @@ impl Session {
         TouchFigures {
             direction: towards.text(),
             trigger: self.numbers(measurement.touch.position, axes),
-            corrected: self.numbers(surface(&self.stylus, measurement), axes),
+            corrected: self.numbers(surface_nm(&self.stylus, measurement), axes),
             pre_travel: self.scale.number(pre_travel.into()),
             touches: measurement.touches,
             spread: self.scale.number(measurement.spread),
@@ -294,16 +242,6 @@ impl Session {
         let of = |axis: &usize| self.scale.number(place[*axis]);
         Numbers(axes.iter().map(of).collect())
     }
-}
-
-/// The face, as it lies where it is across the direction: `p - ed d - r n`.
-fn surface(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
-    let touch = &measurement.touch;
-    stylus.surface_nm(
-        touch.position,
-        &touch.direction,
-        &touch.direction.reversed(),
-    )
 }
 
 /// `XZ` of 0 and 2.
