@@ -12,13 +12,13 @@ use crate::holes::placement::{Fit, Placement};
 use crate::holes::step_and_repeat::{Panel, Refused};
 use crate::holes::visiting_order::Metric;
 use crate::machines::machine_file::{MachineFile, Travel};
-use crate::machines::quantity::{self, Quantity};
 use crate::programs::source::BYTE_ORDER_MARK;
 use husillo_excellon::{
     Digits, Doubt, Error, ErrorKind, Feature, Hole, Inference, Overrides, Path, Profile, Reader,
     Reason, Settings, Slot, Tool, Units, Warning, WarningKind, Zeros, lines,
 };
 use husillo_gcode::Nm;
+use husillo_metrology::quantity::{self, Quantity};
 use std::io::{self, Write};
 
 /// Tools that one file may have.

@@ -4,12 +4,9 @@ mod bench;
 mod calibrating;
 mod circles;
 mod file;
-mod grid;
 mod page;
-mod survey;
-mod two_lines;
+mod readings;
 
-pub use bench::Bench;
 pub use calibrating::calibrate_backlash;
 pub use circles::print_circles;
-pub use file::{LashFile, Map, PlaceTable};
+pub use file::LashFile;

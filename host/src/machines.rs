@@ -5,5 +5,4 @@ pub mod encoder_file;
 pub mod listing;
 pub mod machine_file;
 pub mod power;
-pub mod quantity;
 pub mod table;

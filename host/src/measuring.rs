@@ -1,63 +1,40 @@
 //! Measuring machines: `husillo measure` and `husillo emulate`.
 //!
 //! ```text
-//! file, action ─► session ─► calibrated ─► head ─► line ─► port ─┬─► emulated     simulated time
-//!                    │         servo, way, touching  ├─► serial device, socket
-//! routine ─────────────┘  └─► result_row            │
-//! contact, piece ─► emulated ─► terminal ─────────────┘   real time
+//! file, action ─► session ─► husillo-metrology ─► port ─► serial device, socket
+//! routine ──────────┘  └─► result_row
+//! piece_file ─► simulated chain ─► emulated ─► terminal
 //! ```
 
 mod action;
-mod axis_fit;
-mod calibrated;
 mod calibrating;
 mod calibration_file;
-mod collision;
-mod contact;
 mod direction;
-pub mod emulated;
+mod emulated;
 pub mod file;
-mod head;
-mod homing;
+mod help;
 pub mod interrupt;
-mod jog;
-pub mod line;
-#[cfg(test)]
-mod noise_test;
-mod piece;
 mod piece_file;
 pub mod port;
-mod prober;
-mod reference;
 mod result_row;
 mod routine;
-mod scale;
-mod servo;
 mod session;
-mod square_fit;
-mod touching;
-pub mod trouble;
-mod view;
-mod way;
 
 pub use calibrating::{calibrate_axis, calibrate_squareness};
-pub use contact::Contact;
 pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Results};
 use crate::machines::machine_file::LoadError;
 use action::Action;
-use calibrated::Calibrated;
-use file::{CmmFile, Stylus};
-use head::Head;
-use interrupt::{INTERRUPTED, Interrupt};
-use piece::Mounted;
-use prober::Prober as _;
+use husillo_metrology::Trouble;
+use husillo_metrology::calibration::Calibrated;
+use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
+use husillo_metrology::simulated::{Mounted, SimulatedChain};
+use interrupt::{INTERRUPTED, Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
-use session::Session;
+use session::{AnyPort, Session};
 use std::io::Write;
-use trouble::Trouble;
 
 /// How a command on a measuring machine ended without being done.
 pub enum Stopped {
@@ -92,7 +69,7 @@ const COLLISION: u8 = 4;
 ///
 /// [`Stopped`]; the results before it are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
-    let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let interrupt = Interrupt::listen()?;
     let done = measure_by(args, &machine, &interrupt, out, table);
     match done {
@@ -109,7 +86,7 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
 
 fn measure_by(
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     interrupt: &Interrupt,
     out: &mut dyn Write,
     table: &mut Vec<u8>,
@@ -161,7 +138,7 @@ fn measure_by(
         _ => false,
     };
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
-    let line = line.with_interrupt(interrupt.clone());
+    let line = line.with_operator(User::new(interrupt, args.raw));
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
@@ -221,7 +198,7 @@ fn measure_by(
 /// The standard input, or Ctrl-C.
 fn typed(
     session: &mut Session,
-    head: &mut Calibrated<Head>,
+    head: &mut Calibrated<Head<AnyPort>>,
     interrupt: &Interrupt,
     mut tell: impl FnMut(&ResultRow),
 ) -> Result<bool, Trouble> {
@@ -254,7 +231,7 @@ fn typed(
 fn prepared(
     args: &Measure,
     (session, actions): (&mut Session, &[Action]),
-    head: &mut Calibrated<Head>,
+    head: &mut Calibrated<Head<AnyPort>>,
     out: &mut dyn Write,
 ) -> Result<Stylus, Stopped> {
     let scale = session.scale;
@@ -277,7 +254,7 @@ fn prepared(
 }
 
 /// The piece of this file on a machine.
-fn mounted(path: Option<&str>, machine: &CmmFile) -> Result<Option<Mounted>, Stopped> {
+fn mounted(path: Option<&str>, machine: &Machine) -> Result<Option<Mounted>, Stopped> {
     let piece = path.map(piece_file::load).transpose();
     let piece = piece.map_err(Stopped::File)?;
     let mounted = piece.map(|piece| Mounted::new(piece, machine));
@@ -287,7 +264,7 @@ fn mounted(path: Option<&str>, machine: &CmmFile) -> Result<Option<Mounted>, Sto
 /// `husillo measure run`.
 fn run_routine(
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     interrupt: &Interrupt,
     path: &str,
     before: (&mut Session, &[Action]),
@@ -306,7 +283,7 @@ fn run_routine(
 /// `husillo measure record`.
 fn record_routine(
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     interrupt: &Interrupt,
     path: &str,
     before: (&mut Session, &[Action]),
@@ -321,9 +298,9 @@ fn record_routine(
 /// The machine with its servos on.
 fn started(
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     interrupt: &Interrupt,
-) -> Result<Calibrated<Head>, Stopped> {
+) -> Result<Calibrated<Head<AnyPort>>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
             "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the machine file, or -m cmm3",
@@ -332,7 +309,7 @@ fn started(
         return Err(Stopped::Usage(message));
     }
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
-    let line = line.with_interrupt(interrupt.clone());
+    let line = line.with_operator(User::new(interrupt, args.raw));
     let head = Head::start(line, machine, args.repeat);
     let head = head.map_err(|trouble| {
         eprintln!("{}", told(&trouble));
@@ -352,7 +329,7 @@ const fn ended(ending: Ending) -> Result<(), Stopped> {
 
 /// A trouble with what to look at.
 pub fn told(trouble: &Trouble) -> String {
-    match trouble.help() {
+    match help::help(trouble) {
         Some(help) => format!("error: {trouble}\n  help: {help}"),
         None => format!("error: {trouble}"),
     }
@@ -365,12 +342,12 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    let machine = CmmFile::load(&args.machine).map_err(Stopped::File)?;
+    let machine = file::load(&args.machine).map_err(Stopped::File)?;
     let versions = match &args.modules {
         Some(list) => emulated::versions(list)?,
         None => vec![4; usize::from(machine.modules())],
     };
-    let mut emulated = emulated::Emulated::new(
+    let mut emulated = SimulatedChain::new(
         &versions,
         &args.contact,
         mounted(args.piece.as_deref(), &machine)?,

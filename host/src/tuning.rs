@@ -1,43 +1,21 @@
 //! `husillo tune`: the gains of a servo.
-//!
-//! ```text
-//! method: step, ultimate, relay, stepwise ─► stand ─► rig ─┬─► direct    the simulated axis, every servo period
-//!            │  swing                           limits      └─► linked    a line of modules, simulated or real
-//!            └─► fit ─► moves ─► outcome, page
-//! ```
 
-mod direct;
-mod fit;
-#[cfg(test)]
-mod linear;
-mod linked;
-mod moves;
-mod outcome;
+mod listing;
 mod page;
-mod relay;
-mod rig;
-mod stand;
-mod step;
-mod stepwise;
-mod swing;
-mod trial;
-mod ultimate;
 
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
-use crate::measuring::emulated::Emulated;
-use crate::measuring::file::{AxisFile, CmmFile};
-use crate::measuring::interrupt::{INTERRUPTED, Interrupt};
-use crate::measuring::line::Line;
-use crate::measuring::port::Port;
-use crate::measuring::trouble::Trouble;
+use crate::measuring::interrupt::{INTERRUPTED, Interrupt, User};
 use crate::measuring::{Stopped, told};
-use husillo_pid::tuning::{Rule, Ultimate};
+use crate::measuring::{file, port};
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
+use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};
+use husillo_metrology::tuning::{
+    Direct, Experiment, Failed, Linked, Method, NoRelay, Outcome, RelaySettings, Rig, Stand,
+};
+use husillo_pid::tuning::Rule;
 use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::Gains;
-use outcome::{Outcome, RuleRow, UltimateFigures};
-use relay::{NoRelay, RelaySettings};
-use rig::Rig;
-use stand::{Stand, Trace};
 use std::io::Write;
 
 /// Runs the experiment, prints what it found to `out`, and puts the page into `page`.
@@ -46,30 +24,16 @@ use std::io::Write;
 ///
 /// [`Stopped`]; what was found before is printed.
 pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), Stopped> {
-    let machine = CmmFile::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut file = machine.axis(args.axis)?;
     file.gains = given(args, &file.gains)?;
     let size = step_size(args, &file)?;
     let interrupt = Interrupt::listen()?;
     let rig = open(args, &machine, &file, &interrupt)?;
-    let mut outcome = Outcome {
-        method: args.method.name(),
-        machine: machine.title.clone(),
-        axis: file.letter,
-        port: args.port.clone(),
-        sample_ms: 0.0,
-        trials: Vec::new(),
-        step: None,
-        relay: None,
-        ultimate: None,
-        rules: Vec::new(),
-        toml: None,
-        check: None,
-        notes: Vec::new(),
-        aborted: None,
-    };
+    let (title, port) = (machine.title.clone(), args.port.clone());
+    let mut outcome = Outcome::new(args.method.name(), title, file.letter, port);
     let mut stand = Stand::new(rig, file).map_err(|trouble| Stopped::Machine(told(&trouble)))?;
-    let result = experiment(args, size, &mut stand, &mut outcome);
+    let result = experiment(args, size).run(&mut stand, &mut outcome);
     // The line is free again for what switches the motor off.
     interrupt.see_to();
     stand.release();
@@ -77,11 +41,11 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     outcome.sample_ms = stand.sample_us() * 1e-3;
     let message = match &result {
         Ok(()) => verdict(&outcome),
-        Err(failed) => Some(failed.message(&outcome)),
+        Err(failed) => Some(message(failed, &outcome)),
     };
     outcome.aborted = result.is_err().then(|| message.clone()).flatten();
     match args.format {
-        Output::Text => write!(out, "{}", outcome.text()),
+        Output::Text => write!(out, "{}", listing::text(&outcome)),
         Output::Json => serde_json::to_string_pretty(&outcome)
             .map_err(|error| error.to_string())
             .and_then(|json| writeln!(out, "{json}").map_err(|error| error.to_string()))
@@ -124,7 +88,7 @@ fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
 }
 
 /// The step of an experiment, which must be within what the servo takes for an error.
-fn step_size(args: &Tune, file: &AxisFile) -> Result<i32, String> {
+fn step_size(args: &Tune, file: &AxisSettings) -> Result<i32, String> {
     let size = args.size;
     let limit = i32::from(file.gains.error_limit);
     let [low, high] = file.travel;
@@ -144,20 +108,27 @@ fn step_size(args: &Tune, file: &AxisFile) -> Result<i32, String> {
 /// The axis at the port of the arguments.
 fn open(
     args: &Tune,
-    machine: &CmmFile,
-    file: &AxisFile,
+    machine: &Machine,
+    file: &AxisSettings,
     interrupt: &Interrupt,
 ) -> Result<Box<dyn Rig>, Stopped> {
-    let port = match args.port.as_str() {
-        "sim" => return Ok(Box::new(direct::Direct::new(DcMotorModel::PROTOTYPE))),
+    let port: Box<dyn Port> = match args.port.as_str() {
+        "sim" => return Ok(Box::new(Direct::new(DcMotorModel::PROTOTYPE))),
         "line" => {
             let versions = vec![4; usize::from(machine.modules())];
-            Port::Simulated(Box::new(Emulated::new(&versions, &[], None)?), 0)
+            Box::new(SimulatedPort::new(SimulatedChain::new(
+                &versions,
+                &[],
+                None,
+            )?))
         }
-        name => Port::open(name).map_err(|error| format!("{name}: {error}"))?,
+        name => {
+            let port = port::Port::open(name);
+            Box::new(port.map_err(|error| format!("{name}: {error}"))?)
+        }
     };
-    let line = Line::new(port, args.raw).with_interrupt(interrupt.clone());
-    let linked = linked::Linked::start(line, machine, file);
+    let line = Line::new(port).with_operator(User::new(interrupt, args.raw));
+    let linked = Linked::start(line, machine, file);
     // The motor runs in all of the experiment, with or without its servo.
     interrupt.set_moving(linked.is_ok());
     Ok(Box::new(
@@ -165,45 +136,44 @@ fn open(
     ))
 }
 
-/// Why an experiment has no end.
-enum Failed {
-    /// A limit was passed, or the link failed.
-    Trouble(Trouble),
-    /// There is nothing to find.
-    Nothing(String),
-}
-
-impl From<Trouble> for Failed {
-    fn from(trouble: Trouble) -> Self {
-        Self::Trouble(trouble)
-    }
-}
-
-impl Failed {
-    /// With the trial in which it was.
-    fn message(&self, outcome: &Outcome) -> String {
-        match self {
-            Self::Nothing(message) => message.clone(),
-            Self::Trouble(trouble) => {
-                let trial = outcome
-                    .trials
-                    .last()
-                    .filter(|trial| trial.result == "aborted");
-                let when = trial.map_or(String::new(), |trial| {
-                    format!(" with p = {}, i = {}, d = {}", trial.p, trial.i, trial.d)
-                });
-                let help = match trouble {
-                    Trouble::PositionError { .. } => {
-                        "\n  help: the servo is off now; lower --size, or raise --error-limit if the axis has the room"
-                    }
-                    Trouble::OverCurrent { .. } => {
-                        "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if the motor bears it"
-                    }
-                    _ => "",
-                };
-                format!("{trouble}{when}: aborted{help}")
-            }
+/// Why an experiment has no end, with the trial in which it was, and what to do.
+fn message(failed: &Failed, outcome: &Outcome) -> String {
+    let trouble = match failed {
+        Failed::Trouble(trouble) => trouble,
+        Failed::NoUltimate => return format!("{failed}; try --method relay"),
+        Failed::NoRelay(none) => return no_relay(none),
+        Failed::NoGains => return failed.to_string(),
+    };
+    let trial = outcome
+        .trials
+        .last()
+        .filter(|trial| trial.result == "aborted");
+    let when = trial.map_or(String::new(), |trial| {
+        format!(" with p = {}, i = {}, d = {}", trial.p, trial.i, trial.d)
+    });
+    let help = match trouble {
+        Trouble::PositionError { .. } => {
+            "\n  help: the servo is off now; lower --size, or raise --error-limit if the axis has the room"
         }
+        Trouble::OverCurrent { .. } => {
+            "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if the motor bears it"
+        }
+        _ => "",
+    };
+    format!("{trouble}{when}: aborted{help}")
+}
+
+/// Why a relay found nothing, and the options that change it.
+fn no_relay(none: &NoRelay) -> String {
+    match none {
+        NoRelay::Still => {
+            format!("{none}: give it more PWM than friction takes (--amplitude)")
+        }
+        NoRelay::WithinHysteresis => {
+            format!("{none}: lower --hysteresis or raise --amplitude")
+        }
+        NoRelay::TooSlow { .. } => format!("{none}: raise `baud`, or use --method ultimate"),
+        NoRelay::Trouble(trouble) => trouble.to_string(),
     }
 }
 
@@ -223,110 +193,28 @@ fn verdict(outcome: &Outcome) -> Option<String> {
     })
 }
 
-fn experiment(
-    args: &Tune,
-    size: i32,
-    stand: &mut Stand,
-    outcome: &mut Outcome,
-) -> Result<(), Failed> {
-    let gains = match args.method {
-        TuneMethod::Step => {
-            let gains = stand.file.gains;
-            let (figures, trace) = step::step(stand, &gains, size)?;
-            outcome.step = Some(figures);
-            stand.traces.push(titled(trace, &gains));
-            gains
-        }
-        TuneMethod::Ultimate => {
-            let found = ultimate::ultimate(stand, &mut outcome.trials)?;
-            let nothing = "not even p = 32767 and a rate divisor of 32 make the axis swing for ever: there is no ultimate gain to be found; try --method relay";
-            let found = found.ok_or_else(|| Failed::Nothing(nothing.into()))?;
-            let (found, divisor) = found;
-            by_rules(args, found, divisor, stand, outcome)?
-        }
-        TuneMethod::Relay => {
-            let settings = RelaySettings {
-                amplitude: args.amplitude,
-                // On a line a count of jitter would turn it over, late.
-                hysteresis: args.hysteresis.unwrap_or(u16::from(args.port != "sim")),
-            };
-            let (figures, found) = relay::relay(stand, settings).map_err(|none| match none {
-                NoRelay::Trouble(trouble) => Failed::Trouble(trouble),
-                none => Failed::Nothing(none.to_string()),
-            })?;
-            outcome.relay = Some(figures);
-            if let Some(note) = relay::note(&figures) {
-                outcome.notes.push(note);
-            }
-            by_rules(args, found, 1, stand, outcome)?
-        }
-        TuneMethod::Stepwise => stepwise::stepwise(stand, size, &mut outcome.trials)?,
-    };
-    if args.method != TuneMethod::Step {
-        outcome.conclude(&gains);
-        // The picture of the result.
-        let (figures, trace) = step::step(stand, &gains, size)?;
-        outcome.step = Some(figures);
-        stand.traces.insert(0, titled(trace, &gains));
+/// What the arguments ask for.
+fn experiment(args: &Tune, size: i32) -> Experiment {
+    Experiment {
+        method: match args.method {
+            TuneMethod::Step => Method::Step,
+            TuneMethod::Ultimate => Method::Ultimate,
+            TuneMethod::Relay => Method::Relay,
+            TuneMethod::Stepwise => Method::Stepwise,
+        },
+        rule: match args.rule {
+            TuneRule::ZieglerNichols => Rule::ZieglerNicholsPid,
+            TuneRule::TyreusLuyben => Rule::TyreusLuybenPid,
+        },
+        size,
+        relay: RelaySettings {
+            amplitude: args.amplitude,
+            // On a line a count of jitter would turn it over, late.
+            hysteresis: args.hysteresis.unwrap_or(u16::from(args.port != "sim")),
+        },
+        moves: args.moves.unwrap_or(match args.method {
+            TuneMethod::Step => 0,
+            _ => 20,
+        }),
     }
-    let moves = args.moves.unwrap_or(match args.method {
-        TuneMethod::Step => 0,
-        _ => 20,
-    });
-    if moves > 0 {
-        outcome.check = Some(moves::check(stand, &gains, moves)?);
-    }
-    Ok(())
-}
-
-fn titled(trace: Trace, gains: &Gains) -> Trace {
-    let title = format!(
-        "Step with p = {}, i = {}, d = {}",
-        gains.proportional, gains.integral, gains.derivative
-    );
-    Trace { title, ..trace }
-}
-
-/// The rules for a position loop, which needs its derivative.
-const RULES: [(TuneRule, Rule, &str, &str); 2] = [
-    (
-        TuneRule::ZieglerNichols,
-        Rule::ZieglerNicholsPid,
-        "Ziegler-Nichols",
-        "Trans. ASME 64 (1942)",
-    ),
-    (
-        TuneRule::TyreusLuyben,
-        Rule::TyreusLuybenPid,
-        "Tyreus-Luyben",
-        "Luyben and Luyben, Essentials of Process Control (1997)",
-    ),
-];
-
-/// The gains of all rules; those of the chosen one are returned.
-fn by_rules(
-    args: &Tune,
-    found: Ultimate,
-    divisor: u8,
-    stand: &Stand,
-    outcome: &mut Outcome,
-) -> Result<Gains, Failed> {
-    outcome.ultimate = Some(UltimateFigures::new(found, divisor));
-    let mut chosen = None;
-    for (name, rule, title, source) in RULES {
-        let rates = found.gains(rule);
-        let Some((gains, notes)) = fit::fit(rates, &stand.file.gains) else {
-            continue;
-        };
-        outcome
-            .rules
-            .push(RuleRow::new(title, source, rates, &gains));
-        if name == args.rule {
-            outcome.notes.extend(notes);
-            chosen = Some(gains);
-        }
-    }
-    chosen.ok_or_else(|| {
-        Failed::Nothing("the ultimate point gives no gains that a module has".into())
-    })
 }

@@ -33,7 +33,7 @@ pub struct Measure {
     pub repeat: u8,
     /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
-    pub contact: Vec<crate::measuring::Contact>,
+    pub contact: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
@@ -99,7 +99,7 @@ pub struct Emulate {
     pub listen: Option<std::net::SocketAddr>,
     /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
-    pub contact: Vec<crate::measuring::Contact>,
+    pub contact: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,

@@ -1,39 +1,28 @@
 //! A machine and the simulated screws behind it, block by block.
 
-use super::Map;
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup::{self, Micromill};
 use husillo_gcode::Dialect;
 use husillo_machine::{Event, Motors, Origin};
+use husillo_metrology::calibration::backlash::{self, Map, Moment};
 use husillo_sim::Rig;
 use husillo_stepper::Drive;
 
-/// Where things are after a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Moment {
-    /// Where the controller has the tool, nm.
-    pub sent_nm: [f64; 3],
-    /// Where it is, nm.
-    pub tool_nm: [f64; 3],
-    /// What moved it.
-    pub origin: Origin,
-}
-
 /// A homed machine on screws with the play of the file's `[simulated_lash]`.
-pub struct Bench {
+pub struct SimulatedBench {
     machine: Micromill,
     motors: Motors<3, Drive>,
     rig: Rig<3>,
     nm_per_step: [f64; 3],
 }
 
-impl Bench {
+impl SimulatedBench {
     /// A machine that takes up what `maps` say.
     ///
     /// # Errors
     ///
     /// Mistakes of the machine file, or no `[simulated_lash]`.
-    pub fn new(file: &MachineFile, maps: [Map; 3]) -> Result<Bench, String> {
+    pub fn new(file: &MachineFile, maps: [Map; 3]) -> Result<Self, String> {
         let steps = file.axes.each_ref().map(|axis| axis.step);
         let field = file.lash.field(steps).ok_or_else(|| {
             format!(
@@ -43,20 +32,17 @@ impl Bench {
         })?;
         let config = setup::config(file, Dialect::RS274)?;
         let motors = setup::motors(file)?;
-        Ok(Bench {
+        Ok(Self {
             machine: setup::with_maps(config, maps),
             rig: setup::rig(file, &motors).with_lash_field(field),
             motors,
             nm_per_step: steps.map(|step| step.num as f64 / step.den as f64),
         })
     }
+}
 
-    /// Makes a block; `each` sees every step of it.
-    ///
-    /// # Errors
-    ///
-    /// The machine refuses the block, or loses steps.
-    pub fn make(&mut self, block: &str, mut each: impl FnMut(&Moment)) -> Result<(), String> {
+impl backlash::Bench for SimulatedBench {
+    fn make(&mut self, block: &str, each: &mut dyn FnMut(&Moment)) -> Result<(), String> {
         let refused = |why: &dyn std::fmt::Display| format!("{block}: {why}");
         self.machine
             .line(block.as_bytes())
@@ -74,7 +60,7 @@ impl Bench {
             each(&Moment {
                 sent_nm: nm(self.machine.position_steps()),
                 tool_nm: nm(self.rig.tool()),
-                origin: self.machine.origin(),
+                is_take_up: self.machine.origin() == Origin::TakeUp,
             });
         }
         match self.rig.lost_steps() {

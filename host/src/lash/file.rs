@@ -1,8 +1,8 @@
 //! `[lash]` and `[simulated_lash]` of machine files.
 
-use crate::machines::quantity::Fraction;
 use crate::machines::table::Table;
-use husillo_backlash::{LashMap, MapError};
+use husillo_metrology::calibration::backlash::{Map, PlaceTable};
+use husillo_metrology::quantity::Fraction;
 use husillo_sim::LashField;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -10,70 +10,33 @@ use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeValue;
 
-/// A map as the crates take it.
-pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
-
-/// A table of lash as it is written: places in mm along one axis or two, and um there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlaceTable {
-    /// Axes by number, rising; the same one twice for a table along one axis.
-    pub axes: [usize; 2],
-    /// Places along them; one place for an axis along which it is the same everywhere.
-    pub places_mm: [Vec<f64>; 2],
-    /// All places of the first axis at the first of the second, and so on.
-    pub lash_um: Vec<f64>,
-}
-
-impl PlaceTable {
-    /// The map of an axis, in whole steps.
-    ///
-    /// # Errors
-    ///
-    /// [`MapError`].
-    pub fn map(&self, own: Fraction, steps: [Fraction; 3]) -> Result<Map, MapError> {
-        let places = [0, 1].map(|index| {
-            let step = steps[self.axes[index]];
-            let of_mm = |mm: &f64| in_steps(mm * 1e6, step) as i32;
-            self.places_mm[index].iter().map(of_mm).collect()
-        });
-        let lash = self.lash_um.iter();
-        let lash = lash.map(|um| in_steps(um * 1e3, own) as u32).collect();
-        LashMap::new(self.axes, places, lash)
-    }
-
-    /// As it is written in a machine file, for an axis.
-    pub fn text(&self, letter: u8) -> String {
-        let list = |values: &[f64]| {
-            let texts = values.iter().map(|value| short(*value));
-            format!("[{}]", texts.collect::<Vec<_>>().join(", "))
-        };
-        let mut text = format!("[lash.{}]\n", char::from(letter).to_ascii_lowercase());
-        let mut is_grid = true;
-        for (index, places) in self.places_mm.iter().enumerate() {
-            if index == 1 && self.axes[0] == self.axes[1] {
-                is_grid = false;
-                break;
-            }
-            let name = char::from(b"xyz"[self.axes[index]]);
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name}_mm = {}", list(places));
+/// A table as it is written in a machine file, for an axis.
+pub fn section(table: &PlaceTable, letter: u8) -> String {
+    let list = |values: &[f64]| {
+        let texts = values.iter().map(|value| short(*value));
+        format!("[{}]", texts.collect::<Vec<_>>().join(", "))
+    };
+    let mut text = format!("[lash.{}]\n", char::from(letter).to_ascii_lowercase());
+    let mut is_grid = true;
+    for (index, places) in table.places_mm.iter().enumerate() {
+        if index == 1 && table.axes[0] == table.axes[1] {
+            is_grid = false;
+            break;
         }
-        if is_grid {
-            text.push_str("um = [\n");
-            for row in self.lash_um.chunks(self.places_mm[0].len()) {
-                let _ = writeln!(text, "    {},", list(row));
-            }
-            text.push_str("]\n");
-        } else {
-            let _ = writeln!(text, "um = {}", list(&self.lash_um));
-        }
-        text
+        let name = char::from(b"xyz"[table.axes[index]]);
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name}_mm = {}", list(places));
     }
-}
-
-/// Saturates where it is converted.
-fn in_steps(nm: f64, step: Fraction) -> f64 {
-    (nm * step.den as f64 / step.num as f64).round()
+    if is_grid {
+        text.push_str("um = [\n");
+        for row in table.lash_um.chunks(table.places_mm[0].len()) {
+            let _ = writeln!(text, "    {},", list(row));
+        }
+        text.push_str("]\n");
+    } else {
+        let _ = writeln!(text, "um = {}", list(&table.lash_um));
+    }
+    text
 }
 
 /// Two decimals, or fewer.

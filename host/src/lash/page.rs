@@ -1,18 +1,8 @@
 //! The report of `husillo calibrate backlash`: one value an axis and the map, side by side.
 
 use crate::page::report::{STYLE, escape};
+use husillo_metrology::calibration::backlash::Field;
 use std::fmt::Write;
-
-/// What is left, by cell.
-#[derive(Clone, Debug)]
-pub struct Field {
-    /// Borders of the columns and of the rows, mm.
-    pub edges_mm: [Vec<f64>; 2],
-    /// Rows of cells, the lowest Y first: the largest deviation with its sign, um.
-    pub um: Vec<f64>,
-    /// Lowest and highest, um.
-    pub span_um: [f64; 2],
-}
 
 /// One axis.
 #[derive(Clone, Debug)]

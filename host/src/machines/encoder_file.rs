@@ -1,8 +1,8 @@
 //! `[axis.x.encoder]` of a machine file, and losses to try it with.
 
-use crate::machines::quantity::{Fraction, Quantity};
 use crate::machines::table::Table;
 use husillo_machine::{AxisEncoder, OnLoss};
+use husillo_metrology::quantity::{Fraction, Quantity};
 use std::str::FromStr;
 
 /// How an encoder and its counts are.

@@ -1,8 +1,8 @@
 //! `husillo machines`: what is known of the machines.
 
-use crate::lash::Map;
 use crate::machines::machine_file::{AxisFile, MachineFile, Travel};
 use crate::machines::power::Power;
+use husillo_metrology::calibration::backlash::Map;
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! A TOML table being read key by key: what is unknown, missing or of the wrong kind becomes a finding.
 
 use crate::diagnostics::{Finding, Place};
-use crate::machines::quantity::{self, Quantity};
+use husillo_metrology::quantity::{self, Quantity};
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

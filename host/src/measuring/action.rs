@@ -1,9 +1,9 @@
 //! What to do with a machine, one thing after another.
 
 use super::direction::Towards;
-use super::reference::{Body, ReferenceBody};
-use super::scale::Scale;
-use crate::machines::quantity::{self, Quantity};
+use husillo_metrology::Scale;
+use husillo_metrology::calibration::{Body, ReferenceBody};
+use husillo_metrology::quantity::{self, Quantity};
 
 /// One action. Axes are 0 for X to 2 for Z, lengths amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,7 +211,7 @@ fn towards(action: &str, word: Option<&str>, axis: usize) -> Result<Towards, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machines::quantity::Fraction;
+    use husillo_metrology::quantity::Fraction;
 
     #[test]
     fn words_of_one_and_of_several_axes() {

@@ -1,13 +1,13 @@
 //! `husillo calibrate axis` and `squareness`.
 
 use super::Stopped;
-use super::axis_fit::{AxisFit, Reading};
 use super::calibration_file::{axis_lines, squareness_lines};
-use super::file::CmmFile;
-use super::square_fit::{Ends, SquareFit};
+use super::file;
 use crate::calibrating::columns::{Columns, Row};
 use crate::calibrating::{AxisArgs, SquarenessArgs};
 use husillo_backlash::Flank;
+use husillo_metrology::calibration::{AxisFit, Ends, Reading, SquareFit};
+use husillo_metrology::heads::Machine;
 use std::io::Write;
 
 /// `husillo calibrate axis`: the lines go to `out`.
@@ -116,8 +116,8 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
     write!(out, "{}", squareness_lines(&fit.squareness)).map_err(failed)
 }
 
-fn load(name: &str) -> Result<CmmFile, Stopped> {
-    let machine = CmmFile::load(name).map_err(Stopped::File)?;
+fn load(name: &str) -> Result<Machine, Stopped> {
+    let machine = file::load(name).map_err(Stopped::File)?;
     if machine.scale.unit() == "mm" {
         Ok(machine)
     } else {
@@ -135,11 +135,11 @@ fn direction(text: &str) -> Result<Flank, String> {
     }
 }
 
-fn length(machine: &CmmFile, row: &Row<'_>, name: &str) -> Result<i64, String> {
+fn length(machine: &Machine, row: &Row<'_>, name: &str) -> Result<i64, String> {
     row.parsed(name, |text| amount(machine, text))
 }
 
-fn amount(machine: &CmmFile, text: &str) -> Result<i64, String> {
+fn amount(machine: &Machine, text: &str) -> Result<i64, String> {
     let quantity = machine.scale.parse(text)?;
     let amount = machine.scale.amount(quantity);
     amount.ok_or_else(|| format!("`{text}` is no length"))

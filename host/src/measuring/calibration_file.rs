@@ -1,13 +1,10 @@
 //! `[axis.x.calibration]` and `[squareness]` of a machine file: read, and written for it.
 
-use super::scale::Scale;
-use crate::machines::quantity::{self, Quantity};
 use crate::machines::table::Table;
-use husillo_backlash::{Calibration, ErrorTable, Knot, Squareness};
+use husillo_backlash::{ErrorTable, Knot, Squareness};
+use husillo_metrology::Scale;
+use husillo_metrology::quantity::{self, Quantity};
 use std::fmt::Write;
-
-/// The errors of a machine, with as many knots as its file has.
-pub type Errors = Calibration<Vec<Knot>>;
 
 const RATIO: &str = "as in \"50 um/m\", at most 10000 um/m";
 const ENTRY: &str = "expected [\"-200 mm\", \"0.3 um\", \"-0.1 um\"]: reading, and its correction after a positive and a negative way";
@@ -134,4 +131,33 @@ pub fn squareness_lines(squareness: &Squareness) -> String {
 
 fn per_metre(ppb: i32) -> String {
     format!("{} um/m", f64::from(ppb) / 1e3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measuring::file;
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let knot = |reading_nm, positive_nm, negative_nm| Knot {
+            reading_nm,
+            positive_nm,
+            negative_nm,
+        };
+        let knots = vec![knot(-200_000_000, 312, -98), knot(3_333_700, 0, 7)];
+        let table = ErrorTable::new(-50_123, knots).unwrap();
+        let squareness = Squareness {
+            xy_ppb: 100_001,
+            xz_ppb: -3,
+            yz_ppb: 0,
+        };
+        let text = include_str!("../../../machines/cmm3.toml").to_owned()
+            + &axis_lines('Y', &table)
+            + &squareness_lines(&squareness);
+        let machine = file::parse("mine.toml", &text).unwrap();
+        assert_eq!(machine.errors.axes[1], table);
+        assert_eq!(machine.errors.squareness, squareness);
+        assert_eq!(machine.errors.axes[0], ErrorTable::default());
+    }
 }

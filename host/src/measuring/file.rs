@@ -1,11 +1,12 @@
 //! Machine files of measuring machines.
 
-use super::calibration_file::{self, Errors};
-use super::scale::Scale;
+use super::calibration_file;
 use crate::diagnostics::Finding;
 use crate::machines::machine_file::{LoadError, read_text};
-use crate::machines::quantity::{self, Quantity};
 use crate::machines::table::{Table, document};
+use husillo_metrology::Scale;
+use husillo_metrology::heads::{AxisSettings, Errors, Machine, PLACES, ProbeSettings, both_ways};
+use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 use toml::de::DeValue;
@@ -13,178 +14,87 @@ use toml::de::DeValue;
 const CMM: &str = include_str!("../../../machines/cmm.toml");
 const CMM3: &str = include_str!("../../../machines/cmm3.toml");
 
-/// Most entries of a table of pre-travel.
-pub const PLACES: usize = 64;
-
-/// Radius and pre-travel of a probe, amounts of the scale.
-pub type Stylus = Tip<PLACES>;
-
-/// A measuring machine as its file describes it.
-#[derive(Clone, Debug)]
-pub struct CmmFile {
-    /// One line for people.
-    pub title: String,
-    /// What a count is worth, on every axis.
-    pub scale: Scale,
-    /// X, then Y and Z where it has them.
-    pub axes: Vec<AxisFile>,
-    /// The probe.
-    pub probe: ProbeFile,
-    /// Rate of the line after start-up.
-    pub baud: Baud,
-    /// What is known of the errors of its axes.
-    pub errors: Errors,
-}
-
-/// An axis: a servo module and what it drives.
-#[derive(Clone, Copy, Debug)]
-pub struct AxisFile {
-    /// `X`, `Y` or `Z`.
-    pub letter: char,
-    /// Address of its module, 1 to 32.
-    pub module: u8,
-    /// Least and largest position in counts from where it is at reset.
-    pub travel: [i32; 2],
-    /// How far from its goal a move may end, counts.
-    pub in_position: u32,
-    /// Speed of moves, counts/s.
-    pub rate: u32,
-    /// Acceleration of all moves, counts/s^2.
-    pub acceleration: u32,
-    /// Gains and limits of the servo.
-    pub gains: Gains,
-}
-
-/// The probe.
-#[derive(Clone, Copy, Debug)]
-pub struct ProbeFile {
-    /// Speed of the search, counts/s.
-    pub rate: u32,
-    /// Speed of the touches that count, counts/s.
-    pub slow_rate: u32,
-    /// Way back before the next touch, counts.
-    pub back_off: u32,
-    /// Longest way beyond a contact, counts.
-    pub over_travel: u32,
-    /// Radius of the ball (0 measures its centre) and way from touch to signal.
-    pub stylus: Stylus,
-}
-
-impl AxisFile {
-    /// 0 for X, 1 for Y, 2 for Z.
-    pub fn coordinate(&self) -> usize {
-        "XYZ".find(self.letter).unwrap_or_default()
+/// Loads a measuring machine by its name or the path of its file.
+///
+/// # Errors
+///
+/// The file cannot be read, or has mistakes.
+pub fn load(name: &str) -> Result<Machine, LoadError> {
+    match name {
+        "cmm" => parse("machines/cmm.toml", CMM),
+        "cmm3" => parse("machines/cmm3.toml", CMM3),
+        path => parse(path, &read_text(path, "measuring machine", "cmm and cmm3")?),
     }
+    .map_err(LoadError::Findings)
 }
 
-impl CmmFile {
-    /// Loads a measuring machine by its name or the path of its file.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read, or has mistakes.
-    pub fn load(name: &str) -> Result<Self, LoadError> {
-        match name {
-            "cmm" => Self::parse("machines/cmm.toml", CMM),
-            "cmm3" => Self::parse("machines/cmm3.toml", CMM3),
-            path => Self::parse(path, &read_text(path, "measuring machine", "cmm and cmm3")?),
-        }
-        .map_err(LoadError::Findings)
+/// Reads the text of a machine file.
+///
+/// # Errors
+///
+/// All mistakes of the text.
+pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
+    let mut findings = Vec::new();
+    let document = document(path, text)?;
+    let (span, table) = (document.span(), document.get_ref());
+    let mut root = Table::new(path, text, "the file", span, table, &mut findings);
+    root.integer("schema", 1..=1);
+    let name = root.name();
+    let title = root.string("title").unwrap_or(name);
+    if root.choice("kind", &[("cmm", ())]).is_none() {
+        root.missing("kind");
     }
-
-    /// Reads the text of a machine file.
-    ///
-    /// # Errors
-    ///
-    /// All mistakes of the text.
-    pub fn parse(path: &str, text: &str) -> Result<Self, Vec<Finding>> {
-        let mut findings = Vec::new();
-        let document = document(path, text)?;
-        let (span, table) = (document.span(), document.get_ref());
-        let mut root = Table::new(path, text, "the file", span, table, &mut findings);
-        root.integer("schema", 1..=1);
-        let name = root.name();
-        let title = root.string("title").unwrap_or(name);
-        if root.choice("kind", &[("cmm", ())]).is_none() {
-            root.missing("kind");
-        }
-        let scale = Scale::new(
-            root.quantity("count", "a length as in \"2 um\"", |q| match q {
-                Quantity::Length(length) if length.num > 0 => Some(length),
-                _ => None,
-            }),
-        );
-        let mut errors = Errors::default();
-        let [x_errors, y_errors, z_errors] = &mut errors.axes;
-        let axes = root.table("axis", |axes| {
-            let mut taken = Vec::new();
-            let mut read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
-                *errors = calibration_file::read_axis(axis, scale);
-                let read = read_axis(axis, letter, scale);
-                // 0 is reported as missing.
-                let is_taken = read.module > 0 && taken.contains(&read.module);
-                if let (true, Some((_, span))) = (is_taken, axis.value("module")) {
-                    let message = format!("module {} is that of another axis", read.module);
-                    axis.wrong(span, &message, "an address is one axis's alone");
-                }
-                taken.push(read.module);
-                read
-            };
-            let x = axes.table("x", |axis| read(axis, 'X', x_errors));
-            let y = axes.optional_table("y", |axis| read(axis, 'Y', y_errors));
-            let z = axes.optional_table("z", |axis| read(axis, 'Z', z_errors));
-            [x, y, z].into_iter().flatten().collect::<Vec<_>>()
-        });
-        let probe = root.table("probe", |probe| {
-            let read = read_probe(probe, scale);
-            check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);
+    let scale = Scale::new(
+        root.quantity("count", "a length as in \"2 um\"", |q| match q {
+            Quantity::Length(length) if length.num > 0 => Some(length),
+            _ => None,
+        }),
+    );
+    let mut errors = Errors::default();
+    let [x_errors, y_errors, z_errors] = &mut errors.axes;
+    let axes = root.table("axis", |axes| {
+        let mut taken = Vec::new();
+        let mut read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
+            *errors = calibration_file::read_axis(axis, scale);
+            let read = read_axis(axis, letter, scale);
+            // 0 is reported as missing.
+            let is_taken = read.module > 0 && taken.contains(&read.module);
+            if let (true, Some((_, span))) = (is_taken, axis.value("module")) {
+                let message = format!("module {} is that of another axis", read.module);
+                axis.wrong(span, &message, "an address is one axis's alone");
+            }
+            taken.push(read.module);
             read
-        });
-        let baud = root.table("link", read_link);
-        let letters: &[AxisFile] = axes.as_deref().unwrap_or_default();
-        let letters: String = letters.iter().map(|axis| axis.letter).collect();
-        errors.squareness = calibration_file::read_squareness(&mut root, &letters);
-        root.finish();
-        match (axes, probe, baud) {
-            (Some(axes), Some(probe), Some(baud)) if findings.is_empty() => Ok(Self {
-                title,
-                scale,
-                axes,
-                probe,
-                baud,
-                errors,
-            }),
-            _ => Err(findings),
-        }
-    }
-
-    /// The axis of a letter.
-    ///
-    /// # Errors
-    ///
-    /// A sentence with the letters that there are.
-    pub fn axis(&self, letter: char) -> Result<AxisFile, String> {
-        let letter = letter.to_ascii_uppercase();
-        let found = self.axes.iter().find(|axis| axis.letter == letter);
-        found.copied().ok_or_else(|| {
-            let letters = self.axes.iter().map(|axis| axis.letter.to_string());
-            let letters: Vec<_> = letters.collect();
-            format!(
-                "{} has no axis {letter}: there is {}",
-                self.title,
-                letters.join(", ")
-            )
-        })
-    }
-
-    /// The highest address of a module.
-    pub fn modules(&self) -> u8 {
-        let modules = self.axes.iter().map(|axis| axis.module);
-        modules.max().unwrap_or_default()
+        };
+        let x = axes.table("x", |axis| read(axis, 'X', x_errors));
+        let y = axes.optional_table("y", |axis| read(axis, 'Y', y_errors));
+        let z = axes.optional_table("z", |axis| read(axis, 'Z', z_errors));
+        [x, y, z].into_iter().flatten().collect::<Vec<_>>()
+    });
+    let probe = root.table("probe", |probe| {
+        let read = read_probe(probe, scale);
+        check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);
+        read
+    });
+    let baud = root.table("link", read_link);
+    let letters: &[AxisSettings] = axes.as_deref().unwrap_or_default();
+    let letters: String = letters.iter().map(|axis| axis.letter).collect();
+    errors.squareness = calibration_file::read_squareness(&mut root, &letters);
+    root.finish();
+    match (axes, probe, baud) {
+        (Some(axes), Some(probe), Some(baud)) if findings.is_empty() => Ok(Machine {
+            title,
+            scale,
+            axes,
+            probe,
+            baud,
+            errors,
+        }),
+        _ => Err(findings),
     }
 }
 
-fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisFile {
+fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisSettings {
     let module = small(table, "module", 1..=i64::from(LAST_ADDRESS), None);
     let gains = table.table("gains", |gains| Gains {
         proportional: small(gains, "p", 0..=0x7fff, None),
@@ -198,7 +108,7 @@ fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisFile 
         dead_band: small(gains, "dead_band", 0..=255, Some(0)),
         step_multiplier: None,
     });
-    AxisFile {
+    AxisSettings {
         letter,
         module,
         travel: travel(table, scale),
@@ -211,8 +121,8 @@ fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisFile 
     }
 }
 
-fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeFile {
-    ProbeFile {
+fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeSettings {
+    ProbeSettings {
         rate: rate(table, "rate", scale),
         slow_rate: rate(table, "slow_rate", scale),
         back_off: length(table, "back_off", scale),
@@ -225,7 +135,12 @@ fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeFile {
 }
 
 /// Whether a search can brake within the over-travel on every axis: `v^2 / 2a`.
-fn check_braking(table: &mut Table<'_, '_>, probe: &ProbeFile, axes: &[AxisFile], scale: Scale) {
+fn check_braking(
+    table: &mut Table<'_, '_>,
+    probe: &ProbeSettings,
+    axes: &[AxisSettings],
+    scale: Scale,
+) {
     // 0 stands for what is reported as missing.
     let known = axes.iter().filter(|axis| axis.acceleration > 0);
     let ways = known.map(|axis| {
@@ -289,14 +204,6 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
         }
         both_ways([0; 2])
     })
-}
-
-/// Pre-travel of the positive and the negative direction of all axes.
-pub fn both_ways([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
-    let axes = [UnitVector::X, UnitVector::Y, UnitVector::Z];
-    let entries = axes.map(|axis| [(axis, positive), (axis.reversed(), negative)]);
-    // Six of the places.
-    PreTravel::of(entries.as_flattened()).expect("six fit")
 }
 
 /// A short length as an amount of the scale; 0 where there is none.
@@ -393,12 +300,20 @@ fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
 mod tests {
     use super::*;
 
+    /// Tests of the library run on what the simulated machines of the program are.
+    #[test]
+    fn the_machines_of_the_library_are_those_of_the_files() {
+        use husillo_metrology::simulated::{one_axis, three_axes};
+        assert_eq!(load("cmm").unwrap(), one_axis());
+        assert_eq!(load("cmm3").unwrap(), three_axes());
+    }
+
     #[test]
     fn the_machines_that_are_built_in() {
-        let one = CmmFile::load("cmm").unwrap();
+        let one = load("cmm").unwrap();
         assert_eq!((one.axes.len(), one.scale.unit()), (1, "counts"));
         assert_eq!(one.axes[0].travel, [-8000, 8000]);
-        let three = CmmFile::load("cmm3").unwrap();
+        let three = load("cmm3").unwrap();
         assert_eq!((three.modules(), three.scale.unit()), (3, "mm"));
         assert_eq!(
             (three.axes[2].rate, three.axes[2].acceleration),
@@ -410,13 +325,13 @@ mod tests {
     #[test]
     fn modules_are_one_each_and_a_search_can_brake() {
         let text = CMM3.replacen("module = 2", "module = 1", 1);
-        let findings = CmmFile::parse("mine.toml", &text).unwrap_err();
+        let findings = parse("mine.toml", &text).unwrap_err();
         assert_eq!(findings.len(), 1);
         assert_eq!(findings[0].message, "module 1 is that of another axis");
         // 200 counts/s and 6000 counts/s^2: 3.3 counts.
         for (over_travel, is_enough) in [("4 counts", true), ("3 counts", false)] {
             let text = CMM.replacen("\"100 counts\"", &format!("\"{over_travel}\""), 1);
-            let read = CmmFile::parse("mine.toml", &text);
+            let read = parse("mine.toml", &text);
             assert_eq!(read.is_ok(), is_enough);
             for finding in read.err().unwrap_or_default() {
                 assert_eq!(finding.message, "`over_travel` is too short");
@@ -427,7 +342,7 @@ mod tests {
     #[test]
     fn a_length_needs_a_scale() {
         let text = CMM.replacen("\"60 counts\"", "\"0.1 mm\"", 1);
-        let findings = CmmFile::parse("mine.toml", &text).unwrap_err();
+        let findings = parse("mine.toml", &text).unwrap_err();
         assert_eq!(findings[0].message, "`back_off` does not fit");
         assert_eq!(findings.len(), 1);
     }

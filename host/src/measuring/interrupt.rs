@@ -1,5 +1,7 @@
 //! Ctrl-C while motors run.
 
+use husillo_metrology::heads::Operator;
+use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -60,5 +62,60 @@ impl Interrupt {
     /// Whether it was wanted and has been seen to.
     pub fn has_stopped(&self) -> bool {
         self.has_stopped.load(Ordering::SeqCst)
+    }
+}
+
+/// The user at the terminal, before whom the machine stands.
+#[derive(Clone, Debug)]
+pub struct User {
+    interrupt: Interrupt,
+    /// All bytes are shown on standard error.
+    is_raw: bool,
+}
+
+impl User {
+    /// Who may interrupt, and is shown all bytes where `is_raw`.
+    pub fn new(interrupt: &Interrupt, is_raw: bool) -> Self {
+        Self {
+            interrupt: interrupt.clone(),
+            is_raw,
+        }
+    }
+
+    fn show(&self, sign: char, bytes: &[u8]) {
+        if self.is_raw {
+            let mut text = String::from(sign);
+            for byte in bytes {
+                // Writing to a string does not fail.
+                let _ = write!(text, " {byte:02x}");
+            }
+            eprintln!("{text}");
+        }
+    }
+}
+
+impl Operator for User {
+    fn is_stop_wanted(&self) -> bool {
+        self.interrupt.is_asked()
+    }
+
+    fn stop_is_seen_to(&self) {
+        self.interrupt.see_to();
+    }
+
+    fn set_moving(&self, is_moving: bool) {
+        self.interrupt.set_moving(is_moving);
+    }
+
+    fn sent(&self, bytes: &[u8]) {
+        self.show('>', bytes);
+    }
+
+    fn received(&self, bytes: &[u8]) {
+        self.show('<', bytes);
+    }
+
+    fn stop_is_unanswered(&self) {
+        eprintln!("warning: not every axis has answered the stop: be ready to switch off");
     }
 }

@@ -1,10 +1,10 @@
 //! Files of simulated work pieces and of the probe that touches them.
 
-use super::piece::Piece;
 use crate::diagnostics::Finding;
 use crate::machines::machine_file::LoadError;
-use crate::machines::quantity::{self, Quantity};
 use crate::machines::table::{Table, document};
+use husillo_metrology::quantity::{self, Quantity};
+use husillo_metrology::simulated::Piece;
 use husillo_sim::{Bore, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 
 const LENGTH: &str = "a length as in \"8 mm\" or \"2 um\"";

@@ -1,6 +1,6 @@
-//! Where the bytes go: a simulated line, a serial device, a network socket.
+//! Where the bytes go: a serial device, a network socket.
 
-use super::emulated::{Emulated, PERIOD_NS};
+use husillo_metrology::heads;
 use husillo_transports::nmc::{Baud, Timing};
 use serialport::SerialPort;
 use std::io::{self, ErrorKind, Read, Write};
@@ -9,8 +9,6 @@ use std::time::{Duration, Instant};
 
 /// A port, with the time that passes at it.
 pub enum Port {
-    /// Simulated modules in simulated time: nanoseconds since it was opened.
-    Simulated(Box<Emulated>, u64),
     /// A serial device.
     Serial(Box<dyn SerialPort>, Instant),
     /// A device server that passes the bytes on; the rate of its line is its own.
@@ -64,55 +62,19 @@ impl Port {
     ///
     /// # Errors
     ///
-    /// The system refuses; simulated modules have one port.
+    /// The system refuses.
     pub fn try_clone(&self) -> io::Result<Self> {
         match self {
-            Self::Simulated(..) => Err(ErrorKind::Unsupported.into()),
             Self::Serial(port, start) => Ok(Self::Serial(port.try_clone()?, *start)),
             Self::Network(socket, start) => Ok(Self::Network(socket.try_clone()?, *start)),
-        }
-    }
-
-    /// The waits that suit the port at a rate.
-    pub const fn timing(&self, baud: Baud) -> Timing {
-        match self {
-            Self::Simulated(..) => Timing::prompt(baud, 512),
-            Self::Serial(..) | Self::Network(..) => Timing::patient(baud),
-        }
-    }
-
-    /// The same once it is known who answers: the vendor's 50 ms until a reply are enough for an adapter, but what hands the bytes on, this computer or a
-    /// simulated chain on it, may be held up for longer, and a reply that comes behind its time costs a flush.
-    pub const fn timing_of_known(&self, baud: Baud) -> Timing {
-        match self {
-            Self::Simulated(..) => self.timing(baud),
-            Self::Serial(..) | Self::Network(..) => Timing {
-                reply_us: 250_000,
-                tries: 5,
-                ..self.timing(baud)
-            },
         }
     }
 
     /// Time since it was opened, us.
     pub fn elapsed_us(&self) -> u64 {
         match self {
-            Self::Simulated(_, ns) => ns / 1000,
             // 2^64 us are 584 000 years.
             Self::Serial(_, start) | Self::Network(_, start) => start.elapsed().as_micros() as u64,
-        }
-    }
-
-    /// Goes on at another rate.
-    ///
-    /// # Errors
-    ///
-    /// The device refuses.
-    pub fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
-        match self {
-            Self::Serial(port, _) => Ok(port.set_baud_rate(baud.bits_per_s())?),
-            // Simulated modules are heard at any rate.
-            Self::Simulated(..) | Self::Network(..) => Ok(()),
         }
     }
 
@@ -123,10 +85,6 @@ impl Port {
     /// The device is gone.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
-            Self::Simulated(emulated, _) => {
-                bytes.iter().for_each(|byte| emulated.send(*byte));
-                Ok(())
-            }
             Self::Serial(port, _) => port.write_all(bytes),
             Self::Network(socket, _) => socket.write_all(bytes),
         }
@@ -141,17 +99,6 @@ impl Port {
         // Zero is no time to wait for the system.
         let wait = Duration::from_micros(u64::from(wait_us.max(1)));
         match self {
-            Self::Simulated(emulated, ns) => {
-                let end_ns = *ns + u64::from(wait_us.max(1)) * 1000;
-                while *ns < end_ns {
-                    *ns += PERIOD_NS;
-                    let bytes = emulated.tick();
-                    if !bytes.is_empty() {
-                        return Ok(bytes);
-                    }
-                }
-                Ok(Vec::new())
-            }
             Self::Serial(port, _) => {
                 // The system waits in whole milliseconds.
                 port.set_timeout(wait.max(Duration::from_millis(1)))?;
@@ -162,6 +109,42 @@ impl Port {
                 read(socket)
             }
         }
+    }
+}
+
+impl heads::Port for Port {
+    fn timing(&self, baud: Baud) -> Timing {
+        Timing::patient(baud)
+    }
+
+    /// The vendor's 50 ms until a reply are enough for an adapter, but what hands the bytes on, this
+    /// computer or a simulated chain on it, may be held up for longer, and a reply that comes behind
+    /// its time costs a flush.
+    fn timing_of_known(&self, baud: Baud) -> Timing {
+        Timing {
+            reply_us: 250_000,
+            tries: 5,
+            ..self.timing(baud)
+        }
+    }
+
+    fn elapsed_us(&self) -> u64 {
+        self.elapsed_us()
+    }
+
+    fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+        match self {
+            Self::Serial(port, _) => Ok(port.set_baud_rate(baud.bits_per_s())?),
+            Self::Network(..) => Ok(()),
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.send(bytes)
+    }
+
+    fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+        self.receive(wait_us)
     }
 }
 

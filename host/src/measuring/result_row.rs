@@ -1,6 +1,6 @@
 //! The result of one action, as text, JSON or a line of a table.
 
-use super::scale::Scale;
+use husillo_metrology::Scale;
 use serde::{Serialize, Serializer};
 use std::fmt;
 

@@ -1,25 +1,21 @@
 //! `husillo measure`: actions on a machine, and what they give.
 
 use super::action::Action;
-use super::calibrated::Calibrated;
-use super::contact::Contact;
 use super::direction::Towards;
-use super::emulated::Emulated;
-use super::file::{CmmFile, Stylus, both_ways};
-use super::head::Head;
-use super::line::Line;
-use super::piece::Mounted;
-use super::port::Port;
-use super::prober::Prober;
-use super::reference::{Body, FoundProbe};
+use super::port;
 use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
-use super::scale::Scale;
-use super::trouble::Trouble;
 use crate::cli::Measure;
-use husillo_probe::{Measurement, PreTravel, UnitVector};
+use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
+use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
+use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
+use husillo_metrology::{Scale, Trouble};
+use husillo_probe::{Measurement, UnitVector};
 use husillo_transports::nmc::{Auxiliary, Reply, Status};
+
+/// The port of a machine: simulated or real.
+pub type AnyPort = Box<dyn Port>;
 
 /// All that `husillo measure` was asked for.
 pub struct Session {
@@ -27,7 +23,7 @@ pub struct Session {
     pub scale: Scale,
     /// The axis that is meant where an action names none.
     axis: usize,
-    machine: CmmFile,
+    machine: Machine,
     /// X, Y and Z as far as the machine has them.
     axes: Vec<usize>,
     stylus: Stylus,
@@ -40,7 +36,7 @@ impl Session {
     /// # Errors
     ///
     /// A sentence about them.
-    pub fn new(args: &Measure, machine: &CmmFile) -> Result<Self, String> {
+    pub fn new(args: &Measure, machine: &Machine) -> Result<Self, String> {
         let scale = machine.scale;
         let axis = machine.axis(args.axis)?.coordinate();
         let axes = machine.axes.iter().map(|axis| axis.coordinate()).collect();
@@ -86,7 +82,7 @@ impl Session {
     pub fn run(
         &mut self,
         actions: &[Action],
-        head: &mut Calibrated<Head>,
+        head: &mut Calibrated<Head<AnyPort>>,
         mut tell: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for action in actions.iter().copied() {
@@ -135,7 +131,13 @@ impl Session {
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    self.calibrate(&measurement, &towards, head.inner().probe.over_travel)?;
+                    if let (Some(axis), Some(position)) = (towards.axis, self.reference) {
+                        let face = Face { axis, position };
+                        let over_travel = head.inner().probe().over_travel;
+                        let scale = self.scale;
+                        self.stylus =
+                            face.calibrate(self.stylus, &measurement, scale, over_travel)?;
+                    }
                     row.touch = Some(TouchFigures {
                         table: self.table(),
                         ..self.figures(&measurement, &towards, &axes)
@@ -146,7 +148,7 @@ impl Session {
                     // Four times the way back after a touch.
                     let clearance = self
                         .scale
-                        .of_counts(i64::from(head.inner().probe.back_off) * 4);
+                        .of_counts(i64::from(head.inner().probe().back_off) * 4);
                     let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
                     self.stylus = found.stylus;
                     row.calibration = Some(self.found(&found, body.body));
@@ -179,64 +181,6 @@ impl Session {
         Ok(())
     }
 
-    /// The pre-travel that makes of this touch the reference. In a table by direction that has this one, as a sphere or a ring gives it, all entries
-    /// change, each by its part along it: as if that body stood elsewhere by as much, which its own touches cannot tell.
-    ///
-    /// # Errors
-    ///
-    /// A pre-travel beyond `over_travel` counts, or less than none by more than the two counts that face and touch are rounded by.
-    fn calibrate(
-        &mut self,
-        measurement: &Measurement,
-        towards: &Towards,
-        over_travel: u32,
-    ) -> Result<(), Trouble> {
-        let (Some(axis), Some(reference)) = (towards.axis, self.reference) else {
-            return Ok(());
-        };
-        let face = surface(&self.stylus, measurement)[axis];
-        let direction = measurement.touch.direction;
-        let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
-        let cosine = |entry: &UnitVector| -> f64 {
-            let pairs = parts(entry).into_iter().zip(parts(&direction));
-            pairs.map(|(a, b)| a * b).sum()
-        };
-        // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
-        let beyond = (face - reference) as f64 * parts(&direction)[axis];
-        let found = i64::from(self.stylus.pre_travel.along(&direction)) + beyond as i64;
-        let possible = self.scale.of_counts(-2)..=self.scale.of_counts(over_travel.into());
-        if !possible.contains(&found) {
-            return Err(Trouble::PreTravel {
-                found: self.scale.text(found),
-                most: self.scale.text(*possible.end()),
-            });
-        }
-        let shifted = |nm: i32, part: f64| nm.saturating_add((beyond * part).round() as i32);
-        let mut entries = self.stylus.pre_travel.entries().to_vec();
-        let is_by_axis = self.is_by_axis();
-        if entries.iter().any(|(entry, _)| *entry == direction) {
-            for (entry, nm) in &mut entries {
-                let part = match is_by_axis {
-                    true => f64::from(u8::from(*entry == direction)),
-                    false => cosine(entry),
-                };
-                *nm = shifted(*nm, part);
-            }
-        } else {
-            let nm = self.stylus.pre_travel.along(&direction);
-            entries.push((direction, shifted(nm, 1.0)));
-        }
-        if let Some(pre_travel) = PreTravel::of(&entries) {
-            self.stylus.pre_travel = pre_travel;
-        }
-        Ok(())
-    }
-
-    /// Whether there is one pre-travel for each way of each axis, and no more.
-    fn is_by_axis(&self) -> bool {
-        self.stylus.pre_travel.entries().len() <= 6
-    }
-
     /// The pre-travel by direction, where it is by more than the ways of the axes.
     fn table(&self) -> Option<Vec<Entry>> {
         let entry = |(direction, nm): &(UnitVector, i32)| Entry {
@@ -246,7 +190,7 @@ impl Session {
             length: self.scale.number(i64::from(*nm)),
         };
         let entries = self.stylus.pre_travel.entries();
-        (!self.is_by_axis()).then(|| entries.iter().map(entry).collect())
+        (!is_by_axis(&self.stylus)).then(|| entries.iter().map(entry).collect())
     }
 
     fn figures(
@@ -259,7 +203,7 @@ impl Session {
         TouchFigures {
             direction: towards.text(),
             trigger: self.numbers(measurement.touch.position, axes),
-            corrected: self.numbers(surface(&self.stylus, measurement), axes),
+            corrected: self.numbers(surface_nm(&self.stylus, measurement), axes),
             pre_travel: self.scale.number(pre_travel.into()),
             touches: measurement.touches,
             spread: self.scale.number(measurement.spread),
@@ -300,16 +244,6 @@ impl Session {
     }
 }
 
-/// The face, as it lies where it is across the direction: `p - ed d - r n`.
-fn surface(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
-    let touch = &measurement.touch;
-    stylus.surface_nm(
-        touch.position,
-        &touch.direction,
-        &touch.direction.reversed(),
-    )
-}
-
 /// `XZ` of 0 and 2.
 fn letters(axes: &[usize]) -> String {
     let letter = |axis: &usize| "XYZ".chars().nth(*axis);
@@ -321,7 +255,7 @@ fn letters(axes: &[usize]) -> String {
 /// # Errors
 ///
 /// A sentence about it.
-pub fn stylus(args: &Measure, machine: &CmmFile) -> Result<Stylus, String> {
+pub fn stylus(args: &Measure, machine: &Machine) -> Result<Stylus, String> {
     let mut stylus = machine.probe.stylus;
     if let Some(amount) = amount(machine.scale, "--pretravel", args.pretravel.as_deref())? {
         let amount = i32::try_from(amount);
@@ -353,23 +287,26 @@ fn amount(scale: Scale, option: &str, text: Option<&str>) -> Result<Option<i64>,
 /// # Errors
 ///
 /// A sentence about it.
-pub fn open(args: &Measure, machine: &CmmFile, piece: Option<Mounted>) -> Result<Line, String> {
+pub fn open(
+    args: &Measure,
+    machine: &Machine,
+    piece: Option<Mounted>,
+) -> Result<Line<AnyPort>, String> {
     let contacts: &[Contact] = &args.contact;
-    let port = if args.port == "sim" {
+    let port: AnyPort = if args.port == "sim" {
         let versions = vec![4; usize::from(machine.modules())];
-        Port::Simulated(
-            Box::new(Emulated::new(&versions, contacts, piece)?.with_noise(args.noise)),
-            0,
-        )
+        let chain = SimulatedChain::new(&versions, contacts, piece)?;
+        Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
-        Port::open(&args.port).map_err(|error| format!("{}: {error}", args.port))?
+        let port = port::Port::open(&args.port);
+        Box::new(port.map_err(|error| format!("{}: {error}", args.port))?)
     } else {
         return Err(
             "--contact, --piece and --noise are for --port sim; `husillo emulate` has its own"
                 .into(),
         );
     };
-    Ok(Line::new(port, args.raw))
+    Ok(Line::new(port))
 }
 
 /// The bits of a status that are set.

@@ -1,7 +1,7 @@
 //! How often and where the axes of a program turn round, from its geometry alone.
 
-use crate::lash::Map;
 use husillo_gcode::{Arc, Direction, Nm};
+use husillo_metrology::calibration::backlash::Map;
 
 /// Counts turn-rounds of every axis, and what they take up.
 #[derive(Debug)]

@@ -1,11 +1,11 @@
 //! A machine file as the parts the crates are made of: limits, motors, the simulated machine.
 
-use crate::lash::Map;
 use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
+use husillo_metrology::calibration::backlash::Map;
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;

@@ -2,12 +2,12 @@
 
 use crate::diagnostics::{Finding, Findings, Place};
 use crate::machines::machine_file::MachineFile;
-use crate::machines::quantity::{self, Quantity};
 use crate::programs::explain::At;
 use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{Config, MoveError, extent};
+use husillo_metrology::quantity::{self, Quantity};
 use std::io::{self, Write};
 use std::str::FromStr;
 

@@ -1,9 +1,9 @@
 //! An experiment as a page: figures, pictures, trials.
 
-use super::outcome::Outcome;
-use super::stand::Trace;
+use super::listing::figures;
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
 use crate::page::report::{STYLE, escape};
+use husillo_metrology::tuning::{Outcome, Trace};
 use std::fmt::Write;
 
 /// Longest stretch that is drawn, s: what comes later looks the same.
@@ -22,7 +22,7 @@ pub fn html(outcome: &Outcome, traces: &[Trace]) -> String {
          </head>\n<body>\n<header><h1>{title}</h1><p>{}</p></header>\n<main>\n<dl>",
         escape(&outcome.machine)
     );
-    for (name, value) in outcome.figures() {
+    for (name, value) in figures(outcome) {
         let _ = writeln!(
             page,
             "<div><dt>{name}</dt><dd>{}</dd></div>",

@@ -1,16 +1,12 @@
 //! `husillo measure run` and `husillo measure record`: files, the machine, and how it ended.
 
-use super::feature::Feature;
-use super::parser::Parser;
-use super::runner::Runner;
-use super::site::Site;
-use super::statement::Statement;
-use super::{listing, page, program, record};
+use super::{findings, listing, page};
 use crate::cli::{Measure, Results};
-use crate::diagnostics::{Finding, Format, Place};
-use crate::measuring::file::{CmmFile, Stylus};
-use crate::measuring::prober::Prober;
+use crate::diagnostics::{Finding, Format};
 use crate::output::Outputs;
+use husillo_metrology::heads::Prober;
+use husillo_metrology::heads::{Machine, Stylus};
+use husillo_metrology::routine::{Feature, Parser, Runner, Site, Statement, program, record};
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 
 /// How a routine without mistakes ended.
@@ -51,14 +47,26 @@ impl Routine {
         let lower = name.to_ascii_lowercase();
         let name = name.to_owned();
         let checked = if is_program.iter().any(|end| lower.ends_with(end)) {
-            program::check(&name, &text).map(|()| Self::Program { name, text })
+            match program::check(&text) {
+                Ok(()) => Ok(Self::Program { name, text }),
+                Err(errors) => Err(errors
+                    .iter()
+                    .map(|error| findings::of_program(error, &name))
+                    .collect::<Vec<_>>()),
+            }
         } else {
             let text = String::from_utf8_lossy(&text).into_owned();
-            Parser::file(&name, &text).map(|statements| Self::Statements {
-                name,
-                text,
-                statements,
-            })
+            match Parser::file(&text) {
+                Ok(statements) => Ok(Self::Statements {
+                    name,
+                    text,
+                    statements,
+                }),
+                Err(mistakes) => Err(mistakes
+                    .into_iter()
+                    .map(|mistake| findings::of_mistake(mistake, &name, &text))
+                    .collect()),
+            }
         };
         match checked {
             Ok(routine) => Ok(Some(routine)),
@@ -82,7 +90,8 @@ impl Routine {
         mut each: impl FnMut(&Feature),
     ) -> Result<(), Box<Finding>> {
         match self {
-            Self::Program { name, text } => program::run(name, text, runner, each, pause),
+            Self::Program { name, text } => program::run(text, runner, each, pause)
+                .map_err(|error| Box::new(findings::of_program(&error, name))),
             Self::Statements {
                 name,
                 text,
@@ -92,16 +101,8 @@ impl Routine {
                 for statement in statements {
                     let done = runner.run(statement).map_err(|failure| {
                         let line = lines.get(statement.line - 1).copied().unwrap_or_default();
-                        let words = super::words::words(line);
-                        let start = words.first().map_or(0, |word| word.span.start);
-                        let end = words.last().map_or(0, |word| word.span.end);
-                        let place = Place::new(name, statement.line, line.as_bytes(), start..end);
-                        let code = super::line_reader::code::MACHINE;
-                        let finding = Finding::error(code, failure.to_string(), place);
-                        Box::new(match failure.help() {
-                            Some(help) => finding.help(help),
-                            None => finding,
-                        })
+                        let line_number = statement.line;
+                        Box::new(findings::of_failure(&failure, name, line_number, line))
                     })?;
                     done.into_iter().for_each(&mut each);
                 }
@@ -119,7 +120,7 @@ impl Routine {
 pub fn run(
     routine: &Routine,
     args: &Measure,
-    machine: &CmmFile,
+    machine: &Machine,
     prober: &mut dyn Prober,
     stylus: Stylus,
     out: &mut dyn Write,
@@ -192,7 +193,12 @@ pub fn recorded(
     // What was taught stays, however the session ends.
     let mut routine = Outputs::stream(path)?;
     let mut input = BufReader::new(io::stdin());
-    let refused = record::record(&mut input, &mut routine, &mut runner, out, tell)?;
+    let each = |feature: &Feature| {
+        writeln!(out, "{}", listing::text(feature))?;
+        out.flush()
+    };
+    let refuse = |refused: &_| tell(&findings::of_refused(refused));
+    let refused = record(&mut input, &mut routine, &mut runner, each, refuse)?;
     let has_collided = runner.site.has_collided();
     if has_collided {
         runner.features.iter_mut().for_each(Feature::spoil);

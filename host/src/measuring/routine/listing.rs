@@ -1,8 +1,7 @@
 //! Measured features as text, JSON and a table.
 
-use super::dimension::{Dimension, Verdict, decimal, number, signed};
-use super::feature::Feature;
 use crate::page::report::length;
+use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
 use serde_json::{Value, json};
 use std::fmt::Write;
 

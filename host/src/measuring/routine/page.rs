@@ -1,11 +1,9 @@
 //! The measuring report: one HTML file with everything inside, no script, no network.
 
-use super::dimension::{Dimension, Verdict, decimal, signed};
-use super::feature::Feature;
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
-use super::site::Site;
 use crate::page::report::{STYLE, escape, length};
+use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
 use std::fmt::Write;
 
 /// Green, red, and what only this page draws.

@@ -1,8 +1,8 @@
 //! Features and their points in a plan view, deviations enlarged.
 
-use super::feature::{Feature, Mark, Shape};
-use super::frame::{self, Frame, Vector, floats, minus, plus, scaled};
 use crate::page::report::{Frame as View, escape, length, round_down};
+use husillo_metrology::routine::vector::{self, Vector, floats, minus, plus, scaled};
+use husillo_metrology::routine::{Feature, Frame, Mark, Shape};
 use std::fmt::Write;
 
 /// A view along an axis of the part: which axes go to the right and up.
@@ -143,13 +143,13 @@ fn outline(page: &mut String, view: &View, feature: &Feature, part: &Frame, plan
             let axis = part.direction_to_part(&circle.axis);
             let centre = place(circle.centre_nm, part);
             // Any two directions across the axis.
-            let (first, _) = frame::nearest_axis(axis, None);
+            let (first, _) = vector::nearest_axis(axis, None);
             let mut other = [0.0; 3];
             other[(first + 1) % 3] = 1.0;
-            let Some(right) = frame::across(other, axis) else {
+            let Some(right) = vector::across(other, axis) else {
                 return;
             };
-            let up = frame::cross(axis, right);
+            let up = vector::cross(axis, right);
             let rim: Vec<Vector> = (0..=72)
                 .map(|step| {
                     let angle = f64::from(step) * std::f64::consts::TAU / 72.0;
@@ -212,7 +212,7 @@ fn extent(feature: &Feature, part: &Frame, along: Vector) -> Vec<Vector> {
         return Vec::new();
     };
     let marks = feature.marks.iter();
-    let places = marks.map(|mark| frame::dot(minus(place(mark.surface_nm, part), origin), along));
+    let places = marks.map(|mark| vector::dot(minus(place(mark.surface_nm, part), origin), along));
     let [low, high] = places.fold([0.0_f64; 2], |[low, high], at| [low.min(at), high.max(at)]);
     let beyond = 0.08 * (high - low) + 5e5;
     let ends = [low - beyond, high + beyond];
@@ -239,7 +239,7 @@ fn hull(feature: &Feature, part: &Frame, plan: Plan) -> Vec<Vector> {
 fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, factor: f64) {
     let surface = place(mark.surface_nm, part);
     // Directions of the machine turn with the part.
-    let normal = frame::direction(mark.normal).map(|normal| part.direction_to_part(&normal));
+    let normal = vector::direction(mark.normal).map(|normal| part.direction_to_part(&normal));
     let [x, y] = view.at(plan.flat(surface));
     let _ = writeln!(
         page,
@@ -295,7 +295,7 @@ fn label(
         Shape::Distance {
             ends_nm: [from, to],
             ..
-        } => Some(super::cycle::halfway(*from, *to)),
+        } => Some(vector::halfway(*from, *to)),
         shape => shape.point_nm(),
     };
     let Some(middle) = middle else { return };

@@ -1,0 +1,290 @@
+//! Scale and pitch errors of an axis from reference lengths.
+
+use crate::least_squares::straight_line;
+use husillo_backlash::{ErrorTable, Flank, Knot, TableError};
+use std::collections::BTreeMap;
+
+/// One reading of a reference length, both in nm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// What the length is.
+    pub nominal: i64,
+    /// What the axis says.
+    pub reading: i64,
+    /// The direction it was reached in; [`Flank::Unknown`] stands for both.
+    pub flank: Flank,
+}
+
+/// The errors of an axis as readings tell them.
+#[derive(Clone, Debug)]
+pub struct AxisFit {
+    /// The table; without knots where they would be noise.
+    pub table: ErrorTable<Vec<Knot>>,
+    /// Different lengths.
+    pub places: usize,
+    /// Largest less smallest error of a reading: without the table, with the scale alone, with all
+    /// of it. In nm.
+    pub spans: [f64; 3],
+    /// What a mean of readings is uncertain by, nm.
+    pub noise: f64,
+}
+
+/// Readings of one length: sum and number, of positive, negative and unknown direction.
+type Place = [(f64, f64); 3];
+
+impl AxisFit {
+    /// Fits a straight line (least squares over the places, the mean of both directions each), and
+    /// takes what is left as the table. `resolution` is the count of the scale in nm: readings are
+    /// never trusted further.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: too few lengths, or errors that are none of a screw or a scale.
+    pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
+        let mut places: BTreeMap<i64, Place> = BTreeMap::new();
+        for reading in readings {
+            let place = places.entry(reading.nominal).or_default();
+            let (sum, number) = &mut place[index(reading.flank)];
+            *sum += reading.reading as f64;
+            *number += 1.0;
+        }
+        if places.len() < 2 {
+            return Err("readings of two different lengths are the least".into());
+        }
+        let means: Vec<(f64, [f64; 2])> = places
+            .iter()
+            .map(|(nominal, place)| (*nominal as f64, means(place)))
+            .collect();
+        let points: Vec<(f64, f64)> = means
+            .iter()
+            .map(|(nominal, [positive, negative])| (0.5 * (positive + negative), *nominal))
+            .collect();
+        let (scale, offset) = straight_line(&points).ok_or(
+            "all lengths are read alike: does the axis move, and are the columns in the \
+             right order?",
+        )?;
+        let scale_ppb = (scale * 1e9).round();
+        if scale_ppb.abs() > 1e7 {
+            return Err(format!(
+                "the axis would be off by {:.1} %: are the columns in the right order, and in one \
+                 unit?",
+                scale * 100.0
+            ));
+        }
+        let scale_ppb = scale_ppb as i32;
+        // Rounded before it is taken off: what is left belongs to the table.
+        let scale = f64::from(scale_ppb) * 1e-9;
+        let left = |nominal: f64, reading: f64| nominal - reading * (1.0 + scale) - offset;
+        let knots: Vec<Knot> = means
+            .iter()
+            .map(|&(nominal, [positive, negative])| Knot {
+                reading_nm: (0.5 * (positive + negative)).round() as i64,
+                positive_nm: left(nominal, positive).round() as i32,
+                negative_nm: left(nominal, negative).round() as i32,
+            })
+            .collect();
+        let noise = noise(readings, &places, resolution);
+        let squares = knots
+            .iter()
+            .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
+        let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
+        // The means of two are on every line; what is left of them is play.
+        let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
+        let kept = if no_table || is_noise {
+            Vec::new()
+        } else {
+            knots
+        };
+        let is_plain = |scale| ErrorTable::new(scale, Vec::new()).map_err(told);
+        let table = ErrorTable::new(scale_ppb, kept).map_err(told)?;
+        let spans = [
+            span(readings, &is_plain(0)?),
+            span(readings, &is_plain(scale_ppb)?),
+            span(readings, &table),
+        ];
+        Ok(Self {
+            table,
+            places: means.len(),
+            spans,
+            noise,
+        })
+    }
+}
+
+/// Of positive, negative and unknown.
+const fn index(flank: Flank) -> usize {
+    match flank {
+        Flank::Positive => 0,
+        Flank::Negative => 1,
+        Flank::Unknown => 2,
+    }
+}
+
+/// Mean reading of each direction; one that was not read has the other's.
+fn means([positive, negative, both]: &Place) -> [f64; 2] {
+    let mean = |one: (f64, f64), other: (f64, f64)| {
+        let (sum, number) = (one.0 + both.0, one.1 + both.1);
+        if number > 0.0 {
+            sum / number
+        } else {
+            other.0 / other.1
+        }
+    };
+    [mean(*positive, *negative), mean(*negative, *positive)]
+}
+
+/// Standard deviation of the mean at a place and in a direction, from repeated readings; at least
+/// that of rounding to counts.
+fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
+    let (mut squares, mut free) = (0.0, 0.0);
+    for reading in readings {
+        let (sum, number) = places[&reading.nominal][index(reading.flank)];
+        squares += (reading.reading as f64 - sum / number).powi(2);
+        free += (number - 1.0) / number;
+    }
+    let groups = places
+        .values()
+        .flatten()
+        .filter(|(_, number)| *number > 0.0);
+    let readings_a_group = readings.len() as f64 / groups.count() as f64;
+    let spread = if free > 0.0 { squares / free } else { 0.0 };
+    // Rounding is the same in every pass: more passes do not help against it.
+    (spread / readings_a_group)
+        .max(resolution * resolution / 12.0)
+        .sqrt()
+}
+
+/// Largest less smallest error of the readings with a table.
+fn span(readings: &[Reading], table: &ErrorTable<Vec<Knot>>) -> f64 {
+    let errors = readings.iter().map(|reading| {
+        let position = table.position_nm(reading.reading, reading.flank);
+        (position - reading.nominal) as f64
+    });
+    let ends = errors.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], error| {
+        [low.min(error), high.max(error)]
+    });
+    ends[1] - ends[0]
+}
+
+fn told(error: TableError) -> String {
+    format!("{error}: a wrong line among the readings? Entries are counted from 0, by length")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_pitch_and_play_are_found() {
+        // 50 um/m short, 3 um of pitch error with a period of 80 mm, 2 um of play, read to 10 nm in
+        // two passes.
+        let truth = |reading: f64, flank| {
+            let play = if flank == Flank::Positive {
+                1000.0
+            } else {
+                -1000.0
+            };
+            let turn = std::f64::consts::TAU * reading / 80e6;
+            reading * (1.0 + 50e-6) + 3000.0 * turn.sin() + play + 12_345.0
+        };
+        let mut readings = Vec::new();
+        for step in -40..=40 {
+            for flank in [Flank::Positive, Flank::Negative] {
+                let nominal = step * 5_000_000;
+                let mut reading = nominal as f64;
+                for _ in 0..20 {
+                    reading -= truth(reading, flank) - nominal as f64;
+                }
+                for noise in [-10, 10] {
+                    readings.push(Reading {
+                        nominal,
+                        reading: reading.round() as i64 + noise,
+                        flank,
+                    });
+                }
+            }
+        }
+        let fit = AxisFit::new(&readings, 10.0, false).unwrap();
+        assert_eq!((fit.places, fit.table.knots().len()), (81, 81));
+        assert!(fit.spans[0] > 20_000.0 && fit.spans[1] > 7_000.0, "{fit:?}");
+        assert!(fit.spans[2] < 50.0, "{fit:?}");
+        // Between the lengths too.
+        let shift =
+            truth(0.0, Flank::Unknown) + 1000.0 - fit.table.position_nm(0, Flank::Unknown) as f64;
+        for step in -390..=390 {
+            for flank in [Flank::Positive, Flank::Negative] {
+                let reading = step * 512_345;
+                let error = fit.table.position_nm(reading, flank) as f64 + shift
+                    - truth(reading as f64, flank);
+                assert!(error.abs() < 150.0, "{error} nm at {reading}");
+            }
+        }
+    }
+
+    #[test]
+    fn noise_makes_no_table() {
+        let readings: Vec<_> = (-20..=20)
+            .map(|step: i64| {
+                let nominal = step * 10_000_000;
+                // Counts of 2 um.
+                let reading = (nominal as f64 * (1.0 - 50e-6) / 2000.0).round() as i64 * 2000;
+                Reading {
+                    nominal,
+                    reading,
+                    flank: Flank::Unknown,
+                }
+            })
+            .collect();
+        let fit = AxisFit::new(&readings, 2000.0, false).unwrap();
+        assert!(fit.table.knots().is_empty(), "{fit:?}");
+        assert!(fit.table.scale_ppb().abs_diff(50_000) < 2_500, "{fit:?}");
+    }
+
+    #[test]
+    fn two_lengths_tell_the_play() {
+        let reading = |nominal, reading, flank| Reading {
+            nominal,
+            reading,
+            flank,
+        };
+        let readings = [
+            reading(0, 0, Flank::Positive),
+            reading(20_000_000, 20_000_000, Flank::Positive),
+            reading(0, 20_000, Flank::Negative),
+            reading(20_000_000, 20_020_000, Flank::Negative),
+        ];
+        let fit = AxisFit::new(&readings, 2000.0, false).unwrap();
+        let ends: Vec<[i32; 2]> = fit
+            .table
+            .knots()
+            .iter()
+            .map(|knot| [knot.positive_nm, knot.negative_nm])
+            .collect();
+        assert_eq!(ends, [[10_000, -10_000]; 2]);
+        assert!(fit.spans[2] < 10.0, "{fit:?}");
+        // Without play there is nothing to keep.
+        let fit = AxisFit::new(&readings[..2], 2000.0, false).unwrap();
+        assert!(fit.table.knots().is_empty());
+    }
+
+    #[test]
+    fn nonsense_is_said() {
+        let reading = |nominal, reading| Reading {
+            nominal,
+            reading,
+            flank: Flank::Unknown,
+        };
+        let why = |readings: &[Reading]| AxisFit::new(readings, 1.0, false).unwrap_err();
+        assert!(why(&[reading(5, 5), reading(5, 6)]).contains("two different lengths"));
+        assert!(why(&[reading(0, 0), reading(1_000_000, 2_000_000)]).contains("50.0 %"));
+        assert!(why(&[reading(0, 0), reading(10_000_000, 0)]).contains("does the axis move"));
+        let jump = [
+            reading(0, 0),
+            reading(1_000_000, 1_000_000),
+            reading(2_000_000, 2_000_000),
+            reading(2_000_100, 2_000_020),
+            reading(100_000_000, 100_000_000),
+        ];
+        assert!(why(&jump).contains("too steep"));
+    }
+}

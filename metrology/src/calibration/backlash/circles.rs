@@ -1,0 +1,63 @@
+//! The circle test: what is left where an axis turns round.
+
+use super::bench::Bench;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Names of the ends in the order in which a circle that begins at 45 degrees passes them.
+pub const CIRCLE_ENDS: [&str; 4] = ["top", "left", "bottom", "right"];
+
+/// The same: the axis that turns round there, and its direction before.
+const TURNS: [(usize, f64); 4] = [(1, 1.0), (0, -1.0), (1, -1.0), (0, 1.0)];
+
+/// What is left, um, at each end of a circle: how far the tool is off along the axis that turned
+/// round there, on its one flank and on the other.
+///
+/// # Errors
+///
+/// The machine refuses a move.
+pub fn left_at_ends(
+    bench: &mut dyn Bench,
+    centre_mm: [f64; 2],
+    radius_mm: f64,
+) -> Result<[f64; 4], String> {
+    let [x, y] = centre_mm;
+    let reach = radius_mm * FRAC_1_SQRT_2;
+    let (start, below) = ([x + reach, y + reach], [x + reach - 0.1, y + reach - 0.1]);
+    bench.make(
+        &format!("G0 X{:.5} Y{:.5}", below[0], below[1]),
+        &mut |_| {},
+    )?;
+    bench.make(
+        &format!("G0 X{:.5} Y{:.5}", start[0], start[1]),
+        &mut |_| {},
+    )?;
+    // A tenth of the radius before an end and behind it the axis has its flank.
+    let near = 0.9 * radius_mm;
+    let mut off = [[None; 2]; 4];
+    bench.make(
+        &format!(
+            "G3 X{:.5} Y{:.5} I{:.5} J{:.5} F1",
+            start[0], start[1], -reach, -reach
+        ),
+        &mut |moment| {
+            let at = [0, 1].map(|axis| moment.sent_nm[axis] / 1e6 - centre_mm[axis]);
+            for (off, (axis, side)) in off.iter_mut().zip(TURNS) {
+                if at[axis] * side < near {
+                    continue;
+                }
+                // Counter-clockwise: at the top X falls, at the left Y.
+                let way = if axis == 1 { -at[0] } else { at[1] } * side;
+                let behind = usize::from(way > 0.0);
+                let value = (moment.tool_nm[axis] - moment.sent_nm[axis]) / 1e3;
+                // The first before an end, the last behind it.
+                if behind == 1 || off[0].is_none() {
+                    off[behind] = Some(value);
+                }
+            }
+        },
+    )?;
+    Ok(off.map(|[before, behind]| match (before, behind) {
+        (Some(before), Some(behind)) => f64::abs(behind - before),
+        _ => 0.0,
+    }))
+}

@@ -1,0 +1,43 @@
+//! Backlash by place.
+
+use crate::quantity::Fraction;
+use husillo_backlash::{LashMap, MapError};
+use std::sync::Arc;
+
+/// A map of backlash in whole steps.
+pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
+
+/// Backlash by place: places in mm along one axis or two, and um there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceTable {
+    /// Axes by number, rising; the same one twice for a table along one axis.
+    pub axes: [usize; 2],
+    /// Places along them; one place for an axis along which it is the same everywhere.
+    pub places_mm: [Vec<f64>; 2],
+    /// All places of the first axis at the first of the second, and so on.
+    pub lash_um: Vec<f64>,
+}
+
+impl PlaceTable {
+    /// The map of an axis, in whole steps. `own` is its step in nm, `steps` are those of X, Y and
+    /// Z.
+    ///
+    /// # Errors
+    ///
+    /// [`MapError`].
+    pub fn map(&self, own: Fraction, steps: [Fraction; 3]) -> Result<Map, MapError> {
+        let places = [0, 1].map(|index| {
+            let step = steps[self.axes[index]];
+            let of_mm = |mm: &f64| in_steps(mm * 1e6, step) as i32;
+            self.places_mm[index].iter().map(of_mm).collect()
+        });
+        let lash = self.lash_um.iter();
+        let lash = lash.map(|um| in_steps(um * 1e3, own) as u32).collect();
+        LashMap::new(self.axes, places, lash)
+    }
+}
+
+/// Saturates where it is converted.
+fn in_steps(nm: f64, step: Fraction) -> f64 {
+    (nm * step.den as f64 / step.num as f64).round()
+}

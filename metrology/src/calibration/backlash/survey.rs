@@ -1,0 +1,62 @@
+//! What compensation leaves over the work area: the axes go to and fro everywhere, and the tool is
+//! looked at.
+
+use super::bench::Bench;
+
+/// Cells of the work area along X and Y; lines are through their middles.
+pub const CELLS: [usize; 2] = [20, 14];
+
+/// What is left on one axis, um: the largest of each cell, with its sign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leftover {
+    /// Rows of cells, the lowest Y first.
+    pub cells_um: Vec<f64>,
+    /// Lowest and highest anywhere.
+    pub span_um: [f64; 2],
+}
+
+/// Goes along X through the middle of every row of cells, there and back, then along Y through that
+/// of every column, and returns what X is off in the first and Y in the second.
+///
+/// # Errors
+///
+/// The machine refuses a move.
+pub fn survey(bench: &mut dyn Bench, travel_mm: [[f64; 2]; 2]) -> Result<[Leftover; 2], String> {
+    let mut axis_of = |axis: usize| -> Result<Leftover, String> {
+        let other = 1 - axis;
+        let mut cells = vec![0.0_f64; CELLS[0] * CELLS[1]];
+        let mut span = [0.0_f64; 2];
+        let [low, high] = travel_mm[axis];
+        for line in 0..CELLS[other] {
+            let [from, to] = travel_mm[other];
+            let at = from + (to - from) * (line as f64 + 0.5) / CELLS[other] as f64;
+            let [own, across] = [["X", "Y"], ["Y", "X"]][axis];
+            for end in [low, high, low] {
+                bench.make(
+                    &format!("G0 {own}{end:.4} {across}{at:.4}"),
+                    &mut |moment| {
+                        if moment.is_take_up {
+                            return;
+                        }
+                        let off = (moment.tool_nm[axis] - moment.sent_nm[axis]) / 1e3;
+                        span = [span[0].min(off), span[1].max(off)];
+                        let place = [0, 1].map(|index| {
+                            let [low, high] = travel_mm[index];
+                            let part = (moment.sent_nm[index] / 1e6 - low) / (high - low);
+                            ((part * CELLS[index] as f64).max(0.0) as usize).min(CELLS[index] - 1)
+                        });
+                        let cell = &mut cells[place[1] * CELLS[0] + place[0]];
+                        if off.abs() > cell.abs() {
+                            *cell = off;
+                        }
+                    },
+                )?;
+            }
+        }
+        Ok(Leftover {
+            cells_um: cells,
+            span_um: span,
+        })
+    };
+    Ok([axis_of(0)?, axis_of(1)?])
+}

@@ -1,0 +1,600 @@
+//! A machine whose errors are known: positions and goals are true ones.
+
+use crate::heads::{Errors, Head, Port, Probed, Prober, Touched, View};
+use crate::trouble::Trouble;
+use husillo_backlash::{ErrorTable, Flank};
+use husillo_probe::{Edge, Measurement, UnitVector};
+use std::cmp::Ordering;
+use std::rc::Rc;
+
+/// A prober with its errors taken off. What it is asked for and what it tells are true positions,
+/// on square axes; the prober behind it works with readings, and keeps its own zero.
+#[derive(Debug)]
+pub struct Calibrated<P> {
+    prober: P,
+    errors: Errors,
+    /// What of them is in force: a table by place once the axis is homed.
+    view: View,
+    /// The readings it was sent to last, while it is there: an axis that is sent there again does
+    /// not turn round, though it stands a little beside.
+    sent: Option<[i64; 3]>,
+}
+
+impl<P: Prober> Calibrated<P> {
+    /// A prober with these errors, not moved yet, and not homed.
+    pub fn new(prober: P, errors: Errors) -> Self {
+        let mut in_force = errors.clone();
+        for axis in &mut in_force.axes {
+            // The same scale, which was one before, and no entries.
+            *axis = ErrorTable::new(axis.scale_ppb(), Vec::new()).unwrap_or_default();
+        }
+        Self {
+            prober,
+            errors,
+            view: View::new(in_force),
+            sent: None,
+        }
+    }
+
+    /// The prober itself, for what has no position.
+    pub const fn inner(&mut self) -> &mut P {
+        &mut self.prober
+    }
+
+    /// The readings where it stands, or is to.
+    fn from(&mut self) -> Result<[i64; 3], Trouble> {
+        match self.sent {
+            Some(sent) => Ok(sent),
+            None => self.prober.position(),
+        }
+    }
+
+    /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its
+    /// places.
+    pub fn set_homed(&mut self, coordinate: usize) {
+        let in_force = Rc::make_mut(&mut self.view.errors);
+        in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
+        self.view.zero[coordinate] = 0;
+    }
+
+    /// Before anything moves to a position: it is one.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble::NotHomed`].
+    fn begin(&mut self) -> Result<(), Trouble> {
+        let tables = self.errors.axes.iter().zip(&self.view.errors.axes);
+        for (axis, (whole, in_force)) in "XYZ".chars().zip(tables) {
+            if whole != in_force {
+                return Err(Trouble::NotHomed { axis });
+            }
+        }
+        self.prober.see_as(&self.view);
+        Ok(())
+    }
+
+    /// The readings to go to from these readings for a position, and the flanks then.
+    fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
+        let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
+        // Axes that lean move one another, so what turns round shows in the readings only.
+        let there = self.view.errors.reading_nm(goal, self.view.flanks);
+        let mut flanks = self.view.flanks;
+        for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
+            *flank = match to.cmp(&from) {
+                Ordering::Greater => Flank::Positive,
+                Ordering::Less => Flank::Negative,
+                Ordering::Equal => *flank,
+            };
+        }
+        (self.view.errors.reading_nm(goal, flanks), flanks)
+    }
+
+    /// After this nobody knows how the axes were moved last.
+    fn lost(&mut self, trouble: Trouble) -> Trouble {
+        if trouble.has_moved() {
+            self.view.flanks = [Flank::Unknown; 3];
+        }
+        trouble
+    }
+
+    /// A move by the prober: what `go` does with the readings of the goal.
+    fn go_with(
+        &mut self,
+        goal: [i64; 3],
+        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Trouble>,
+    ) -> Result<Probed, Trouble> {
+        self.begin()?;
+        let from = self.from()?;
+        let (reading, flanks) = self.reading_of(from, goal);
+        // A move that fails halfway leaves the axes anywhere.
+        self.sent = None;
+        let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
+        self.view.flanks = flanks;
+        if ended.changed_nm.is_none() {
+            self.sent = Some(reading);
+        }
+        let position_of = |readings| self.view.position_from(readings, flanks);
+        Ok(Probed {
+            changed_nm: ended.changed_nm.map(position_of),
+            at_nm: position_of(ended.at_nm),
+        })
+    }
+
+    /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the
+    /// flanks at the contact.
+    fn touch_with<T>(
+        &mut self,
+        direction: &UnitVector,
+        way: u64,
+        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
+    ) -> Result<(T, [Flank; 3]), Trouble> {
+        self.begin()?;
+        let start = self.from()?;
+        let from = self.view.position_from(start, self.view.flanks);
+        // Straight in truth is straight by the readings, but for what a table bends; 17 m show it
+        // as well as any more.
+        let part = way.min(1 << 34);
+        let ahead = direction.scaled(part as i64);
+        let goal = [0, 1, 2].map(|axis: usize| from[axis].saturating_add(ahead[axis]));
+        let (end, flanks) = self.reading_of(start, goal);
+        let along = [0, 1, 2].map(|axis: usize| end[axis].saturating_sub(start[axis]));
+        let leaned = UnitVector::new(along).unwrap_or(*direction);
+        let squares = along.iter().map(|part| (*part as f64).powi(2));
+        let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * way as f64;
+        self.sent = None;
+        let touched = touch(&mut self.prober, &leaned, length.round() as u64)
+            .map_err(|trouble| self.lost(trouble))?;
+        // It has backed off: what went there has turned round.
+        let ways = along.into_iter().zip(flanks);
+        for (flank, (along, at_contact)) in self.view.flanks.iter_mut().zip(ways) {
+            *flank = match (along, at_contact) {
+                (0, _) => *flank,
+                (_, Flank::Positive) => Flank::Negative,
+                (_, Flank::Negative) => Flank::Positive,
+                (_, Flank::Unknown) => Flank::Unknown,
+            };
+        }
+        Ok((touched, flanks))
+    }
+}
+
+impl<P: Prober> Prober for Calibrated<P> {
+    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        let readings = self.prober.position()?;
+        Ok(self.view.position_from(readings, self.view.flanks))
+    }
+
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_with(goal_nm, |prober, goal| Ok(undisturbed(prober.go_to(goal)?)))
+            .map(|ended| ended.at_nm)
+    }
+
+    // What the axes are off by is less than a speed has to be exact to.
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.go_with(goal_nm, |prober, goal| {
+            Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
+        })
+        .map(|ended| ended.at_nm)
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.go_with(goal_nm, |prober, goal| {
+            prober.probe_to(goal, nm_per_min, until)
+        })
+    }
+
+    fn has_collided(&self) -> bool {
+        self.prober.has_collided()
+    }
+
+    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
+        let (touched, flanks) = self.touch_with(direction, way_nm, P::touch)?;
+        Ok(Touched {
+            centre_nm: self.view.position_from(touched.centre_nm, flanks),
+            ..touched
+        })
+    }
+}
+
+/// A move that nothing ended before its goal.
+const fn undisturbed(at_nm: [i64; 3]) -> Probed {
+    Probed {
+        changed_nm: None,
+        at_nm,
+    }
+}
+
+impl<P: Port> Calibrated<Head<P>> {
+    /// Where the axes are to be.
+    pub fn held(&self) -> [i64; 3] {
+        let readings = self.sent.unwrap_or(self.prober.held());
+        self.view.position_from(readings, self.view.flanks)
+    }
+
+    /// Calls the place where an axis stands 0. What it is to hold may be a little beside, and keeps
+    /// its place.
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis, or no answer.
+    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
+        self.prober.index(coordinate)?;
+        let present = self.position()?;
+        self.view.zero[coordinate] += present[coordinate];
+        Ok(())
+    }
+
+    /// Home on the index as [`Head::home`] has it: 0 of the readings, from which the errors count.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::home`].
+    pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
+        self.sent = None;
+        self.prober.see_as(&self.view);
+        self.prober
+            .home(coordinate)
+            .map_err(|trouble| self.lost(trouble))?;
+        self.set_homed(coordinate);
+        // It ran beyond the index and came back.
+        self.view.flanks[coordinate] = Flank::Negative;
+        Ok(())
+    }
+
+    /// Runs an axis as [`Head::jog`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::jog`].
+    pub fn jog(
+        &mut self,
+        coordinate: usize,
+        is_positive: bool,
+        seconds: f64,
+        is_slow: bool,
+    ) -> Result<(), Trouble> {
+        self.sent = None;
+        self.prober.see_as(&self.view);
+        self.prober
+            .jog(coordinate, is_positive, seconds, is_slow)
+            .map_err(|trouble| self.lost(trouble))?;
+        self.view.flanks[coordinate] = if is_positive {
+            Flank::Positive
+        } else {
+            Flank::Negative
+        };
+        Ok(())
+    }
+
+    /// Touches as [`Head::touch`] does, with all its figures.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::touch`].
+    pub fn measure(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+        let (mut measurement, flanks) = self.touch_with(direction, way, Head::touch)?;
+        let touch = &mut measurement.touch;
+        touch.position = self.view.position_from(touch.position, flanks);
+        // Along the axes it was another one, by their leans.
+        touch.direction = *direction;
+        Ok(measurement)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::{AxisFit, Reading, SquareFit};
+
+    /// A machine whose scales and angles are wrong: truth from readings, in nm.
+    #[derive(Clone, Copy)]
+    struct Wrong {
+        scales: [f64; 3],
+        /// XY, XZ, YZ.
+        leans: [f64; 3],
+        /// Height of the pitch error of all axes, of 40 mm period.
+        pitch: f64,
+        /// Play of all axes.
+        play: f64,
+        count: i64,
+        at: [i64; 3],
+        flanks: [Flank; 3],
+        /// A face square to X, in truth.
+        face: f64,
+    }
+
+    impl Wrong {
+        /// 50 um/m and 100 um/m, in both senses.
+        const ASKED: Wrong = Wrong {
+            scales: [50e-6, -50e-6, 50e-6],
+            leans: [100e-6, -100e-6, 100e-6],
+            pitch: 0.0,
+            play: 0.0,
+            count: 2000,
+            at: [0; 3],
+            flanks: [Flank::Unknown; 3],
+            face: f64::INFINITY,
+        };
+
+        fn truth(&self, reading: [f64; 3], flanks: [Flank; 3]) -> [f64; 3] {
+            let along = |axis: usize| {
+                let play = match flanks[axis] {
+                    Flank::Positive => 0.5 * self.play,
+                    Flank::Negative => -0.5 * self.play,
+                    Flank::Unknown => 0.0,
+                };
+                let turn = (reading[axis] / 40e6 * std::f64::consts::TAU).sin();
+                reading[axis] * (1.0 + self.scales[axis]) + self.pitch * turn + play
+            };
+            let [x, y, z] = [along(0), along(1), along(2)];
+            let [xy, xz, yz] = self.leans;
+            [x + xy * y + xz * z, y + yz * z, z]
+        }
+
+        /// Readings at a true place, whole counts.
+        fn reading(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
+            let mut reading = truth;
+            for _ in 0..40 {
+                let there = self.truth(reading, flanks);
+                for axis in 0..3 {
+                    reading[axis] -= there[axis] - truth[axis];
+                }
+            }
+            reading.map(|nm| (nm / self.count as f64).round() as i64 * self.count)
+        }
+
+        /// The same as the centre of a ball comes out that is touched at 25 places: rounding to
+        /// counts is averaged.
+        fn ball(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
+            let mut sum = [0.0; 3];
+            for touch in 0..25 {
+                let radius =
+                    [0.61, 0.38, 0.83].map(|part: f64| (part * f64::from(touch)).fract() * 10e6);
+                let place = [0, 1, 2].map(|axis| truth[axis] + radius[axis]);
+                let reading = self.reading(place, flanks);
+                for axis in 0..3 {
+                    sum[axis] += reading[axis] as f64 - radius[axis];
+                }
+            }
+            sum.map(|sum| (sum / 25.0).round() as i64)
+        }
+
+        fn real(&self) -> [f64; 3] {
+            self.truth(self.at.map(|nm| nm as f64), self.flanks)
+        }
+    }
+
+    impl Prober for Wrong {
+        fn has_collided(&self) -> bool {
+            false
+        }
+
+        fn position(&mut self) -> Result<[i64; 3], Trouble> {
+            Ok(self.at)
+        }
+
+        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+            for ((at, flank), goal) in self.at.iter_mut().zip(&mut self.flanks).zip(goal) {
+                let to = (goal as f64 / self.count as f64).round() as i64 * self.count;
+                *flank = Flank::towards((to - *at).signum() as i8).unwrap_or(*flank);
+                *at = to;
+            }
+            Ok(self.at)
+        }
+
+        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Trouble> {
+            self.go_to(goal)
+        }
+
+        /// In steps of a count along the longest way.
+        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Trouble> {
+            let from = self.at;
+            let way = [0, 1, 2].map(|axis: usize| goal[axis] - from[axis]);
+            let steps = way.iter().map(|way| way.abs()).max().unwrap_or(0) / self.count;
+            let at = |step: i64| [0, 1, 2].map(|axis: usize| from[axis] + way[axis] * step / steps);
+            for step in 1..=steps {
+                let there = self.go_to(at(step))?;
+                if (self.real()[0] >= self.face) == until.level() {
+                    return Ok(Probed {
+                        changed_nm: Some(there),
+                        // It brakes.
+                        at_nm: self.go_to(at(step + 3))?,
+                    });
+                }
+            }
+            Ok(undisturbed(self.at))
+        }
+
+        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
+            let from = self.at;
+            // Bisected: how far until the face.
+            let (mut free, mut beyond) = (0, way as i64);
+            while beyond - free > 1 {
+                let middle = (free + beyond) / 2;
+                let step = direction.scaled(middle);
+                self.go_to([0, 1, 2].map(|axis: usize| from[axis] + step[axis]))?;
+                let is_free = self.real()[0] < self.face;
+                *(if is_free { &mut free } else { &mut beyond }) = middle;
+                self.at = from;
+            }
+            assert!(beyond < way as i64, "no contact");
+            let step = direction.scaled(beyond);
+            let centre_nm = self.go_to([0, 1, 2].map(|axis: usize| from[axis] + step[axis]))?;
+            let back = direction.scaled(beyond - 1_000_000);
+            self.go_to([0, 1, 2].map(|axis: usize| from[axis] + back[axis]))?;
+            Ok(Touched {
+                centre_nm,
+                touches: 1,
+                spread_nm: 0,
+            })
+        }
+    }
+
+    /// What three passes of reference lengths every 10 mm and a bar of 250 mm say of the machine.
+    fn calibrated(machine: &Wrong) -> Errors {
+        let mut errors = Errors::default();
+        for axis in 0..3 {
+            let mut readings = Vec::new();
+            // Each pass somewhat farther, so that counts do not fall together.
+            let pass = |shift: f64| (-20..20).map(move |step| f64::from(step) * 10.0 + shift);
+            for nominal in [0.0, 3.3337, 6.6671].into_iter().flat_map(pass) {
+                for flank in [Flank::Positive, Flank::Negative] {
+                    let mut truth = [0.0; 3];
+                    truth[axis] = nominal * 1e6;
+                    // The lengths lie along the axis, wherever that leans.
+                    let alone = Wrong {
+                        leans: [0.0; 3],
+                        ..*machine
+                    };
+                    readings.push(Reading {
+                        nominal: (nominal * 1e6).round() as i64,
+                        reading: alone.reading(truth, [flank; 3])[axis],
+                        flank,
+                    });
+                }
+            }
+            let fit = AxisFit::new(&readings, 2000.0, false);
+            errors.axes[axis] = fit.unwrap().table;
+        }
+        // The machine as it reads with its axes corrected.
+        let mut places = Vec::new();
+        let half = 125e6 / 2.0_f64.sqrt();
+        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+            for side in [1.0, -1.0] {
+                for place in 0..4 {
+                    let centre =
+                        [0.37, -0.21, 0.11].map(|part: f64| part * f64::from(place) * 50e6);
+                    places.push([-1.0, 1.0].map(|end| {
+                        let mut truth = centre;
+                        truth[a] += end * half;
+                        truth[b] += end * side * half;
+                        let flanks = [Flank::Positive; 3];
+                        errors.position_nm(machine.ball(truth, flanks), flanks)
+                    }));
+                }
+            }
+        }
+        errors.squareness = SquareFit::new(&places, None).unwrap().squareness;
+        errors
+    }
+
+    /// The machine with its errors known, and homed where it stands.
+    fn homed(machine: Wrong, errors: Errors) -> Calibrated<Wrong> {
+        let mut calibrated = Calibrated::new(machine, errors);
+        (0..3).for_each(|axis| calibrated.set_homed(axis));
+        calibrated
+    }
+
+    /// Largest difference of truth and what the calibrated machine says, over the range, from the
+    /// origin on, in nm: where it stands, and how far that is from where it was sent.
+    fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
+        let mut calibrated = homed(*machine, errors);
+        let mut worst = [0.0f64; 2];
+        let mut origin = None;
+        // Not the places it was calibrated at.
+        for x in -5..=5 {
+            for y in -5..=5 {
+                for z in -5..=5 {
+                    let goal = [x, y, z].map(|step: i64| step * 38_300_000 + 4_100_000);
+                    let goal = if (x + y + z) % 2 == 0 {
+                        goal
+                    } else {
+                        goal.map(|nm| -nm)
+                    };
+                    let there = calibrated.go_to(goal).unwrap();
+                    let truth = calibrated.inner().real();
+                    let errors =
+                        |to: [i64; 3]| [0, 1, 2].map(|axis: usize| truth[axis] - to[axis] as f64);
+                    // A reference length has no place of its own.
+                    let origin = *origin.get_or_insert(errors(there));
+                    for (worst, to) in worst.iter_mut().zip([there, goal]) {
+                        for (error, origin) in errors(to).into_iter().zip(origin) {
+                            *worst = worst.max((error - origin).abs());
+                        }
+                    }
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn scale_and_squareness_fall_below_a_micrometre() {
+        let machine = Wrong::ASKED;
+        let [before, _] = worst(&machine, Errors::default());
+        assert!(before > 50_000.0, "{before}");
+        let errors = calibrated(&machine);
+        let [known, sent] = worst(&machine, errors);
+        println!(
+            "{before} nm before, {known} nm after, {sent} nm from the goal with its half count"
+        );
+        assert!(known < 1000.0 && sent < known + 1050.0, "{known} {sent}");
+    }
+
+    #[test]
+    fn pitch_and_play_as_well() {
+        let machine = Wrong {
+            pitch: 3000.0,
+            play: 4000.0,
+            count: 100,
+            ..Wrong::ASKED
+        };
+        let errors = calibrated(&machine);
+        assert_eq!(errors.axes[1].knots().len(), 120);
+        let [known, _] = worst(&machine, errors);
+        println!("{known} nm");
+        assert!(known < 1000.0, "{known}");
+    }
+
+    #[test]
+    fn a_touch_is_where_the_face_is() {
+        let mut machine = Wrong {
+            face: 31_234_567.0,
+            count: 100,
+            ..Wrong::ASKED
+        };
+        machine.go_to([0, 80_000_000, -60_000_000]).unwrap();
+        let errors = calibrated(&machine);
+        let mut calibrated = homed(machine, errors);
+        calibrated
+            .go_to([5_000_000, 90_000_000, 70_000_000])
+            .unwrap();
+        let touched = calibrated.touch(&UnitVector::X, 60_000_000).unwrap();
+        let [x, y, z] = touched.centre_nm;
+        assert!(x.abs_diff(31_234_567) < 200, "{touched:?}");
+        // And it went square to the face, not along the axis.
+        assert!(
+            y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
+            "{touched:?}"
+        );
+        // There and off again: the same place both ways, and it stays beyond it.
+        for (goal, until) in [
+            (32_000_000, Edge::Made),
+            (30_000_000, Edge::Broken),
+            (31_000_000, Edge::Made),
+        ] {
+            let goal = [goal, 90_000_000, 70_000_000];
+            let probed = calibrated.probe_to(goal, 24_000_000, until).unwrap();
+            let [x, y, z] = probed.changed_nm.unwrap_or(probed.at_nm);
+            assert_eq!(probed.changed_nm.is_some(), goal[0] != 31_000_000);
+            let wanted = if goal[0] == 31_000_000 {
+                goal[0]
+            } else {
+                31_234_567
+            };
+            assert!(x.abs_diff(wanted) < 250, "{probed:?}");
+            assert!(
+                y.abs_diff(90_000_000) < 250 && z.abs_diff(70_000_000) < 250,
+                "{probed:?}"
+            );
+            let truth = calibrated.inner().real();
+            let off = [0, 1, 2].map(|axis: usize| truth[axis] - probed.at_nm[axis] as f64);
+            assert!(off.iter().all(|off| off.abs() < 250.0), "{off:?}");
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Calibration of the probe on a face at a known position.
+
+use crate::heads::Stylus;
+use crate::scale::Scale;
+use crate::trouble::Trouble;
+use husillo_probe::{Measurement, PreTravel, UnitVector};
+
+/// A face across an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// The axis, 0 for X to 2 for Z.
+    pub axis: usize,
+    /// Where it is along the axis, an amount of the scale.
+    pub position: i64,
+}
+
+impl Face {
+    /// The probe with the pre-travel that makes of this touch along the axis a touch of the face.
+    ///
+    /// In a table by direction that has this one, as a sphere or a ring gives it, all entries
+    /// change, each by its part along it: as if that body stood elsewhere by as much, which its own
+    /// touches cannot tell.
+    ///
+    /// # Errors
+    ///
+    /// A pre-travel beyond `over_travel` counts, or less than none by more than the two counts that
+    /// face and touch are rounded by.
+    pub fn calibrate(
+        &self,
+        mut stylus: Stylus,
+        measurement: &Measurement,
+        scale: Scale,
+        over_travel: u32,
+    ) -> Result<Stylus, Trouble> {
+        let face = surface_nm(&stylus, measurement)[self.axis];
+        let direction = measurement.touch.direction;
+        let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
+        let cosine = |entry: &UnitVector| -> f64 {
+            let pairs = parts(entry).into_iter().zip(parts(&direction));
+            pairs.map(|(a, b)| a * b).sum()
+        };
+        // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
+        let beyond = (face - self.position) as f64 * parts(&direction)[self.axis];
+        let found = i64::from(stylus.pre_travel.along(&direction)) + beyond as i64;
+        let possible = scale.of_counts(-2)..=scale.of_counts(over_travel.into());
+        if !possible.contains(&found) {
+            return Err(Trouble::PreTravel {
+                found: scale.text(found),
+                most: scale.text(*possible.end()),
+            });
+        }
+        let shifted = |nm: i32, part: f64| nm.saturating_add((beyond * part).round() as i32);
+        let mut entries = stylus.pre_travel.entries().to_vec();
+        let is_by_axis = is_by_axis(&stylus);
+        if entries.iter().any(|(entry, _)| *entry == direction) {
+            for (entry, nm) in &mut entries {
+                let part = match is_by_axis {
+                    true => f64::from(u8::from(*entry == direction)),
+                    false => cosine(entry),
+                };
+                *nm = shifted(*nm, part);
+            }
+        } else {
+            let nm = stylus.pre_travel.along(&direction);
+            entries.push((direction, shifted(nm, 1.0)));
+        }
+        if let Some(pre_travel) = PreTravel::of(&entries) {
+            stylus.pre_travel = pre_travel;
+        }
+        Ok(stylus)
+    }
+}
+
+/// Whether there is one pre-travel for each direction of each axis, and no more.
+#[must_use]
+pub fn is_by_axis(stylus: &Stylus) -> bool {
+    stylus.pre_travel.entries().len() <= 6
+}
+
+/// The face that was touched, as it lies where it is across the direction: `p - ed d - r n`, an
+/// amount of the scale along each axis.
+#[must_use]
+pub fn surface_nm(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
+    let touch = &measurement.touch;
+    stylus.surface_nm(
+        touch.position,
+        &touch.direction,
+        &touch.direction.reversed(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::heads::both_ways;
+    use crate::quantity::Fraction;
+    use husillo_probe::Touch;
+
+    const SCALE_NM: i64 = 2000;
+
+    fn touched(z: i64) -> Measurement {
+        Measurement {
+            touch: Touch {
+                position: [5, 6, z],
+                direction: UnitVector::Z.reversed(),
+            },
+            touches: 1,
+            spread: 0,
+            over_travel: 0,
+        }
+    }
+
+    fn calibrated(stylus: Stylus, z: i64) -> Result<Stylus, Trouble> {
+        let face = Face {
+            axis: 2,
+            position: -5_000_000,
+        };
+        let scale = Scale::new(Some(Fraction {
+            num: SCALE_NM,
+            den: 1,
+        }));
+        face.calibrate(stylus, &touched(z), scale, 100)
+    }
+
+    #[test]
+    fn a_face_gives_the_pre_travel_of_one_direction() {
+        let stylus = Stylus {
+            radius_nm: 1_000_000,
+            pre_travel: both_ways([0; 2]),
+        };
+        // The signal came 8 um late.
+        let found = calibrated(stylus, -4_008_000).unwrap();
+        assert_eq!(found.pre_travel.along(&UnitVector::Z.reversed()), 8_000);
+        assert_eq!(found.pre_travel.along(&UnitVector::X), 0);
+        assert_eq!(surface_nm(&found, &touched(-4_008_000))[2], -5_000_000);
+        // The same once more changes nothing.
+        assert_eq!(calibrated(found, -4_008_000).unwrap(), found);
+        // Two counts less than none are rounding, more are not; beyond the over-travel neither.
+        assert!(calibrated(stylus, -3_996_000).is_ok());
+        for z in [-3_990_000, -4_300_000] {
+            let none = calibrated(stylus, z);
+            assert!(matches!(none, Err(Trouble::PreTravel { .. })), "{none:?}");
+        }
+    }
+
+    #[test]
+    fn a_face_displaces_the_body_of_a_table() {
+        let slanted = UnitVector::new([0, 3, -4]).unwrap();
+        let directions = [
+            UnitVector::Z.reversed(),
+            slanted,
+            UnitVector::X,
+            UnitVector::Y,
+            UnitVector::X.reversed(),
+            UnitVector::Y.reversed(),
+            UnitVector::new([1, 0, -1]).unwrap(),
+        ];
+        let stylus = Stylus {
+            radius_nm: 1_000_000,
+            pre_travel: PreTravel::of(&directions.map(|direction| (direction, 5_000))).unwrap(),
+        };
+        let found = calibrated(stylus, -4_015_000).unwrap();
+        let of = |direction| found.pre_travel.along(&direction);
+        assert_eq!(of(directions[0]), 15_000);
+        // 0.8 of the 10 um that the body seems to stand elsewhere by; across, none of them.
+        assert_eq!((of(slanted), of(UnitVector::X)), (13_000, 5_000));
+    }
+}

@@ -1,0 +1,220 @@
+//! Angles between axes from a bar that is equally long in every direction.
+
+use crate::least_squares::least_squares;
+use husillo_backlash::Squareness;
+
+/// The two ends of the bar, along the axes, in nm.
+pub type Ends = [[i64; 3]; 2];
+
+/// A plane of two axes, and the name of its angle.
+const PLANES: [(usize, usize, &str); 3] = [(0, 1, "xy"), (0, 2, "xz"), (1, 2, "yz")];
+
+/// The angles as the bar tells them.
+#[derive(Clone, Debug)]
+pub struct SquareFit {
+    /// The leans.
+    pub squareness: Squareness,
+    /// Whether the bar lay in both diagonals of each plane: otherwise its lean is not known, and 0.
+    pub is_known: [bool; 3],
+    /// Length of the bar with these leans, nm: as given, or as it fits best.
+    pub length: f64,
+    /// Largest difference of the bar's length to that, with square axes and with these leans, nm.
+    pub worst: [f64; 2],
+}
+
+impl SquareFit {
+    /// Least squares (Gauss-Newton) of the leans, and of the length where it is not given.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: the bar did not lie so that it tells anything.
+    pub fn new(places: &[Ends], length: Option<f64>) -> Result<Self, String> {
+        let ways: Vec<[f64; 3]> = places
+            .iter()
+            .map(|[from, to]| [0, 1, 2].map(|axis| (to[axis] - from[axis]) as f64))
+            .collect();
+        let mean = ways.iter().map(long).sum::<f64>() / ways.len().max(1) as f64;
+        if ways.is_empty() || mean == 0.0 {
+            return Err("there is no bar".into());
+        }
+        let is_known = PLANES.map(|(a, b, _)| {
+            let products = ways.iter().map(|way| way[a] * way[b] / (mean * mean));
+            let spread = products.fold([0.0f64; 2], |[low, high], p| [low.min(p), high.max(p)]);
+            // A quarter of what both diagonals have, and on both sides.
+            spread[0] < -0.125 && spread[1] > 0.125
+        });
+        if !is_known.contains(&true) {
+            return Err("the bar has to lie along both diagonals of a plane".into());
+        }
+        let mut leans = [0.0; 3];
+        let mut fitted = length.unwrap_or(mean);
+        // Each round leaves the square of the error: 1 % is 10^-16 after three.
+        for _ in 0..6 {
+            let rows = ways.iter().map(|way| {
+                let there = leaned(way, leans);
+                let by_lean = PLANES.map(|(a, b, _)| there[a] * way[b] / long(&there));
+                (
+                    [by_lean[0], by_lean[1], by_lean[2], -1.0],
+                    fitted - long(&there),
+                )
+            });
+            let free = [is_known[0], is_known[1], is_known[2], length.is_none()];
+            let change = least_squares(rows, free).ok_or(
+                "the bar's places do not tell the angles apart: lay it along both diagonals of \
+                 each plane",
+            )?;
+            for (lean, change) in leans.iter_mut().zip(change) {
+                *lean += change;
+            }
+            fitted += change[3];
+        }
+        if leans.iter().any(|lean| lean.abs() > 1e-2) {
+            let text = leans.map(|lean| format!("{:.1} %", lean * 100.0));
+            let text = text.join(", ");
+            return Err(format!(
+                "the axes would lean by {text}: are these the ends of one bar?"
+            ));
+        }
+        let [xy_ppb, xz_ppb, yz_ppb] = leans.map(|lean| (lean * 1e9).round() as i32);
+        let worst = |leans, length: f64| {
+            let errors = ways
+                .iter()
+                .map(|way| (long(&leaned(way, leans)) - length).abs());
+            errors.fold(0.0, f64::max)
+        };
+        Ok(Self {
+            squareness: Squareness {
+                xy_ppb,
+                xz_ppb,
+                yz_ppb,
+            },
+            is_known,
+            length: fitted,
+            worst: [
+                worst([0.0; 3], length.unwrap_or(mean)),
+                worst(leans, fitted),
+            ],
+        })
+    }
+
+    /// Names of the planes that the bar says nothing of.
+    pub fn unknown(&self) -> Vec<&'static str> {
+        let planes = PLANES.iter().zip(self.is_known);
+        planes
+            .filter(|(_, known)| !known)
+            .map(|((_, _, name), _)| *name)
+            .collect()
+    }
+}
+
+fn long(way: &[f64; 3]) -> f64 {
+    way.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+/// A way in square coordinates.
+fn leaned([x, y, z]: &[f64; 3], [xy, xz, yz]: [f64; 3]) -> [f64; 3] {
+    [x + xy * y + xz * z, y + yz * z, *z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bar of 200 mm at these directions, as a machine with these leans reads it.
+    fn read(frame: &Squareness, directions: &[[f64; 3]]) -> Vec<Ends> {
+        let place = |direction: &[f64; 3]| {
+            let end = direction.map(|part| (part * 200e6 / long(direction)).round() as i64);
+            let start = [-30_000_000, 17_000_000, 5_000_000];
+            let end = [0, 1, 2].map(|axis| start[axis] + end[axis]);
+            [frame.reading_nm(start), frame.reading_nm(end)]
+        };
+        directions.iter().map(place).collect()
+    }
+
+    const DIAGONALS: [[f64; 3]; 6] = [
+        [1.0, 1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 0.0, -1.0],
+        [0.0, 1.0, 1.0],
+        [0.0, 1.0, -1.0],
+    ];
+
+    #[test]
+    fn three_angles_and_the_length() {
+        let frame = Squareness {
+            xy_ppb: 100_000,
+            xz_ppb: -3_000_000,
+            yz_ppb: 777_000,
+        };
+        for length in [None, Some(200e6)] {
+            let fit = SquareFit::new(&read(&frame, &DIAGONALS), length).unwrap();
+            let found = fit.squareness;
+            let pairs = [
+                (found.xy_ppb, frame.xy_ppb),
+                (found.xz_ppb, frame.xz_ppb),
+                (found.yz_ppb, frame.yz_ppb),
+            ];
+            assert!(
+                pairs
+                    .iter()
+                    .all(|(found, there)| found.abs_diff(*there) < 20),
+                "{fit:?}"
+            );
+            assert!(
+                (fit.length - 200e6).abs() < 2.0 && fit.worst[1] < 3.0,
+                "{fit:?}"
+            );
+            assert!(
+                fit.worst[0] > 100_000.0 && fit.unknown().is_empty(),
+                "{fit:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn one_plane_alone() {
+        let frame = Squareness {
+            xy_ppb: -100_000,
+            ..Squareness::default()
+        };
+        let fit = SquareFit::new(&read(&frame, &DIAGONALS[..2]), None).unwrap();
+        assert!(fit.squareness.xy_ppb.abs_diff(-100_000) < 20, "{fit:?}");
+        assert_eq!(fit.unknown(), ["xz", "yz"]);
+    }
+
+    #[test]
+    fn space_diagonals_do_as_well() {
+        let frame = Squareness {
+            xy_ppb: 50_000,
+            xz_ppb: 60_000,
+            yz_ppb: -70_000,
+        };
+        let directions = [
+            [1.0, 1.0, 1.0],
+            [1.0, 1.0, -1.0],
+            [1.0, -1.0, 1.0],
+            [-1.0, 1.0, 1.0],
+        ];
+        let fit = SquareFit::new(&read(&frame, &directions), None).unwrap();
+        assert!(fit.squareness.yz_ppb.abs_diff(-70_000) < 20, "{fit:?}");
+    }
+
+    #[test]
+    fn a_bar_that_tells_nothing() {
+        let frame = Squareness::default();
+        let why = |directions: &[[f64; 3]], length| {
+            SquareFit::new(&read(&frame, directions), length).unwrap_err()
+        };
+        assert!(why(&DIAGONALS[..1], None).contains("both diagonals"));
+        assert!(why(&[], None).contains("no bar"));
+        // Three places for four unknowns.
+        let three = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0]];
+        assert!(why(&three, None).contains("tell the angles apart"));
+        let ends = [
+            [[0; 3], [200_000_000, 200_000_000, 0]],
+            [[0; 3], [200_000_000, -100_000_000, 0]],
+        ];
+        assert!(SquareFit::new(&ends, None).unwrap_err().contains("one bar"));
+    }
+}

@@ -1,0 +1,324 @@
+//! Contacts where nothing was to be touched.
+
+use super::head::{Head, is_done};
+use super::port::Port;
+use super::search::{Search, searches};
+use super::touching::is_closed;
+use super::way::Way;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{Homing, Reply, StopWay};
+use std::collections::VecDeque;
+
+/// On a move without a touch each module stops its own axis where the contact changes, within a
+/// servo period and whatever the host does.
+const GUARD: Search = Search {
+    events: Homing::LIMIT_1,
+    stop: Homing::ABRUPT,
+    only: None,
+};
+
+/// So many readings in a row without a contact say that a pressed probe is free: contacts bounce.
+const FREE_READINGS: u32 = 2;
+
+/// Readings that a speed is told from: a module is read at any instant of its period.
+const SPEED_READINGS: usize = 8;
+
+/// A way on which nothing is to be touched, and what was read on it.
+pub(super) struct Watch {
+    /// Letters of the axes that move.
+    axes: String,
+    /// The modules look for a contact by themselves: not before a probe that was pressed is free.
+    is_armed: bool,
+    free_readings: u32,
+    /// Where it began, counts.
+    from: Vec<i32>,
+    /// The last readings without a collision: the time, us, and the counts.
+    readings: VecDeque<(u64, Vec<i32>)>,
+}
+
+impl Watch {
+    fn note(&mut self, now_us: u64, replies: &[Reply]) {
+        if self.readings.len() == SPEED_READINGS {
+            self.readings.pop_front();
+        }
+        self.readings.push_back((now_us, counts(replies)));
+    }
+
+    /// Speed over the last readings, counts/s; `None` where it had not gone anywhere.
+    fn rate(&self) -> Option<f64> {
+        let ((before_us, before), (last_us, last)) =
+            self.readings.front().zip(self.readings.back())?;
+        let way = distance(before, last);
+        // Below 2^53 us.
+        let seconds = last_us.saturating_sub(*before_us) as f64 * 1e-6;
+        (way > 0.0 && seconds > 0.0).then(|| way / seconds)
+    }
+}
+
+impl<P: Port> Head<P> {
+    /// Whether an axis has met something where nothing was to be touched, since the beginning.
+    pub const fn has_collided(&self) -> bool {
+        self.has_collided
+    }
+
+    /// Goes where nothing is to be touched. A probe that is pressed leaves the contact first,
+    /// slowly.
+    pub(super) fn go_clear(&mut self, goal: &[i32], rate: Option<u32>) -> Result<Way, Trouble> {
+        if !self.is_touching()? {
+            return Ok(self.go_free(goal, rate, false)?.0);
+        }
+        let slow = self.probe.rate;
+        let clear = if rate.is_some_and(|rate| rate <= slow) {
+            goal.to_vec()
+        } else {
+            self.beginning_of(goal)
+        };
+        let slow = rate.map_or(slow, |rate| rate.min(slow));
+        let (way, watch) = self.go_free(&clear, Some(slow), true)?;
+        if clear == goal {
+            return Ok(way);
+        }
+        if self.is_touching()? {
+            return Err(self.collision(&watch));
+        }
+        Ok(self.go_free(goal, rate, false)?.0)
+    }
+
+    /// Goes back from a touch, which may have ended in contact or just before it.
+    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<Way, Trouble> {
+        self.guarded(|head| Ok(head.go_free(goal, Some(rate), true)?.0))
+    }
+
+    /// The way at once; from a contact, or from where one was just now, where the probe
+    /// `is_touching`.
+    fn go_free(
+        &mut self,
+        goal: &[i32],
+        rate: Option<u32>,
+        is_touching: bool,
+    ) -> Result<(Way, Watch), Trouble> {
+        let mut watch = self.watch(goal);
+        let ended = |replies| Way {
+            replies,
+            is_found: false,
+        };
+        let Some(line) = self.line_to(goal, rate) else {
+            return Ok((ended(self.stand(Some(goal))?), watch));
+        };
+        self.begin_watch(&mut watch, is_touching)?;
+        self.start_line(goal, &line, watch.is_armed.then_some(GUARD))?;
+        let end_us = self.latest_end_us(&line);
+        loop {
+            let replies = self.read()?;
+            self.look(&mut watch, &replies)?;
+            if replies.iter().all(is_done) {
+                let was_armed = self.end_watch(&mut watch)?;
+                let replies = self.stand(Some(goal))?;
+                if was_armed && replies.iter().any(is_closed) {
+                    return Err(self.collision(&watch));
+                }
+                return Ok((ended(replies), watch));
+            }
+            if self.line.elapsed_us() > end_us {
+                return Err(self.late(Some(goal), goal, &replies));
+            }
+        }
+    }
+
+    /// A way from where the axes are held, on which nothing has been read.
+    pub(super) fn watch(&self, goal: &[i32]) -> Watch {
+        let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
+        let moving = self.axes.iter().zip(goal);
+        let moving = moving.filter(|(axis, goal)| axis.held != **goal);
+        let now = (self.line.elapsed_us(), from.clone());
+        Watch {
+            axes: moving.map(|(axis, _)| axis.settings.letter).collect(),
+            is_armed: false,
+            free_readings: 0,
+            from,
+            readings: VecDeque::from([now]),
+        }
+    }
+
+    /// From here on the modules look for a contact, or for none where the probe `is_touching`.
+    pub(super) fn begin_watch(
+        &mut self,
+        watch: &mut Watch,
+        is_touching: bool,
+    ) -> Result<(), Trouble> {
+        watch.is_armed = !is_touching;
+        if is_touching {
+            self.disarm(GUARD)
+        } else {
+            self.arm(GUARD)
+        }
+    }
+
+    /// The modules do not look for a contact any more; whether they did.
+    pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
+        let was_armed = std::mem::take(&mut watch.is_armed);
+        if was_armed {
+            self.disarm(GUARD)?;
+        }
+        Ok(was_armed)
+    }
+
+    /// Looks at a reading of the axes under way.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble::Collision`]; the axes are stopped then.
+    pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Trouble> {
+        let is_touching = replies.iter().any(is_closed);
+        if watch.is_armed {
+            if is_touching || !replies.iter().all(searches) {
+                return Err(self.collision(watch));
+            }
+        } else if is_touching {
+            watch.free_readings = 0;
+            self.contact_at.get_or_insert_with(|| counts(replies));
+            if self.is_pressed_deeper(watch, replies) {
+                return Err(self.collision(watch));
+            }
+        } else {
+            watch.free_readings += 1;
+            let way = distance(&watch.from, &counts(replies));
+            if watch.free_readings >= FREE_READINGS && way > self.slack_counts() {
+                self.contact_at = None;
+                self.begin_watch(watch, false)?;
+            }
+        }
+        watch.note(self.line.elapsed_us(), replies);
+        Ok(())
+    }
+
+    /// Looks at a reading of a search for something else than a contact.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`look`](Self::look).
+    pub(super) fn look_in_search(
+        &mut self,
+        watch: &mut Watch,
+        replies: &[Reply],
+    ) -> Result<(), Trouble> {
+        if replies.iter().any(is_closed) {
+            return Err(self.collision(watch));
+        }
+        watch.note(self.line.elapsed_us(), replies);
+        Ok(())
+    }
+
+    /// Whether the probe of axes that stand is pressed.
+    pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
+        let mut replies = self.read()?;
+        if replies.iter().any(is_closed) {
+            // One reading may be wrong and not show it; two alike are not.
+            replies = self.read_twice()?;
+        }
+        // Axes that are held at a contact are on both sides of it in turn.
+        let is_near =
+            |contact: &Vec<i32>| distance(contact, &counts(&replies)) <= self.slack_counts();
+        let is_touching =
+            replies.iter().any(is_closed) || self.contact_at.as_ref().is_some_and(is_near);
+        self.contact_at = match self.contact_at.take() {
+            _ if !is_touching => None,
+            None => Some(counts(&replies)),
+            known => known,
+        };
+        Ok(is_touching)
+    }
+
+    /// Stops all axes, and says why: a contact, if the modules stay with it when they are asked
+    /// again.
+    pub(super) fn collision(&mut self, watch: &Watch) -> Trouble {
+        let has_collided = self.has_collided;
+        self.has_collided = true;
+        match self.met(watch) {
+            Ok(Some(trouble)) | Err(trouble) => trouble,
+            Ok(None) => {
+                self.has_collided = has_collided;
+                Trouble::DoubtfulContact
+            }
+        }
+    }
+
+    fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
+        self.stop(StopWay::Abrupt)?;
+        self.stand(None)?;
+        let replies = self.read_twice()?;
+        // It may have been so short that it is over.
+        let has_latched = watch.is_armed && !replies.iter().any(searches);
+        self.disarm(GUARD)?;
+        if !has_latched && !replies.iter().any(is_closed) {
+            return Ok(None);
+        }
+        let at: Vec<i32> = if has_latched {
+            replies.iter().map(|reply| reply.readings.home).collect()
+        } else {
+            counts(&replies)
+        };
+        let place = self.place_at(&at);
+        // A probe that is pressed deeper has touched first where it had before.
+        if has_latched || self.contact_at.is_none() {
+            self.contact_at = Some(at);
+        }
+        Ok(Some(Trouble::Collision {
+            axes: watch.axes.clone(),
+            at: self.text(place),
+            // Rates are far below 2^53 counts/s.
+            speed: (watch.rate()).map(|rate| self.scale.text_of_rate(rate.round() as i64)),
+        }))
+    }
+
+    /// Whether it goes farther than a probe may be pressed from where it touched first, and away
+    /// from there.
+    fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
+        let Some(contact) = &self.contact_at else {
+            return false;
+        };
+        let way = distance(&counts(replies), contact);
+        way > f64::from(self.probe.over_travel)
+            && way > distance(&watch.from, contact) + self.slack_counts()
+    }
+
+    /// Within this a probe that is pressed is free, on a way off the surface; counts.
+    fn leaving_counts(&self) -> f64 {
+        f64::from(self.probe.over_travel) + f64::from(self.probe.back_off)
+    }
+
+    /// What axes that are held somewhere may be off, and more; counts.
+    fn slack_counts(&self) -> f64 {
+        let most = self.axes.iter().map(|axis| axis.settings.in_position).max();
+        4.0 * f64::from(most.unwrap_or_default())
+    }
+
+    /// As far of a way as a probe that is pressed needs to be free.
+    fn beginning_of(&self, goal: &[i32]) -> Vec<i32> {
+        let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
+        let part = self.leaving_counts() / distance(&from, goal);
+        if part >= 1.0 {
+            return goal.to_vec();
+        }
+        let pairs = from.iter().zip(goal);
+        let between = |(from, goal): (&i32, &i32)| {
+            let way = f64::from(*goal) - f64::from(*from);
+            // Between two counts.
+            (f64::from(*from) + way * part).round() as i32
+        };
+        pairs.map(between).collect()
+    }
+}
+
+/// Where the axes are by these replies, counts.
+fn counts(replies: &[Reply]) -> Vec<i32> {
+    let positions = replies.iter().map(|reply| reply.readings.position);
+    positions.collect()
+}
+
+/// In a straight line, counts.
+fn distance(from: &[i32], to: &[i32]) -> f64 {
+    let ways = from.iter().zip(to);
+    let squares = ways.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));
+    squares.sum::<f64>().sqrt()
+}

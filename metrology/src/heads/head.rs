@@ -1,0 +1,454 @@
+//! The head of a measuring machine: one to three servo axes on a line, moved together in straight
+//! lines.
+
+mod guard;
+mod positions;
+
+use super::line::Line;
+use super::machine::{Machine, ProbeSettings};
+use super::port::Port;
+use super::prober::{Probed, Prober, Touched};
+use super::servo::Servo;
+use super::view::{Errors, View};
+use crate::scale::Scale;
+use crate::trouble::Trouble;
+use husillo_probe::{Edge, UnitVector};
+use husillo_transports::nmc::{
+    CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
+};
+
+/// What is read of a module.
+pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
+
+/// All axes of a machine with their servos on. Positions are amounts of the scale in the order X,
+/// Y, Z; an axis that is not there is always at 0.
+#[derive(Debug)]
+pub struct Head<P> {
+    pub(super) line: Line<P>,
+    pub(super) axes: Vec<Servo>,
+    pub(super) probe: ProbeSettings,
+    pub(super) scale: Scale,
+    /// What readings are called in messages.
+    view: View,
+    /// Time of a step of the modules' profiles, s.
+    pub(super) period_s: f64,
+    /// Slow touches to average.
+    pub(super) touches: u8,
+    /// Stopped by a trouble: where the axes are held is not known.
+    is_astray: bool,
+    /// The axis whose module has given up by itself, until it is told to stop.
+    given_up: Option<usize>,
+    /// Where the probe that is pressed now has touched first, counts.
+    pub(super) contact_at: Option<Vec<i32>>,
+    /// Something was met where nothing was to be touched.
+    pub(super) has_collided: bool,
+}
+
+impl<P: Port> Head<P> {
+    /// Starts the line and the servos of all axes of the machine.
+    ///
+    /// # Errors
+    ///
+    /// No answer, fewer modules than the machine has, no motor power; a machine without axes.
+    pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+        if machine.axes.is_empty() {
+            return Err(Trouble::NoAxis { axis: 'X' });
+        }
+        let chain = line.start_up(machine.baud)?;
+        let wanted = machine.modules();
+        if chain.modules < wanted {
+            let modules = chain.modules;
+            return Err(Trouble::NoModule { wanted, modules });
+        }
+        let mut head = Self {
+            line,
+            axes: machine.axes.iter().copied().map(Servo::new).collect(),
+            probe: machine.probe,
+            scale: machine.scale,
+            view: View::new(Errors::default()),
+            period_s: 0.0,
+            touches,
+            is_astray: false,
+            given_up: None,
+            contact_at: None,
+            has_collided: false,
+        };
+        // A divisor makes the profiles of old modules slower, but only the derivative of version
+        // 10.
+        let periods = head.axes.iter().map(|axis| {
+            let place = usize::from(axis.settings.module).wrapping_sub(1);
+            if chain
+                .devices
+                .get(place)
+                .is_some_and(|(_, version)| *version < 10)
+            {
+                axis.settings.gains.rate_divisor
+            } else {
+                1
+            }
+        });
+        let periods: Vec<u8> = periods.collect();
+        if periods.windows(2).any(|pair| pair[0] != pair[1]) {
+            return Err(Trouble::Periods);
+        }
+        head.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(periods[0]);
+        if let [first, _, ..] = head.axes[..] {
+            // All are in this group since the reset, and the reset of the next session still finds
+            // them there.
+            let group = Group {
+                address: EVERY_GROUP,
+                is_leader: true,
+            };
+            let address = first.settings.module;
+            head.line
+                .command(address, Command::SetAddress { address, group })?;
+        }
+        for index in 0..head.axes.len() {
+            head.switch_on(index)?;
+        }
+        Ok(head)
+    }
+
+    fn switch_on(&mut self, index: usize) -> Result<(), Trouble> {
+        let axis = self.axes[index];
+        let module = axis.settings.module;
+        self.line
+            .command(module, Command::SetGain(axis.settings.gains))?;
+        self.line.command(module, stop(StopWay::Abrupt))?;
+        self.line.command(module, Command::ClearBits)?;
+        // A reset has done it already, but not on every module.
+        self.line
+            .command(module, Command::ResetPosition(Reset::Zero))?;
+        let reply = self.read_axis_twice(&axis, READ)?;
+        let at = reply.readings.position;
+        axis.check(&reply, || self.axis_text(index, at))?;
+        self.hold(index, reply.readings.position)
+    }
+
+    /// How it probes.
+    pub const fn probe(&self) -> &ProbeSettings {
+        &self.probe
+    }
+
+    /// What the module of a standing axis says of itself.
+    ///
+    /// # Errors
+    ///
+    /// No answer.
+    pub fn status(&mut self, coordinate: usize) -> Result<Reply, Trouble> {
+        let items = READ
+            .with(Items::AUXILIARY)
+            .with(Items::CURRENT)
+            .with(Items::DEVICE);
+        let axis = self.axes[self.index(coordinate)?];
+        self.read_axis_twice(&axis, items)
+    }
+
+    /// Goes to a place in a straight line and returns where the axes stand.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`]; outside of the travel nothing moves.
+    pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_at(goal, None)
+    }
+
+    /// The same at `rate` counts/s at most.
+    fn go_at(&mut self, goal: [i64; 3], rate: Option<u32>) -> Result<[i64; 3], Trouble> {
+        let meant = goal;
+        let goal = self.counts(goal)?;
+        self.check_travel(&goal, meant)?;
+        let way = self.travel(&goal, rate, None)?;
+        Ok(self.place_of(&way.replies))
+    }
+
+    /// Counts/s of a speed in amounts of the scale a minute; not above it, but at least 1.
+    fn rate(&self, per_min: u64) -> u32 {
+        let per_min = i64::try_from(per_min).unwrap_or(i64::MAX);
+        let rate = self.scale.to_counts(per_min) / 60;
+        // Not negative.
+        u32::try_from(rate.max(1)).unwrap_or(u32::MAX)
+    }
+
+    /// The place in the machine file of an axis, 0 for X to 2 for Z.
+    pub(crate) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
+        let mut axes = self.axes.iter();
+        let found = axes.position(|axis| axis.settings.coordinate() == coordinate);
+        found.ok_or(Trouble::NoAxis {
+            axis: "XYZ".chars().nth(coordinate).unwrap_or('?'),
+        })
+    }
+}
+
+/// Whether no motion goes on.
+pub(super) fn is_done(reply: &Reply) -> bool {
+    reply.status.contains(Status::MOVE_DONE)
+}
+
+/// Stops, with the amplifier on.
+pub(super) const fn stop(way: StopWay) -> Command {
+    Command::StopMotor(Stop {
+        amplifier: true,
+        way: Some(way),
+    })
+}
+
+impl<P: Port> Prober for Head<P> {
+    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        let replies = self.read_twice()?;
+        Ok(self.place_of(&replies))
+    }
+
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_to(goal_nm)
+    }
+
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.go_at(goal_nm, Some(self.rate(nm_per_min)))
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.search_to(goal_nm, self.rate(nm_per_min), until)
+    }
+
+    fn has_collided(&self) -> bool {
+        self.has_collided()
+    }
+
+    fn see_as(&mut self, view: &View) {
+        self.view = view.clone();
+    }
+
+    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
+        let measurement = self.touch(direction, way_nm)?;
+        Ok(Touched {
+            centre_nm: measurement.touch.position,
+            touches: measurement.touches,
+            spread_nm: measurement.spread,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::heads::operator::Operator as _;
+    use crate::heads::operator::StopButton;
+    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use husillo_probe::Failure;
+
+    type Head = super::Head<SimulatedPort>;
+
+    const MM: i64 = 1_000_000;
+
+    /// The machine of three axes with a face 4 mm below.
+    fn head() -> Head {
+        started("3:..-2000", StopButton::default())
+    }
+
+    /// The machine of three axes with a face.
+    fn started(face: &str, button: StopButton) -> Head {
+        let chain = SimulatedChain::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
+        let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
+        Head::start(line, &three_axes(), 1).unwrap()
+    }
+
+    /// Seconds of what is done.
+    fn seconds<T>(head: &mut Head, what: impl FnOnce(&mut Head) -> T) -> (f64, T) {
+        let before = head.line.elapsed_us();
+        let result = what(head);
+        ((head.line.elapsed_us() - before) as f64 / 1e6, result)
+    }
+
+    #[test]
+    fn a_feed_is_the_speed_of_the_path() {
+        let mut head = head();
+        // 3 mm at 45 mm/min: 4 s, the ramps, and the time to stand.
+        let goal = [2 * MM, 2 * MM, MM];
+        let (time, _) = seconds(&mut head, |head| head.feed_to(goal, 45_000_000).unwrap());
+        assert!((4.06..4.3).contains(&time), "{time} s");
+        // Beyond the machine's own, it is the machine's own.
+        let (most, _) = seconds(&mut head, |head| head.go_to([0; 3]).unwrap());
+        let (time, _) = seconds(&mut head, |head| head.feed_to(goal, u64::MAX).unwrap());
+        assert!(
+            (time - most).abs() < 0.1 && most < 2.0,
+            "{time} s, {most} s"
+        );
+    }
+
+    /// Where the motors are, now and a second later.
+    fn motors(head: &mut Head) -> [[i64; 3]; 2] {
+        let chain = &mut head.line.port().chain;
+        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
+        let before = at();
+        for _ in 0..2000 {
+            chain.tick();
+        }
+        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
+        [before, at()]
+    }
+
+    #[test]
+    fn a_module_that_is_gone_stops_the_others() {
+        let mut head = head();
+        // Without supply from 1 to 1.5 s on; the way takes 3.
+        head.line.port().chain.interrupt(1, 3000);
+        let gone = head.go_to([6 * MM, 6 * MM, 0]);
+        assert!(gone.is_err(), "{gone:?}");
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        for axis in [0, 2] {
+            assert!(at[axis].abs_diff(later[axis]) <= 1, "{at:?} {later:?}");
+        }
+        assert!((100..2900).contains(&at[0]), "{at:?}");
+    }
+
+    #[test]
+    fn an_interrupted_move_ends_before_its_goal_and_another_may_follow() {
+        let button = StopButton::default();
+        let mut head = started("3:..-2000", button.clone());
+        head.line.port().chain.ask_after(2000, button.clone());
+        let ended = head.go_to([6 * MM, 6 * MM, 0]);
+        assert!(matches!(ended, Err(Trouble::Interrupted)), "{ended:?}");
+        assert!(button.has_stopped() && !button.is_stop_wanted());
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        assert!((100..2900).contains(&at[0]), "{at:?}");
+        assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
+        // What it holds now is where it stands, so that this is a straight way.
+        let there = head.go_to([5 * MM, 2 * MM, MM]).unwrap();
+        let wanted = [5 * MM, 2 * MM, MM];
+        assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
+        // A jog, in the same way.
+        head.line.port().chain.ask_after(1000, button);
+        assert!(head.jog(0, true, 60.0, false).is_err());
+        motors(&mut head);
+        let [at, later] = motors(&mut head);
+        assert!(at[0].abs_diff(later[0]) <= 1, "{at:?} {later:?}");
+    }
+
+    /// Whoever starts a jog and goes away finds the axis at the end of its travel, not beyond it.
+    #[test]
+    fn a_jog_that_nobody_stops_ends_at_the_end_of_the_travel() {
+        let mut head = head();
+        head.axes[0].settings.travel = [-1000, 1000];
+        head.jog(0, true, 60.0, false).unwrap();
+        assert!((998..=1000).contains(&head.axes[0].held));
+        // Already there.
+        head.jog(0, true, 60.0, false).unwrap();
+        let [at, _] = motors(&mut head);
+        assert!((998..=1000).contains(&at[0]), "{at:?}");
+    }
+
+    /// The face is at -4 mm, which is -2000 counts.
+    #[test]
+    fn a_contact_on_the_way_stops_all_axes_and_is_left_slowly() {
+        let mut head = head();
+        let met = head.go_to([6 * MM, 0, -12 * MM]);
+        let Err(Trouble::Collision { axes, at, speed }) = met else {
+            panic!("{met:?}")
+        };
+        assert_eq!(axes, "XZ");
+        assert!(at.contains("Z -4.000"), "{at}");
+        // 2.4 mm/s on Z, half of it on X.
+        let speed: f64 = speed.unwrap().trim_end_matches(" mm/s").parse().unwrap();
+        assert!((2.5..2.9).contains(&speed), "{speed}");
+        assert!(head.has_collided());
+        let [at, later] = motors(&mut head);
+        // 50 um: what the motor runs on as the host repeats the stop.
+        assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
+        assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
+
+        // Deeper in steps: not by more than a probe takes, 100 counts.
+        let mut depth = 0;
+        let stopped = loop {
+            depth += 1;
+            match head.go_to([2 * MM, 0, -4 * MM - depth * MM / 10]) {
+                Ok(_) => assert!(depth < 9, "nothing stops it"),
+                Err(trouble) => break trouble,
+            }
+        };
+        assert!(matches!(stopped, Trouble::Collision { .. }), "{stopped}");
+        let [at, _] = motors(&mut head);
+        assert!((-2130..=-2096).contains(&at[2]), "{at:?}");
+
+        // Off the surface, 0.32 mm at 0.4 mm/s of the 4.4, and the rest at 2.4 mm/s.
+        let (time, there) = seconds(&mut head, |head| head.go_to([2 * MM, 0, 0]));
+        assert!(there.unwrap()[2].abs_diff(0) <= 2_000);
+        assert!((2.2..3.8).contains(&time), "{time} s");
+        assert!(head.go_to([0, 0, -3 * MM]).is_ok());
+        // A jog meets it as well.
+        let met = head.jog(2, false, 60.0, false);
+        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        let [at, _] = motors(&mut head);
+        assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
+    }
+
+    /// The index of Z is below the face: a homing that meets it is no home.
+    #[test]
+    fn homing_against_a_face_is_a_collision() {
+        let mut head = started("3:150", StopButton::default());
+        head.go_to([0, 0, MM / 10]).unwrap();
+        let met = head.home(2);
+        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        let [at, _] = motors(&mut head);
+        assert!(at[2].abs_diff(150) <= 4, "{at:?}");
+        // In contact it is not begun.
+        let begun = head.home(2);
+        assert!(
+            matches!(begun, Err(Trouble::Probe(Failure::ContactAtStart))),
+            "{begun:?}"
+        );
+    }
+
+    #[test]
+    fn there_and_off_again_at_the_feed() {
+        let mut head = head();
+        head.go_to([0, 0, -3 * MM]).unwrap();
+        // 1 mm at 12 mm/min: 5 s.
+        let down = |head: &mut Head, feed| head.probe_to([0, 0, -9 * MM], feed, Edge::Made);
+        let up = |head: &mut Head, feed| head.probe_to([0, 0, -3 * MM], feed, Edge::Broken);
+        let (time, made) = seconds(&mut head, |head| down(head, 12_000_000).unwrap());
+        assert!((5.0..5.3).contains(&time), "{time} s");
+        let [.., z] = made.changed_nm.unwrap();
+        assert!(z.abs_diff(-4 * MM) <= 2_000, "{made:?}");
+        // It stands there, pressed: not backed off.
+        assert!((z - 20_000..=z).contains(&made.at_nm[2]), "{made:?}");
+        assert!(matches!(
+            down(&mut head, 12_000_000),
+            Err(Trouble::Probe(Failure::ContactAtStart))
+        ));
+        let broken = up(&mut head, 12_000_000).unwrap();
+        let [.., z] = broken.changed_nm.unwrap();
+        assert!(
+            z.abs_diff(-4 * MM) <= 2_000 && broken.at_nm[2] >= z,
+            "{broken:?}"
+        );
+        assert!(matches!(
+            up(&mut head, 12_000_000),
+            Err(Trouble::NotTouching)
+        ));
+
+        // A feed beyond that of a search is that of a search, 0.4 mm/s: 2.5 s and what it takes to
+        // stand.
+        head.go_to([0, 0, -3 * MM]).unwrap();
+        let (time, made) = seconds(&mut head, |head| down(head, u64::MAX).unwrap());
+        assert!((2.5..2.8).contains(&time), "{time} s");
+        // Along the face there is no end of the contact.
+        let at = made.at_nm;
+        let ended = head
+            .probe_to([MM, 0, at[2]], 24_000_000, Edge::Broken)
+            .unwrap();
+        assert_eq!(ended.changed_nm, None);
+        assert!(ended.at_nm[0].abs_diff(MM) <= 2_000, "{ended:?}");
+        // Beyond the travel nothing moves.
+        let beyond = head.probe_to([0, 0, 900 * MM], 24_000_000, Edge::Broken);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert_eq!(head.held()[0], MM);
+    }
+}

@@ -1,0 +1,118 @@
+//! Counts of the axes as positions, and back.
+
+use super::Head;
+use crate::heads::port::Port;
+use crate::heads::servo::Servo;
+use crate::trouble::Trouble;
+use husillo_probe::UnitVector;
+use husillo_transports::nmc::Reply;
+
+impl<P: Port> Head<P> {
+    /// Where the axes are to be.
+    pub fn held(&self) -> [i64; 3] {
+        self.place(|_, axis| axis.held)
+    }
+
+    /// Where the axes are by these replies.
+    pub fn place_of(&self, replies: &[Reply]) -> [i64; 3] {
+        self.place(|index, _| replies[index].readings.position)
+    }
+
+    /// Where the axes are at these counts, one each.
+    pub(crate) fn place_at(&self, counts: &[i32]) -> [i64; 3] {
+        self.place(|index, _| counts[index])
+    }
+
+    /// Where the axes were by these replies when they found what they looked for.
+    pub fn latched(&self, replies: &[Reply]) -> [i64; 3] {
+        self.place(|index, _| replies[index].readings.home)
+    }
+
+    /// Readings of all axes for people.
+    pub fn text(&self, readings: [i64; 3]) -> String {
+        let place = self.view.position(readings);
+        let numbers = self.axes.iter().map(|axis| {
+            let position = place[axis.settings.coordinate()];
+            match self.axes.len() {
+                1 => self.scale.text(position),
+                _ => format!("{} {}", axis.settings.letter, self.scale.text(position)),
+            }
+        });
+        numbers.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Counts of an axis for people, as in `X 1200 counts`, with the others where they are held.
+    pub(crate) fn axis_text(&self, index: usize, counts: i32) -> String {
+        let axis = &self.axes[index];
+        let text = self.scale.text(self.seen(index, self.held(), counts));
+        format!("{} {text}", axis.settings.letter)
+    }
+
+    /// The position of an axis at these counts, with the others at these readings.
+    fn seen(&self, index: usize, mut readings: [i64; 3], counts: i32) -> i64 {
+        let axis = &self.axes[index];
+        let coordinate = axis.settings.coordinate();
+        readings[coordinate] = axis.position(self.scale, counts);
+        self.view.position(readings)[coordinate]
+    }
+
+    fn place(&self, counts: impl Fn(usize, &Servo) -> i32) -> [i64; 3] {
+        let mut place = [0; 3];
+        for (index, axis) in self.axes.iter().enumerate() {
+            place[axis.settings.coordinate()] = axis.position(self.scale, counts(index, axis));
+        }
+        place
+    }
+
+    /// Counts of a place, an axis each.
+    ///
+    /// # Errors
+    ///
+    /// It is beside the axes of the machine.
+    pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
+        for (axis, position) in "XYZ".chars().zip(place) {
+            if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
+                return Err(Trouble::NoAxis { axis });
+            }
+        }
+        let of = |axis: &Servo| axis.counts(self.scale, place[axis.settings.coordinate()]);
+        Ok(self.axes.iter().map(of).collect())
+    }
+
+    /// Whether all axes may go to these counts, meant by these readings.
+    ///
+    /// # Errors
+    ///
+    /// The first that may not.
+    pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
+        for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
+            let [low, high] = axis.settings.travel;
+            if !(low..=high).contains(goal) {
+                let there = self.view.position(meant)[axis.settings.coordinate()];
+                let text = |counts| self.scale.text(self.seen(index, meant, counts));
+                return Err(Trouble::OutsideTravel {
+                    goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
+                    travel: axis.settings.travel.map(text),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// How far it is in a direction to the end of the travel.
+    pub fn room(&self, direction: &UnitVector) -> u64 {
+        let components = direction.components().map(|part| part.to_num::<f64>());
+        let rooms = self.axes.iter().map(|axis| {
+            let [low, high] = axis.travel(self.scale);
+            let at = axis.position(self.scale, axis.held);
+            // Travels are far below 2^53 nm, and 0 / 0 is no room to `min`.
+            match components[axis.settings.coordinate()] {
+                part if part > 0.0 => (high - at) as f64 / part,
+                part if part < 0.0 => (low - at) as f64 / part,
+                _ => f64::INFINITY,
+            }
+        });
+        // Nothing is left of a negative one.
+        rooms.fold(f64::INFINITY, f64::min) as u64
+    }
+}

@@ -1,0 +1,77 @@
+//! Home on the index of an encoder.
+
+use super::head::Head;
+use super::port::Port;
+use super::search::Search;
+use super::touching::is_closed;
+use super::way::Way;
+use crate::trouble::Trouble;
+use husillo_probe::Failure;
+use husillo_transports::nmc::{Auxiliary, Homing};
+
+impl<P: Port> Head<P> {
+    /// Searches the index of an axis in the positive direction, once at the speed of a search and
+    /// once slowly, as every turn of the encoder has one and only the edge that is met from this
+    /// side counts. It becomes position 0, and the axis goes there.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble::NoIndex`] up to the end of the travel, a contact at the start, and all of
+    /// [`travel`](Self::travel).
+    pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
+        let index = self.index(coordinate)?;
+        let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
+        let reply = self.status(coordinate)?;
+        if is_closed(&reply) {
+            // It would leave the contact without anybody looking.
+            return Err(Trouble::Probe(Failure::ContactAtStart));
+        }
+        if reply.readings.auxiliary.contains(Auxiliary::INDEX) {
+            self.back_from(index, self.axes[index].held)?;
+        }
+        let found = self.search_index(index, quick)?;
+        self.back_from(index, found)?;
+        let found = self.search_index(index, slow)?;
+        self.axes[index].origin = found;
+        self.only(index, found, None, quick).map(drop)
+    }
+
+    /// Goes to before some count.
+    fn back_from(&mut self, index: usize, count: i32) -> Result<(), Trouble> {
+        let [low, _] = self.axes[index].settings.travel;
+        let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
+        let before = count.saturating_sub(back_off).max(low);
+        self.only(index, before, None, self.probe.rate).map(drop)
+    }
+
+    /// The count of the next index.
+    fn search_index(&mut self, index: usize, rate: u32) -> Result<i32, Trouble> {
+        let axis = &self.axes[index];
+        let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
+        let search = Search {
+            // The contact ends it as well: a collision.
+            events: Homing::INDEX.with(Homing::LIMIT_1),
+            stop: Homing::ABRUPT,
+            only: Some(index),
+        };
+        let way = self.only(index, high, Some(search), rate)?;
+        if way.is_found {
+            Ok(way.replies[index].readings.home)
+        } else {
+            Err(Trouble::NoIndex { axis: letter })
+        }
+    }
+
+    /// A way of one axis.
+    fn only(
+        &mut self,
+        index: usize,
+        count: i32,
+        search: Option<Search>,
+        rate: u32,
+    ) -> Result<Way, Trouble> {
+        let mut goal: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
+        goal[index] = count;
+        self.travel(&goal, Some(rate), search)
+    }
+}

@@ -1,0 +1,91 @@
+//! An axis that runs for some time.
+
+use super::head::{Head, is_done, stop};
+use super::port::Port;
+use super::touching::is_closed;
+use super::way::per_period;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
+
+impl<P: Port> Head<P> {
+    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it
+    /// smoothly. From a
+    /// contact it runs at that of a search. It is a move to the end of the
+    /// travel that is broken off: there the module ends it, host or not.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`]; all axes are stopped then.
+    pub fn jog(
+        &mut self,
+        coordinate: usize,
+        is_positive: bool,
+        seconds: f64,
+        is_slow: bool,
+    ) -> Result<(), Trouble> {
+        let index = self.index(coordinate)?;
+        self.guarded(|head| head.run(index, is_positive, seconds, is_slow))
+    }
+
+    fn run(
+        &mut self,
+        index: usize,
+        is_positive: bool,
+        seconds: f64,
+        is_slow: bool,
+    ) -> Result<(), Trouble> {
+        let axis = self.axes[index];
+        let [low, high] = axis.settings.travel;
+        // It may stand as far beyond its goal.
+        let slack = axis.settings.in_position as i32;
+        let goal = if is_positive {
+            high.saturating_sub(slack)
+        } else {
+            low.saturating_add(slack)
+        };
+        if (goal > axis.held) != is_positive || goal == axis.held {
+            // At the end of the travel already.
+            return Ok(());
+        }
+        let is_touching = self.is_touching()?;
+        let mut goals: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
+        goals[index] = goal;
+        let mut watch = self.watch(&goals);
+        self.begin_watch(&mut watch, is_touching)?;
+        let rate = if is_slow || is_touching {
+            self.probe.rate.min(axis.settings.rate)
+        } else {
+            axis.settings.rate
+        };
+        let (velocity, acceleration) =
+            per_period(rate, axis.settings.acceleration.into(), self.period_s);
+        self.line.command(
+            axis.settings.module,
+            Command::LoadTrajectory(Trajectory {
+                position: Some(goal),
+                velocity: Some(velocity),
+                acceleration: Some(acceleration),
+                mode: Mode::Trapezoid,
+                start_now: true,
+                ..Trajectory::default()
+            }),
+        )?;
+        let end_us = self.line.elapsed_us() + (seconds * 1e6) as u64;
+        while self.line.elapsed_us() < end_us {
+            let replies = self.read()?;
+            self.look(&mut watch, &replies)?;
+            let reply = &replies[index];
+            if is_done(reply) && axis.is_near(reply.readings.position, goal) {
+                break;
+            }
+        }
+        self.line
+            .command(axis.settings.module, stop(StopWay::Smooth))?;
+        let was_armed = self.end_watch(&mut watch)?;
+        let replies = self.settle()?;
+        if was_armed && replies.iter().any(is_closed) {
+            return Err(self.collision(&watch));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,211 @@
+//! A line of modules behind a port: one step of the protocol after another.
+
+use super::operator::Operator;
+use super::port::Port;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{
+    Baud, Chain, Command, Host, Items, Next, Outcome, Progress, Reply, Startup, Step,
+};
+use std::fmt;
+
+/// The host's end of the line.
+pub struct Line<P> {
+    port: P,
+    host: Host,
+    operator: Box<dyn Operator>,
+}
+
+impl<P: fmt::Debug> fmt::Debug for Line<P> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { port, host, .. } = self;
+        let mut text = out.debug_struct("Line");
+        text.field("port", port).field("host", host);
+        text.finish_non_exhaustive()
+    }
+}
+
+impl<P: Port> Line<P> {
+    /// At a port, without an operator.
+    pub fn new(port: P) -> Self {
+        let host = Host::new(port.timing(Baud::default()));
+        Self {
+            port,
+            host,
+            operator: Box::new(()),
+        }
+    }
+
+    /// No step begins while the operator wants a stop that nobody has seen to.
+    #[must_use]
+    pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
+        Self {
+            operator: Box::new(operator),
+            ..self
+        }
+    }
+
+    /// Who stands before the machine.
+    pub(crate) fn operator(&self) -> &dyn Operator {
+        &*self.operator
+    }
+
+    #[cfg(test)]
+    pub(super) fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
+    #[cfg(test)]
+    pub(super) fn into_port(self) -> P {
+        self.port
+    }
+
+    /// Time since the port was opened, us.
+    pub fn elapsed_us(&self) -> u64 {
+        self.port.elapsed_us()
+    }
+
+    /// Flush, reset, addresses, versions, rate. Where nobody answers, once more with a reset of
+    /// every address.
+    ///
+    /// # Errors
+    ///
+    /// The port fails, nobody answers, or not clearly.
+    pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Trouble> {
+        match self.start_by(baud, Startup::new(baud)) {
+            // An earlier session may have left them in groups that do not hear the reset of all.
+            Err(Trouble::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
+            other => other,
+        }
+    }
+
+    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Chain, Trouble> {
+        self.host.set_timing(self.port.timing(Baud::default()));
+        let mut outcome = None;
+        loop {
+            match startup.next(outcome.as_ref()) {
+                Next::Done(chain) if !chain.is_complete => return Err(Trouble::Doubtful),
+                Next::Done(chain) if chain.modules == 0 => return Err(Trouble::NoModules),
+                Next::Done(chain) => {
+                    self.host.set_timing(self.port.timing_of_known(baud));
+                    return Ok(chain);
+                }
+                Next::Step(step) => {
+                    outcome = match self.step(step) {
+                        Ok(outcome) => Some(outcome),
+                        // A rate that a module has not: the start-up goes on without it.
+                        Err(Trouble::Refused(_)) => None,
+                        Err(trouble) => return Err(trouble),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sends a command to a module.
+    ///
+    /// # Errors
+    ///
+    /// The port or the link fails.
+    pub fn command(&mut self, address: u8, command: Command) -> Result<Reply, Trouble> {
+        self.answer(Step::Request { address, command })
+    }
+
+    /// Reads a standing axis until two readings agree, positions to `jitter_counts`.
+    ///
+    /// # Errors
+    ///
+    /// The port or the link fails.
+    pub fn read_twice(
+        &mut self,
+        address: u8,
+        items: Items,
+        jitter_counts: u32,
+    ) -> Result<Reply, Trouble> {
+        self.answer(Step::ReadTwice {
+            address,
+            items,
+            jitter_counts,
+        })
+    }
+
+    fn answer(&mut self, step: Step) -> Result<Reply, Trouble> {
+        match self.step(step)? {
+            Outcome::Answered(reply) | Outcome::Confirmed(reply) => Ok(reply),
+            Outcome::Sent => Ok(Reply::default()),
+            Outcome::Failed(failure) => Err(Trouble::Link(failure)),
+        }
+    }
+
+    fn step(&mut self, step: Step) -> Result<Outcome, Trouble> {
+        if self.operator.is_stop_wanted() {
+            return Err(Trouble::Interrupted);
+        }
+        if let Step::Switch(baud) = step {
+            self.port.set_baud(baud)?;
+            self.host.set_timing(self.port.timing(baud));
+        }
+        self.host.start(step, self.now_us())?;
+        loop {
+            let now_us = self.now_us();
+            let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now_us)).collect();
+            if !bytes.is_empty() {
+                self.operator.sent(&bytes);
+                self.port.send(&bytes)?;
+            }
+            match self.host.poll(self.now_us()) {
+                Progress::Done(outcome) => return Ok(outcome),
+                Progress::Waiting { us } => {
+                    let bytes = self.port.receive(us)?;
+                    if !bytes.is_empty() {
+                        self.operator.received(&bytes);
+                    }
+                    let now_us = self.now_us();
+                    bytes.iter().for_each(|byte| self.host.push(*byte, now_us));
+                }
+                Progress::Sending | Progress::Idle => {}
+            }
+        }
+    }
+
+    /// As the host counts: modulo 2^32.
+    fn now_us(&self) -> u32 {
+        self.port.elapsed_us() as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::{SimulatedChain, SimulatedPort};
+    use husillo_transports::nmc::Group;
+
+    /// As any program may leave them: other addresses, another group.
+    #[test]
+    fn modules_in_other_groups_are_found() {
+        let chain = SimulatedChain::new(&[4; 2], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(chain));
+        assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
+        let group = Group {
+            address: 0x90,
+            is_leader: false,
+        };
+        for (old, address) in [(1, 17), (2, 32)] {
+            let moved = Command::SetAddress { address, group };
+            let port = &mut line.port;
+            port.send(moved.frame(old).bytes()).unwrap();
+            port.receive(100_000).unwrap();
+        }
+        assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
+        line.command(2, Command::NoOperation).unwrap();
+    }
+
+    #[test]
+    fn a_line_without_modules_is_told() {
+        let chain = SimulatedChain::new(&[], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(chain));
+        assert!(matches!(
+            line.start_up(Baud::B19200),
+            Err(Trouble::NoModules)
+        ));
+    }
+}

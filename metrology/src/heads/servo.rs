@@ -1,0 +1,67 @@
+//! An axis of the machine: a servo that is on, and where its counts lie.
+
+use super::machine::AxisSettings;
+use crate::scale::Scale;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{Reply, Status};
+
+/// An axis behind a module. Counts are the module's own, which begin with 0 where it was reset.
+#[derive(Clone, Copy, Debug)]
+pub struct Servo {
+    /// What is known of it.
+    pub settings: AxisSettings,
+    /// Counts at position 0.
+    pub origin: i32,
+    /// What it was told to hold last, or to go to.
+    pub held: i32,
+}
+
+impl Servo {
+    /// At its reset position.
+    pub const fn new(settings: AxisSettings) -> Self {
+        Self {
+            settings,
+            origin: 0,
+            held: 0,
+        }
+    }
+
+    /// Counts as a position, an amount of the scale.
+    pub fn position(&self, scale: Scale, counts: i32) -> i64 {
+        scale.of_counts(i64::from(counts) - i64::from(self.origin))
+    }
+
+    /// A position as counts, to the nearest; saturated, which is outside of any travel.
+    pub fn counts(&self, scale: Scale, position: i64) -> i32 {
+        let counts = scale.to_counts(position).saturating_add(self.origin.into());
+        i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
+    }
+
+    /// The travel as positions.
+    pub fn travel(&self, scale: Scale) -> [i64; 2] {
+        self.settings.travel.map(|end| self.position(scale, end))
+    }
+
+    /// Whether counts are as near as a move may end.
+    pub const fn is_near(&self, counts: i32, other: i32) -> bool {
+        counts.abs_diff(other) <= self.settings.in_position
+    }
+
+    /// Whether it goes on as it should; `at` is where it is, for people.
+    ///
+    /// # Errors
+    ///
+    /// What it says of itself.
+    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
+        if !reply.status.contains(Status::POWER_ON) {
+            let axis = self.settings.letter;
+            Err(Trouble::NoPower { axis })
+        } else if reply.status.contains(Status::OVERCURRENT) {
+            Err(Trouble::OverCurrent { at: at() })
+        } else if reply.status.contains(Status::POSITION_ERROR) {
+            Err(Trouble::PositionError { at: at() })
+        } else {
+            Ok(())
+        }
+    }
+}

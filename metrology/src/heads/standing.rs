@@ -1,0 +1,82 @@
+//! Axes that come to rest.
+
+use super::head::{Head, is_done};
+use super::port::Port;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::Reply;
+
+/// Longest time from the end of a profile until the axes stand, us.
+pub const SETTLING_US: u64 = 2_000_000;
+
+/// Readings in a row, all in position, before the axes stand.
+const STILL_READINGS: u32 = 3;
+
+impl<P: Port> Head<P> {
+    /// Waits until all axes stand: at the goal, or where they stop.
+    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
+        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
+        let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
+        loop {
+            let replies = self.read()?;
+            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
+            let is_near = |to: &[i32]| {
+                let mut pairs = self.axes.iter().zip(at.iter().zip(to));
+                pairs.all(|(axis, (at, to))| axis.is_near(*at, *to))
+            };
+            let is_still = replies.iter().all(is_done)
+                && goal.is_none_or(is_near)
+                && before.as_deref().is_some_and(is_near);
+            still = if is_still { still + 1 } else { 0 };
+            if still >= STILL_READINGS {
+                return Ok(replies);
+            }
+            // Axes that stand at the last reading get those that they need, however late a busy
+            // computer makes them.
+            if let Some(before) = before.as_deref().filter(|_| still == 0) {
+                if self.line.elapsed_us() > end_us {
+                    return Err(self.late(goal, before, &replies));
+                }
+            }
+            before = Some(at);
+        }
+    }
+
+    /// Waits until the axes have stopped by themselves, reads them until two readings agree, and
+    /// holds them there.
+    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
+        self.stand(None)?;
+        let replies = self.read_twice()?;
+        for (index, reply) in replies.iter().enumerate() {
+            self.hold(index, reply.readings.position)?;
+        }
+        Ok(replies)
+    }
+
+    /// The longest that an axis may take to brake, us. An oblique way has one time law for all
+    /// axes, made of the limits of one of them, so that it takes no longer.
+    fn braking_us(&self) -> u64 {
+        let axes = self.axes.iter().map(|axis| {
+            // Not 0 in any machine file; 2^32 s at most.
+            u64::from(axis.settings.rate) * 1_000_000 / u64::from(axis.settings.acceleration.max(1))
+        });
+        axes.max().unwrap_or_default()
+    }
+
+    /// Why the time is over: an axis that has not ended its motion, or the one that is farthest
+    /// from where it was to be, or had been.
+    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
+        let meant = goal.unwrap_or(before);
+        let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
+        let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
+        let moving = replies.iter().position(|reply| !is_done(reply));
+        let index = moving.unwrap_or(farthest);
+        let at = self.axis_text(index, replies[index].readings.position);
+        match (moving, goal) {
+            (None, Some(goal)) => Trouble::NotThere {
+                goal: self.axis_text(index, goal[index]),
+                at,
+            },
+            _ => Trouble::StillMoving { at },
+        }
+    }
+}

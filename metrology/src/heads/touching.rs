@@ -1,0 +1,201 @@
+//! Probing by a head: moves until the contact changes, and the probing cycle.
+
+use super::head::Head;
+use super::port::Port;
+use super::prober::Probed;
+use super::search::Search;
+use super::way::Way;
+use crate::trouble::Trouble;
+use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
+use husillo_transports::nmc::{Homing, Reply, Status};
+
+impl<P: Port> Head<P> {
+    /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until
+    /// the contact is made or broken, and stays where it has braked.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside
+    /// of the travel, nothing moves.
+    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
+        self.find_again()?;
+        let replies = self.read_twice()?;
+        // The modules look for a change, whichever.
+        if replies.iter().any(is_closed) == until.level() {
+            return Err(match until {
+                Edge::Made => Trouble::Probe(Failure::ContactAtStart),
+                Edge::Broken => Trouble::NotTouching,
+            });
+        }
+        let meant = goal;
+        let goal = self.counts(goal)?;
+        self.check_travel(&goal, meant)?;
+        let search = Search {
+            events: Homing::LIMIT_1,
+            stop: Homing::SMOOTH,
+            only: None,
+        };
+        let way = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
+        let at_nm = self.place_of(&way.replies);
+        if !way.is_found {
+            if way.replies.iter().any(is_closed) == until.level() {
+                return Err(Trouble::NotLatched {
+                    at: self.text(at_nm),
+                });
+            }
+            return Ok(Probed {
+                changed_nm: None,
+                at_nm,
+            });
+        }
+        let changed_nm = self.latched(&way.replies);
+        let beyond = [0, 1, 2].map(|axis: usize| (at_nm[axis] - changed_nm[axis]) as f64);
+        let beyond = beyond.iter().map(|way| way * way).sum::<f64>().sqrt();
+        let over_travel = self.scale.of_counts(self.probe.over_travel.into());
+        if until == Edge::Made && beyond > over_travel as f64 {
+            return Err(Trouble::Probe(Failure::OverTravel));
+        }
+        Ok(Probed {
+            changed_nm: Some(changed_nm),
+            at_nm,
+        })
+    }
+
+    /// Searches the work piece from where the head stands in any direction, at most so far and not
+    /// beyond the travel, touches it slowly and returns the mean of what was latched, in amounts of
+    /// the scale.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`], the probing cycle's own among them.
+    pub fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+        self.find_again()?;
+        let from = self.held();
+        let search = way.min(self.room(direction)).min(u32::MAX.into());
+        let amount = |counts: u32| {
+            let amount = self.scale.of_counts(counts.into());
+            u32::try_from(amount).unwrap_or(u32::MAX)
+        };
+        let mut cycle = Cycle::new(&Plan {
+            approach: from,
+            direction: *direction,
+            // Just cut to 32 bits.
+            search: search as u32,
+            over_travel: amount(self.probe.over_travel),
+            back_off: amount(self.probe.back_off),
+            touches: self.touches,
+            travel_speed: self.probe.rate,
+            probing_speed: self.probe.rate,
+            slow_speed: self.probe.slow_rate,
+            back_off_speed: self.probe.rate,
+            until: Edge::Made,
+        })
+        .map_err(Trouble::Plan)?;
+        let mut way = Way {
+            replies: self.read()?,
+            is_found: false,
+        };
+        // The way was a search, and not found; the contact closed without a latch.
+        let (mut is_in_vain, mut unlatched) = (false, None);
+        // Where a move of the cycle would have ended, had there been room.
+        let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
+        loop {
+            let position = self.place_of(&way.replies);
+            let is_closed = way.replies.iter().any(is_closed);
+            if is_in_vain && is_closed {
+                // What the modules have latched is of an earlier contact.
+                unlatched = Some(position);
+            }
+            let input = Input {
+                position,
+                // A contact is told once, by its latch; whether it lasts is the level.
+                contact: way.is_found || (is_closed && !is_in_vain),
+                latched: self.latched(&way.replies),
+                // Each request is carried out before the next is asked for.
+                still: true,
+            };
+            way.is_found = false;
+            is_in_vain = false;
+            match cycle.tick(&input) {
+                Request::Move { target, speed } => {
+                    let along = [0, 1, 2].map(|axis| target[axis] - input.position[axis]);
+                    let is_search = target != from && direction.length_along(along) > 0;
+                    let search = is_search.then_some(Search {
+                        events: Homing::LIMIT_1,
+                        stop: Homing::SMOOTH,
+                        only: None,
+                    });
+                    let wanted = self.counts(target)?;
+                    let goal = self.within_travel(&wanted);
+                    if goal != wanted {
+                        beyond = Some((wanted, target));
+                    }
+                    way = match search {
+                        Some(search) => self.travel(&goal, Some(speed), Some(search))?,
+                        None => self.retract(&goal, speed)?,
+                    };
+                    is_in_vain = is_search && !way.is_found;
+                }
+                // The modules stop by themselves.
+                Request::Stop | Request::Wait => {}
+                Request::Done(measurement) => return Ok(measurement),
+                Request::Failed(Failure::NoContact | Failure::LostContact)
+                    if unlatched.is_some() =>
+                {
+                    return Err(Trouble::NotLatched {
+                        at: self.text(unlatched.unwrap_or(from)),
+                    });
+                }
+                Request::Failed(failure)
+                    if failure == Failure::StuckContact && beyond.is_some() =>
+                {
+                    // There was no room to leave it.
+                    let (wanted, target) = beyond.unwrap_or_default();
+                    self.check_travel(&wanted, target)?;
+                    return Err(Trouble::Probe(failure));
+                }
+                Request::Failed(Failure::NoContact) => {
+                    // At most 2^32 - 1.
+                    let way = direction.scaled(search as i64);
+                    return Err(Trouble::NoContact {
+                        from: self.text(from),
+                        to: self.text([0, 1, 2].map(|axis| from[axis] + way[axis])),
+                    });
+                }
+                Request::Failed(failure) => return Err(Trouble::Probe(failure)),
+            }
+        }
+    }
+}
+
+impl<P: Port> Head<P> {
+    /// As far of the way there as the travel has it, in the same direction.
+    fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
+        let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
+            let [low, high] = axis.settings.travel;
+            let (held, goal) = (f64::from(axis.held), f64::from(*goal));
+            let end = goal.clamp(f64::from(low), f64::from(high));
+            if end == goal {
+                1.0
+            } else {
+                // It is outside, and goes no farther where it has been already.
+                ((end - held) / (goal - held)).clamp(0.0, 1.0)
+            }
+        });
+        let part = parts.fold(1.0, f64::min);
+        let pairs = self.axes.iter().zip(goal);
+        pairs
+            .map(|(axis, goal)| {
+                let way = (f64::from(*goal) - f64::from(axis.held)) * part;
+                let [low, high] = axis.settings.travel;
+                // Rounding is half a count beyond at most.
+                (f64::from(axis.held) + way.round()).clamp(low.into(), high.into()) as i32
+            })
+            .collect()
+    }
+}
+
+/// Whether the probe touches.
+pub(super) fn is_closed(reply: &Reply) -> bool {
+    reply.status.contains(Status::LIMIT_1)
+}

@@ -1,0 +1,48 @@
+//! Measuring routines: what is touched, what features come of it, and whether they are within their
+//! tolerances.
+//!
+//! ```text
+//! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature
+//! G-code ─► program ─► called ─────────────────────────────────────┘  │
+//!                               Prober ◄── site ◄── cycle ◄───────────┤ moves and touches
+//!                                          frame ◄── alignment ◄──────┤
+//!                                                    fits ◄───────────┘ husillo-probe
+//! ```
+
+mod alignment;
+mod called;
+mod clauses;
+mod cycle;
+mod dimension;
+mod failure;
+mod feature;
+mod fits;
+mod frame;
+mod jobs;
+mod line_reader;
+mod parser;
+pub mod program;
+mod record;
+mod runner;
+mod site;
+#[cfg(test)]
+mod solid;
+mod statement;
+#[cfg(test)]
+mod trials;
+pub mod vector;
+mod vocabulary;
+mod words;
+mod wrong;
+
+pub use dimension::{Dimension, Figure, Verdict, Wanted, decimal, number, signed};
+pub use failure::Failure;
+pub use feature::{Feature, Mark, Shape};
+pub use frame::Frame;
+pub use parser::Parser;
+pub use record::{Refusal, Refused, record};
+pub use runner::Runner;
+pub use site::{Contact, Site};
+pub use statement::Statement;
+pub use words::span;
+pub use wrong::{Mistake, Wrong, code};

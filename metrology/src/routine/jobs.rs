@@ -1,0 +1,256 @@
+//! What is to be done, from the clauses of a feature.
+
+use super::clauses::{Clauses, Spanned};
+use super::dimension::Figure::{Angle, Form};
+use super::dimension::Wanted;
+use super::line_reader::LineReader;
+use super::parser::{Offer, Parser};
+use super::statement::{Fit, Job};
+use super::vector::{Vector, nearest_axis};
+use super::wrong::{Wrong, code};
+
+impl Parser {
+    /// What to do, from the clauses.
+    pub(super) fn job(
+        &self,
+        keyword: &str,
+        clauses: &Clauses,
+        reader: &LineReader<'_>,
+    ) -> Result<(Job, Vec<Wanted>), Wrong> {
+        let needs = Needs { keyword, reader };
+        let one = || clauses.one_place(&needs);
+        let job = match keyword {
+            "touch" => Job::Touch {
+                towards: clauses.direction(&needs)?,
+                within_nm: clauses.within.map(|nm| nm.value),
+            },
+            "point" => Job::Point {
+                at: one()?,
+                towards: clauses.direction(&needs)?,
+            },
+            "edge" => {
+                let points = clauses.points.map_or(1, |count| count.value);
+                Job::Edge {
+                    at: one()?,
+                    towards: level(clauses.direction(&needs)?, reader)?,
+                    points,
+                    over_nm: match clauses.over {
+                        Some(over) => over.value,
+                        None if points == 1 => 0,
+                        None => {
+                            return Err(needs.missing("over", "the length they are spread over"));
+                        }
+                    },
+                }
+            }
+            "corner" => {
+                let &[first, second] = clauses.towards.as_slice() else {
+                    return Err(needs.missing(
+                        "towards",
+                        "the directions into both faces, as in `towards +x +y`",
+                    ));
+                };
+                if nearest_axis(first, None).0 == nearest_axis(second, None).0 {
+                    return Err(
+                        Wrong::new(code::NUMBER, "a corner of one face", reader.whole())
+                            .help("two directions across each other, as in `towards +x +y`"),
+                    );
+                }
+                Job::Corner {
+                    at: one()?,
+                    towards: [level(first, reader)?, level(second, reader)?],
+                    inset_nm: needs.given(
+                        clauses.inset,
+                        "inset",
+                        "the way from the corner to the first touch of each face",
+                    )?,
+                    is_inside: clauses.is_inside == Some(true),
+                }
+            }
+            "web" | "pocket" => Job::Width {
+                at: one()?,
+                along: level(
+                    needs.given(clauses.along, "along", "the direction across the faces")?,
+                    reader,
+                )?,
+                width_nm: needs.given(
+                    clauses.width,
+                    "width",
+                    "the distance of the faces, about",
+                )?,
+                is_inside: keyword == "pocket",
+            },
+            "bore" | "boss" | "circle" | "sphere" if clauses.of.is_empty() => {
+                let diameter_nm =
+                    needs.given(clauses.diameter, "diameter", "about how large it is")?;
+                match keyword {
+                    "sphere" => Job::Sphere {
+                        at: one()?,
+                        diameter_nm,
+                        points: clauses.points(9, 5, reader)?,
+                    },
+                    _ => Job::Round {
+                        at: one()?,
+                        diameter_nm,
+                        points: clauses.points(4, 3, reader)?,
+                        arc_deg: clauses.arc_deg(&needs)?,
+                        is_inside: match keyword {
+                            "bore" => true,
+                            "boss" => false,
+                            _ => needs.choice(clauses.is_inside)?,
+                        },
+                    },
+                }
+            }
+            "plane" | "line" if clauses.of.is_empty() => {
+                let least = if keyword == "plane" { 3 } else { 2 };
+                let at = clauses.places(least, &needs)?;
+                let towards = clauses.direction(&needs)?;
+                match keyword {
+                    "plane" => Job::Plane { at, towards },
+                    _ => Job::Line { at, towards },
+                }
+            }
+            "distance" => Job::Distance {
+                between: needs.pair(&clauses.between)?,
+                along: clauses.along.map(|along| along.value),
+            },
+            "angle" => Job::Angle {
+                between: needs.pair(&clauses.between)?,
+            },
+            _ => Job::Fit {
+                shape: clauses.fit(keyword, reader)?,
+                of: clauses.of.clone(),
+            },
+        };
+        if needs_safe(&job) && !self.has_safe {
+            return Err(Wrong::new(
+                code::MISSING,
+                format!("a {keyword} is touched from outside, and no safe height is known"),
+                reader.whole(),
+            )
+            .label("the tip goes over it")
+            .help("write `safe z ...` in a line before"));
+        }
+        let wanted = clauses.wanted(&job);
+        let is_wanted = |figure| wanted.iter().any(|wanted| wanted.figure == figure);
+        if let Some((points, least)) = points_of(&job) {
+            let figure = match job {
+                Job::Edge { .. } if points == 1 && is_wanted(Angle) => Some(Angle),
+                _ if points <= least && is_wanted(Form) => Some(Form),
+                _ => None,
+            };
+            if let Some(figure) = figure {
+                let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
+                let plural = if points == 1 { "point" } else { "points" };
+                return Err(Wrong::new(
+                    code::TOLERANCE,
+                    format!("`{keyword}` of {points} {plural} has no {name}"),
+                    reader.whole(),
+                )
+                .help(format!("{least} points at least")));
+            }
+        }
+        Ok((job, wanted))
+    }
+}
+
+/// What a statement needs, with words for what is not there.
+pub struct Needs<'a, 't> {
+    keyword: &'a str,
+    reader: &'a LineReader<'t>,
+}
+
+impl Needs<'_, '_> {
+    pub fn missing(&self, clause: &str, what: &str) -> Wrong {
+        let Self { keyword, reader } = self;
+        Wrong::new(
+            code::MISSING,
+            format!("`{keyword}` without `{clause}`"),
+            reader.whole(),
+        )
+        .label(format!("`{clause}` is missing"))
+        .help(format!("`{clause}`: {what}"))
+    }
+
+    fn given<T: Copy>(
+        &self,
+        value: Option<Spanned<T>>,
+        clause: &str,
+        what: &str,
+    ) -> Result<T, Wrong> {
+        value
+            .map(|value| value.value)
+            .ok_or_else(|| self.missing(clause, what))
+    }
+
+    fn choice(&self, is_inside: Option<bool>) -> Result<bool, Wrong> {
+        is_inside
+            .ok_or_else(|| self.missing("inside", "a hole; or `outside`, a pin; or `of` and names"))
+    }
+
+    fn pair(&self, names: &[String]) -> Result<[String; 2], Wrong> {
+        let pair = <&[String; 2]>::try_from(names).ok().cloned();
+        pair.ok_or_else(|| self.missing("between", "the names of two features"))
+    }
+}
+
+/// A direction at right angles to Z, for cycles that know no other.
+fn level(direction: Vector, reader: &LineReader<'_>) -> Result<Vector, Wrong> {
+    if direction[2] == 0.0 {
+        return Ok(direction);
+    }
+    Err(Wrong::new(
+        code::NUMBER,
+        "the direction leaves the plane of X and Y",
+        reader.whole(),
+    )
+    .help("for faces in Z there are `point` and `plane`"))
+}
+
+/// Those that the tip cannot get round at their own height.
+fn needs_safe(job: &Job) -> bool {
+    matches!(
+        job,
+        Job::Width {
+            is_inside: false,
+            ..
+        } | Job::Round {
+            is_inside: false,
+            ..
+        }
+    )
+}
+
+/// How many points a job's feature has, and how many leave no residuals.
+fn points_of(job: &Job) -> Option<(usize, usize)> {
+    // 1000 at most.
+    let count = |points: u32| points as usize;
+    Some(match job {
+        Job::Edge { points, .. } => (count(*points), 2),
+        Job::Round { points, .. } => (count(*points), 3),
+        Job::Sphere { points, .. } => (count(*points), 4),
+        Job::Plane { at, .. } => (at.len(), 3),
+        Job::Line { at, .. } => (at.len(), 2),
+        Job::Fit { shape, of } => (of.len(), shape.least_points()),
+        _ => return None,
+    })
+}
+
+/// What a job's feature can be used for.
+pub fn offer(job: &Job) -> Offer {
+    let shape = |point, line, plane| Offer { point, line, plane };
+    match job {
+        Job::Edge { points, .. } => shape(true, *points > 1, true),
+        Job::Plane { .. }
+        | Job::Fit {
+            shape: Fit::Plane, ..
+        } => shape(true, false, true),
+        Job::Line { .. }
+        | Job::Fit {
+            shape: Fit::Line, ..
+        } => shape(true, true, false),
+        Job::Distance { .. } | Job::Angle { .. } => Offer::default(),
+        _ => shape(true, false, false),
+    }
+}

@@ -1,0 +1,80 @@
+//! What the expressions of a measuring program can ask for.
+
+use crate::routine::called;
+use husillo_gcode::parameters::{System, Value};
+use husillo_gcode::{Modal, Nm, Units};
+use std::collections::HashMap;
+
+/// What expressions can ask for: the state of the program, and what was found.
+pub(super) struct State {
+    /// The state of the program.
+    pub(super) modal: Modal<3>,
+    /// Where the last probe move ended, machine frame, and whether at a contact.
+    pub(super) probed: ([Nm; 3], bool),
+    /// Figures of the cycles by their names in capitals, without `_`: nm, or millionths of a
+    /// degree.
+    pub(super) found: HashMap<Vec<u8>, (i64, bool)>,
+}
+
+impl System for State {
+    /// #5061 to #5069 are the last probed point in the work frame, #5070 is 1 where there was a
+    /// contact; the rest is the modal state's.
+    fn numbered(&self, number: u16) -> Option<Value> {
+        let (at, is_contact) = self.probed;
+        match number {
+            5061..=5069 => {
+                let axis = usize::from(number - 5061);
+                let zero = self.zero();
+                let place = at.get(axis).zip(zero.get(axis));
+                place.map_or(Some(Value::ZERO), |(at, zero)| {
+                    self.length(at.0.saturating_sub(*zero))
+                })
+            }
+            5070 => Some(Value::from(i32::from(is_contact))),
+            _ => self.modal.numbered(number),
+        }
+    }
+
+    fn named(&self, name: &[u8]) -> Option<Value> {
+        match self.found.get(name) {
+            Some((nm, true)) => self.length(*nm),
+            Some((micro, false)) => Value::new(*micro, 6),
+            None => self.modal.named(name),
+        }
+    }
+
+    fn has_subroutine(&self, name: &[u8]) -> bool {
+        called::by_name(name).is_some()
+    }
+}
+
+impl State {
+    /// The zero of the work frame, tool length included, nm.
+    pub(super) fn zero(&self) -> [i64; 3] {
+        let (offset, tool) = (self.modal.work_offset(), self.modal.tool_length());
+        std::array::from_fn(|axis| offset[axis].0.saturating_add(tool[axis].0))
+    }
+
+    /// A length in the units in effect; inches to 10^-9.
+    fn length(&self, nm: i64) -> Option<Value> {
+        match self.modal.units() {
+            Units::Millimetres => Value::new(nm, 6),
+            Units::Micrometres => Value::new(nm, 3),
+            Units::Inches => {
+                let nano = i128::from(nm) * 1_000_000_000;
+                let rounded = (nano + nano.signum() * 12_700_000) / 25_400_000;
+                Value::new(i64::try_from(rounded).ok()?, 9)
+            }
+        }
+    }
+
+    /// A value in the units in effect, nm.
+    pub(super) fn nm(&self, value: Value) -> Option<i64> {
+        let (factor, exponent) = match self.modal.units() {
+            Units::Millimetres => (1, 6),
+            Units::Micrometres => (1, 3),
+            Units::Inches => (254, 5),
+        };
+        value.to_decimal().scaled(factor, exponent)
+    }
+}

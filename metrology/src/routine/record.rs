@@ -1,0 +1,202 @@
+//! A routine written while its statements are carried out.
+
+use super::failure::Failure;
+use super::feature::Feature;
+use super::parser::Parser;
+use super::runner::Runner;
+use super::statement::{Order, Statement};
+use super::words::words;
+use super::wrong::Wrong;
+use std::io::{self, BufRead, Write};
+
+/// A line that is not part of the recording.
+#[derive(Debug)]
+pub struct Refused {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// As it was typed.
+    pub text: String,
+    /// Why.
+    pub why: Refusal,
+}
+
+/// Why a line is not part of the recording.
+#[derive(Debug)]
+pub enum Refusal {
+    /// It is not understood.
+    Wrong(Wrong),
+    /// It was not carried out.
+    Failed(Failure),
+}
+
+/// Carries out lines as they come and writes those that succeed, moves as where they ended; what
+/// was measured goes to `each`. A line that is wrong, or fails, goes to `refuse` and is not
+/// written.
+///
+/// Returns how many were refused.
+///
+/// # Errors
+///
+/// Reading or writing fails, or `each` does.
+pub fn record(
+    input: &mut dyn BufRead,
+    routine: &mut dyn Write,
+    runner: &mut Runner<'_>,
+    mut each: impl FnMut(&Feature) -> io::Result<()>,
+    mut refuse: impl FnMut(&Refused),
+) -> io::Result<usize> {
+    let mut parser = Parser::new();
+    let mut refused = 0;
+    let mut text = String::new();
+    let mut ways = Ways::default();
+    for number in 1.. {
+        text.clear();
+        if input.read_line(&mut text)? == 0 {
+            break;
+        }
+        let line = text.trim_end();
+        if matches!(line.trim(), "end" | "quit") {
+            break;
+        }
+        match carry_out(&mut parser, runner, number, line) {
+            Ok(done) => {
+                if let Some(feature) = done.is_feature.then(|| runner.features.last()).flatten() {
+                    each(feature)?;
+                }
+                match done.moved {
+                    Some([from, to]) => ways.push(from, to, routine)?,
+                    None => {
+                        ways.flush(routine)?;
+                        writeln!(routine, "{}", done.text)?;
+                    }
+                }
+            }
+            Err(why) => {
+                refused += 1;
+                refuse(&Refused {
+                    line: number,
+                    text: line.to_owned(),
+                    why,
+                });
+            }
+        }
+        routine.flush()?;
+    }
+    ways.flush(routine)?;
+    routine.flush()?;
+    Ok(refused)
+}
+
+/// A line that succeeded.
+struct Done {
+    /// As it is written.
+    text: String,
+    /// Of a move: from and to, nm.
+    moved: Option<[[i64; 3]; 2]>,
+    is_feature: bool,
+}
+
+fn carry_out(
+    parser: &mut Parser,
+    runner: &mut Runner<'_>,
+    number: usize,
+    line: &str,
+) -> Result<Done, Refusal> {
+    let mut done = Done {
+        text: line.to_owned(),
+        moved: None,
+        is_feature: false,
+    };
+    let before = parser.clone();
+    let Some(statement) = parser.line(number, line).map_err(Refusal::Wrong)? else {
+        return Ok(done);
+    };
+    let tried = try_statement(&statement, runner, &mut done);
+    if tried.is_err() {
+        // Its name is free again.
+        *parser = before;
+    }
+    tried.map_err(Refusal::Failed)?;
+    Ok(done)
+}
+
+fn try_statement(
+    statement: &Statement,
+    runner: &mut Runner<'_>,
+    done: &mut Done,
+) -> Result<(), Failure> {
+    let here = runner.site.position()?;
+    match &statement.order {
+        Order::GoTo(place) => {
+            done.moved = Some([here, runner.site.place(*place)?]);
+        }
+        Order::Jog(way) => {
+            done.moved = Some([here, std::array::from_fn(|axis| here[axis] + way[axis])]);
+        }
+        Order::Measure(task) => {
+            done.is_feature = true;
+            if task.keyword == "touch" {
+                done.text = named(&done.text, &task.name);
+            }
+        }
+        _ => {}
+    }
+    runner.run(statement)?;
+    Ok(())
+}
+
+/// A touch with its name.
+fn named(line: &str, name: &str) -> String {
+    let all = words(line);
+    let is_named = all
+        .get(1)
+        .is_some_and(|word| word.text.eq_ignore_ascii_case(name));
+    match all.first() {
+        Some(keyword) if !is_named => {
+            let (head, rest) = line.split_at(keyword.span.end);
+            format!("{head} {name}{rest}")
+        }
+        _ => line.to_owned(),
+    }
+}
+
+/// Moves that are not written yet: those in one direction are one.
+#[derive(Default)]
+struct Ways {
+    last: Option<[[i64; 3]; 2]>,
+}
+
+impl Ways {
+    fn push(&mut self, from: [i64; 3], to: [i64; 3], routine: &mut dyn Write) -> io::Result<()> {
+        match self.last {
+            Some([start, end]) if is_onward(start, end, to) => self.last = Some([start, to]),
+            _ => {
+                self.flush(routine)?;
+                self.last = Some([from, to]);
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self, routine: &mut dyn Write) -> io::Result<()> {
+        let Some([_, to]) = self.last.take() else {
+            return Ok(());
+        };
+        // With its unit, whatever the routine's is.
+        let [x, y, z] = to.map(super::dimension::number);
+        writeln!(routine, "goto x {x} mm y {y} mm z {z} mm")
+    }
+}
+
+/// Whether a way along one axis goes on along it. Others stay as they are: their corners may lead
+/// round something.
+fn is_onward(start: [i64; 3], end: [i64; 3], to: [i64; 3]) -> bool {
+    let step = |from: [i64; 3], to: [i64; 3]| -> Vec<(usize, i64)> {
+        let steps = (0..3).map(|axis| (axis, (to[axis] - from[axis])));
+        // Where an axis stands still it may be a few counts off.
+        let steps = steps.filter(|(_, way)| way.abs() > 10_000);
+        steps.map(|(axis, way)| (axis, way.signum())).collect()
+    };
+    let (first, second) = (step(start, end), step(end, to));
+    first.len() == 1 && first == second
+}

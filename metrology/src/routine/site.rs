@@ -1,0 +1,242 @@
+//! A machine with a probe, and the frame it measures in.
+
+use super::failure::Failure;
+use super::frame::Frame;
+use super::statement::Place;
+use super::vector::{self, Vector, components, floats, plus, scaled};
+use crate::heads::Prober;
+use crate::heads::Stylus;
+use husillo_probe::UnitVector;
+use std::fmt;
+
+/// A touch, on the machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// The tip's centre when latched, nm.
+    pub latched_nm: [i64; 3],
+    /// The same less pre-travel: where it was at the contact.
+    pub centre_nm: [i64; 3],
+    /// The direction of travel.
+    pub travel: UnitVector,
+    /// Slow touches averaged.
+    pub touches: u8,
+    /// The farthest of them less the nearest, nm.
+    pub spread_nm: i64,
+}
+
+/// Where and with what a routine measures.
+pub struct Site<'a> {
+    prober: &'a mut dyn Prober,
+    /// Radius and pre-travel.
+    pub tip: Stylus,
+    /// The frame of coordinates.
+    pub frame: Frame,
+    /// How far before a surface touches begin, nm.
+    pub clearance_nm: i64,
+    /// How far behind a surface they end, nm.
+    pub search_nm: i64,
+    /// Height for the ways between features, nm.
+    pub safe_nm: Option<i64>,
+}
+
+impl fmt::Debug for Site<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = out.debug_struct("Site");
+        text.field("tip", &self.tip).field("frame", &self.frame);
+        text.field("clearance_nm", &self.clearance_nm)
+            .field("search_nm", &self.search_nm)
+            .field("safe_nm", &self.safe_nm);
+        text.finish_non_exhaustive()
+    }
+}
+
+impl<'a> Site<'a> {
+    /// On the frame of the machine, with 2 mm of clearance and of search.
+    pub fn new(prober: &'a mut dyn Prober, tip: Stylus) -> Self {
+        Self {
+            prober,
+            tip,
+            frame: Frame::MACHINE,
+            clearance_nm: 2_000_000,
+            search_nm: 2_000_000,
+            safe_nm: None,
+        }
+    }
+
+    /// What carries the probe.
+    pub fn prober(&mut self) -> &mut dyn Prober {
+        self.prober
+    }
+
+    /// Whether an axis has met something where nothing was to be touched.
+    pub fn has_collided(&self) -> bool {
+        self.prober.has_collided()
+    }
+
+    /// Radius of the tip, nm.
+    pub fn radius_nm(&self) -> i64 {
+        self.tip.radius_nm.into()
+    }
+
+    /// How far the tip's centre is from a surface where touches begin, nm.
+    pub(super) fn standoff_nm(&self) -> i64 {
+        self.radius_nm() + self.clearance_nm
+    }
+
+    /// How far a touch goes, nm.
+    pub(super) fn way_nm(&self) -> i64 {
+        self.clearance_nm + self.search_nm
+    }
+
+    /// Where the tip's centre is on the machine, nm.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the line.
+    pub fn machine_position(&mut self) -> Result<[i64; 3], Failure> {
+        Ok(self.prober.position()?)
+    }
+
+    /// Where the tip's centre is on the part, nm.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the line.
+    pub fn position(&mut self) -> Result<[i64; 3], Failure> {
+        Ok(self.frame.to_part(self.prober.position()?))
+    }
+
+    /// A place, with where the tip is for what is left out.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the line.
+    pub(super) fn place(&mut self, place: Place) -> Result<[i64; 3], Failure> {
+        if let [Some(x), Some(y), Some(z)] = place {
+            return Ok([x, y, z]);
+        }
+        let here = self.position()?;
+        Ok(std::array::from_fn(|axis| {
+            place[axis].unwrap_or(here[axis])
+        }))
+    }
+
+    /// Straight to a point of the part.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine.
+    pub fn go_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
+        self.prober.go_to(self.frame.to_machine(part_nm))?;
+        Ok(())
+    }
+
+    /// To a point of the part: up to the safe height, over and down, where there is one.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine.
+    pub(super) fn travel_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
+        let Some(safe_nm) = self.safe_nm else {
+            return self.go_to(part_nm);
+        };
+        self.travel_over(part_nm, safe_nm)
+    }
+
+    /// The same over a given height.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine.
+    pub(super) fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
+        let [here_x, here_y, here_z] = self.position()?;
+        let [x, y, z] = part_nm;
+        // Nearer than it can stand still: straight down.
+        let is_above = (here_x - x).abs().max((here_y - y).abs()) <= NEAR_NM;
+        let height_nm = height_nm.max(here_z).max(z);
+        if !is_above {
+            if height_nm > here_z {
+                self.go_to([here_x, here_y, height_nm])?;
+            }
+            if height_nm > z {
+                self.go_to([x, y, height_nm])?;
+            }
+        }
+        self.go_to(part_nm)
+    }
+
+    /// Touches along a direction of the part from where the tip is, at most so far.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine, no contact among it.
+    pub(super) fn touch(&mut self, travel: Vector, way_nm: i64) -> Result<Contact, Failure> {
+        let travel = self
+            .frame
+            .direction_to_machine(travel)
+            .ok_or(Failure::NoDirection)?;
+        self.touch_along(travel, way_nm.unsigned_abs())
+    }
+
+    /// The same along a direction of the machine.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine, no contact among it.
+    pub(super) fn touch_along(
+        &mut self,
+        travel: UnitVector,
+        way_nm: u64,
+    ) -> Result<Contact, Failure> {
+        let touched = self.prober.touch(&travel, way_nm)?;
+        Ok(Contact {
+            latched_nm: touched.centre_nm,
+            centre_nm: self.tip.centre_nm(touched.centre_nm, &travel),
+            travel,
+            touches: touched.touches,
+            spread_nm: touched.spread_nm,
+        })
+    }
+
+    /// Calls the present place 0 in these coordinates. A safe height stays where it is.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the line.
+    pub(super) fn zero(&mut self, axes: [bool; 3]) -> Result<(), Failure> {
+        let here = self.machine_position()?;
+        self.change_frame(self.frame.zeroed(here, axes), here);
+        Ok(())
+    }
+
+    /// Measures in another frame from here on. A safe height stays where it is above the tip, which
+    /// is at `here_nm`.
+    pub(super) fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
+        if let Some(safe_nm) = self.safe_nm {
+            let [x, y, _] = self.frame.to_part(here_nm);
+            let [.., safe_nm] = frame.to_part(self.frame.to_machine([x, y, safe_nm]));
+            self.safe_nm = Some(safe_nm);
+        }
+        self.frame = frame;
+    }
+}
+
+/// A place nearer than this is the same one for the ways between features, nm.
+const NEAR_NM: i64 = 10_000;
+
+/// The point `by_nm` from another along a direction of any length but 0.
+pub fn beyond(point_nm: [i64; 3], direction: Vector, by_nm: i64) -> [i64; 3] {
+    let size = vector::length(direction);
+    let way = scaled(direction, by_nm as f64 / size);
+    plus(floats(point_nm), way).map(|nm| nm.round() as i64)
+}
+
+/// The sum of the directions of travel, turned round: out of what was touched.
+pub fn outward(contacts: &[Contact]) -> Result<UnitVector, Failure> {
+    let sum = contacts.iter().fold([0.0; 3], |sum, contact| {
+        plus(sum, components(&contact.travel.reversed()))
+    });
+    vector::direction(sum)
+        .filter(|_| vector::length(sum) > 1e-6)
+        .ok_or(Failure::BothSides)
+}

@@ -1,0 +1,212 @@
+//! Ideal solids and a machine that touches them: for tests.
+
+use super::frame::Frame;
+use super::vector::{Vector, components, dot, floats, length, minus, plus, scaled};
+use crate::Trouble;
+use crate::heads::Stylus;
+use crate::heads::{Probed, Prober, Touched};
+use husillo_probe::{Edge, UnitVector};
+
+/// A body on the part; lengths in nm.
+#[derive(Clone, Copy, Debug)]
+pub enum Body {
+    /// A box by its least and most corner.
+    Block([i64; 3], [i64; 3]),
+    /// A hole along Z through what is before it, centre and radius, at any height above `floor`.
+    Hole {
+        centre: [i64; 2],
+        radius: i64,
+        floor: i64,
+    },
+    /// A hole with four sides.
+    Pocket([i64; 3], [i64; 3]),
+    /// A pin along Z.
+    Pin {
+        centre: [i64; 2],
+        radius: i64,
+        top: i64,
+    },
+    /// A ball.
+    Ball([i64; 3], i64),
+}
+
+/// A part of bodies, placed on a machine that moves exactly there and latches exactly, plus the
+/// tip's pre-travel.
+pub struct Ideal {
+    pub bodies: Vec<Body>,
+    /// Where the part is.
+    pub place: Frame,
+    pub tip: Stylus,
+    /// Where the tip is on the machine.
+    pub at: [i64; 3],
+    /// Straight ways made.
+    pub moves: usize,
+    /// Speeds asked for, nm a minute.
+    pub speeds: Vec<u64>,
+}
+
+/// How far the tip may be pressed against a surface, nm: pre-travel and braking.
+const PRESSED_NM: f64 = 20_000.0;
+/// How far it brakes beyond a change of the contact, nm.
+const BRAKING_NM: f64 = 3_000.0;
+
+impl Ideal {
+    /// How far the ball's surface is from the part, nm; negative inside.
+    fn gap(&self, machine: Vector) -> f64 {
+        let part = floats(self.place.to_part(machine.map(|nm| nm.round() as i64)));
+        // Rounding to nm is put back: the frame keeps lengths.
+        let mut gap = f64::MAX;
+        for body in &self.bodies {
+            gap = match *body {
+                Body::Block(low, high) => gap.min(outside(part, low, high)),
+                Body::Ball(centre, radius) => {
+                    let way = minus(part, floats(centre));
+                    gap.min(length(way) - radius as f64)
+                }
+                Body::Pin {
+                    centre: [x, y],
+                    radius,
+                    top,
+                } => {
+                    let side = (part[0] - x as f64).hypot(part[1] - y as f64) - radius as f64;
+                    gap.min(joined(side, part[2] - top as f64))
+                }
+                Body::Hole {
+                    centre: [x, y],
+                    radius,
+                    floor,
+                } => {
+                    let side = radius as f64 - (part[0] - x as f64).hypot(part[1] - y as f64);
+                    let inner = side.min(part[2] - floor as f64);
+                    gap.max(inner)
+                }
+                Body::Pocket(low, high) => {
+                    let sides = (0..2).map(|axis| {
+                        (part[axis] - low[axis] as f64).min(high[axis] as f64 - part[axis])
+                    });
+                    let inner = sides.fold(part[2] - low[2] as f64, f64::min);
+                    gap.max(inner)
+                }
+            };
+        }
+        gap - f64::from(self.tip.radius_nm)
+    }
+}
+
+/// Two distances from faces at right angles as one: from the edge where both are outside.
+fn joined(a: f64, b: f64) -> f64 {
+    a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
+}
+
+fn outside(part: Vector, low: [i64; 3], high: [i64; 3]) -> f64 {
+    let off: Vector = std::array::from_fn(|axis| {
+        (low[axis] as f64 - part[axis]).max(part[axis] - high[axis] as f64)
+    });
+    length(off.map(|way| way.max(0.0))) + off[0].max(off[1]).max(off[2]).min(0.0)
+}
+
+impl Prober for Ideal {
+    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        Ok(self.at)
+    }
+
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
+        let length = length(way);
+        self.moves += 1;
+        let mut gone = 0.0;
+        while gone < length {
+            let gap = self.gap(plus(from, scaled(way, gone / length)));
+            if gap < -PRESSED_NM {
+                return Err(Trouble::PositionError {
+                    at: format!("{:?} to {goal_nm:?}, after {gone} nm", self.at),
+                });
+            }
+            gone += gap.max(10_000.0);
+        }
+        self.at = goal_nm;
+        Ok(goal_nm)
+    }
+
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+        self.speeds.push(nm_per_min);
+        self.go_to(goal_nm)
+    }
+
+    fn has_collided(&self) -> bool {
+        false
+    }
+
+    fn probe_to(
+        &mut self,
+        goal_nm: [i64; 3],
+        nm_per_min: u64,
+        until: Edge,
+    ) -> Result<Probed, Trouble> {
+        self.speeds.push(nm_per_min);
+        let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
+        let length = length(way);
+        let travel = UnitVector::new(way.map(|nm| nm as i64)).unwrap();
+        // The stylus bends where it came from.
+        let approach = match until {
+            Edge::Made => travel,
+            Edge::Broken => travel.reversed(),
+        };
+        let pressed = f64::from(self.tip.pre_travel.along(&approach));
+        let is_closed = |gap: f64| gap <= -pressed;
+        if is_closed(self.gap(from)) == until.level() {
+            return Err(match until {
+                Edge::Made => Trouble::Probe(husillo_probe::Failure::ContactAtStart),
+                Edge::Broken => Trouble::NotTouching,
+            });
+        }
+        let at = |gone: f64| plus(from, scaled(way, gone / length));
+        let mut gone = 0.0;
+        while gone < length {
+            let gap = self.gap(at(gone));
+            if is_closed(gap) == until.level() {
+                let [changed, stood] =
+                    [gone, gone + BRAKING_NM].map(|gone| at(gone).map(|nm| nm.round() as i64));
+                self.at = stood;
+                return Ok(Probed {
+                    changed_nm: Some(changed),
+                    at_nm: stood,
+                });
+            }
+            gone += (gap + pressed).abs().max(0.5);
+        }
+        self.at = goal_nm;
+        Ok(Probed {
+            changed_nm: None,
+            at_nm: goal_nm,
+        })
+    }
+
+    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
+        let (from, along) = (floats(self.at), components(direction));
+        let mut gone = 0.0;
+        // Sphere tracing: never beyond the surface, 0.01 nm at the end.
+        let mut gap = self.gap(from);
+        while gap.abs() > 0.5 {
+            gone += gap * 0.999;
+            if gone > way_nm as f64 {
+                return Err(Trouble::NoContact {
+                    from: format!("{:?}", self.at),
+                    to: format!("{way_nm} nm along {along:?}"),
+                });
+            }
+            gap = self.gap(plus(from, scaled(along, gone)));
+        }
+        let back_off = 100_000.0_f64.min(gone);
+        let centre = plus(from, scaled(along, gone)).map(|nm| nm.round() as i64);
+        let pre_travel = i64::from(self.tip.pre_travel.along(direction));
+        let latched = floats(centre);
+        self.at = plus(latched, scaled(along, -back_off)).map(|nm| nm.round() as i64);
+        debug_assert!(dot(along, along) > 0.99);
+        Ok(Touched {
+            centre_nm: plus(latched, scaled(along, pre_travel as f64)).map(|nm| nm.round() as i64),
+            touches: 1,
+            spread_nm: 0,
+        })
+    }
+}

@@ -1,0 +1,114 @@
+//! The words of the language.
+
+use super::dimension::Figure;
+
+/// Statements that are no features.
+pub const ORDERS: [&str; 8] = [
+    "units",
+    "clearance",
+    "search",
+    "safe",
+    "goto",
+    "jog",
+    "zero",
+    "frame",
+];
+
+/// A feature: its word, the clauses it takes, and the figures it has.
+pub type Feature = (&'static str, &'static [&'static str], &'static [Figure]);
+
+use Figure::{Angle, Diameter, Form, Length, Width, X, Y, Z};
+
+pub const FEATURES: [Feature; 14] = [
+    ("touch", &["towards", "within"], &[X, Y, Z]),
+    (
+        "point",
+        &["at", "towards", "clearance", "search"],
+        &[X, Y, Z],
+    ),
+    (
+        "edge",
+        &["at", "towards", "points", "over", "clearance", "search"],
+        &[X, Y, Z, Angle, Form],
+    ),
+    (
+        "corner",
+        &["at", "towards", "inset", "inside", "clearance", "search"],
+        &[X, Y, Angle],
+    ),
+    (
+        "web",
+        &["at", "along", "width", "clearance", "search"],
+        &[X, Y, Z, Width],
+    ),
+    (
+        "pocket",
+        &["at", "along", "width", "clearance", "search"],
+        &[X, Y, Z, Width],
+    ),
+    (
+        "bore",
+        &[
+            "at",
+            "diameter",
+            "points",
+            "from",
+            "to",
+            "clearance",
+            "search",
+        ],
+        &[X, Y, Z, Diameter, Form],
+    ),
+    (
+        "boss",
+        &[
+            "at",
+            "diameter",
+            "points",
+            "from",
+            "to",
+            "clearance",
+            "search",
+        ],
+        &[X, Y, Z, Diameter, Form],
+    ),
+    (
+        "circle",
+        &[
+            "of",
+            "at",
+            "diameter",
+            "points",
+            "from",
+            "to",
+            "inside",
+            "outside",
+            "clearance",
+            "search",
+        ],
+        &[X, Y, Z, Diameter, Form],
+    ),
+    (
+        "plane",
+        &["of", "at", "towards", "clearance", "search"],
+        &[X, Y, Z, Form],
+    ),
+    (
+        "line",
+        &["of", "at", "towards", "clearance", "search"],
+        &[X, Y, Z, Angle, Form],
+    ),
+    (
+        "sphere",
+        &["of", "at", "diameter", "points", "clearance", "search"],
+        &[X, Y, Z, Diameter, Form],
+    ),
+    ("distance", &["between", "along"], &[Length]),
+    ("angle", &["between"], &[Angle]),
+];
+
+/// Names that would be read as something else.
+pub const RESERVED: [&str; 20] = [
+    "at", "towards", "along", "of", "between", "points", "over", "inset", "inside", "outside",
+    "within", "from", "to", "x", "y", "z", "diameter", "width", "form", "length",
+];

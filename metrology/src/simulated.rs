@@ -1,0 +1,18 @@
+//! A measuring machine to test against: servo modules on a simulated line, DC motors, a work piece
+//! and a touch probe.
+
+mod chain;
+mod contact;
+mod machines;
+mod piece;
+mod port;
+
+pub use chain::{PERIOD_NS, SimulatedChain};
+pub use contact::Contact;
+pub use machines::{one_axis, three_axes};
+pub use piece::{Mounted, Piece};
+pub use port::SimulatedPort;
+
+pub use husillo_sim::{
+    Bore, DcMotorModel, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece,
+};

@@ -1,0 +1,55 @@
+//! The simulated work piece before the probe of a simulated machine.
+
+use crate::heads::Machine;
+use husillo_sim::{PointMm, ServoChain, TouchProbe, WorkPiece};
+
+/// A work piece and what touches it, in the machine's own frame: 0 is where the axes were when the
+/// modules got their supply.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// What there is to touch.
+    pub work: WorkPiece,
+    /// What touches it.
+    pub probe: TouchProbe,
+}
+
+/// A piece on a machine.
+#[derive(Clone, Debug)]
+pub struct Mounted {
+    piece: Piece,
+    /// Module, from 0, and coordinate of each axis.
+    axes: Vec<(usize, usize)>,
+    count_mm: f64,
+}
+
+impl Mounted {
+    /// Puts a piece on a machine.
+    ///
+    /// # Errors
+    ///
+    /// Nobody knows the way of a count of this machine.
+    pub fn new(piece: Piece, machine: &Machine) -> Result<Self, String> {
+        let count_mm = machine.scale.count_mm().ok_or_else(|| {
+            let title = &machine.title;
+            format!("--piece is in mm, and {title} has no `count` (the way of one)")
+        })?;
+        let axes = machine.axes.iter();
+        let place = |module: u8, coordinate| (usize::from(module) - 1, coordinate);
+        let axes = axes.map(|axis| place(axis.module, axis.coordinate()));
+        Ok(Self {
+            piece,
+            axes: axes.collect(),
+            count_mm,
+        })
+    }
+
+    /// Whether the contact of the probe is closed with the motors where they are.
+    pub fn is_closed(&mut self, chain: &ServoChain) -> bool {
+        let mut centre: PointMm = [0.0; 3];
+        for &(module, coordinate) in &self.axes {
+            let motor = chain.motor(module);
+            centre[coordinate] = motor.map_or(0.0, |motor| motor.position_counts()) * self.count_mm;
+        }
+        self.piece.probe.is_closed(&self.piece.work, centre)
+    }
+}

@@ -1,0 +1,58 @@
+//! The port of a simulated chain, in simulated time.
+
+use super::chain::{PERIOD_NS, SimulatedChain};
+use crate::heads::Port;
+use husillo_transports::nmc::{Baud, Timing};
+use std::io;
+
+/// A chain of simulated modules at a port of its own. Time passes only while bytes are waited for.
+#[derive(Clone, Debug)]
+pub struct SimulatedPort {
+    /// The modules, their motors and what they touch.
+    pub chain: SimulatedChain,
+    /// Time since it was opened, ns.
+    elapsed_ns: u64,
+}
+
+impl SimulatedPort {
+    /// A chain at the time 0.
+    #[must_use]
+    pub const fn new(chain: SimulatedChain) -> Self {
+        Self {
+            chain,
+            elapsed_ns: 0,
+        }
+    }
+}
+
+impl Port for SimulatedPort {
+    fn timing(&self, baud: Baud) -> Timing {
+        Timing::prompt(baud, 512)
+    }
+
+    fn elapsed_us(&self) -> u64 {
+        self.elapsed_ns / 1000
+    }
+
+    // Simulated modules are heard at any rate.
+    fn set_baud(&mut self, _: Baud) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        bytes.iter().for_each(|byte| self.chain.send(*byte));
+        Ok(())
+    }
+
+    fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+        let end_ns = self.elapsed_ns + u64::from(wait_us.max(1)) * 1000;
+        while self.elapsed_ns < end_ns {
+            self.elapsed_ns += PERIOD_NS;
+            let bytes = self.chain.tick();
+            if !bytes.is_empty() {
+                return Ok(bytes);
+            }
+        }
+        Ok(Vec::new())
+    }
+}

@@ -1,0 +1,200 @@
+//! Experiments on motors without friction, whose ultimate point is known, and on the prototype's.
+
+use super::direct::Direct;
+use super::fit::fit;
+use super::moves::check;
+use super::relay::{RelaySettings, relay};
+use super::stand::Stand;
+use super::stepwise::stepwise;
+use super::ultimate::ultimate;
+use crate::simulated::one_axis;
+use fixed::types::{I16F16, I32F0};
+use husillo_pid::tuning::{Rule, Ultimate};
+use husillo_pid::{Conditional, Integration, Limits, Pid, State};
+use husillo_sim::{DcMotor, DcMotorModel, SERVO_PERIOD_S};
+
+/// Without friction but for the viscous one, without inductance, and with an encoder as fine as no
+/// module's.
+const LINEAR: DcMotorModel = DcMotorModel {
+    inductance_h: 1e-9,
+    coulomb_nm: 0.0,
+    stiction_nm: 0.0,
+    counts_per_revolution: 10_000,
+    ..DcMotorModel::PROTOTYPE
+};
+
+/// The ultimate point of `K / (s (1 + s T1))` behind a hold, sampled every `period_s`, under
+/// proportional control.
+///
+/// With `a = exp(-T/T1)` the sampled axis is `(b1 z + b0) / ((z - 1)(z - a))`, `b1 = K (T - T1 (1 -
+/// a))`, `b0 = K (T1 (1 - a) - a T)`. The closed loop `z^2 - (1 + a - k b1) z + a + k b0` has its
+/// poles on the unit circle where their product is 1, at the angle whose cosine is half their sum.
+fn known(model: &DcMotorModel, period_s: f64) -> Ultimate {
+    let slope = model.constant_nm_per_a.powi(2) / model.resistance_ohm + model.viscous_nm_s;
+    let lag_s = model.inertia_kg_m2 / slope;
+    let torque = model.supply_v / model.resistance_ohm * model.constant_nm_per_a;
+    let turns = torque / slope / std::f64::consts::TAU / 255.0;
+    let rate = turns * f64::from(model.counts_per_revolution);
+    let a = (-period_s / lag_s).exp();
+    let b1 = rate * (period_s - lag_s * (1.0 - a));
+    let b0 = rate * (lag_s * (1.0 - a) - a * period_s);
+    let gain = (1.0 - a) / b0;
+    let angle = (0.5 * (1.0 + a - gain * b1)).acos();
+    Ultimate {
+        gain,
+        period_s: std::f64::consts::TAU * period_s / angle,
+    }
+}
+
+/// The same with so much inductance that its lag, and not the sampling, sets the ultimate point.
+const SLOW: DcMotorModel = DcMotorModel {
+    inductance_h: 0.1,
+    ..LINEAR
+};
+
+/// Its ultimate point, by Routh: `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has
+/// poles on the imaginary axis where the product of the inner coefficients is that of the outer
+/// ones.
+fn known_of_slow(model: &DcMotorModel) -> Ultimate {
+    let m = model;
+    let inner = m.resistance_ohm * m.viscous_nm_s + m.constant_nm_per_a.powi(2);
+    let square = m.resistance_ohm * m.inertia_kg_m2 + m.inductance_h * m.viscous_nm_s;
+    let cubic = m.inductance_h * m.inertia_kg_m2;
+    let counts_per_rad = f64::from(m.counts_per_revolution) / std::f64::consts::TAU;
+    let drive = m.supply_v / 255.0 * m.constant_nm_per_a * counts_per_rad;
+    Ultimate {
+        gain: square * inner / cubic / drive,
+        period_s: std::f64::consts::TAU / (inner / cubic).sqrt(),
+    }
+}
+
+/// A stand for a motor, with room for its swings.
+fn stand(model: DcMotorModel, rate_divisor: u8) -> Stand {
+    let mut file = one_axis().axis('x').unwrap();
+    file.gains.rate_divisor = rate_divisor;
+    file.gains.error_limit = 0x3fff;
+    Stand::new(Box::new(Direct::new(model)), file).unwrap()
+}
+
+fn near(found: &Ultimate, wanted: &Ultimate, gain: f64, period: f64) {
+    let parts = [found.gain / wanted.gain, found.period_s / wanted.period_s];
+    assert!(
+        (parts[0] - 1.0).abs() <= gain && (parts[1] - 1.0).abs() <= period,
+        "{found:?} for {wanted:?}: {parts:?}"
+    );
+}
+
+fn by_gain(model: DcMotorModel, rate_divisor: u8) -> Ultimate {
+    let found = ultimate(&mut stand(model, rate_divisor), &mut Vec::new()).unwrap();
+    let (found, divisor) = found.unwrap();
+    assert_eq!(divisor, rate_divisor);
+    found
+}
+
+fn by_relay(model: DcMotorModel, hysteresis: u16) -> Ultimate {
+    let settings = RelaySettings {
+        amplitude: 200,
+        hysteresis,
+    };
+    relay(&mut stand(model, 1), settings).unwrap().1
+}
+
+/// Raising the gain finds what the sampled loop has, within 5 % of the gain and 2 % of the period,
+/// at every divisor.
+#[test]
+fn the_ultimate_gain_of_a_sampled_loop() {
+    for divisor in [1, 2, 4, 8, 16] {
+        let wanted = known(&LINEAR, SERVO_PERIOD_S * f64::from(divisor));
+        near(&by_gain(LINEAR, divisor), &wanted, 0.05, 0.02);
+    }
+}
+
+/// Both ways find the same point: raising the gain within 5 %, the relay, whose describing function
+/// leaves the harmonics out, within 8 % of the gain and 4 % of the period; so they agree within 10
+/// %. A hysteresis moves the relay's point to a lower gain and a longer period, as it should.
+#[test]
+fn relay_and_ultimate_gain_agree() {
+    let wanted = known_of_slow(&SLOW);
+    let (gain, relay) = (by_gain(SLOW, 1), by_relay(SLOW, 0));
+    near(&gain, &wanted, 0.05, 0.02);
+    near(&relay, &wanted, 0.08, 0.04);
+    near(&relay, &gain, 0.1, 0.05);
+    let wide = by_relay(SLOW, 40);
+    assert!(wide.gain < relay.gain && wide.period_s > relay.period_s);
+    near(&wide, &wanted, 0.25, 0.15);
+}
+
+/// With friction and 400 counts a turn they still agree within 30 % of the gain and 10 % of the
+/// period.
+#[test]
+fn they_agree_on_the_prototype() {
+    let prototype = DcMotorModel::PROTOTYPE;
+    let mut slower = stand(prototype, 1);
+    let (gain, divisor) = ultimate(&mut slower, &mut Vec::new()).unwrap().unwrap();
+    // Friction and whole counts leave the full rate no swing.
+    assert_eq!(divisor, 4);
+    near(&by_relay(prototype, 0), &gain, 0.3, 0.1);
+}
+
+/// Gains of every method place every one of 300 moves within a count.
+#[test]
+fn gains_place_every_move() {
+    let prototype = || stand(DcMotorModel::PROTOTYPE, 1);
+    let limits = one_axis().axis('x').unwrap().gains;
+    let (gain, _) = ultimate(&mut prototype(), &mut Vec::new())
+        .unwrap()
+        .unwrap();
+    let relay = by_relay(DcMotorModel::PROTOTYPE, 0);
+    let mut all = vec![
+        limits,
+        stepwise(&mut prototype(), 100, &mut Vec::new()).unwrap(),
+    ];
+    for point in [gain, relay] {
+        for rule in [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid] {
+            all.push(fit(point.gains(rule), &limits).unwrap().0);
+        }
+    }
+    for gains in all {
+        let result = check(&mut prototype(), &gains, 300).unwrap();
+        assert!(
+            result.is_good() && result.moves == 300,
+            "{gains:?} {result:?}"
+        );
+    }
+}
+
+/// The gains of a rule hold the motor with the controller of `pid`, too, whose gains have no end at
+/// 0x7FFF: as the rule has them, in fixed point.
+#[test]
+fn gains_hold_the_motor_with_a_pid() {
+    let relay = by_relay(DcMotorModel::PROTOTYPE, 0);
+    for rule in [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid] {
+        let gains = relay.gains(rule).per_sample(SERVO_PERIOD_S);
+        let limits = Limits {
+            low: I32F0::from_num(-255),
+            high: I32F0::from_num(255),
+        };
+        let gains = gains.to_fixed::<I16F16>().unwrap();
+        let pid = Pid::new(gains, Integration::Backward, limits).unwrap();
+        let pid = pid.with_anti_windup(Conditional);
+        let (mut motor, mut state) = (DcMotor::new(DcMotorModel::PROTOTYPE), State::default());
+        let mut farthest = 0;
+        for (goal, tick) in [100, -30, 2, 1000]
+            .iter()
+            .flat_map(|goal| (0..4000).map(move |tick| (*goal, tick)))
+        {
+            let counts = motor.counts() as i32;
+            let drive = pid.update(&mut state, I32F0::from_num(goal), I32F0::from_num(counts));
+            motor.advance(
+                f64::from(drive.to_num::<i32>()) / 255.0,
+                0.0,
+                SERVO_PERIOD_S,
+            );
+            // The last half second of two.
+            if tick >= 3000 {
+                farthest = farthest.max(counts.abs_diff(goal));
+            }
+        }
+        assert!(farthest <= 1, "{rule:?} {farthest}");
+    }
+}

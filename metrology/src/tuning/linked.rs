@@ -1,0 +1,189 @@
+//! An axis behind a line of modules, real or simulated.
+
+use super::rig::{Rig, Sample, profile};
+use crate::heads::{AxisSettings, Line, Machine, Port};
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{
+    CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
+};
+
+/// A module at the other end of a line.
+#[derive(Debug)]
+pub struct Linked<P> {
+    line: Line<P>,
+    module: u8,
+    gains: Gains,
+    /// The duty that a drive has set the gains for.
+    duty: Option<u8>,
+}
+
+/// Highest limit of the position error that a module takes, counts.
+const ERROR_LIMIT_MOST: u16 = 0x3FFF;
+
+/// What every reading asks for.
+const READ: Items = Items::POSITION.with(Items::CURRENT);
+
+impl<P: Port> Linked<P> {
+    /// Starts the line: flush, reset, addresses, rate.
+    ///
+    /// # Errors
+    ///
+    /// No answer, fewer modules than the machine has, no motor power.
+    pub fn start(
+        mut line: Line<P>,
+        machine: &Machine,
+        file: &AxisSettings,
+    ) -> Result<Self, Trouble> {
+        let modules = line.start_up(machine.baud)?.modules;
+        if modules < file.module {
+            return Err(Trouble::NoModule {
+                wanted: file.module,
+                modules,
+            });
+        }
+        let mut linked = Self {
+            line,
+            module: file.module,
+            gains: file.gains,
+            duty: None,
+        };
+        linked.command(Command::ResetPosition(Reset::Zero))?;
+        // A period for what the module reads.
+        linked.command(Command::ReadStatus(READ))?;
+        let reply = linked.command(Command::ReadStatus(READ))?;
+        if !reply.status.contains(Status::POWER_ON) {
+            return Err(Trouble::NoPower { axis: file.letter });
+        }
+        Ok(linked)
+    }
+
+    fn command(&mut self, command: Command) -> Result<Reply, Trouble> {
+        self.line.command(self.module, command)
+    }
+
+    fn stop(&mut self, amplifier: bool, way: StopWay) -> Result<(), Trouble> {
+        let way = Some(way);
+        self.command(Command::StopMotor(Stop { amplifier, way }))?;
+        Ok(())
+    }
+}
+
+impl<P: Port> Rig for Linked<P> {
+    fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
+        self.gains = *gains;
+        self.duty = None;
+        self.command(Command::SetGain(*gains))?;
+        Ok(())
+    }
+
+    fn engage(&mut self) -> Result<(), Trouble> {
+        self.stop(true, StopWay::Abrupt)?;
+        self.command(Command::ClearBits)?;
+        Ok(())
+    }
+
+    fn hold(&mut self, position: i32) -> Result<(), Trouble> {
+        self.stop(true, StopWay::Here(position))
+    }
+
+    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
+        let cycle_s = f64::from(CYCLE_US) * 1e-6 * f64::from(self.gains.rate_divisor.max(1));
+        let [velocity, acceleration] = profile(rate, acceleration, cycle_s);
+        self.command(Command::LoadTrajectory(Trajectory {
+            position: Some(goal),
+            velocity: Some(velocity),
+            acceleration: Some(acceleration),
+            mode: Mode::Trapezoid,
+            start_now: true,
+            ..Trajectory::default()
+        }))?;
+        Ok(())
+    }
+
+    /// Not in the mode for it, which would go on for ever without the host: the servo goes towards
+    /// `end` with no more than this duty, of which it uses all from two counts of error on, and
+    /// holds the axis there.
+    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {
+        let duty = pwm.unsigned_abs().min(255) as u8;
+        if duty == 0 {
+            return self.release();
+        }
+        if self.duty != Some(duty) {
+            self.command(Command::SetGain(Gains {
+                // 256 a PWM and count; 32640 at most, of 32767.
+                proportional: u16::from(duty) * 128,
+                integral: 0,
+                derivative: 0,
+                integration_limit: 0,
+                output_limit: duty,
+                // From one end to the other.
+                error_limit: self
+                    .gains
+                    .error_limit
+                    .saturating_mul(2)
+                    .min(ERROR_LIMIT_MOST),
+                dead_band: 0,
+                ..self.gains
+            }))?;
+            self.duty = Some(duty);
+        }
+        self.hold(end)
+    }
+
+    fn release(&mut self) -> Result<(), Trouble> {
+        self.stop(false, StopWay::Off)
+    }
+
+    fn sample(&mut self) -> Result<Sample, Trouble> {
+        let reply = self.command(Command::ReadStatus(READ))?;
+        Ok(Sample {
+            us: self.now_us(),
+            position: reply.readings.position,
+            current: reply.readings.current,
+            status: reply.status,
+        })
+    }
+
+    fn now_us(&self) -> u64 {
+        self.line.elapsed_us()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
+
+    /// A host that says nothing more after a drive: the axis goes to the end that was named, and
+    /// stays.
+    #[test]
+    fn a_drive_ends_without_the_host() {
+        let machine = one_axis();
+        let file = machine.axes[0];
+        for (pwm, end) in [(60, 300), (-60, -300), (255, 150)] {
+            let chain = SimulatedChain::new(&[4], &[], None).unwrap();
+            let line = Line::new(SimulatedPort::new(chain));
+            let mut linked = Linked::start(line, &machine, &file).unwrap();
+            linked.set_gains(&file.gains).unwrap();
+            linked.engage().unwrap();
+            linked.drive(pwm, end).unwrap();
+            let start_us = linked.now_us();
+            let mut farthest = 0_i32;
+            while linked.now_us() < start_us + 5_000_000 {
+                let position = linked.sample().unwrap().position;
+                farthest = if pwm > 0 {
+                    farthest.max(position)
+                } else {
+                    farthest.min(position)
+                };
+            }
+            let beyond = (farthest - end) * i32::from(pwm.signum());
+            assert!((-30..200).contains(&beyond), "{pwm} to {end}: {farthest}");
+            let sample = linked.sample().unwrap();
+            assert!(
+                sample.position.abs_diff(end) < 100,
+                "{pwm} to {end}: {sample:?}"
+            );
+        }
+    }
+}

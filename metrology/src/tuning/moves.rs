@@ -1,0 +1,99 @@
+//! The proof of gains: moves, and where they end.
+
+use super::stand::Stand;
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{Gains, Status};
+use serde::Serialize;
+
+/// Lengths of the moves in turn, counts: the short ones have to break loose.
+const LENGTHS: [i32; 9] = [1, 3, 10, 30, 100, 300, 500, 2, 17];
+/// They stay so near to where the axis was, counts.
+const REACH: i32 = 1000;
+/// Longest time from the end of a profile until the axis stands, us.
+const SETTLING_US: u64 = 2_000_000;
+/// How long the last goal is held, us.
+const REST_US: u64 = 3_000_000;
+/// It stands when it has been at its goal for so long, us, and three readings.
+const STILL_US: u64 = 50_000;
+
+/// What came of some moves.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Moves {
+    /// How many there were.
+    pub moves: u32,
+    /// How many ended within 1 count of their goal.
+    pub within_1_count: u32,
+    /// The farthest end from its goal, counts.
+    pub largest_error: u32,
+    /// How far it goes from the last goal while it is held there, counts: more than 1 is hunting.
+    pub rest_error: u32,
+}
+
+impl Moves {
+    /// Every move ended within 1 count, and the axis rests there.
+    pub const fn is_good(&self) -> bool {
+        self.within_1_count == self.moves && self.rest_error <= 1
+    }
+}
+
+/// Makes `moves` moves up and down, of lengths from 1 to 999 counts, with the rate and acceleration
+/// of the machine file, and holds the last goal for a while.
+///
+/// # Errors
+///
+/// A limit is passed, or the link fails.
+pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trouble> {
+    stand.engage(gains)?;
+    let mut result = Moves::default();
+    let mut goal = stand.sample(true)?.position;
+    let mut random = 1_u32;
+    for length in LENGTHS.into_iter().cycle().take(moves as usize) {
+        // Numerical Recipes' generator: the same moves every time.
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let length = length + (random >> 16) as i32 % length;
+        let is_up = random >> 31 == 0;
+        let low = stand.settings.travel[0].max(stand.centre - REACH);
+        let high = stand.settings.travel[1].min(stand.centre + REACH);
+        goal = match (goal + length <= high, goal - length >= low) {
+            (true, true) if is_up => goal + length,
+            (_, true) => goal - length,
+            (true, false) => goal + length,
+            (false, false) => goal,
+        };
+        let error = one(stand, goal)?;
+        result.moves += 1;
+        result.within_1_count += u32::from(error <= 1);
+        result.largest_error = result.largest_error.max(error);
+    }
+    let mut sample = stand.sample(true)?;
+    let end_us = sample.us + REST_US;
+    while sample.us < end_us {
+        result.rest_error = result.rest_error.max(sample.position.abs_diff(goal));
+        sample = stand.sample(true)?;
+    }
+    Ok(result)
+}
+
+/// Makes a move and returns how far from its goal it ends.
+fn one(stand: &mut Stand, goal: i32) -> Result<u32, Trouble> {
+    stand.start_move(goal)?;
+    // From the end of the profile; and since when it is at its goal.
+    let (mut end_us, mut still_us, mut readings) = (None, None, 0);
+    loop {
+        let sample = stand.sample(true)?;
+        let error = sample.position.abs_diff(goal);
+        if !sample.status.contains(Status::MOVE_DONE) {
+            continue;
+        }
+        let end_us = *end_us.get_or_insert(sample.us + SETTLING_US);
+        (still_us, readings) = match still_us {
+            _ if error > 1 => (None, 0),
+            None => (Some(sample.us), 1),
+            Some(since) => (Some(since), readings + 1),
+        };
+        let is_still = still_us.is_some_and(|since| sample.us >= since + STILL_US) && readings >= 3;
+        if is_still || sample.us > end_us {
+            return Ok(error);
+        }
+    }
+}
