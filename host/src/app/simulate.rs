@@ -10,9 +10,9 @@ use crate::page::report::{self, AxisRow, Report, length};
 use crate::programs::check::{Facts, duration};
 use crate::programs::feeder;
 use crate::programs::mirror;
-use crate::programs::run::Run;
 use crate::programs::setup::{self, ClosedMicromill};
-use crate::programs::symmetry::{Difference, Symmetry};
+use crate::simulation::run::Run;
+use crate::simulation::symmetry::{Difference, Symmetry};
 use husillo_gcode::Dialect;
 use husillo_machine::OnLoss;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -137,7 +137,10 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut machine = job.new_machine(!args.no_compensation)?;
     run.start_at(machine.position_steps());
     run.set_pushes(&args.lose);
-    run.symmetry = args.symmetry.map(|mm| Symmetry::new(mm * 1e6));
+    run.observers.symmetry = args.symmetry.map(|mm| {
+        let [x, y, _] = run.mechanics.nm_per_step();
+        Symmetry::new(mm * 1e6, [x, y])
+    });
     let bar = progress(facts.events);
     let mut countdown = PROGRESS_EVENTS;
     let mut tick = || {
@@ -151,7 +154,7 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
         let mut closed = ClosedMicromill::new(machine, encoders);
-        let counts = run.counts();
+        let counts = run.mechanics.counts();
         feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
             tick();
             run.followed(closed, entry)
@@ -172,7 +175,11 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let errors = errors + lost.len() as u64;
     let mut results = results(&job, &run, &facts, offset, [errors, warnings]);
     results.order = order;
-    results.left_right = run.symmetry.as_ref().and_then(Symmetry::difference);
+    results.left_right = run
+        .observers
+        .symmetry
+        .as_ref()
+        .and_then(Symmetry::difference);
     if text {
         summary(&job, &run, &results, &facts)?;
     } else {
@@ -187,11 +194,11 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
         let figures = figures(
             &results,
             &facts,
-            run.take_up_ticks as f64 / f64::from(job.machine.timer_hz),
+            run.observers.statistics.take_up_ticks as f64 / f64::from(job.machine.timer_hz),
             args.no_compensation,
         );
         let page = report::html(&make_report(
-            &job, &mut run, &results, figures, offset, warnings,
+            &job, &run, &results, figures, offset, warnings,
         ));
         out.write_all(page.as_bytes())?;
         out.flush()?;
@@ -217,11 +224,11 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
 
 /// A sentence for each axis that lost steps which nothing made good: how many, where first, and
 /// what to do.
-fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
+fn losses(job: &Job, run: &Run) -> Vec<String> {
     let mut sentences = Vec::new();
-    let axes = job.machine.axes.iter().zip(run.lost_steps());
-    let axes = axes.zip(run.behind());
-    for (((axis, lost), is_behind), first) in axes.zip(run.first_losses()) {
+    let axes = job.machine.axes.iter().zip(run.mechanics.losses().lost());
+    let axes = axes.zip(run.encoders.behind);
+    for (((axis, lost), is_behind), first) in axes.zip(run.mechanics.losses().first()) {
         let corrects = axis
             .encoder
             .is_some_and(|file| file.encoder.on_loss == OnLoss::Correct);
@@ -239,7 +246,8 @@ fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
         });
         let advice = match axis.pull_out_rate {
             Some(rate) => format!(
-                "the motor follows up to {rate} Hz: lower the feed, or `max_rate` or `start_rate` of the axis"
+                "the motor follows up to {rate} Hz: lower the feed, or `max_rate` or `start_rate` \
+                 of the axis"
             ),
             None => "lower the feed or `max_rate` of the axis".to_owned(),
         };
@@ -286,7 +294,7 @@ fn print_json(results: &Results) -> io::Result<()> {
 
 fn results(
     job: &Job,
-    run: &Run<'_>,
+    run: &Run,
     facts: &Facts,
     offset: [i64; 3],
     [errors, warnings]: [u64; 2],
@@ -300,16 +308,16 @@ fn results(
         })
     };
     Results {
-        events: run.events,
-        duration_s: run.ticks as f64 / f64::from(job.machine.timer_hz),
-        end_nm: nm(run.tool_steps()),
-        min_nm: nm(run.low),
-        max_nm: nm(run.high),
-        max_deviation_nm: rounded(run.deviation.largest_nm()),
-        rms_deviation_nm: rounded(run.deviation.rms_nm()),
-        reversals: run.reversals,
-        lost_steps: run.lost_steps().iter().sum(),
-        encoders: run.told.clone(),
+        events: run.mechanics.events(),
+        duration_s: run.mechanics.seconds(),
+        end_nm: nm(run.mechanics.tool()),
+        min_nm: nm(run.observers.statistics.low),
+        max_nm: nm(run.observers.statistics.high),
+        max_deviation_nm: rounded(run.observers.deviation.largest_nm()),
+        rms_deviation_nm: rounded(run.observers.deviation.rms_nm()),
+        reversals: run.observers.statistics.reversals,
+        lost_steps: run.mechanics.losses().lost().iter().sum(),
+        encoders: run.encoders.sentences.clone(),
         order: None,
         left_right: None,
         feed_nm: facts.feed_nm.round() as i64,
@@ -324,7 +332,7 @@ fn rounded(nm: f64) -> f64 {
     (nm * 1e3).round() / 1e3
 }
 
-fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Result<()> {
+fn summary(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Result<()> {
     let mut out = console::stdout();
     writeln!(
         out,
@@ -344,7 +352,7 @@ fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Re
         length(results.max_deviation_nm),
         length(results.rms_deviation_nm)
     )?;
-    let lost = run.lost_steps();
+    let lost = run.mechanics.losses().lost();
     for (axis, facts) in job.machine.axes.iter().enumerate() {
         let [low, high, end] = [results.min_nm, results.max_nm, results.end_nm]
             .map(|nm| report::millimetres(nm[axis] as f64));
@@ -363,7 +371,8 @@ fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Re
         let count = |reversals: [u64; 3]| reversals.iter().sum::<u64>();
         writeln!(
             out,
-            "Mirrored   {} contours in halves, {} as they were; {} reversals, {} in the order of the file",
+            "Mirrored   {} contours in halves, {} as they were; {} reversals, {} in the order of \
+             the file",
             order.mirrored,
             order.whole,
             count(order.reversals),
@@ -379,10 +388,10 @@ fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Re
             apart.pairs
         )?;
     }
-    for told in run.told.iter().take(MOST_TOLD) {
+    for told in run.encoders.sentences.iter().take(MOST_TOLD) {
         writeln!(out, "Encoders   {told}")?;
     }
-    if let Some(more @ 1..) = run.told.len().checked_sub(MOST_TOLD) {
+    if let Some(more @ 1..) = run.encoders.sentences.len().checked_sub(MOST_TOLD) {
         writeln!(out, "           and {more} more")?;
     }
     Ok(())
@@ -419,7 +428,7 @@ fn figures(
 
 fn make_report(
     job: &Job,
-    run: &mut Run<'_>,
+    run: &Run,
     results: &Results,
     figures: Vec<(&'static str, String)>,
     offset: [i64; 3],
@@ -429,7 +438,7 @@ fn make_report(
         Travel::Range(range) => Some(range.map(|at| (at - offset[axis]) as f64)),
         Travel::Unknown | Travel::Unlimited => None,
     };
-    let lost = run.lost_steps();
+    let lost = run.mechanics.losses().lost();
     let axes = (0..3)
         .map(|axis| AxisRow {
             letter: char::from(job.machine.axes[axis].letter),
@@ -453,17 +462,17 @@ fn make_report(
         machine: job.machine.title.clone(),
         figures,
         axes,
-        phases: run.motors(),
-        drawing: std::mem::replace(&mut run.drawing, crate::page::drawing::Drawing::new()),
-        ideal: std::mem::take(&mut run.ideal),
-        ideal_is_whole: run.ideal_is_whole,
+        phases: run.observers.phases.motors(&job.machine),
+        drawing: run.observers.picture.drawing.clone(),
+        ideal: run.observers.picture.ideal.clone(),
+        ideal_is_whole: run.observers.picture.ideal_is_whole,
         area,
         view: job
             .machine
             .view
             .map(|axis| char::from(job.machine.axes[axis].letter)),
         largest_nm: results.max_deviation_nm,
-        speed: run.speed.clone(),
+        speed: run.observers.speed.clone(),
         has_ramps: job
             .machine
             .axes

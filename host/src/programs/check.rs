@@ -23,7 +23,8 @@ pub struct Facts {
     pub events: f64,
     /// How often every axis turns round, the first motion counted where it is backwards.
     pub reversals: [u64; 3],
-    /// The first move that leaves the travel of an axis: for [`crate::programs::zero::tell_beyond`].
+    /// The first move that leaves the travel of an axis: for
+    /// [`crate::programs::zero::tell_beyond`].
     pub beyond: Option<(Place, MoveError)>,
 }
 
@@ -265,7 +266,8 @@ impl Checker<'_> {
             .label("the end has another distance from the centre than the start")
             .note("the tool follows a spiral between the two radii")
             .note(format!(
-                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` makes it an error",
+                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` \
+                 makes it an error",
                 length(2.0 * step.num as f64 / step.den as f64)
             ));
         findings.add(&finding)
@@ -376,7 +378,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    crate::programs::deviation::Path::programmed(
+    crate::geometry::path::Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

@@ -1,7 +1,7 @@
 //! `husillo commands`: the commands a program means, one a line.
 
 use crate::diagnostics::Findings;
-use crate::programs::deviation::Path;
+use crate::geometry::path::Path;
 use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
 use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
