@@ -126,16 +126,7 @@ pub fn length(text: &str) -> Option<Nm> {
 }
 
 /// Reads a drill file; everything that is to be said about it goes to `findings`.
-///
-/// # Errors
-///
-/// Writing fails.
-pub fn read<W: Write>(
-    text: &[u8],
-    file: &str,
-    options: &Options,
-    findings: &mut Findings<W>,
-) -> io::Result<Board> {
+pub fn read(text: &[u8], file: &str, options: &Options, findings: &mut Findings) -> Board {
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let mut inference = Inference::new();
     for (_, line) in lines(text) {
@@ -149,22 +140,22 @@ pub fn read<W: Write>(
     let (mut holes, mut slots) = (Vec::new(), Vec::new());
     let mut panel = Panel::default();
     let errors_before = findings.errors;
-    let mut told_diameters = Vec::new();
+    let mut warned_diameters = Vec::new();
     for (number, line) in lines(text) {
         let read = reader.read(line);
         if let Some(warning) = reader.warning() {
             // Once for each tool is enough.
             let again = matches!(warning.kind, WarningKind::NoDiameter(_))
-                && told_diameters.contains(&warning.kind);
+                && warned_diameters.contains(&warning.kind);
             if !again {
-                told_diameters.push(warning.kind);
-                findings.add(&warned(&warning, file, number, line))?;
+                warned_diameters.push(warning.kind);
+                findings.add(warned(&warning, file, number, line));
             }
         }
         let features = match read {
             Ok(features) => features,
             Err(error) => {
-                findings.add(&refused(&error, file, number, line))?;
+                findings.add(refused(&error, file, number, line));
                 if matches!(error.kind, ErrorKind::Gerber | ErrorKind::NotText(_)) {
                     break; // Nothing of such a file is a drill program.
                 }
@@ -174,7 +165,7 @@ pub fn read<W: Write>(
         if holes.len() + slots.len() + features.len() > MOST_FEATURES {
             let place = Place::new(file, number, line, 0..line.len());
             let message = format!("more than {MOST_FEATURES} holes");
-            findings.add(&Finding::error("E0910", message, place))?;
+            findings.add(Finding::error("E0910", message, place));
             break;
         }
         for feature in features {
@@ -192,7 +183,7 @@ pub fn read<W: Write>(
                 Refused::Reach => ("E0103", "the copy is out of reach".to_owned()),
                 Refused::Many => ("E0910", format!("more than {MOST_FEATURES} holes")),
             };
-            findings.add(&Finding::error(code, message, place))?;
+            findings.add(Finding::error(code, message, place));
             break;
         }
     }
@@ -203,9 +194,9 @@ pub fn read<W: Write>(
         slots,
     };
     if findings.errors == errors_before {
-        doubts(&board, file, findings)?;
+        doubts(&board, file, findings);
     }
-    Ok(board)
+    board
 }
 
 fn span(at: usize, end: usize) -> std::ops::Range<usize> {
@@ -269,13 +260,14 @@ fn warned(warning: &Warning, file: &str, number: usize, line: &[u8]) -> Finding 
 }
 
 /// Warnings about the file as a whole.
-fn doubts<W: Write>(board: &Board, file: &str, findings: &mut Findings<W>) -> io::Result<()> {
+fn doubts(board: &Board, file: &str, findings: &mut Findings) {
     let general = |code, message: String| Finding::general(Severity::Warning, code, message);
     let settings = &board.settings;
     let is_empty = board.holes.is_empty() && board.slots.is_empty();
     if is_empty {
         let message = format!("no hole in {file}");
-        return findings.add(&general("W0602", message));
+        findings.add(general("W0602", message));
+        return;
     }
     if matches!(settings.units.reason, Reason::Default | Reason::Numbers(_)) {
         let message = format!(
@@ -283,7 +275,7 @@ fn doubts<W: Write>(board: &Board, file: &str, findings: &mut Findings<W>) -> io
             settings.units.value
         );
         let finding = general("W0928", message).note(because(settings.units.reason));
-        findings.add(&finding.help("--units inch or --units mm says it"))?;
+        findings.add(finding.help("--units inch or --units mm says it"));
     }
     if let (Reason::Numbers(_), true) = (settings.zeros.reason, settings.point_missing) {
         let message = format!(
@@ -291,7 +283,7 @@ fn doubts<W: Write>(board: &Board, file: &str, findings: &mut Findings<W>) -> io
             settings.zeros.value
         );
         let finding = general("W0929", message).note(because(settings.zeros.reason));
-        findings.add(&finding.help("--zeros leading or --zeros trailing says which are kept"))?;
+        findings.add(finding.help("--zeros leading or --zeros trailing says which are kept"));
     }
     match settings.doubt {
         Some(Doubt::LongNumber(line, digits)) => {
@@ -302,16 +294,16 @@ fn doubts<W: Write>(board: &Board, file: &str, findings: &mut Findings<W>) -> io
             );
             let finding = general("W0930", message).note(because(settings.digits.reason));
             let help = "--format-digits says where the point is, as in 4.4";
-            findings.add(&finding.help(help))
+            findings.add(finding.help(help));
         }
         Some(Doubt::MixedPoints(line)) => {
             let message =
                 format!("some coordinates of {file} have a point, and one of line {line} has none");
             let format = settings.digits.value;
             let note = format!("without a point it is read by the digits {format}");
-            findings.add(&general("W0931", message).note(note))
+            findings.add(general("W0931", message).note(note));
         }
-        None => Ok(()),
+        None => {}
     }
 }
 
@@ -328,7 +320,8 @@ fn because(reason: Reason) -> String {
 }
 
 impl Board {
-    /// Leaves the tools that were asked for, and places the board; what a fit to measured holes found.
+    /// Leaves the tools that were asked for, and places the board; what a fit to measured holes
+    /// found.
     ///
     /// # Errors
     ///
@@ -352,18 +345,9 @@ impl Board {
     }
 
     /// Says what is beyond the travel of a machine whose zero is that of the file.
-    ///
-    /// # Errors
-    ///
-    /// What the writer says.
-    pub fn check_travel<W: Write>(
-        &self,
-        file: &str,
-        machine: &MachineFile,
-        findings: &mut Findings<W>,
-    ) -> io::Result<()> {
+    pub fn check_travel(&self, file: &str, machine: &MachineFile, findings: &mut Findings) {
         let Some([low, high]) = self.extent() else {
-            return Ok(());
+            return;
         };
         for (axis, name) in ["X", "Y"].into_iter().enumerate() {
             let Travel::Range([from, to]) = machine.axes[axis].travel else {
@@ -390,13 +374,12 @@ impl Board {
             );
             let finding = Finding::general(Severity::Error, "E0401", message).note(note);
             let fits = high[axis].0 - low[axis].0 <= to - from;
-            findings.add(&finding.help(if fits {
+            findings.add(finding.help(if fits {
                 "it fits when it is moved: see --shift of `husillo holes`"
             } else {
                 "it cannot fit by moving it"
-            }))?;
+            }));
         }
-        Ok(())
     }
 
     /// Puts the holes of each tool into the order of a short path, tool after tool.
@@ -526,7 +509,8 @@ impl Board {
             let size = [0, 1].map(|axis: usize| Nm(high[axis].0 - low[axis].0));
             writeln!(
                 out,
-                "\n  extent   X {} to {} mm, Y {} to {} mm ({} x {} mm, middles of holes and ends of slots)",
+                "\n  extent   X {} to {} mm, Y {} to {} mm ({} x {} mm, middles of holes and ends \
+                 of slots)",
                 low[0], high[0], low[1], high[1], size[0], size[1]
             )?;
             writeln!(
@@ -571,7 +555,8 @@ impl Board {
             let direction = if clockwise { "cw" } else { "ccw" };
             write!(
                 out,
-                "{separator}{{\"from\": [{x}, {y}], \"to\": [{to_x}, {to_y}], \"diameter\": {diameter}, \
+                "{separator}{{\"from\": [{x}, {y}], \"to\": [{to_x}, {to_y}], \"diameter\": \
+                 {diameter}, \
                  \"direction\": \"{direction}\", {centre}}}"
             )?;
         }
@@ -595,8 +580,10 @@ impl Board {
         };
         writeln!(
             out,
-            "], \"units\": \"{}\", \"units_reason\": \"{}\", \"zeros\": \"{zeros}\", \"zeros_reason\": \"{}\", \
-             \"digits\": \"{}\", \"digits_reason\": \"{}\", \"errors\": {errors}, \"warnings\": {warnings}}}",
+            "], \"units\": \"{}\", \"units_reason\": \"{}\", \"zeros\": \"{zeros}\", \
+             \"zeros_reason\": \"{}\", \
+             \"digits\": \"{}\", \"digits_reason\": \"{}\", \"errors\": {errors}, \"warnings\": \
+             {warnings}}}",
             settings.units.value,
             because(settings.units.reason),
             because(settings.zeros.reason),

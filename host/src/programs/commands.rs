@@ -12,12 +12,12 @@ use std::io::{self, Write};
 /// # Errors
 ///
 /// Reading or writing fails.
-pub fn print<W: Write>(
+pub fn print(
     source: &mut Source,
     file: &str,
     start: Start,
     json: bool,
-    findings: &mut Findings<W>,
+    findings: &mut Findings,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let mut line = Vec::with_capacity(512);

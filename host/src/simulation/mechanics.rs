@@ -134,7 +134,12 @@ impl Mechanics {
 
     /// Seconds so far.
     pub fn seconds(&self) -> f64 {
-        self.ticks as f64 / f64::from(self.timer_hz)
+        self.in_seconds(self.ticks)
+    }
+
+    /// Timer ticks as seconds.
+    pub fn in_seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 / f64::from(self.timer_hz)
     }
 
     /// Where the tool is, in steps.
