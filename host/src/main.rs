@@ -15,6 +15,7 @@
 //! | `link` | what carries bytes to a controller |
 //! | `emulate` | simulated controllers behind a port |
 //! | `page` | what the reports are made of |
+//! | `text` | how values are written |
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -40,6 +41,7 @@ mod output;
 mod page;
 mod programs;
 mod simulation;
+mod text;
 mod tuning;
 
 use clap::Parser;

@@ -14,7 +14,8 @@ use crate::programs::setup;
 use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
-use std::io::{BufWriter, Write};
+use serde::Serialize;
+use std::io::{self, BufWriter, Write};
 
 /// What is to be drilled.
 pub(super) struct Job {
@@ -257,6 +258,15 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
+/// What `commands --format json` prints of a record.
+#[derive(Serialize)]
+struct ListedRecord {
+    record: usize,
+    kind: &'static str,
+    steps: u16,
+    nm: i64,
+}
+
 /// `commands` of a file of records.
 pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
     let records = drill::load_records(file)?;
@@ -277,17 +287,19 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
         }
         Listing::Json => {
             for (number, record) in records.iter().enumerate() {
-                let (kind, steps) = match record {
+                let (kind, steps) = match *record {
                     Record::X(steps) => ("x", steps),
                     Record::Y(steps) => ("y", steps),
                     Record::Drill(steps) => ("drill", steps),
                 };
-                writeln!(
-                    out,
-                    "{{\"record\":{},\"kind\":\"{kind}\",\"steps\":{steps},\"nm\":{}}}",
-                    number + 1,
-                    drill::millimetres(*steps).0
-                )?;
+                let listed = ListedRecord {
+                    record: number + 1,
+                    kind,
+                    steps,
+                    nm: drill::millimetres(steps).0,
+                };
+                serde_json::to_writer(&mut out, &listed).map_err(io::Error::from)?;
+                out.write_all(b"\n")?;
             }
         }
     }
