@@ -1,9 +1,14 @@
 //! What each command does, from its arguments to its exit status.
 
 mod drilling;
+mod job;
 mod milling;
+mod reporting;
 mod rewrite;
 mod simulate;
+
+use job::{Job, displayed, load, not_loaded, whole};
+use reporting::{colour, verdict, with_findings};
 
 use crate::calibrating::{Calibrate, What};
 use crate::cli::{
@@ -22,7 +27,6 @@ use crate::holes::visiting_order::Metric;
 use crate::input;
 use crate::lash;
 use crate::machines::listing;
-use crate::machines::machine_file::{LoadError, MachineFile};
 use crate::measuring::{self, Stopped};
 use crate::methods::compare::{self, Bench};
 use crate::methods::compare_page;
@@ -33,17 +37,12 @@ use crate::methods::interpolate;
 use crate::microfactory;
 use crate::micromill;
 use crate::output::Outputs;
-use crate::programs::check::{self, Facts};
 use crate::programs::commands;
-use crate::programs::program::Start;
+use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
-use crate::programs::setup::Micromill;
-use crate::programs::source::Source;
 use crate::programs::steps;
-use crate::programs::zero::{self, Zero};
 use crate::tuning;
-use husillo_machine::Config;
-use std::io::{self, BufWriter, IsTerminal, Read, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
 const OK: u8 = 0;
@@ -127,7 +126,10 @@ fn jog(args: &microfactory::Jog) -> Result<u8, Failure> {
         }
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
-                format!("{machine} cannot be jogged: there are microfactory, drill and micromill, and files with [bytes]")
+                format!(
+                    "{machine} cannot be jogged: there are microfactory, drill and micromill, \
+                     and files with [bytes]"
+                )
             })?;
             microfactory::jog(args, &settings, out)?
         }
@@ -162,7 +164,8 @@ fn send(args: &Send) -> Result<u8, Failure> {
     }
 }
 
-/// The settings of the microfactory that a file is for; `None` where it is for another machine. A list of moves is for no other.
+/// The settings of the microfactory that a file is for; `None` where it is for another machine. A
+/// list of moves is for no other.
 fn figures(target: &Target, file: &str) -> Result<Option<microfactory::Settings>, Failure> {
     let is_list = microfactory::is_list(file);
     let machine = target.machine.as_deref();
@@ -332,29 +335,32 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
 
 /// Makes every feed move of a program; `None` when it has errors.
 fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
-    let mut findings = to_stderr(Format::Text);
+    let mut make = |command: &husillo_gcode::Command<3>, from| {
+        let made = match command {
+            husillo_gcode::Command::Linear { to, .. } => grid_moves::line(&job.config, from, *to),
+            husillo_gcode::Command::Arc { arc, .. } => grid_moves::arc(&job.config, from, arc),
+            _ => Ok(None),
+        };
+        match made {
+            Ok(Some(one)) => bench.add_common(&one),
+            Ok(None) => {}
+            Err(why) => bench.note(why.to_owned()),
+        }
+    };
     let mut source = job.open()?;
-    crate::programs::program::walk(
-        &mut source,
-        job.name(),
-        job.start,
-        &mut findings,
-        |_, command, from, _| {
-            let made = match command {
-                husillo_gcode::Command::Linear { to, .. } => {
-                    grid_moves::line(&job.config, from, *to)
-                }
-                husillo_gcode::Command::Arc { arc, .. } => grid_moves::arc(&job.config, from, arc),
-                _ => Ok(None),
-            };
-            match made {
-                Ok(Some(one)) => bench.add_common(&one),
-                Ok(None) => {}
-                Err(why) => bench.note(why.to_owned()),
-            }
+    let (_, findings) = with_findings(|findings| {
+        let each = |_: &Meaning<'_>, command: &_, from, _: &mut Findings| {
+            make(command, from);
             Ok(())
-        },
-    )?;
+        };
+        Ok(program::walk(
+            &mut source,
+            job.name(),
+            job.start,
+            findings,
+            each,
+        )?)
+    })?;
     if findings.errors > 0 {
         eprintln!(
             "{}: {}",
@@ -364,166 +370,6 @@ fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure
         return Ok(None);
     }
     Ok(Some(bench))
-}
-
-/// A program and the machine it is for.
-struct Job {
-    file: String,
-    machine: MachineFile,
-    config: Config<3>,
-    /// Its language, and where it lies on the machine.
-    start: Start,
-    is_placed: bool,
-    /// Standard input is read once and kept, as a run reads its program twice; of a list of moves the program.
-    input: Option<Vec<u8>>,
-}
-
-impl Job {
-    fn new(file: &str, target: &Target, default_machine: &str) -> Result<Self, Failure> {
-        let name = target.machine.as_deref().unwrap_or(default_machine);
-        let machine = load(name)?;
-        let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
-        let config = setup::config(&machine, dialect)?;
-        let input = match microfactory::Settings::of(&machine) {
-            Some(settings) => microfactory::program(file, &settings)?,
-            None if microfactory::is_list(file) => return Err(only_microfactory(file)),
-            None => None,
-        };
-        Ok(Self {
-            file: file.to_owned(),
-            machine,
-            config,
-            start: dialect.into(),
-            is_placed: false,
-            input: input.map(String::into_bytes),
-        })
-    }
-
-    /// Keeps what can be read once only in memory: standard input, pipes.
-    fn keep_input(&mut self) -> Result<(), Failure> {
-        let metadata = std::fs::metadata(&self.file);
-        let is_pipe = metadata.is_ok_and(|file| !file.is_file() && !file.is_dir());
-        if self.input.is_none() && (self.file == "-" || is_pipe) {
-            self.input = Some(whole(&self.file)?);
-        }
-        Ok(())
-    }
-
-    /// Puts work zero where it is asked for, and the tool to it, as far as the travel goes.
-    fn place(&mut self, zero: Option<Zero>) -> Result<(), Failure> {
-        self.keep_input()?;
-        let zero = match zero {
-            None => return Ok(()),
-            Some(Zero::At(zero)) => zero,
-            Some(Zero::Fit) => {
-                let mut source = self.open()?;
-                let dialect = self.start.dialect;
-                let zero = zero::fitting(&mut source, self.name(), dialect, &self.config)?;
-                let Some(zero) = zero else { return Ok(()) };
-                let [x, y, z] = zero;
-                eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
-                zero
-            }
-        };
-        let mut at = zero;
-        for (at, axis) in at.iter_mut().zip(&self.config.axes) {
-            if let Some([low, high]) = axis.travel {
-                *at = (*at).clamp(low, high);
-            }
-        }
-        self.start = Start {
-            zero,
-            at,
-            ..self.start
-        };
-        self.is_placed = true;
-        Ok(())
-    }
-
-    fn open(&self) -> Result<Source, Failure> {
-        match &self.input {
-            Some(input) => Ok(Source::from_reader(Box::new(io::Cursor::new(
-                input.clone(),
-            )))),
-            None => Source::open(&self.file)
-                .map_err(|error| Failure::Usage(format!("{}: {error}", self.file))),
-        }
-    }
-
-    /// How the file is called in messages.
-    fn name(&self) -> &str {
-        displayed(&self.file)
-    }
-
-    fn check<W: Write>(&self, findings: &mut Findings<W>) -> Result<Facts, Failure> {
-        let mut source = self.open()?;
-        let facts = check::check(
-            &mut source,
-            self.name(),
-            self.start,
-            &self.machine,
-            &self.config,
-            findings,
-        )?;
-        if let Some(first) = &facts.beyond {
-            zero::tell_beyond(
-                &mut self.open()?,
-                self.name(),
-                self.start,
-                &self.machine,
-                &self.config,
-                first,
-                findings,
-            )?;
-        }
-        Ok(facts)
-    }
-
-    fn new_machine(&self, compensation: bool) -> Result<Micromill, Failure> {
-        let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
-        machine.set_compensation(compensation);
-        if self.is_placed {
-            (machine.place(self.start.zero, self.start.at)).map_err(|error| error.to_string())?;
-        }
-        Ok(machine)
-    }
-}
-
-/// How a file is called in messages.
-fn displayed(file: &str) -> &str {
-    if file == "-" { "<input>" } else { file }
-}
-
-/// A whole file, or standard input.
-fn whole(file: &str) -> Result<Vec<u8>, Failure> {
-    let mut text = Vec::new();
-    let read = match file {
-        "-" => input::stdin().read_to_end(&mut text),
-        _ => input::open(file).and_then(|mut file| file.read_to_end(&mut text)),
-    };
-    read.map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-    Ok(text)
-}
-
-fn load(machine: &str) -> Result<MachineFile, Failure> {
-    match MachineFile::load(machine) {
-        Ok(machine) => Ok(machine),
-        Err(error) => Err(not_loaded(machine, error)?),
-    }
-}
-
-/// Prints the mistakes of a machine file.
-fn not_loaded(machine: &str, error: LoadError) -> io::Result<Failure> {
-    Ok(Failure::Usage(match error {
-        LoadError::File(message) => message,
-        LoadError::Findings(found) => {
-            let mut findings = to_stderr(Format::Text);
-            for finding in &found {
-                findings.add(finding)?;
-            }
-            format!("{machine}: {} errors", found.len())
-        }
-    }))
 }
 
 fn list_holes(args: &Holes) -> Result<u8, Failure> {
@@ -540,8 +386,8 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     }
     let name = displayed(&args.file);
     let text = whole(&args.file)?;
-    let mut findings = to_stderr(Format::Text);
-    let mut board = holes::read(&text, name, &options, &mut findings)?;
+    let (mut board, findings) =
+        with_findings(|findings| Ok(holes::read(&text, name, &options, findings)))?;
     let (errors, warnings) = (findings.errors, findings.warnings);
     if errors > 0 && args.make != DrillOutput::List {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
@@ -563,7 +409,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
                 Ok(tools) => tools,
                 Err(Refusal::Usage(message)) => return Err(Failure::Usage(message)),
                 Err(Refusal::Finding(finding)) => {
-                    findings.add(&finding)?;
+                    reporting::print(&[*finding])?;
                     return Ok(ERRORS);
                 }
             };
@@ -587,57 +433,51 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-fn to_stderr(format: Format) -> Findings<io::Stderr> {
-    Findings::new(io::stderr(), format, colour(io::stderr().is_terminal()), 50)
-}
-
-fn colour(is_terminal: bool) -> bool {
-    is_terminal && std::env::var_os("NO_COLOR").is_none()
-}
-
 fn check_files(args: &Check) -> Result<u8, Failure> {
     let mut code = OK;
-    let stdout = io::stdout();
-    let coloured = colour(stdout.is_terminal());
     for file in &args.files {
-        let out = BufWriter::new(stdout.lock());
-        let mut findings = Findings::new(out, args.format, coloured, args.limit);
-        let name = displayed(file);
-        if holes::is_drill_file(args.target.dialect.as_deref(), file) {
-            let text = whole(file)?;
-            let board = holes::read(&text, name, &holes::Options::default(), &mut findings)?;
-            if let Some(machine) = &args.target.machine {
-                board.check_travel(name, &load(machine)?, &mut findings)?;
-            }
-        } else {
-            let mut job = Job::new(file, &args.target, "free")?;
-            job.place(args.zero)?;
-            job.check(&mut findings)?;
-        }
-        let hidden = findings.hidden();
-        let (errors, warnings) = (findings.errors, findings.warnings);
-        let out = findings.writer();
-        if args.format == Format::Text {
-            if hidden > 0 {
-                writeln!(out, "{hidden} more findings: see --limit\n")?;
-            }
-            writeln!(out, "{}: {}", shown(name), verdict(errors, warnings))?;
-        }
-        out.flush()?;
-        if errors > 0 || (args.deny_warnings && warnings > 0) {
+        let mut findings = Findings::new(args.limit);
+        let checked = check_file(args, file, &mut findings);
+        print_checked(args, file, &findings, checked.is_ok())?;
+        checked?;
+        if findings.errors > 0 || (args.deny_warnings && findings.warnings > 0) {
             code = ERRORS;
         }
     }
     Ok(code)
 }
 
-fn verdict(errors: u64, warnings: u64) -> String {
-    let count = |number: u64, name: &str| match number {
-        0 => format!("no {name}s"),
-        1 => format!("1 {name}"),
-        _ => format!("{number} {name}s"),
-    };
-    format!("{}, {}", count(errors, "error"), count(warnings, "warning"))
+/// Finds what there is to say about a program or a drill file.
+fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), Failure> {
+    if holes::is_drill_file(args.target.dialect.as_deref(), file) {
+        let name = displayed(file);
+        let board = holes::read(&whole(file)?, name, &holes::Options::default(), findings);
+        if let Some(machine) = &args.target.machine {
+            board.check_travel(name, &load(machine)?, findings);
+        }
+    } else {
+        let mut job = Job::new(file, &args.target, "free")?;
+        job.place(args.zero)?;
+        job.check(findings)?;
+    }
+    Ok(())
+}
+
+/// Prints what was found, and as text the verdict about a file that was checked to its end.
+fn print_checked(args: &Check, file: &str, findings: &Findings, is_whole: bool) -> io::Result<()> {
+    let stdout = io::stdout();
+    let is_coloured = colour(stdout.is_terminal());
+    let mut out = BufWriter::new(stdout.lock());
+    findings.print(args.format, is_coloured, &mut out)?;
+    if is_whole && args.format == Format::Text {
+        let hidden = findings.hidden();
+        if hidden > 0 {
+            writeln!(out, "{hidden} more findings: see --limit\n")?;
+        }
+        let verdict = verdict(findings.errors, findings.warnings);
+        writeln!(out, "{}: {verdict}", shown(displayed(file)))?;
+    }
+    out.flush()
 }
 
 fn print_commands(args: &Commands) -> Result<u8, Failure> {
@@ -651,18 +491,12 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "free")?;
     job.place(args.zero)?;
     let mut source = job.open()?;
-    let mut findings = to_stderr(Format::Text);
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
-    commands::print(
-        &mut source,
-        job.name(),
-        job.start,
-        json,
-        &mut findings,
-        &mut out,
-    )?;
-    out.flush()?;
+    let ((), findings) = with_findings(|findings| {
+        commands::print(&mut source, job.name(), job.start, json, findings, &mut out)?;
+        Ok(out.flush()?)
+    })?;
     if findings.hidden() > 0 {
         eprintln!(
             "{} more errors: see husillo check --limit",
@@ -675,8 +509,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
     job.place(args.zero)?;
-    let mut findings = to_stderr(Format::Text);
-    job.check(&mut findings)?;
+    let (_, findings) = with_findings(|findings| job.check(findings))?;
     if findings.errors > 0 {
         eprintln!(
             "{}: {}; nothing moves",

@@ -3,15 +3,19 @@
 //! | folder | what is in it |
 //! | --- | --- |
 //! | `cli`, `app` | the options, and the command that each starts |
-//! | `programs` | G-code: read, checked, explained, written back, run |
+//! | `programs` | G-code: read, checked, explained, written back |
+//! | `simulation` | a program on the simulated machine, and what is seen of it |
+//! | `geometry` | the geometry of moves: paths, and distances from them |
 //! | `methods` | interpolation methods, compared on the bare grid |
 //! | `holes` | drill files: read, placed, sorted, written back |
 //! | `machines` | machine files, and what follows from them |
-//! | `measuring`, `calibrating`, `lash`, `tuning` | the measuring machine, its errors, its servo axes |
+//! | `measuring`, `calibrating` | the measuring machine and its errors |
+//! | `lash`, `tuning` | backlash by place; servo axes |
 //! | `micromill`, `drill`, `microfactory` | the clients of these machines |
 //! | `link` | what carries bytes to a controller |
 //! | `emulate` | simulated controllers behind a port |
 //! | `page` | what the reports are made of |
+//! | `text` | how values are written |
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -23,6 +27,7 @@ mod cli;
 mod diagnostics;
 mod drill;
 mod emulate;
+mod geometry;
 mod holes;
 mod input;
 mod lash;
@@ -35,6 +40,8 @@ mod micromill;
 mod output;
 mod page;
 mod programs;
+mod simulation;
+mod text;
 mod tuning;
 
 use clap::Parser;

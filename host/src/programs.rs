@@ -1,9 +1,8 @@
-//! Programs: read, checked, listed, written back, simulated.
+//! Programs: read, checked, listed, written back, fed to a machine.
 
 pub mod blocks;
 pub mod check;
 pub mod commands;
-pub mod deviation;
 pub mod explain;
 pub mod explain_flow;
 pub mod feeder;
@@ -11,11 +10,8 @@ pub mod format;
 pub mod mirror;
 pub mod program;
 pub mod reversals;
-pub mod run;
 pub mod setup;
 pub mod source;
-pub mod speed;
 pub mod spindle_time;
 pub mod steps;
-pub mod symmetry;
 pub mod zero;

@@ -1,9 +1,10 @@
 //! `compile`, and what else has to do with records of the drill.
 
-use super::{ERRORS, Failure, OK, displayed, to_stderr, whole};
+use super::job::{displayed, whole};
+use super::reporting::{self, with_findings};
+use super::{ERRORS, Failure, OK};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
-use crate::diagnostics::Format;
 use crate::drill::{self, Board, Part, Translation};
 use crate::holes;
 use crate::holes::drill_file::{Compiler, Refusal};
@@ -13,7 +14,8 @@ use crate::programs::setup;
 use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
-use std::io::{BufWriter, Write};
+use serde::Serialize;
+use std::io::{self, BufWriter, Write};
 
 /// What is to be drilled.
 pub(super) struct Job {
@@ -25,7 +27,8 @@ pub(super) struct Job {
     is_drill_file: bool,
 }
 
-/// Reads a program, a drill file, records or a manifest; `None` where it has errors, which were told.
+/// Reads a program, a drill file, records or a manifest; `None` where it has errors, which were
+/// told.
 pub(super) fn load(
     file: &str,
     dialect: Option<&str>,
@@ -40,7 +43,8 @@ pub(super) fn load(
     let is_made = lower.ends_with(".toml") || lower.ends_with(".cod");
     if is_made && !args.is_default() {
         return Err(Failure::Usage(format!(
-            "{file}: records have their places and depths already; these options go with what they are compiled from"
+            "{file}: records have their places and depths already; these options go with what \
+             they are compiled from"
         )));
     }
     if lower.ends_with(".toml") {
@@ -72,8 +76,8 @@ pub(super) fn load(
     };
     let mut source =
         Source::open(file).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-    let mut findings = to_stderr(Format::Text);
-    let parts = translation.read(&mut source, name, &mut findings)?;
+    let (parts, findings) =
+        with_findings(|findings| Ok(translation.read(&mut source, name, findings)?))?;
     Ok((findings.errors == 0).then(|| of_parts(parts)))
 }
 
@@ -98,8 +102,9 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
             })?,
     };
     let name = displayed(file);
-    let mut findings = to_stderr(Format::Text);
-    let mut board = holes::read(&whole(file)?, name, &options, &mut findings)?;
+    let text = whole(file)?;
+    let (mut board, findings) =
+        with_findings(|findings| Ok(holes::read(&text, name, &options, findings)))?;
     if findings.errors > 0 {
         return Ok(None);
     }
@@ -107,11 +112,11 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
         eprintln!("{name}: {fit}");
     }
     let compiler = Compiler::new(&args.layout);
-    let mut compile = |board: &holes::Board| match compiler.compile(board, name) {
+    let compile = |board: &holes::Board| match compiler.compile(board, name) {
         Ok(tools) => Ok(Some(tools)),
         Err(Refusal::Usage(message)) => Err(Failure::Usage(message)),
         Err(Refusal::Finding(finding)) => {
-            findings.add(&finding)?;
+            reporting::print(&[*finding])?;
             Ok(None)
         }
     };
@@ -253,6 +258,15 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
+/// What `commands --format json` prints of a record.
+#[derive(Serialize)]
+struct ListedRecord {
+    record: usize,
+    kind: &'static str,
+    steps: u16,
+    nm: i64,
+}
+
 /// `commands` of a file of records.
 pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
     let records = drill::load_records(file)?;
@@ -273,17 +287,19 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
         }
         Listing::Json => {
             for (number, record) in records.iter().enumerate() {
-                let (kind, steps) = match record {
+                let (kind, steps) = match *record {
                     Record::X(steps) => ("x", steps),
                     Record::Y(steps) => ("y", steps),
                     Record::Drill(steps) => ("drill", steps),
                 };
-                writeln!(
-                    out,
-                    "{{\"record\":{},\"kind\":\"{kind}\",\"steps\":{steps},\"nm\":{}}}",
-                    number + 1,
-                    drill::millimetres(*steps).0
-                )?;
+                let listed = ListedRecord {
+                    record: number + 1,
+                    kind,
+                    steps,
+                    nm: drill::millimetres(steps).0,
+                };
+                serde_json::to_writer(&mut out, &listed).map_err(io::Error::from)?;
+                out.write_all(b"\n")?;
             }
         }
     }

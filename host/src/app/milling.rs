@@ -1,9 +1,11 @@
 //! `compile` and `send` for the micro mill.
 
-use super::{ERRORS, Failure, Job, OK, to_stderr, verdict, write};
+use super::job::Job;
+use super::reporting::{verdict, with_findings};
+use super::{ERRORS, Failure, OK, write};
 use crate::cli::{Compile, Send, Target};
 use crate::console;
-use crate::diagnostics::Format;
+use crate::diagnostics::Findings;
 use crate::link::wire::{stop_flag, stops_asked, typed_line};
 use crate::measuring::interrupt::INTERRUPTED;
 use crate::micromill::{self, Sending, Translated};
@@ -97,11 +99,11 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// The program as lines of the mill, everything that was dropped or changed told; `None` with errors.
+/// The program as lines of the mill, everything that was dropped or changed told; `None` with
+/// errors.
 fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
     job.keep_input()?;
-    let mut findings = to_stderr(Format::Text);
-    job.check(&mut findings)?;
+    let (_, findings) = with_findings(|findings| job.check(findings))?;
     if findings.errors > 0 {
         let verdict = verdict(findings.errors, findings.warnings);
         eprintln!("{}: {verdict}; nothing is made", job.name());
@@ -113,7 +115,8 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         &mut source,
         job.name(),
         job.start,
-        &mut to_stderr(Format::Short),
+        // What is wrong with the program was reported when it was checked.
+        &mut Findings::new(0),
         |meaning, command, _, _| {
             commands.push((meaning.at.line, *command));
             Ok(())
@@ -129,7 +132,8 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
     Ok(made.errors.is_empty().then_some(made))
 }
 
-/// The steps of the mill's strings on a simulated machine: axis, and whether forward, in the order in which a controller tells them.
+/// The steps of the mill's strings on a simulated machine: axis, and whether forward, in the order
+/// in which a controller tells them.
 fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
     let config = Config {
         dialect: Dialect::MICROMILL,

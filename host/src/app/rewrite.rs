@@ -1,9 +1,10 @@
 //! `format`: programs written back in one form.
 
-use super::{ERRORS, Failure, OK, displayed, to_stderr, verdict};
+use super::job::displayed;
+use super::reporting::{verdict, with_findings};
+use super::{ERRORS, Failure, OK};
 use crate::cli::FormatArgs;
 use crate::console;
-use crate::diagnostics::Format;
 use crate::output::Outputs;
 use crate::programs::format;
 use crate::programs::setup;
@@ -33,20 +34,19 @@ fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
     let name = displayed(file);
     let usage = |error| Failure::Usage(format!("{name}: {error}"));
     let mut reader = source::open(file).map_err(usage)?;
-    let mut findings = to_stderr(Format::Text);
-    let mut write =
-        |out: &mut dyn Write| format::write(&mut *reader, name, &form, &mut findings, out);
-    let changed = match args.output.as_deref() {
-        _ if args.check => write(&mut io::sink())?,
-        path => {
-            let mut outputs = Outputs::rewriting();
-            let mut out = outputs.create(path.unwrap_or("-"))?;
-            let changed = write(&mut out)?;
-            out.flush()?;
-            outputs.finish()?;
-            changed
+    let (changed, findings) = with_findings(|findings| {
+        let mut write =
+            |out: &mut dyn Write| format::write(&mut *reader, name, &form, findings, out);
+        if args.check {
+            return Ok(write(&mut io::sink())?);
         }
-    };
+        let mut outputs = Outputs::rewriting();
+        let mut out = outputs.create(args.output.as_deref().unwrap_or("-"))?;
+        let changed = write(&mut out)?;
+        out.flush()?;
+        outputs.finish()?;
+        Ok(changed)
+    })?;
     if findings.errors > 0 {
         let lines = verdict(findings.errors, 0);
         eprintln!("{name}: {lines}; such lines stay as they are");

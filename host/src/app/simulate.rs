@@ -1,60 +1,101 @@
 //! `run`: a program checked, simulated, summed up and drawn.
 
-use super::{ERRORS, Failure, Job, OK, to_stderr, verdict};
+mod losses;
+mod report;
+mod results;
+mod summary;
+
+use super::job::Job;
+use super::reporting::{verdict, with_findings};
+use super::{ERRORS, Failure, OK};
 use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::console;
-use crate::diagnostics::{Findings, Format};
-use crate::machines::machine_file::Travel;
-use crate::output::Outputs;
-use crate::page::report::{self, AxisRow, Report, length};
-use crate::programs::check::{Facts, duration};
+use crate::diagnostics::Findings;
+use crate::output::{Outputs, Writer};
+use crate::page;
+use crate::programs::check::Facts;
 use crate::programs::feeder;
 use crate::programs::mirror;
-use crate::programs::run::Run;
 use crate::programs::setup::{self, ClosedMicromill};
-use crate::programs::symmetry::{Difference, Symmetry};
+use crate::simulation::run::Run;
+use crate::simulation::symmetry::Symmetry;
 use husillo_gcode::Dialect;
-use husillo_machine::OnLoss;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
+use results::{Order, Results};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
-/// What `run --format json` prints.
-#[derive(Debug, Default, Serialize)]
-struct Results {
-    events: u64,
-    duration_s: f64,
-    end_nm: [i64; 3],
-    min_nm: [i64; 3],
-    max_nm: [i64; 3],
-    max_deviation_nm: f64,
-    rms_deviation_nm: f64,
-    reversals: [u64; 3],
-    lost_steps: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    order: Option<Order>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    left_right: Option<Difference>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    encoders: Vec<String>,
-    feed_nm: i64,
-    rapid_nm: i64,
-    errors: u64,
-    warnings: u64,
+pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
+    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    job.place(args.zero)?;
+    simulate_job(&mut job, args)
 }
 
-/// What `--order mirrored` has done.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Order {
-    /// Contours cut in halves.
-    mirrored: usize,
-    /// Closed contours cut as they were.
-    whole: usize,
-    /// Reversals of every axis in the order of the file.
-    reversals_of_file: [u64; 3],
-    /// The same in the order that was cut.
-    reversals: [u64; 3],
+fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
+    let is_text = args.format == Output::Text;
+    let (mut facts, findings) = with_findings(|findings| job.check(findings))?;
+    let verdict = verdict(findings.errors, findings.warnings);
+    if findings.errors > 0 {
+        eprintln!("{}: {verdict}; nothing moves", job.name());
+        if !is_text {
+            Results::refused(&findings).print_json()?;
+        }
+        return Ok(ERRORS);
+    }
+    if is_text {
+        let (name, machine) = (job.name(), &job.machine.name);
+        writeln!(
+            console::stdout(),
+            "Checked    {name} for {machine}: {verdict}"
+        )?;
+    }
+    let order = match args.order {
+        CuttingOrder::File => None,
+        CuttingOrder::Mirrored => Some(mirror(job, &mut facts)?),
+    };
+    let mut outputs = Outputs::new();
+    let mut files = Files::create(job, args, &mut outputs)?;
+    let mut run = Run::new(&job.machine, args.worn, files.trace.take())?;
+    let end = feed(job, args, &mut run, facts.events)?;
+    let lost = losses::sentences(job, &run);
+    let results = Results {
+        order,
+        errors: lost.len() as u64,
+        warnings: findings.warnings,
+        ..Results::new(job, &run, &facts, end.offset_nm)
+    };
+    if is_text {
+        summary::print(job, &run, &results, &facts)?;
+    } else {
+        results.print_json()?;
+    }
+    let size = files.write_report(|| {
+        let take_up_s = (!args.no_compensation).then(|| {
+            let ticks = run.observers.statistics.take_up_ticks;
+            run.mechanics.in_seconds(ticks)
+        });
+        let figures = report::figures(&results, &facts, take_up_s);
+        let warnings = findings.short();
+        let report = report::made(job, &run, &results, figures, end.offset_nm, warnings);
+        page::report::html(&report)
+    })?;
+    outputs.finish()?;
+    if let (true, Some(path), Some(size)) = (is_text, &files.report_path, size) {
+        let size = size.div_ceil(1000);
+        let mut out = console::stdout();
+        writeln!(
+            out,
+            "Wrote      {path} ({size} kB) - open it in any browser"
+        )?;
+    }
+    for sentence in &lost {
+        eprintln!("{}: {sentence}", job.name());
+    }
+    if end.has_stopped {
+        eprintln!("{}: stopped: an axis is not where it should be", job.name());
+    }
+    let is_well = lost.is_empty() && !end.has_stopped;
+    Ok(if is_well { OK } else { ERRORS })
 }
 
 /// Puts the program of a job into mirrored order.
@@ -64,10 +105,10 @@ fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     job.input = Some(made.text.into_bytes());
     job.start.dialect = Dialect::RS274;
     job.config.dialect = Dialect::RS274;
-    let mut told = Findings::new(Vec::new(), Format::Short, false, 1);
-    let as_file = std::mem::replace(facts, job.check(&mut told)?);
-    if told.errors > 0 {
-        let why = String::from_utf8_lossy(told.writer()).into_owned();
+    let mut findings = Findings::new(1);
+    let as_file = std::mem::replace(facts, job.check(&mut findings)?);
+    if findings.errors > 0 {
+        let why = findings.short().concat();
         return Err(Failure::Usage(format!("in mirrored order: {why}")));
     }
     Ok(Order {
@@ -78,197 +119,123 @@ fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     })
 }
 
-pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
-    let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    job.place(args.zero)?;
-    let text = args.format == Output::Text;
-    let mut drawn = to_stderr(Format::Text);
-    // The warnings are drawn now and listed in the report.
-    let mut listed = Findings::new(Vec::new(), Format::Short, false, 50);
-    let mut facts = job.check(&mut drawn)?;
-    let (errors, warnings) = (drawn.errors, drawn.warnings);
-    if errors > 0 {
-        eprintln!(
-            "{}: {}; nothing moves",
-            job.name(),
-            verdict(errors, warnings)
-        );
-        if !text {
-            print_json(&Results {
-                errors,
-                warnings,
-                ..Results::default()
-            })?;
-        }
-        return Ok(ERRORS);
+/// The files that a run writes, begun before it: one that cannot be written costs no run.
+struct Files {
+    trace: Option<Box<dyn Write>>,
+    report: Option<Writer>,
+    report_path: Option<String>,
+}
+
+impl Files {
+    fn create(job: &Job, args: &RunArgs, outputs: &mut Outputs) -> Result<Self, Failure> {
+        let trace = match &args.trace {
+            Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
+            None => None,
+        };
+        let report_path = match (&args.output, args.format) {
+            (Some(path), _) => Some(path.clone()),
+            (None, Output::Text) => Some(default_report(&job.file)),
+            (None, Output::Json) => None,
+        };
+        let report = report_path.as_ref().map(|path| outputs.create(path));
+        Ok(Self {
+            trace,
+            report: report.transpose()?,
+            report_path,
+        })
     }
-    if warnings > 0 {
-        job.check(&mut listed)?;
+
+    /// Writes the report, if there is to be one. Returns its bytes.
+    fn write_report(&mut self, page: impl FnOnce() -> String) -> io::Result<Option<usize>> {
+        let Some(mut out) = self.report.take() else {
+            return Ok(None);
+        };
+        let page = page();
+        out.write_all(page.as_bytes())?;
+        out.flush()?;
+        Ok(Some(page.len()))
     }
-    if text {
-        writeln!(
-            console::stdout(),
-            "Checked    {} for {}: {}",
-            job.name(),
-            job.machine.name,
-            verdict(errors, warnings)
-        )?;
-    }
-    let order = match args.order {
-        CuttingOrder::File => None,
-        CuttingOrder::Mirrored => Some(mirror(&mut job, &mut facts)?),
-    };
-    let mut outputs = Outputs::new();
-    let trace = match &args.trace {
-        Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
-        None => None,
-    };
-    let report = match (&args.output, text) {
-        (Some(path), _) => Some(path.clone()),
-        (None, true) => Some(default_report(&job.file)),
-        (None, false) => None,
-    };
-    let report = match report {
-        Some(path) => Some((outputs.create(&path)?, path)),
-        None => None,
-    };
-    let mut run = Run::new(&job.machine, args.worn, trace)?;
+}
+
+/// How the machine ended.
+struct End {
+    /// Where its work zero is, nm of the machine frame.
+    offset_nm: [i64; 3],
+    /// An encoder stopped it.
+    has_stopped: bool,
+}
+
+/// Feeds the program to the machine, and the events to the run.
+fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Failure> {
     let mut source = job.open()?;
     let mut machine = job.new_machine(!args.no_compensation)?;
     run.start_at(machine.position_steps());
     run.set_pushes(&args.lose);
-    run.symmetry = args.symmetry.map(|mm| Symmetry::new(mm * 1e6));
-    let bar = progress(facts.events);
-    let mut countdown = PROGRESS_EVENTS;
-    let mut tick = || {
-        countdown -= 1;
-        if countdown == 0 {
-            countdown = PROGRESS_EVENTS;
-            bar.inc(PROGRESS_EVENTS);
-        }
-    };
+    run.observers.symmetry = args.symmetry.map(|mm| {
+        let [x, y, _] = run.mechanics.nm_per_step();
+        Symmetry::new(mm * 1e6, [x, y])
+    });
+    let mut progress = Progress::new(events);
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
         let mut closed = ClosedMicromill::new(machine, encoders);
-        let counts = run.counts();
+        let counts = run.mechanics.counts();
         feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
-            tick();
+            progress.event();
             run.followed(closed, entry)
         })?;
         has_stopped = closed.is_stopped();
         machine = closed.machine().clone();
     } else {
         feeder::feed(&mut source, &mut machine, |machine, event| {
-            tick();
+            progress.event();
             run.event(machine, event)
         })?;
     }
-    bar.finish_and_clear();
+    progress.bar.finish_and_clear();
     run.finish()?;
-
-    let offset = machine.modal().work_offset().map(|nm| nm.0);
-    let lost = losses(&job, &run);
-    let errors = errors + lost.len() as u64;
-    let mut results = results(&job, &run, &facts, offset, [errors, warnings]);
-    results.order = order;
-    results.left_right = run.symmetry.as_ref().and_then(Symmetry::difference);
-    if text {
-        summary(&job, &run, &results, &facts)?;
-    } else {
-        print_json(&results)?;
-    }
-    let mut wrote = None;
-    if let Some((mut out, path)) = report {
-        let warnings = String::from_utf8_lossy(listed.writer())
-            .lines()
-            .map(str::to_owned)
-            .collect();
-        let figures = figures(
-            &results,
-            &facts,
-            run.take_up_ticks as f64 / f64::from(job.machine.timer_hz),
-            args.no_compensation,
-        );
-        let page = report::html(&make_report(
-            &job, &mut run, &results, figures, offset, warnings,
-        ));
-        out.write_all(page.as_bytes())?;
-        out.flush()?;
-        wrote = Some((path, page.len())).filter(|_| text);
-    }
-    outputs.finish()?;
-    if let Some((path, size)) = wrote {
-        writeln!(
-            console::stdout(),
-            "Wrote      {path} ({} kB) - open it in any browser",
-            size.div_ceil(1000)
-        )?;
-    }
-    for sentence in &lost {
-        eprintln!("{}: {sentence}", job.name());
-    }
-    if has_stopped {
-        eprintln!("{}: stopped: an axis is not where it should be", job.name());
-        return Ok(ERRORS);
-    }
-    Ok(if lost.is_empty() { OK } else { ERRORS })
+    Ok(End {
+        offset_nm: machine.modal().work_offset().map(|nm| nm.0),
+        has_stopped,
+    })
 }
-
-/// A sentence for each axis that lost steps which nothing made good: how many, where first, and
-/// what to do.
-fn losses(job: &Job, run: &Run<'_>) -> Vec<String> {
-    let mut sentences = Vec::new();
-    let axes = job.machine.axes.iter().zip(run.lost_steps());
-    let axes = axes.zip(run.behind());
-    for (((axis, lost), is_behind), first) in axes.zip(run.first_losses()) {
-        let corrects = axis
-            .encoder
-            .is_some_and(|file| file.encoder.on_loss == OnLoss::Correct);
-        let is_made_good = corrects && !is_behind;
-        if lost == 0 || is_made_good {
-            continue;
-        }
-        let place = first.map_or(String::new(), |first| {
-            let [x, y, z] = first.at_nm.map(report::millimetres);
-            format!(
-                "; the first at step event {}, after {}, near X{x} Y{y} Z{z} mm of the machine",
-                first.event,
-                duration(first.time_s)
-            )
-        });
-        let advice = match axis.pull_out_rate {
-            Some(rate) => format!(
-                "the motor follows up to {rate} Hz: lower the feed, or `max_rate` or `start_rate` of the axis"
-            ),
-            None => "lower the feed or `max_rate` of the axis".to_owned(),
-        };
-        let letter = char::from(axis.letter);
-        let steps = if lost == 1 { "step" } else { "steps" };
-        sentences.push(format!(
-            "axis {letter} lost {lost} {steps}{place}: {advice}"
-        ));
-    }
-    sentences
-}
-
-/// Reports of the encoders that are printed; JSON has all.
-const MOST_TOLD: usize = 20;
 
 /// Events between two updates of the progress bar.
 const PROGRESS_EVENTS: u64 = 1 << 20;
 
-fn progress(events: f64) -> ProgressBar {
-    if events < 4.0 * PROGRESS_EVENTS as f64 || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
+/// A bar on a terminal, for a long run.
+struct Progress {
+    bar: ProgressBar,
+    countdown: u64,
+}
+
+impl Progress {
+    /// Of about so many events.
+    fn new(events: f64) -> Self {
+        let is_shown = events >= 4.0 * PROGRESS_EVENTS as f64 && io::stderr().is_terminal();
+        let bar = match is_shown {
+            true => ProgressBar::new(events as u64),
+            false => ProgressBar::hidden(),
+        };
+        let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self {
+            bar,
+            countdown: PROGRESS_EVENTS,
+        }
     }
-    let bar = ProgressBar::new(events as u64);
-    if let Ok(style) =
-        ProgressStyle::with_template("Simulating [{bar:36}] {percent} % {human_pos} steps")
-    {
-        bar.set_style(style.progress_chars("=> "));
+
+    #[inline]
+    fn event(&mut self) {
+        self.countdown -= 1;
+        if self.countdown == 0 {
+            self.countdown = PROGRESS_EVENTS;
+            self.bar.inc(PROGRESS_EVENTS);
+        }
     }
-    bar
 }
 
 fn default_report(file: &str) -> String {
@@ -279,196 +246,5 @@ fn default_report(file: &str) -> String {
     format!("out/{stem}.html")
 }
 
-fn print_json(results: &Results) -> io::Result<()> {
-    let json = serde_json::to_string(results).map_err(io::Error::other)?;
-    writeln!(console::stdout(), "{json}")
-}
-
-fn results(
-    job: &Job,
-    run: &Run<'_>,
-    facts: &Facts,
-    offset: [i64; 3],
-    [errors, warnings]: [u64; 2],
-) -> Results {
-    let nm = |steps: [i32; 3]| {
-        [0, 1, 2].map(|axis| {
-            let step = job.machine.axes[axis].step;
-            let exact = i128::from(steps[axis]) * i128::from(step.num);
-            let nearest = (2 * exact + i128::from(step.den)).div_euclid(2 * i128::from(step.den));
-            i64::try_from(nearest).unwrap_or(i64::MAX) - offset[axis]
-        })
-    };
-    Results {
-        events: run.events,
-        duration_s: run.ticks as f64 / f64::from(job.machine.timer_hz),
-        end_nm: nm(run.tool_steps()),
-        min_nm: nm(run.low),
-        max_nm: nm(run.high),
-        max_deviation_nm: rounded(run.deviation.largest_nm()),
-        rms_deviation_nm: rounded(run.deviation.rms_nm()),
-        reversals: run.reversals,
-        lost_steps: run.lost_steps().iter().sum(),
-        encoders: run.told.clone(),
-        order: None,
-        left_right: None,
-        feed_nm: facts.feed_nm.round() as i64,
-        rapid_nm: facts.rapid_nm.round() as i64,
-        errors,
-        warnings,
-    }
-}
-
-/// Thousandths of a nanometre are more than enough.
-fn rounded(nm: f64) -> f64 {
-    (nm * 1e3).round() / 1e3
-}
-
-fn summary(job: &Job, run: &Run<'_>, results: &Results, facts: &Facts) -> io::Result<()> {
-    let mut out = console::stdout();
-    writeln!(
-        out,
-        "Simulated  {} step events, {}",
-        results.events,
-        duration(results.duration_s)
-    )?;
-    writeln!(
-        out,
-        "           path {} feed, {} rapid",
-        length(facts.feed_nm),
-        length(facts.rapid_nm)
-    )?;
-    writeln!(
-        out,
-        "           deviation {} at most, {} RMS",
-        length(results.max_deviation_nm),
-        length(results.rms_deviation_nm)
-    )?;
-    let lost = run.lost_steps();
-    for (axis, facts) in job.machine.axes.iter().enumerate() {
-        let [low, high, end] = [results.min_nm, results.max_nm, results.end_nm]
-            .map(|nm| report::millimetres(nm[axis] as f64));
-        write!(
-            out,
-            "           {} {low} to {high} mm, ends at {end}, {} take-ups",
-            char::from(facts.letter),
-            results.reversals[axis]
-        )?;
-        match lost[axis] {
-            0 => writeln!(out)?,
-            lost => writeln!(out, ", {lost} STEPS LOST")?,
-        }
-    }
-    if let Some(order) = &results.order {
-        let count = |reversals: [u64; 3]| reversals.iter().sum::<u64>();
-        writeln!(
-            out,
-            "Mirrored   {} contours in halves, {} as they were; {} reversals, {} in the order of the file",
-            order.mirrored,
-            order.whole,
-            count(order.reversals),
-            count(order.reversals_of_file)
-        )?;
-    }
-    if let Some(apart) = &results.left_right {
-        writeln!(
-            out,
-            "Left/right {} apart at most, {} RMS, over {} pairs of points",
-            length(apart.max_nm),
-            length(apart.rms_nm),
-            apart.pairs
-        )?;
-    }
-    for told in run.told.iter().take(MOST_TOLD) {
-        writeln!(out, "Encoders   {told}")?;
-    }
-    if let Some(more @ 1..) = run.told.len().checked_sub(MOST_TOLD) {
-        writeln!(out, "           and {more} more")?;
-    }
-    Ok(())
-}
-
-fn figures(
-    results: &Results,
-    facts: &Facts,
-    take_up_s: f64,
-    uncompensated: bool,
-) -> Vec<(&'static str, String)> {
-    vec![
-        ("time", duration(results.duration_s)),
-        ("step events", results.events.to_string()),
-        ("feed path", length(facts.feed_nm)),
-        ("rapid path", length(facts.rapid_nm)),
-        ("largest deviation", length(results.max_deviation_nm)),
-        ("RMS deviation", length(results.rms_deviation_nm)),
-        (
-            "reversals",
-            results.reversals.iter().sum::<u64>().to_string(),
-        ),
-        (
-            "backlash",
-            if uncompensated {
-                "not compensated".to_owned()
-            } else {
-                format!("taken up in {}", duration(take_up_s))
-            },
-        ),
-        ("lost steps", results.lost_steps.to_string()),
-    ]
-}
-
-fn make_report(
-    job: &Job,
-    run: &mut Run<'_>,
-    results: &Results,
-    figures: Vec<(&'static str, String)>,
-    offset: [i64; 3],
-    warnings: Vec<String>,
-) -> Report {
-    let travel = |axis: usize| match job.machine.axes[axis].travel {
-        Travel::Range(range) => Some(range.map(|at| (at - offset[axis]) as f64)),
-        Travel::Unknown | Travel::Unlimited => None,
-    };
-    let lost = run.lost_steps();
-    let axes = (0..3)
-        .map(|axis| AxisRow {
-            letter: char::from(job.machine.axes[axis].letter),
-            extent_nm: [results.min_nm[axis] as f64, results.max_nm[axis] as f64],
-            travel_nm: travel(axis),
-            end_nm: results.end_nm[axis] as f64,
-            reversals: results.reversals[axis],
-            lost_steps: lost[axis],
-        })
-        .collect();
-    let machine_frame = |axis: usize| match job.machine.axes[axis].travel {
-        Travel::Range(range) => Some(range.map(|at| at as f64)),
-        Travel::Unknown | Travel::Unlimited => None,
-    };
-    let [right, up] = job.machine.view;
-    let area = machine_frame(right)
-        .zip(machine_frame(up))
-        .map(|([x0, x1], [y0, y1])| [[x0, y0], [x1, y1]]);
-    Report {
-        program: job.name().to_owned(),
-        machine: job.machine.title.clone(),
-        figures,
-        axes,
-        phases: run.motors(),
-        drawing: std::mem::replace(&mut run.drawing, crate::page::drawing::Drawing::new()),
-        ideal: std::mem::take(&mut run.ideal),
-        ideal_is_whole: run.ideal_is_whole,
-        area,
-        view: job
-            .machine
-            .view
-            .map(|axis| char::from(job.machine.axes[axis].letter)),
-        largest_nm: results.max_deviation_nm,
-        speed: run.speed.clone(),
-        has_ramps: job
-            .machine
-            .axes
-            .iter()
-            .any(|axis| axis.acceleration.is_some()),
-        warnings,
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use crate::programs::source::Source;
 use husillo_gcode::{Command, Dialect, Nm};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io;
 
 /// How a program is translated.
 #[derive(Clone, Copy, Debug)]
@@ -37,12 +37,12 @@ impl Translation {
     ///
     /// # Errors
     ///
-    /// Reading or writing fails; what is wrong with the program goes to `findings`.
-    pub fn read<W: Write>(
+    /// Reading fails; what is wrong with the program goes to `findings`.
+    pub fn read(
         &self,
         source: &mut Source,
         file: &str,
-        findings: &mut Findings<W>,
+        findings: &mut Findings,
     ) -> io::Result<Vec<Part>> {
         let mut maker = Maker {
             table: self.table,
@@ -59,12 +59,10 @@ impl Translation {
             findings,
             |meaning, command, from, findings| {
                 let at = &meaning.at;
-                match maker.make(command, from) {
-                    Ok(()) => Ok(()),
-                    Err((code, message)) => {
-                        findings.add(&Finding::error(code, message, at.whole()))
-                    }
+                if let Err((code, message)) = maker.make(command, from) {
+                    findings.add(Finding::error(code, message, at.whole()));
                 }
+                Ok(())
             },
         )?;
         maker.parts.retain(|part| part.holes() > 0);
@@ -169,7 +167,8 @@ impl Maker {
     }
 }
 
-/// A program that compiles to these records: in the drill's language, or in RS-274 where they have depths.
+/// A program that compiles to these records: in the drill's language, or in RS-274 where they have
+/// depths.
 ///
 /// # Errors
 ///
@@ -183,7 +182,8 @@ pub fn text(records: &[Record]) -> Result<String, String> {
     let has_depths = records.iter().filter_map(depths).any(|is_depth| is_depth);
     if has_depths && !records.iter().filter_map(depths).all(|is_depth| is_depth) {
         return Err(
-            "some holes have a depth and some go to the lower sensor: no program says both; see --format text"
+            "some holes have a depth and some go to the lower sensor: no program says both; see \
+             --format text"
                 .into(),
         );
     }
@@ -254,12 +254,11 @@ fn words(text: &mut String, code: &str, line: &[Record]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostics::Format;
     use crate::drill::part::lean;
     use proptest::prelude::*;
 
     fn compile(text: &str, dialect: Dialect) -> Result<Vec<Part>, String> {
-        let mut findings = Findings::new(Vec::new(), Format::Short, false, 50);
+        let mut findings = Findings::new(50);
         let mut source = Source::from_reader(Box::new(io::Cursor::new(text.as_bytes().to_vec())));
         let translation = Translation {
             dialect,
@@ -268,7 +267,7 @@ mod tests {
         };
         let parts = translation.read(&mut source, "p", &mut findings).unwrap();
         if findings.errors > 0 {
-            return Err(String::from_utf8(findings.writer().clone()).unwrap());
+            return Err(findings.short().join("\n"));
         }
         Ok(parts)
     }
@@ -283,7 +282,8 @@ mod tests {
 
     #[test]
     fn the_language_of_the_drill() {
-        let text = "%\n; a board\nG20\nG90\nX1 Y0.5\nX1.1\nG28 Y0\nG21\nG91\nX10\nG92 X0 Y0\nG90\nX1 Y1\n%\n";
+        let text = "%\n; a board\nG20\nG90\nX1 Y0.5\nX1.1\nG28 Y0\nG21\nG91\nX10\nG92 X0 \
+             Y0\nG90\nX1 Y1\n%\n";
         let parts = compile(text, Dialect::DRILL).unwrap();
         let expected = [
             Record::X(2718),
@@ -306,7 +306,8 @@ mod tests {
 
     #[test]
     fn depths_and_pecks() {
-        let text = "G21 G90 F60\nT1 M6\nG0 Z2\nG81 X1 Y2 Z-3 R-1\nX2\nG80\nT2 M6\nG83 X5 Y5 Z-3 R-1 Q1\nG80\nG0 X0\nG1 Z-1.5\n";
+        let text = "G21 G90 F60\nT1 M6\nG0 Z2\nG81 X1 Y2 Z-3 R-1\nX2\nG80\nT2 M6\nG83 X5 Y5 Z-3 \
+             R-1 Q1\nG80\nG0 X0\nG1 Z-1.5\n";
         let parts = compile(text, Dialect::RS274).unwrap();
         assert_eq!(
             parts.iter().map(|part| part.tool).collect::<Vec<_>>(),
@@ -345,9 +346,14 @@ mod tests {
     }
 
     proptest! {
-        /// Records to a program and back: the same holes in the same order with the same depths; from then on the same records.
+        /// Records to a program and back: the same holes in the same order with the same depths;
+        /// from then on the same records.
         #[test]
-        fn there_and_back(depths in any::<bool>(), mut all in records(false), deep in records(true)) {
+        fn there_and_back(
+            depths in any::<bool>(),
+            mut all in records(false),
+            deep in records(true),
+        ) {
             if depths {
                 all = deep;
             }
@@ -360,9 +366,12 @@ mod tests {
             prop_assert_eq!(&twice, &once);
         }
 
-        /// What a drill file compiles to comes back as it was, byte for byte, but for moves to where it is already.
+        /// What a drill file compiles to comes back as it was, byte for byte, but for moves to
+        /// where it is already.
         #[test]
-        fn holes_of_a_file_there_and_back(holes in prop::collection::vec((any::<u16>(), any::<u16>()), 1..40)) {
+        fn holes_of_a_file_there_and_back(
+            holes in prop::collection::vec((any::<u16>(), any::<u16>()), 1..40),
+        ) {
             let hole = |(x, y)| [Record::X(x), Record::Y(y), Record::Drill(0)];
             let all = lean(&holes.into_iter().flat_map(hole).collect::<Vec<_>>());
             let back = compile(&text(&all).unwrap(), Dialect::DRILL).unwrap();

@@ -5,7 +5,7 @@ use super::device::Device;
 use super::duration::seconds;
 use super::part::{Part, lean};
 use super::sender::{End, Failed, Operator, Sender};
-use crate::diagnostics::{Findings, Format};
+use crate::diagnostics::Findings;
 use crate::emulate::emulation::Emulation;
 use crate::holes;
 use crate::link::serial_line::Fault;
@@ -139,18 +139,18 @@ fn a_board_of_two_tools() {
     }
 }
 
-/// From the file to the holes in the simulated board: no drilling is farther off than half a step, 4.673 um, on either axis.
+/// From the file to the holes in the simulated board: no drilling is farther off than half a step,
+/// 4.673 um, on either axis.
 #[test]
 fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
     let text = std::fs::read("../examples/board.drl").unwrap();
-    let mut findings = Findings::new(Vec::new(), Format::Text, false, 1);
+    let mut findings = Findings::new(1);
     let board = holes::read(
         &text,
         "board.drl",
         &holes::Options::default(),
         &mut findings,
-    )
-    .unwrap();
+    );
     let wanted: Vec<[i64; 2]> = board.holes.iter().map(|hole| hole.at_nm).collect();
     let records = wanted.iter().flat_map(|at| Table::DRILL.hole(*at).unwrap());
     let part = Part {
@@ -173,7 +173,8 @@ fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
     }
 }
 
-/// The spindle stands while a tool is changed: it is switched off behind the last hole of each, and on before the first.
+/// The spindle stands while a tool is changed: it is switched off behind the last hole of each, and
+/// on before the first.
 #[test]
 fn the_spindle_stands_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
@@ -190,7 +191,8 @@ fn the_spindle_stands_between_tools() {
     assert_eq!(events, ["on", "drilled", "off", "on", "drilled", "off"]);
 }
 
-/// What is said to be left is what is left: a board at the rates of the machine itself, whose run is looked at every 20 ms.
+/// What is said to be left is what is left: a board at the rates of the machine itself, whose run
+/// is looked at every 20 ms.
 #[test]
 fn the_remaining_time_is_honest() {
     let parts = [part(1, &[[100, 50], [900, 400], [2000, 10]])];
@@ -214,7 +216,8 @@ fn the_remaining_time_is_honest() {
     }
 }
 
-/// An original one says nothing while it drills. Where it is gone the operator is told that it takes long, and a stop ends the wait.
+/// An original one says nothing while it drills. Where it is gone the operator is told that it
+/// takes long, and a stop ends the wait.
 #[test]
 fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [100 * n, 7 * n]).collect();
@@ -322,7 +325,8 @@ fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     assert_eq!(of_hole, ["spindle on", "drilled at 20,10", "spindle off"]);
 }
 
-/// A program of three memories: the wait at each border, every hole once; the share rises to the end, and what is left falls.
+/// A program of three memories: the wait at each border, every hole once; the share rises to the
+/// end, and what is left falls.
 #[test]
 fn a_long_board_is_done_in_parts() {
     let holes: Vec<[u16; 2]> = (0..2000).map(|n| [n % 40, n / 50]).collect();
@@ -396,7 +400,8 @@ fn a_start_that_was_lost_is_told() {
     assert!(unheard >= 3 && unknown >= 1, "{unheard}, {unknown}");
 }
 
-/// An original one does not say that it has started: it is not left to itself, and nothing moves but homing of it.
+/// An original one does not say that it has started: it is not left to itself, and nothing moves
+/// but homing of it.
 #[test]
 fn an_original_is_not_left_to_itself() {
     let parts = [part(1, &[[20, 10]])];
@@ -406,7 +411,8 @@ fn an_original_is_not_left_to_itself() {
     assert!(drilled(&mut client).is_empty());
 }
 
-/// A fault is told when it happens, not after the longest time of the board: here the lower sensor does not work.
+/// A fault is told when it happens, not after the longest time of the board: here the lower sensor
+/// does not work.
 #[test]
 fn a_fault_is_told_at_once() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
@@ -424,7 +430,8 @@ fn a_fault_is_told_at_once() {
     assert!(took.as_secs() < 30, "{took:?}");
 }
 
-/// A cable that is pulled while the drill is at work is noticed in seconds: the drill is asked now and then whether it is.
+/// A cable that is pulled while the drill is at work is noticed in seconds: the drill is asked now
+/// and then whether it is.
 #[test]
 fn a_pulled_cable_is_noticed_soon() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
@@ -514,8 +521,9 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// Sends it with a fault; then, as the operator, goes on from the hole that is said to be the next, or the first one that is not in the board.
-/// `false` where nothing was reported. At the end every hole is there once.
+/// Sends it with a fault; then, as the operator, goes on from the hole that is said to be the next,
+/// or the first one that is not in the board. `false` where nothing was reported. At the end every
+/// hole is there once.
 fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool {
     let expected = places(parts);
     let mut from = 0;

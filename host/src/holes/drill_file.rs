@@ -4,9 +4,11 @@ use crate::cli::{Layout, SlotHandling};
 use crate::diagnostics::{Finding, Severity};
 use crate::holes::drill_code::overlapping;
 use crate::holes::{Board, count};
+use crate::text::json::{self, Millimetres};
 use husillo_excellon::{Hole, Path, Tool};
 use husillo_gcode::Nm;
 use husillo_transports::drill::{OffTable, Record, Table, record_bytes};
+use serde::Serialize;
 use std::io::{self, Write};
 
 /// How records are made.
@@ -153,33 +155,43 @@ impl Compiler {
     ///
     /// What the writer says.
     pub fn print_json(&self, tools: &[ToolRecords], out: &mut impl Write) -> io::Result<()> {
-        write!(
-            out,
-            "{{\"table_steps\": [{}, {}], \"tools\": [",
-            self.table.x, self.table.y
-        )?;
-        for (index, tool) in tools.iter().enumerate() {
-            let separator = if index == 0 { "" } else { ", " };
-            let diameter = tool
-                .tool
-                .diameter_nm
-                .map_or("null".to_owned(), |nm| Nm(nm).to_string());
-            write!(
-                out,
-                "{separator}{{\"number\": {}, \"diameter\": {diameter}, \"holes\": {}, \"records\": [",
-                tool.tool.number, tool.holes
-            )?;
-            for (index, record) in tool.records.iter().enumerate() {
-                let separator = if index == 0 { "" } else { ", " };
-                match record {
-                    Record::X(steps) => write!(out, "{separator}[\"X\", {steps}]")?,
-                    Record::Y(steps) => write!(out, "{separator}[\"Y\", {steps}]")?,
-                    Record::Drill(steps) => write!(out, "{separator}[\"Z\", {steps}]")?,
-                }
-            }
-            write!(out, "]}}")?;
+        let listing = Listing {
+            table_steps: [self.table.x, self.table.y],
+            tools: tools.iter().map(ListedTool::new).collect(),
+        };
+        json::write_line(&listing, out)
+    }
+}
+
+/// The records of all tools.
+#[derive(Serialize)]
+struct Listing {
+    table_steps: [u16; 2],
+    tools: Vec<ListedTool>,
+}
+
+#[derive(Serialize)]
+struct ListedTool {
+    number: u16,
+    diameter: Option<Millimetres>,
+    holes: usize,
+    /// Axis and steps of each.
+    records: Vec<(&'static str, u16)>,
+}
+
+impl ListedTool {
+    fn new(of: &ToolRecords) -> Self {
+        let listed = |record: &Record| match *record {
+            Record::X(steps) => ("X", steps),
+            Record::Y(steps) => ("Y", steps),
+            Record::Drill(steps) => ("Z", steps),
+        };
+        Self {
+            number: of.tool.number,
+            diameter: of.tool.diameter_nm.map(Millimetres),
+            holes: of.holes,
+            records: of.records.iter().map(listed).collect(),
         }
-        writeln!(out, "]}}")
     }
 }
 

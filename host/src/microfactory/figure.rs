@@ -1,7 +1,7 @@
 //! A figure: a list of moves as text, or out of a G-code program.
 
 use super::settings::Settings;
-use crate::diagnostics::{Findings, Format};
+use crate::diagnostics::Findings;
 use crate::programs::program;
 use crate::programs::source::Source;
 use husillo_gcode::{Command, Dialect, Nm};
@@ -100,14 +100,15 @@ fn listed(text: &str) -> Result<Vec<[i16; 2]>, (usize, String)> {
     Ok(moves)
 }
 
-/// The straight moves of a program in X and Z, in steps. Positions are rounded, not moves, so that nothing adds up.
+/// The straight moves of a program in X and Z, in steps. Positions are rounded, not moves, so that
+/// nothing adds up.
 ///
 /// # Errors
 ///
 /// The program's first error; a move that is no straight one in X and Z, or too long.
 fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
     let mut source = Source::open(file).map_err(|error| format!("{file}: {error}"))?;
-    let mut findings = Findings::new(Vec::new(), Format::Text, false, 1);
+    let mut findings = Findings::new(1);
     let mut moves = Vec::new();
     let mut at = [0_i64; 2];
     let mut refused = None;

@@ -1,7 +1,7 @@
 //! The picture of path speed and acceleration over time.
 
 use crate::programs::check::duration;
-use crate::programs::speed::{Band, Column, Speed, WINDOW_EVENTS};
+use crate::simulation::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use std::fmt::Write;
 
 /// Where time begins in the picture.
@@ -40,7 +40,8 @@ impl Panel {
             let y = self.y(at);
             let _ = write!(
                 page,
-                "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/><text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/><text x=\"{:.0}\" y=\"{:.1}\" \
+                 text-anchor=\"end\">{}</text>",
                 LEFT - 8.0,
                 y + 4.0,
                 figure(at, step)
@@ -54,7 +55,8 @@ impl Panel {
         );
     }
 
-    /// A line through the bands of all columns: up and down where one holds more than a line is wide.
+    /// A line through the bands of all columns: up and down where one holds more than a line is
+    /// wide.
     fn trace(&self, page: &mut String, class: &str, width: f64, bands: impl Iterator<Item = Band>) {
         let mut path = String::new();
         // Where the line ends, and the level it may still go on at.
@@ -156,7 +158,8 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
     let _ = writeln!(
         page,
         "<svg viewBox=\"0 0 1000 480\" role=\"img\" aria-labelledby=\"speed-t speed-d\">\
-         <title id=\"speed-t\">Path speed and acceleration of the tool over time</title><desc id=\"speed-d\">{}: \
+         <title id=\"speed-t\">Path speed and acceleration of the tool over time</title><desc \
+         id=\"speed-d\">{}: \
          speed up to {} mm/min, acceleration up to {} mm/s^2</desc>",
         duration(speed.seconds()),
         figure(
@@ -233,12 +236,15 @@ fn caption(page: &mut String, speed: &Speed, has_ramps: bool) {
     };
     let _ = writeln!(
         page,
-        "<p>Of the simulated tool, over windows of {window}; every column shows the smallest and the largest value in it. \
-         Acceleration is the change of speed from window to window, without the one across the path.{}</p>",
+        "<p>Of the simulated tool, over windows of {window}; every column shows the smallest and \
+         the largest value in it. \
+         Acceleration is the change of speed from window to window, without the one across the \
+         path.{}</p>",
         if has_ramps {
             ""
         } else {
-            " This machine has no ramps: its speed jumps, and the acceleration is the jump over a window."
+            " This machine has no ramps: its speed jumps, and the acceleration is the jump over a \
+             window."
         }
     );
 }
@@ -267,7 +273,8 @@ fn stops(page: &mut String, columns: &[Column], width: f64, y: f64) {
     }
 }
 
-/// Figures and lines of the time, which is as long as the picture is wide, below panels that end at 250 and 440.
+/// Figures and lines of the time, which is as long as the picture is wide, below panels that end at
+/// 250 and 440.
 pub fn time_scale(page: &mut String, seconds: f64) {
     let (unit, name) = match seconds {
         s if s < 1.0 => (1e-3, "ms"),
@@ -282,7 +289,8 @@ pub fn time_scale(page: &mut String, seconds: f64) {
         let x = LEFT + (RIGHT - LEFT) * at / whole;
         let _ = write!(
             page,
-            "<path class=\"grid\" d=\"M{x:.1} 250v4M{x:.1} 440v5\"/><text x=\"{x:.1}\" y=\"458\" text-anchor=\"middle\">{}</text>",
+            "<path class=\"grid\" d=\"M{x:.1} 250v4M{x:.1} 440v5\"/><text x=\"{x:.1}\" y=\"458\" \
+             text-anchor=\"middle\">{}</text>",
             figure(at, step)
         );
         at += step;
@@ -295,7 +303,8 @@ pub fn time_scale(page: &mut String, seconds: f64) {
 
 fn legend(page: &mut String) {
     page.push_str(
-        "<svg viewBox=\"0 0 1000 28\" role=\"img\" aria-label=\"Legend: feed solid, rapid dashed, programmed feed thin, \
+        "<svg viewBox=\"0 0 1000 28\" role=\"img\" aria-label=\"Legend: feed solid, rapid dashed, \
+         programmed feed thin, \
          take-up a bar, dwell a dotted bar\" style=\"border:0\">\n",
     );
     let entries = [
@@ -308,7 +317,8 @@ fn legend(page: &mut String) {
     for (index, (class, text)) in entries.iter().enumerate() {
         let _ = writeln!(
             page,
-            "<g transform=\"translate({} 14)\"><path class=\"{class}\" d=\"M0 0h40\"/><text x=\"48\" y=\"4\">{text}</text></g>",
+            "<g transform=\"translate({} 14)\"><path class=\"{class}\" d=\"M0 0h40\"/><text \
+             x=\"48\" y=\"4\">{text}</text></g>",
             10 + 190 * index
         );
     }
@@ -348,7 +358,7 @@ pub fn figure(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::programs::speed::{Move, Stop};
+    use crate::simulation::speed::{Move, Stop};
 
     #[test]
     fn a_picture_with_a_stop() {
@@ -358,7 +368,7 @@ mod tests {
             programmed: Some(1e6),
         });
         for k in 1..=1000_u32 {
-            speed.step(u64::from(k) * 1000, &[1000.0 * f64::from(k), 0.0, 0.0]);
+            speed.advance(u64::from(k) * 1000, &[1000.0 * f64::from(k), 0.0, 0.0]);
         }
         speed.stand(2_000_000, Stop::TakeUp);
         let mut page = String::new();

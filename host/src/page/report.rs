@@ -2,7 +2,7 @@
 
 use crate::page::chart;
 use crate::page::drawing::{Class, Drawing, Point};
-use crate::programs::speed::Speed;
+use crate::simulation::speed::Speed;
 use std::fmt::Write;
 
 /// Everything a report shows.
@@ -60,7 +60,8 @@ pub struct AxisRow {
 pub enum Ideal {
     /// Straight.
     Line([f64; 2], [f64; 2]),
-    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are one.
+    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are
+    /// one.
     Arc([f64; 2], [f64; 2], [f64; 2], bool),
 }
 
@@ -79,21 +80,27 @@ pub struct Motor {
 
 /// Colours and shapes of every page, light and dark.
 pub const STYLE: &str = "\
-:root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;--panel:#f6f8fa;\
+:root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;\
+--panel:#f6f8fa;\
 --jog:#6b7280;--rapid:#9a6700;--feed:#0b5cad;--take-up:#000;--limit:#9b0000;--ideal:#57606a}\
-@media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;--line:#2b343e;--panel:#161d25;\
+@media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;\
+--line:#2b343e;--panel:#161d25;\
 --jog:#8b96a3;--rapid:#f0c419;--feed:#5aa9ff;--take-up:#fff;--limit:#ff5c4d;--ideal:#9aa6b2}}\
 *{box-sizing:border-box}\
-body{margin:0 auto;max-width:72rem;padding:1.5rem;background:var(--ground);color:var(--ink);font:16px/1.5 system-ui,sans-serif}\
-h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}p{margin:.3rem 0;color:var(--soft)}\
+body{margin:0 auto;max-width:72rem;padding:1.5rem;background:var(--ground);color:var(--ink);\
+font:16px/1.5 system-ui,sans-serif}\
+h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}p{margin:.3rem 0;\
+color:var(--soft)}\
 svg{display:block;width:100%;height:auto;background:var(--ground);border:1px solid var(--line)}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
 th,td{padding:.25rem .9rem .25rem 0;text-align:right;border-bottom:1px solid var(--line)}\
 th:first-child,td:first-child{text-align:left}th{font-weight:600;color:var(--soft)}\
 dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8rem;margin:1rem 0}\
 dl div{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem}\
-dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;font-variant-numeric:tabular-nums}\
-.scroll{overflow-x:auto}ul{padding-left:1.2rem}code{font-family:ui-monospace,monospace;font-size:.9rem}\
+dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;\
+font-variant-numeric:tabular-nums}\
+.scroll{overflow-x:auto}ul{padding-left:1.2rem}code{font-family:ui-monospace,monospace;\
+font-size:.9rem}\
 path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
 .jog{stroke:var(--jog);stroke-width:1.5;stroke-dasharray:1.5 4;stroke-linecap:round}\
 .rapid{stroke:var(--rapid);stroke-width:1.5;stroke-dasharray:7 5}\
@@ -101,7 +108,8 @@ path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
 .take-up{stroke:var(--take-up);stroke-width:2}\
 .ideal{stroke:var(--ideal);stroke-width:5;stroke-opacity:.3}\
 .thin{stroke:var(--ideal);stroke-width:1}\
-.area{stroke:var(--limit);stroke-width:1.2}.hatch{stroke:var(--limit);stroke-width:1;stroke-opacity:.45}\
+.area{stroke:var(--limit);stroke-width:1.2}.hatch{stroke:var(--limit);stroke-width:1;\
+stroke-opacity:.45}\
 .grid{stroke:var(--line);stroke-width:1}\
 .acceleration{stroke:var(--soft);stroke-width:1.2;stroke-linejoin:round}\
 .stop{stroke-width:5}.dwell{stroke:var(--jog);stroke-dasharray:2 2}\
@@ -116,7 +124,8 @@ pub fn html(report: &Report) -> String {
         page,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
+         <link rel=\"icon\" \
+         href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
          <header><h1>{name}</h1><p>{}</p></header>\n<main>\n<dl>",
         escape(&report.machine)
     );
@@ -202,7 +211,8 @@ impl Frame {
         let y = self.size[1] - 10.0;
         let _ = writeln!(
             page,
-            "<path class=\"thin\" d=\"M{MARGIN} {0:.0}v6h{1:.1}v-6\"/><text x=\"{2:.1}\" y=\"{3:.0}\">{4}</text>",
+            "<path class=\"thin\" d=\"M{MARGIN} {0:.0}v6h{1:.1}v-6\"/>\
+             <text x=\"{2:.1}\" y=\"{3:.0}\">{4}</text>",
             y - 6.0,
             nm * self.scale,
             x + 8.0,
@@ -277,10 +287,13 @@ fn work_area(page: &mut String, frame: &Frame, low: [f64; 2], high: [f64; 2]) {
     let ([x0, y1], [x1, y0]) = (frame.at(low), frame.at(high));
     let _ = writeln!(
         page,
-        "<defs><pattern id=\"hatch\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
+        "<defs><pattern id=\"hatch\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" \
+         patternTransform=\"rotate(45)\">\
          <path class=\"hatch\" d=\"M0 0v7\"/></pattern></defs>\
-         <path style=\"fill:url(#hatch);fill-rule:evenodd\" d=\"M{:.1} {:.1}H{:.1}V{:.1}H{:.1}ZM{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z\"/>\
-         <rect class=\"area\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"><title>work area</title></rect>",
+         <path style=\"fill:url(#hatch);fill-rule:evenodd\" d=\"M{:.1} \
+         {:.1}H{:.1}V{:.1}H{:.1}ZM{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z\"/>\
+         <rect class=\"area\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\">\
+         <title>work area</title></rect>",
         x0 - 8.0,
         y0 - 8.0,
         x1 + 8.0,
@@ -319,7 +332,8 @@ fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
                     let opposite = frame.at([2.0 * centre[0] - from[0], 2.0 * centre[1] - from[1]]);
                     let _ = write!(
                         path,
-                        "A{radius:.2} {radius:.2} 0 0 {sweep} {:.2} {:.2}A{radius:.2} {radius:.2} 0 0 {sweep} {u:.2} {v:.2}",
+                        "A{radius:.2} {radius:.2} 0 0 {sweep} {:.2} {:.2}A{radius:.2} {radius:.2} \
+                         0 0 {sweep} {u:.2} {v:.2}",
                         opposite[0], opposite[1]
                     );
                 } else {
@@ -383,7 +397,8 @@ fn polyline(
 
 fn legend(page: &mut String) {
     page.push_str(
-        "<svg viewBox=\"0 0 1000 28\" role=\"img\" aria-label=\"Legend: jog dotted, rapid dashed, feed solid, \
+        "<svg viewBox=\"0 0 1000 28\" role=\"img\" aria-label=\"Legend: jog dotted, rapid dashed, \
+         feed solid, \
          take-up a tick, programmed path a wide band\" style=\"border:0\">\n",
     );
     let entries = [
@@ -398,7 +413,8 @@ fn legend(page: &mut String) {
         let x = 10 + 158 * index;
         let _ = writeln!(
             page,
-            "<g transform=\"translate({x} 14)\"><path class=\"{class}\" d=\"{shape}\"/><text x=\"48\" y=\"4\">{text}</text></g>"
+            "<g transform=\"translate({x} 14)\"><path class=\"{class}\" d=\"{shape}\"/>\
+             <text x=\"48\" y=\"4\">{text}</text></g>"
         );
     }
     page.push_str("</svg>\n");
@@ -437,7 +453,8 @@ fn deviation_section(page: &mut String, report: &Report) {
     let _ = writeln!(
         page,
         "<section><h2>Deviation, {factor:.0} times as large as it is</h2>\
-         <p>Thin line: the programmed path. Each point of the tool is drawn {factor:.0} times as far from it as it was; the largest distance is {}.</p>",
+         <p>Thin line: the programmed path. Each point of the tool is drawn {factor:.0} times as \
+         far from it as it was; the largest distance is {}.</p>",
         length(report.largest_nm)
     );
     frame.open(
@@ -472,8 +489,10 @@ pub fn round_down(value: f64) -> f64 {
 
 fn axis_section(page: &mut String, axes: &[AxisRow]) {
     page.push_str(
-        "<section><h2>Extents</h2><div class=\"scroll\"><table><thead><tr><th scope=\"col\">axis</th><th scope=\"col\">least mm</th>\
-         <th scope=\"col\">most mm</th><th scope=\"col\">span mm</th><th scope=\"col\">limits mm</th><th scope=\"col\">end mm</th>\
+        "<section><h2>Extents</h2><div class=\"scroll\"><table><thead><tr>\
+         <th scope=\"col\">axis</th><th scope=\"col\">least mm</th>\
+         <th scope=\"col\">most mm</th><th scope=\"col\">span mm</th>\
+         <th scope=\"col\">limits mm</th><th scope=\"col\">end mm</th>\
          <th scope=\"col\">reversals</th><th scope=\"col\">lost steps</th></tr></thead><tbody>\n",
     );
     for axis in axes {
@@ -491,7 +510,8 @@ fn axis_section(page: &mut String, axes: &[AxisRow]) {
         };
         let _ = writeln!(
             page,
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{limits}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{limits}</td>\
+             <td>{}</td><td>{}</td><td>{}</td></tr>",
             axis.letter,
             millimetres(low),
             millimetres(high),
@@ -519,8 +539,10 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
         let span = (last - first).max(1) as f64;
         let _ = writeln!(
             page,
-            "<svg viewBox=\"0 0 1000 170\" role=\"img\" aria-labelledby=\"phase-{0}-t phase-{0}-d\"><title id=\"phase-{0}-t\">\
-             Coil currents of motor {0}, {1}</title><desc id=\"phase-{0}-d\">{2} steps in {3:.1} ms</desc>",
+            "<svg viewBox=\"0 0 1000 170\" role=\"img\" aria-labelledby=\"phase-{0}-t \
+             phase-{0}-d\"><title id=\"phase-{0}-t\">\
+             Coil currents of motor {0}, {1}</title><desc id=\"phase-{0}-d\">{2} steps in {3:.1} \
+             ms</desc>",
             motor.letter,
             escape(&motor.driver),
             motor.steps.len() - 1,
@@ -530,7 +552,8 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
             let base = 45.0 + 70.0 * coil as f64;
             let _ = write!(
                 page,
-                "<text x=\"6\" y=\"{:.0}\">{} {}</text><path class=\"grid\" d=\"M90 {base:.0}H990\"/>",
+                "<text x=\"6\" y=\"{:.0}\">{} {}</text>\
+                 <path class=\"grid\" d=\"M90 {base:.0}H990\"/>",
                 base + 4.0,
                 motor.letter,
                 motor.rows[coil]
@@ -549,7 +572,8 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
         }
         let _ = writeln!(
             page,
-            "<text x=\"90\" y=\"164\">{:.1} ms</text><text x=\"990\" y=\"164\" text-anchor=\"end\">{:.1} ms, {}</text></svg>",
+            "<text x=\"90\" y=\"164\">{:.1} ms</text><text x=\"990\" y=\"164\" \
+             text-anchor=\"end\">{:.1} ms, {}</text></svg>",
             first as f64 / 1000.0,
             last as f64 / 1000.0,
             escape(&motor.driver)

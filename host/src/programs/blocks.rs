@@ -38,8 +38,8 @@ struct Percent {
 }
 
 impl Percent {
-    /// Whether the program is over at this line: at the second `%` of one that begins with a `%`, as in LinuxCNC. Grbl passes
-    /// over all of them.
+    /// Whether the program is over at this line: at the second `%` of one that begins with a `%`,
+    /// as in LinuxCNC. Grbl passes over all of them.
     fn ends(&mut self, line: &[u8], dialect: &Dialect) -> bool {
         let line = line.trim_ascii();
         let is_percent = line.first() == Some(&b'%') && dialect.name() != Dialect::GRBL.name();
@@ -50,7 +50,8 @@ impl Percent {
     }
 }
 
-/// The text of a line without its checksum, or what is wrong with the line; then the number behind it is expected.
+/// The text of a line without its checksum, or what is wrong with the line; then the number behind
+/// it is expected.
 pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
     receiver.check(line).map_err(|error| {
         if let FramingError::Number { given, .. } = error {
@@ -72,7 +73,8 @@ pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8],
     })
 }
 
-/// The longest line of Grbl (its LINE_BUFFER_SIZE is 80, with the end of the text), blanks and comments not counted.
+/// The longest line of Grbl (its LINE_BUFFER_SIZE is 80, with the end of the text), blanks and
+/// comments not counted.
 const GRBL_LINE: u8 = 79;
 
 /// Whether Grbl has room for a line.
@@ -109,8 +111,9 @@ pub fn is_numbering(text: &[u8]) -> bool {
 
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
-/// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle along a contour; from that line
-/// on the program is kept in memory, and `modal` tells the state of the machine that its expressions may ask for.
+/// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle
+/// along a contour; from that line on the program is kept in memory, and `modal` tells the state of
+/// the machine that its expressions may ask for.
 ///
 /// # Errors
 ///
@@ -123,17 +126,41 @@ pub fn each_block<C>(
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
+    let mut give = |given: &Given<'_>, block| each(context, given, block);
+    let Some(first) = by_lines(source, dialect, &mut percent, &mut give)? else {
+        return Ok(());
+    };
+    let text = source.rest()?;
+    as_a_whole(&text, first, dialect, &mut percent, context, modal, each)
+}
+
+/// Gives the blocks of lines that mean the same wherever they stand. Returns the number of the
+/// first line that does not, which is still to be read; `None` where the program is over.
+fn by_lines(
+    source: &mut Source,
+    dialect: Dialect,
+    percent: &mut Percent,
+    give: &mut impl FnMut(&Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
+) -> io::Result<Option<usize>> {
     let mut receiver = dialect.framing().map(Receiver::new);
-    let first = loop {
+    loop {
         let Some(line) = source.next_line()? else {
-            return Ok(());
+            return Ok(None);
         };
         if percent.ends(line.bytes, &dialect) {
-            return Ok(());
+            return Ok(None);
         }
         if needs_program(line.bytes, &dialect) || needs_contours(line.bytes, &dialect) {
-            break line.number;
+            return Ok(Some(line.number));
         }
+        let whole = Given {
+            number: line.number,
+            bytes: line.bytes,
+            at: 0,
+            text: line.bytes,
+            overlong: line.overlong,
+            repeats: false,
+        };
         let text = match &mut receiver {
             None => line.bytes,
             Some(receiver) => match unframed(receiver, line.bytes) {
@@ -141,16 +168,8 @@ pub fn each_block<C>(
                 Ok(text) if is_numbering(text) => continue,
                 Ok(text) => text,
                 Err(error) => {
-                    let given = Given {
-                        number: line.number,
-                        bytes: line.bytes,
-                        at: 0,
-                        text: line.bytes,
-                        overlong: line.overlong,
-                        repeats: false,
-                    };
-                    if each(context, &given, Err(error))?.is_break() {
-                        return Ok(());
+                    if give(&whole, Err(error))?.is_break() {
+                        return Ok(None);
                     }
                     continue;
                 }
@@ -159,22 +178,31 @@ pub fn each_block<C>(
         let mut blocks = dialect.blocks(text).peekable();
         while let Some((at, text)) = blocks.next() {
             let given = Given {
-                number: line.number,
-                bytes: line.bytes,
                 at,
                 text,
                 overlong: line.overlong && blocks.peek().is_none(),
-                repeats: false,
+                ..whole
             };
             let block = fits(text, &dialect).and_then(|()| Block::parse(text, &dialect));
-            if each(context, &given, block)?.is_break() {
-                return Ok(());
+            if give(&given, block)?.is_break() {
+                return Ok(None);
             }
         }
-    };
-    let text = source.rest()?;
-    let mut program = Box::new(Whole::new(&text, dialect).with_first_line(first));
-    let mut contours = Box::new(Turned::new(&text, dialect));
+    }
+}
+
+/// Gives the blocks of a text in the order of execution; its first line has the number `first`.
+fn as_a_whole<C>(
+    text: &[u8],
+    first: usize,
+    dialect: Dialect,
+    percent: &mut Percent,
+    context: &mut C,
+    modal: impl Fn(&C) -> &Modal<3>,
+    mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
+) -> io::Result<()> {
+    let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
+    let mut contours = Box::new(Turned::new(text, dialect));
     loop {
         let state = modal(context);
         let line = match contours.next_of_cycle(state) {

@@ -10,7 +10,7 @@ use crate::programs::setup;
 use crate::programs::source::Source;
 use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
-use std::io::{self, Write};
+use std::io;
 
 /// What a check finds out besides the findings.
 #[derive(Debug)]
@@ -23,7 +23,8 @@ pub struct Facts {
     pub events: f64,
     /// How often every axis turns round, the first motion counted where it is backwards.
     pub reversals: [u64; 3],
-    /// The first move that leaves the travel of an axis: for [`crate::programs::zero::tell_beyond`].
+    /// The first move that leaves the travel of an axis: for
+    /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
 }
 
@@ -47,13 +48,13 @@ struct Checker<'a> {
 /// # Errors
 ///
 /// Reading or writing fails.
-pub fn check<W: Write>(
+pub fn check(
     source: &mut Source,
     file: &str,
     start: Start,
     machine: &MachineFile,
     config: &Config<3>,
-    findings: &mut Findings<W>,
+    findings: &mut Findings,
 ) -> io::Result<Facts> {
     let mut checker = Checker {
         machine,
@@ -79,16 +80,17 @@ pub fn check<W: Write>(
         findings,
         |meaning, command, from, findings| {
             is_empty = false;
-            checker.command(meaning, command, from, findings)
+            checker.command(meaning, command, from, findings);
+            Ok(())
         },
     )?;
     if is_empty && findings.errors == 0 {
         let message = "no command in the program".to_string();
         let note = "nothing would move: empty, comments only, or cut off".to_string();
-        findings.add(&Finding::general(Severity::Warning, "W0602", message).note(note))?;
+        findings.add(Finding::general(Severity::Warning, "W0602", message).note(note));
     }
     if let Some(finding) = checker.reversals() {
-        findings.add(&finding)?;
+        findings.add(finding);
     }
     Ok(Facts {
         feed_nm: checker.feed_nm,
@@ -100,27 +102,27 @@ pub fn check<W: Write>(
 }
 
 impl Checker<'_> {
-    fn command<W: Write>(
+    fn command(
         &mut self,
         meaning: &Meaning<'_>,
         command: &Command<3>,
         from: [Nm; 3],
-        findings: &mut Findings<W>,
-    ) -> io::Result<()> {
+        findings: &mut Findings,
+    ) {
         let end = program::target(command);
         match self.config.check(&from, command) {
             Ok(()) => {}
-            // One cause, whatever the number of moves: told when all of them are known.
+            // One cause, whatever the number of moves: reported when all of them are known.
             Err(error @ MoveError::Travel { axis, .. }) => {
                 if self.beyond.is_none() {
                     let letter = self.machine.axes[axis.min(2)].letter;
                     self.beyond = Some((meaning.at.word(letter), error));
                 }
             }
-            Err(error) => findings.add(&self.limit(&error, &meaning.at, command))?,
+            Err(error) => findings.add(self.limit(&error, &meaning.at, command)),
         }
         let Some(to) = end else {
-            return Ok(());
+            return;
         };
         let moves = [0, 1, 2].map(|axis: usize| from[axis] != to[axis]);
         for (axis, moved) in moves.into_iter().enumerate() {
@@ -129,17 +131,17 @@ impl Checker<'_> {
                 && !self.unknown_travel[axis]
             {
                 self.unknown_travel[axis] = true;
-                findings.add(&self.travel_unknown(axis, &meaning.at))?;
+                findings.add(self.travel_unknown(axis, &meaning.at));
             }
         }
         let count = moves.iter().filter(|moved| **moved).count();
         if count > self.machine.simultaneous_axes as usize && !self.three_axes {
             self.three_axes = true;
-            findings.add(&self.too_many_axes(&meaning.at, count))?;
+            findings.add(self.too_many_axes(&meaning.at, count));
         }
         let length = match command {
             Command::Arc { arc, .. } => {
-                self.arc(arc, &meaning.at, findings)?;
+                self.arc(arc, &meaning.at, findings);
                 self.turns.arc(from, arc);
                 arc_length(from, arc)
             }
@@ -154,11 +156,10 @@ impl Checker<'_> {
             Command::Thread { .. } => self.feed_nm += length,
             Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
                 self.feed_nm += length;
-                self.feed(feed, command, from, to, length, &meaning.at, findings)?;
+                self.feed(feed, command, from, to, length, &meaning.at, findings);
             }
             _ => {}
         }
-        Ok(())
     }
 
     fn step_nm(&self) -> f64 {
@@ -237,12 +238,7 @@ impl Checker<'_> {
             .note("said once for the whole program")
     }
 
-    fn arc<W: Write>(
-        &self,
-        arc: &Arc<3>,
-        at: &At<'_>,
-        findings: &mut Findings<W>,
-    ) -> io::Result<()> {
+    fn arc(&self, arc: &Arc<3>, at: &At<'_>, findings: &mut Findings) {
         let [a, _] = arc.plane.axes();
         let step = self.machine.axes[a].step;
         let mismatch = i128::from(arc.mismatch.0);
@@ -250,7 +246,7 @@ impl Checker<'_> {
         let silent = mismatch * i128::from(step.den) <= 2 * i128::from(step.num)
             || 2 * mismatch <= 3 * i128::from(arc.resolution.0);
         if silent {
-            return Ok(());
+            return;
         }
         // Nearest: 559 nm are 4 steps of 140 nm.
         let steps = (2 * mismatch * i128::from(step.den) / i128::from(step.num) + 1) / 2;
@@ -265,14 +261,15 @@ impl Checker<'_> {
             .label("the end has another distance from the centre than the start")
             .note("the tool follows a spiral between the two radii")
             .note(format!(
-                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` makes it an error",
+                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` \
+                 makes it an error",
                 length(2.0 * step.num as f64 / step.den as f64)
             ));
-        findings.add(&finding)
+        findings.add(finding);
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn feed<W: Write>(
+    fn feed(
         &mut self,
         feed: &Feed,
         command: &Command<3>,
@@ -280,13 +277,13 @@ impl Checker<'_> {
         to: [Nm; 3],
         length: f64,
         at: &At<'_>,
-        findings: &mut Findings<W>,
-    ) -> io::Result<()> {
+        findings: &mut Findings,
+    ) {
         let Feed::PerMinute(rate) = *feed else {
-            return Ok(());
+            return;
         };
         if self.warned_feed == Some(rate) || length <= 0.0 {
-            return Ok(());
+            return;
         }
         // The path speed at which the first axis is at its limit.
         let mut reached = self
@@ -303,7 +300,7 @@ impl Checker<'_> {
             }
         }
         if rate.0 as f64 <= reached * 1.000_001 {
-            return Ok(());
+            return;
         }
         self.warned_feed = Some(rate);
         let message = format!(
@@ -316,7 +313,7 @@ impl Checker<'_> {
                 shorter(reached / 1e6)
             ))
             .note("said once for each feed rate; grbl and LinuxCNC limit it silently");
-        findings.add(&finding)
+        findings.add(finding);
     }
 
     fn reversals(&self) -> Option<Finding> {
@@ -376,7 +373,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    crate::programs::deviation::Path::programmed(
+    crate::geometry::path::Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

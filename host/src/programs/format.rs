@@ -16,20 +16,21 @@ pub struct Form {
     pub line_end: &'static [u8],
 }
 
-/// Writes the program of `reader` to `out` in its form; lines with errors go to `findings` and stay as they are. Returns whether
-/// anything changed.
+/// Writes the program of `reader` to `out` in its form; lines with errors go to `findings` and stay
+/// as they are. Returns whether anything changed.
 ///
-/// A byte order mark stays. Memory does not grow with the program; a line longer than [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the
-/// last one too. Behind the end of a program (M2, M30) there may be any text: it is no error there.
+/// A byte order mark stays. Memory does not grow with the program; a line longer than
+/// [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the last one too. Behind the
+/// end of a program (M2, M30) there may be any text: it is no error there.
 ///
 /// # Errors
 ///
 /// Reading or writing fails.
-pub fn write<W: Write>(
+pub fn write(
     reader: &mut dyn BufRead,
     file: &str,
     form: &Form,
-    findings: &mut Findings<W>,
+    findings: &mut Findings,
     out: &mut dyn Write,
 ) -> io::Result<bool> {
     let (mut text, mut made) = (Vec::new(), Vec::new());
@@ -50,7 +51,7 @@ pub fn write<W: Write>(
             let at = at(file, number, text, form.dialect);
             let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
             let message = format!("line longer than {LONGEST_LINE} characters");
-            findings.add(&Finding::error("E0104", message, place).label("it stays as it is"))?;
+            findings.add(Finding::error("E0104", message, place).label("it stays as it is"));
             out.write_all(text)?;
             changed |= copy_rest(reader, out)?;
             continue;
@@ -78,7 +79,7 @@ pub fn write<W: Write>(
             Err(error) => {
                 if !is_over {
                     let at = at(file, number, text, form.dialect);
-                    findings.add(&explain::finding(&error, &at))?;
+                    findings.add(explain::finding(&error, &at));
                 }
                 made.clear();
                 made.extend_from_slice(text);

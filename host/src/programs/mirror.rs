@@ -1,10 +1,12 @@
-//! Contours cut as two halves from the same start point, each the other's mirror image in its order.
+//! Contours cut as two halves from the same start point, each the other's mirror image in its
+//! order.
 //!
-//! A symmetric contour that is cut all round goes up on one side and down on the other, so its sides are cut on different flanks of the
-//! screw across the mirror. Cut in halves, both from the top down, both sides have the same flank there, and what is left of the lash
-//! shows on both alike.
+//! A symmetric contour that is cut all round goes up on one side and down on the other, so its
+//! sides are cut on different flanks of the screw across the mirror. Cut in halves, both from the
+//! top down, both sides have the same flank there, and what is left of the lash shows on both
+//! alike.
 
-use crate::diagnostics::{Findings, Format};
+use crate::diagnostics::Findings;
 use crate::programs::program::walk;
 use crate::programs::source::Source;
 use husillo_gcode::{
@@ -22,7 +24,8 @@ pub struct Mirrored {
     pub text: String,
     /// Contours cut in halves.
     pub contours: usize,
-    /// Closed contours that are cut as they were: nothing divides them, or nothing says how high the tool goes between the halves.
+    /// Closed contours that are cut as they were: nothing divides them, or nothing says how high
+    /// the tool goes between the halves.
     pub whole: usize,
 }
 
@@ -138,7 +141,7 @@ fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bo
 /// A sentence: the program has something that is not written down again here.
 pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mirrored, String> {
     let mut commands = Vec::new();
-    let mut findings = Findings::new(Vec::new(), Format::Short, false, 1);
+    let mut findings = Findings::new(1);
     walk(
         source,
         name,
@@ -159,8 +162,8 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
     let mut rest = commands.as_slice();
     // How the tool went down to where it is.
     let mut plunge = None;
-    // Where it is above the work: the height of the last rapid move across, or the highest that it was. Where it went down from may be
-    // within the work, of a second pass.
+    // Where it is above the work: the height of the last rapid move across, or the highest that it
+    // was. Where it went down from may be within the work, of a second pass.
     let mut highest = Nm(0);
     let mut across = None;
     while let Some(((from, command), after)) = rest.split_first() {
@@ -199,7 +202,8 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
     Ok(made)
 }
 
-/// The cuts in the plane that come next, as far as the first return to where they begin; what follows them.
+/// The cuts in the plane that come next, as far as the first return to where they begin; what
+/// follows them.
 fn contour(commands: &[Given]) -> Option<(Vec<Cut>, &[Given])> {
     let start = commands.first()?.0;
     let mut cuts = Vec::new();
@@ -393,7 +397,8 @@ impl Writer {
             Command::End { rewind } => text.push_str(if *rewind { "M30" } else { "M2" }),
             other => {
                 return Err(format!(
-                    "mirrored order is for lines and arcs in X and Y: {other:?} is not written down again"
+                    "mirrored order is for lines and arcs in X and Y: {other:?} is not written \
+                     down again"
                 ));
             }
         }

@@ -6,10 +6,11 @@ use crate::programs::explain::{self, At};
 use crate::programs::source::{LONGEST_LINE, Source};
 use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm};
 use std::collections::VecDeque;
-use std::io::{self, Write};
+use std::io;
 use std::ops::ControlFlow;
 
-/// Most commands of a program with loops: lines are counted by the crate, but one line of a canned cycle can give 2^16.
+/// Most commands of a program with loops: lines are counted by the crate, but one line of a canned
+/// cycle can give 2^16.
 const MOST_COMMANDS: u64 = 50_000_000;
 
 /// How a program begins.
@@ -57,14 +58,20 @@ pub struct Meaning<'a> {
 }
 
 /// The state between two blocks.
-struct Walker {
+struct Walker<'a> {
+    file: &'a str,
+    dialect: Dialect,
+    /// Commands that a program with loops may still give.
+    left: u64,
     modal: Modal<3>,
     /// The tool's path, where a program asks for compensation; else the commands as they are.
     stage: Compensation<3>,
     /// Where the commands stood that wait in it, in their order.
     waiting: VecDeque<Held>,
+    /// Where the last command ended.
+    from: [Nm; 3],
     last_line: usize,
-    ended: bool,
+    has_ended: bool,
 }
 
 /// The place of a command that waits for the corner behind it.
@@ -99,7 +106,26 @@ impl Held {
     }
 }
 
-impl Walker {
+/// Who gets the commands: each with its place, and where the tool is before it.
+type Each<'e> =
+    &'e mut dyn FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>;
+
+impl<'a> Walker<'a> {
+    fn new(left: u64, file: &'a str, start: Start) -> Self {
+        let modal = start.modal();
+        Self {
+            file,
+            dialect: start.dialect,
+            left,
+            from: modal.position(),
+            modal,
+            stage: Compensation::new(start.at),
+            waiting: VecDeque::new(),
+            last_line: 1,
+            has_ended: false,
+        }
+    }
+
     /// What a block means; an error changes nothing.
     fn plan(
         &mut self,
@@ -117,138 +143,160 @@ impl Walker {
         self.stage = after;
         Ok(commands)
     }
+
+    /// Takes a block, and gives the commands that it sets free.
+    fn block(
+        &mut self,
+        given: &Given<'_>,
+        block: Result<Block, Error>,
+        findings: &mut Findings,
+        each: Each<'_>,
+    ) -> io::Result<ControlFlow<()>> {
+        let at = At {
+            file: self.file,
+            line: given.number,
+            bytes: given.bytes,
+            block: given.at,
+            length: given.text.len(),
+            dialect: self.dialect,
+        };
+        if given.repeats {
+            findings.report_once();
+        }
+        let held = self.stage.held();
+        let commands = match self.plan(given, block) {
+            Ok(commands) => commands,
+            Err(error) => {
+                findings.add(explain::finding(&error, &at));
+                return Ok(ControlFlow::Continue(()));
+            }
+        };
+        let meaning = Meaning { at };
+        // What waited is of the lines it stood on.
+        let mut commands = commands.peekable();
+        let mut freed = VecDeque::new();
+        if held > 0 && commands.peek().is_some() {
+            std::mem::swap(&mut freed, &mut self.waiting);
+        }
+        while self.waiting.len() < self.stage.held() {
+            self.waiting.push_back(Held::new(&at));
+        }
+        for command in commands {
+            if given.repeats && !self.may_go_on() {
+                findings.add(too_many_commands(&at));
+                return Ok(ControlFlow::Break(()));
+            }
+            self.give(freed.pop_front(), &meaning, &command, findings, each)?;
+            self.has_ended |= matches!(command, Command::End { .. });
+        }
+        if self.has_ended {
+            return Ok(ControlFlow::Break(()));
+        }
+        if given.overlong {
+            findings.add(overlong(&at));
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Counts a command; `false` where there were too many before it.
+    const fn may_go_on(&mut self) -> bool {
+        let may = self.left > 0;
+        self.left = self.left.saturating_sub(1);
+        may
+    }
+
+    /// Gives a command: one that waited has its own place.
+    fn give(
+        &mut self,
+        waited: Option<Held>,
+        meaning: &Meaning<'_>,
+        command: &Command<3>,
+        findings: &mut Findings,
+        each: Each<'_>,
+    ) -> io::Result<()> {
+        match waited {
+            Some(held) => {
+                let meaning = held.meaning(self.file, self.dialect);
+                each(&meaning, command, self.from, findings)?;
+            }
+            None => each(meaning, command, self.from, findings)?,
+        }
+        self.from = target(command).unwrap_or(self.from);
+        Ok(())
+    }
+
+    /// A program that ends without G40: gives its last move, with the end of the file as its place.
+    fn finish(&mut self, findings: &mut Findings, each: Each<'_>) -> io::Result<()> {
+        if self.has_ended || !self.stage.is_active() {
+            return Ok(());
+        }
+        let end = Meaning {
+            at: At {
+                file: self.file,
+                line: self.last_line,
+                bytes: b"",
+                block: 0,
+                length: 0,
+                dialect: self.dialect,
+            },
+        };
+        for command in self.stage.clone().finish() {
+            let waited = self.waiting.pop_front();
+            self.give(waited, &end, &command, findings, each)?;
+        }
+        Ok(())
+    }
 }
 
-/// Walks a whole program: every error goes to `findings`, every command to `each`, until the program ends.
+fn too_many_commands(at: &At<'_>) -> Finding {
+    Finding::error("E0638", "program gives too many commands", at.whole())
+        .label("an endless loop?")
+        .note("50 million commands")
+}
+
+fn overlong(at: &At<'_>) -> Finding {
+    let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
+    let message = format!("line longer than {LONGEST_LINE} characters");
+    Finding::error("E0104", message, place).label("the rest is not read")
+}
+
+/// Walks a whole program: every error goes to `findings`, every command to `each`, until the
+/// program ends.
 ///
-/// A block with an error changes nothing and the walk goes on behind it. Returns the state after the last block.
+/// A block with an error changes nothing and the walk goes on behind it. Returns the state after
+/// the last block.
 ///
 /// # Errors
 ///
-/// Reading or writing fails.
-pub fn walk<W: Write>(
+/// Reading fails, or `each` does.
+pub fn walk(
     source: &mut Source,
     file: &str,
     start: impl Into<Start>,
-    findings: &mut Findings<W>,
-    each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
+    findings: &mut Findings,
+    each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
     walk_within(MOST_COMMANDS, source, file, start.into(), findings, each)
 }
 
-fn walk_within<W: Write>(
-    mut left: u64,
+fn walk_within(
+    left: u64,
     source: &mut Source,
     file: &str,
     start: Start,
-    findings: &mut Findings<W>,
-    mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings<W>) -> io::Result<()>,
+    findings: &mut Findings,
+    mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
 ) -> io::Result<Modal<3>> {
-    let dialect = start.dialect;
-    let mut walker = Walker {
-        modal: start.modal(),
-        stage: Compensation::new(start.at),
-        waiting: VecDeque::new(),
-        last_line: 1,
-        ended: false,
-    };
-    let mut from = walker.modal.position();
+    let mut walker = Walker::new(left, file, start);
     blocks::each_block(
         source,
-        dialect,
+        start.dialect,
         &mut walker,
         |walker| &walker.modal,
-        |walker, given, block| {
-            let at = At {
-                file,
-                line: given.number,
-                bytes: given.bytes,
-                block: given.at,
-                length: given.text.len(),
-                dialect,
-            };
-            if given.repeats {
-                findings.tell_once();
-            }
-            let before = walker.stage.held();
-            let commands = match walker.plan(given, block) {
-                Ok(commands) => commands,
-                Err(error) => {
-                    findings.add(&explain::finding(&error, &at))?;
-                    return Ok(ControlFlow::Continue(()));
-                }
-            };
-            let meaning = Meaning { at };
-            // What waited is of the lines it stood on.
-            let mut commands = commands.peekable();
-            let mut freed = VecDeque::new();
-            if before > 0 && commands.peek().is_some() {
-                std::mem::swap(&mut freed, &mut walker.waiting);
-            }
-            while walker.waiting.len() < walker.stage.held() {
-                walker.waiting.push_back(Held::new(&at));
-            }
-            for command in commands {
-                if given.repeats {
-                    if left == 0 {
-                        let message = "program gives too many commands";
-                        let finding = Finding::error("E0638", message, at.whole());
-                        let finding = finding.label("an endless loop?");
-                        findings.add(&finding.note("50 million commands"))?;
-                        return Ok(ControlFlow::Break(()));
-                    }
-                    left -= 1;
-                }
-                match freed.pop_front() {
-                    Some(held) => each(&held.meaning(file, dialect), &command, from, findings)?,
-                    None => each(&meaning, &command, from, findings)?,
-                }
-                from = target(&command).unwrap_or(from);
-                walker.ended |= matches!(command, Command::End { .. });
-            }
-            if walker.ended {
-                return Ok(ControlFlow::Break(()));
-            }
-            if given.overlong {
-                let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
-                let message = format!("line longer than {LONGEST_LINE} characters");
-                let finding = Finding::error("E0104", message, place);
-                findings.add(&finding.label("the rest is not read"))?;
-            }
-            Ok(ControlFlow::Continue(()))
-        },
+        |walker, given, block| walker.block(given, block, findings, &mut each),
     )?;
-    let Walker {
-        modal,
-        stage,
-        mut waiting,
-        last_line,
-        ended,
-    } = walker;
-    if ended {
-        return Ok(modal);
-    }
-    if stage.is_active() {
-        // A program that ends without G40: its last move, told at the end of the file.
-        let meaning = Meaning {
-            at: At {
-                file,
-                line: last_line,
-                bytes: b"",
-                block: 0,
-                length: 0,
-                dialect,
-            },
-        };
-        for command in stage.finish() {
-            match waiting.pop_front() {
-                Some(held) => each(&held.meaning(file, dialect), &command, from, findings)?,
-                None => each(&meaning, &command, from, findings)?,
-            }
-            from = target(&command).unwrap_or(from);
-        }
-    }
-    Ok(modal)
+    walker.finish(findings, &mut each)?;
+    Ok(walker.modal)
 }
 
 /// Where a command ends, if it moves.
@@ -259,11 +307,9 @@ pub fn target(command: &Command<3>) -> Option<[Nm; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostics::Format;
-
     fn within(most: u64, text: &'static str) -> (usize, String) {
         let mut source = Source::from_reader(Box::new(text.as_bytes()));
-        let mut findings = Findings::new(Vec::new(), Format::Short, false, 50);
+        let mut findings = Findings::new(50);
         let mut commands = 0;
         let dialect = Dialect::RS274;
         walk_within(
@@ -278,15 +324,14 @@ mod tests {
             },
         )
         .unwrap();
-        let told = String::from_utf8(findings.writer().clone()).unwrap();
-        (commands, told)
+        (commands, findings.short().concat())
     }
 
     #[test]
     fn a_loop_of_cycles_ends() {
         let endless = "F9\no1 while [1]\nG91 G81 X1 Z-1 R0 L9\nG80\no1 endwhile\n";
-        let told = "p:3:1: error[E0638]: program gives too many commands\n";
-        assert_eq!(within(1000, endless), (1000, told.into()));
+        let reported = "p:3:1: error[E0638]: program gives too many commands";
+        assert_eq!(within(1000, endless), (1000, reported.into()));
     }
 
     #[test]

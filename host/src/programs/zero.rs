@@ -8,7 +8,7 @@ use crate::programs::source::Source;
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{Config, MoveError, extent};
 use husillo_metrology::quantity::{self, Quantity};
-use std::io::{self, Write};
+use std::io;
 use std::str::FromStr;
 
 /// Work zero in machine coordinates, as it is asked for.
@@ -114,13 +114,13 @@ impl Reach {
             // Beside work zero, so that a move to it is seen; it is far less than a step.
             at: far.map(|Nm(nm)| Nm(nm + 1)),
         };
-        // What is wrong with the program was told when it was checked.
-        let mut told = Findings::new(io::sink(), crate::diagnostics::Format::Short, false, 0);
+        // What is wrong with the program was reported when it was checked.
+        let mut found = Findings::new(0);
         program::walk(
             source,
             file,
             start,
-            &mut told,
+            &mut found,
             |meaning, command, from, _| {
                 for (axis, span) in extent(&from, command).into_iter().enumerate() {
                     if let Some(span) = span {
@@ -130,7 +130,7 @@ impl Reach {
                 Ok(())
             },
         )?;
-        reach.has_errors = told.errors > 0;
+        reach.has_errors = found.errors > 0;
         Ok(reach)
     }
 
@@ -157,6 +157,46 @@ impl Reach {
             }
         }
     }
+
+    /// Where the part is in an axis, with work zero at `zero`.
+    fn place(&self, axis: usize, zero: Nm, config: &Config<3>) -> InAxis {
+        let (Some(travel @ [low, high]), Some(part)) = (config.axes[axis].travel, self.part[axis])
+        else {
+            return InAxis::Unknown;
+        };
+        let part = part.map(|at| Nm(at.0 + zero.0));
+        let [least, most] = part;
+        let mut ends = part.into_iter();
+        let is_beyond = ends.any(|at| config.check_travel(axis, at).is_err());
+        let [length, room] = [most.0 - least.0, high.0 - low.0].map(Nm);
+        if is_beyond && length.0 > room.0 {
+            return InAxis::TooLong { length, room };
+        }
+        let by = match (least.0 < low.0, most.0 > high.0) {
+            _ if !is_beyond => 0,
+            (true, _) => low.0 - least.0,
+            (false, _) => high.0 - most.0,
+        };
+        InAxis::Fits {
+            part,
+            travel,
+            by: Nm(by),
+        }
+    }
+}
+
+/// Where the part is in an axis, against its travel.
+enum InAxis {
+    /// Nothing to compare.
+    Unknown,
+    /// Longer than the travel.
+    TooLong { length: Nm, room: Nm },
+    /// Within it after a move, which is zero where it fits as it is.
+    Fits {
+        part: [Nm; 2],
+        travel: [Nm; 2],
+        by: Nm,
+    },
 }
 
 /// Work zero where the part fits: X and Y in the middle of the table, its highest Z at the upper
@@ -201,21 +241,21 @@ pub fn fitting(
 /// `fit` gives hundredths of a millimetre.
 const ROUND: i64 = 10_000;
 
-/// Tells where a program leaves the machine, as it does `first`: one error for the place of the
+/// Reports where a program leaves the machine, as it does `first`: one error for the place of the
 /// part, with the zero that cures it; one for each axis in which it is too large; one for each axis
 /// whose machine coordinates are beyond.
 ///
 /// # Errors
 ///
-/// Reading or writing fails.
-pub fn tell_beyond<W: Write>(
+/// Reading fails.
+pub fn report_beyond(
     source: &mut Source,
     file: &str,
     start: Start,
     machine: &MachineFile,
     config: &Config<3>,
     first: &(Place, MoveError),
-    findings: &mut Findings<W>,
+    findings: &mut Findings,
 ) -> io::Result<()> {
     let reach = Reach::of(source, file, start.dialect, config, start.zero)?;
     let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
@@ -225,84 +265,105 @@ pub fn tell_beyond<W: Write>(
         let (place, beyond) = first;
         let message = "an axis stands beyond its soft limit while another one moves";
         let finding = Finding::error("E0401", message, place.clone());
-        return findings.add(&placed(finding, beyond, machine));
+        findings.add(placed(finding, beyond, machine));
+        return Ok(());
     }
+    report_machine_frame(&reach, machine, config, findings);
+    report_part(&reach, start.zero, machine, config, findings);
+    Ok(())
+}
+
+/// Reports the axes whose machine coordinates are beyond.
+fn report_machine_frame(
+    reach: &Reach,
+    machine: &MachineFile,
+    config: &Config<3>,
+    findings: &mut Findings,
+) {
     for (axis, leaves) in reach.machine_leaves.iter().enumerate() {
-        if let (Some((place, beyond)), Some(extent)) = (leaves, reach.machine[axis]) {
-            let name = char::from(machine.axes[axis].letter);
-            let message = format!(
-                "machine coordinates of {name} reach {}, and {} has {}",
-                span(extent),
-                machine.name,
-                config.axes[axis].travel.map_or_else(String::new, span)
-            );
-            let finding = Finding::error("E0401", message, place.clone()).note(
-                "G53, G28 and G30, or a work frame that the program sets: --zero does not move it",
-            );
-            findings.add(&placed(finding, beyond, machine))?;
-        }
-    }
-    let [mut parts, mut travels, mut moves] = [const { Vec::new() }; 3];
-    let mut cure = String::new();
-    for (axis, zero) in start.zero.into_iter().enumerate() {
+        let (Some((place, beyond)), Some(extent)) = (leaves, reach.machine[axis]) else {
+            continue;
+        };
         let name = char::from(machine.axes[axis].letter);
-        let Some([low, high]) = config.axes[axis].travel else {
-            cure += &worded(name, zero);
-            continue;
-        };
-        let Some([least, most]) = reach.part[axis].map(|part| part.map(|at| Nm(at.0 + zero.0)))
-        else {
-            cure += &worded(name, zero);
-            continue;
-        };
-        let is_beyond = [least, most]
-            .iter()
-            .any(|at| config.check_travel(axis, *at).is_err());
-        let by = match (least.0 < low.0, most.0 > high.0) {
-            _ if !is_beyond => 0,
-            (true, _) => low.0 - least.0,
-            (false, _) => high.0 - most.0,
-        };
-        if is_beyond && most.0 - least.0 > high.0 - low.0 {
-            let message = format!(
-                "the part is {} mm long in {name}, and {} has {} mm: it does not fit",
-                Nm(most.0 - least.0),
-                machine.name,
-                Nm(high.0 - low.0)
-            );
-            if let Some((place, beyond)) = &reach.part_leaves[axis] {
-                let finding = Finding::error("E0401", message, place.clone());
-                findings.add(&placed(finding, beyond, machine))?;
+        let message = format!(
+            "machine coordinates of {name} reach {}, and {} has {}",
+            span(extent),
+            machine.name,
+            config.axes[axis].travel.map_or_else(String::new, span)
+        );
+        let finding = Finding::error("E0401", message, place.clone()).note(
+            "G53, G28 and G30, or a work frame that the program sets: --zero does not move it",
+        );
+        findings.add(placed(finding, beyond, machine));
+    }
+}
+
+/// What the place of the part asks for.
+#[derive(Default)]
+struct Remedy {
+    /// Where the part is beyond, axis by axis.
+    parts: Vec<String>,
+    /// The travel of these axes.
+    travels: Vec<String>,
+    /// By how much they must move at least.
+    moves: Vec<String>,
+    /// The zero that does it, as it is typed.
+    zero: String,
+}
+
+/// Reports where the part is beyond, and the zero with which it is not.
+fn report_part(
+    reach: &Reach,
+    zero: [Nm; 3],
+    machine: &MachineFile,
+    config: &Config<3>,
+    findings: &mut Findings,
+) {
+    let mut remedy = Remedy::default();
+    for (axis, zero) in zero.into_iter().enumerate() {
+        let name = char::from(machine.axes[axis].letter);
+        match reach.place(axis, zero, config) {
+            InAxis::Unknown => remedy.zero += &worded(name, zero),
+            InAxis::TooLong { length, room } => {
+                let machine_name = &machine.name;
+                let message = format!(
+                    "the part is {length} mm long in {name}, and {machine_name} has {room} mm: \
+                     it does not fit"
+                );
+                if let Some((place, beyond)) = &reach.part_leaves[axis] {
+                    let finding = Finding::error("E0401", message, place.clone());
+                    findings.add(placed(finding, beyond, machine));
+                }
             }
-            continue;
-        }
-        cure += &worded(name, Nm(zero.0 + by));
-        if is_beyond {
-            parts.push(format!("{name} {}", span([least, most])));
-            travels.push(format!("{name} {}", span([low, high])));
-            moves.push(format!("{name} {}", Nm(by)));
+            InAxis::Fits { part, travel, by } => {
+                remedy.zero += &worded(name, Nm(zero.0 + by.0));
+                if by != Nm(0) {
+                    remedy.parts.push(format!("{name} {}", span(part)));
+                    remedy.travels.push(format!("{name} {}", span(travel)));
+                    remedy.moves.push(format!("{name} {by}"));
+                }
+            }
         }
     }
     let Some((place, beyond)) = reach.part_leaves[reach.first].as_ref() else {
-        return Ok(());
+        return;
     };
-    if parts.is_empty() {
-        return Ok(());
+    if remedy.parts.is_empty() {
+        return;
     }
     let message = format!(
         "the part reaches {}, and {} {}: move zero by at least {}",
-        parts.join(", "),
+        remedy.parts.join(", "),
         machine.name,
-        travels.join(", "),
-        moves.join(", ")
+        remedy.travels.join(", "),
+        remedy.moves.join(", ")
     );
+    let cure = remedy.zero;
     let help = format!("`--zero {cure}` puts it there, `--zero fit` in the middle of the table");
-    let finding = Finding::error("E0401", message, place.clone()).help(help);
-    findings.add(&placed(
-        finding.note("grbl would start the job and stop here with `ALARM:2`"),
-        beyond,
-        machine,
-    ))
+    let finding = Finding::error("E0401", message, place.clone())
+        .help(help)
+        .note("grbl would start the job and stop here with `ALARM:2`");
+    findings.add(placed(finding, beyond, machine));
 }
 
 /// An axis word; nothing for 0.

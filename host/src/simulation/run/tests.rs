@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::programs::feeder;
+use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::programs::speed::{Band, Column};
+use crate::simulation::speed::{Band, Column};
 use husillo_gcode::Dialect;
 use std::io::Cursor;
 
@@ -22,7 +23,7 @@ fn columns(program: &str) -> Vec<Column> {
     })
     .unwrap();
     run.finish().unwrap();
-    run.speed.columns().0.to_vec()
+    run.observers.speed.columns().0.to_vec()
 }
 
 /// Largest value in mm/min.

@@ -1,8 +1,10 @@
-//! Path speed and acceleration over time: measured from the events, kept in columns of bounded memory.
+//! Path speed and acceleration over time: measured from the events, kept in columns of bounded
+//! memory.
 //!
-//! The tool moves in whole steps, so its speed only means something over a window. A window is closed after
-//! [`WINDOW_EVENTS`] events and, where the machine has ramps, not before the time in which one step of position is
-//! a twentieth of the acceleration. Its length is the sum of chords; a chord on an arc counts as the arc over it.
+//! The tool moves in whole steps, so its speed only means something over a window. A window is
+//! closed after [`WINDOW_EVENTS`] events and, where the machine has ramps, not before the time in
+//! which one step of position is a twentieth of the acceleration. Its length is the sum of chords;
+//! a chord on an arc counts as the arc over it.
 
 /// Events of a window at least: one step more or less is then 3 % of its length.
 pub const WINDOW_EVENTS: u32 = 32;
@@ -174,10 +176,10 @@ impl Speed {
 
     /// Takes a step of the tool to `at`, in nm, at `now` ticks.
     #[inline]
-    pub fn step(&mut self, now: u64, at: &[f64; 3]) {
+    pub fn advance(&mut self, now: u64, at: &[f64; 3]) {
         let Some(window) = &mut self.window else {
             self.start();
-            return self.step(now, at);
+            return self.advance(now, at);
         };
         window.events += 1;
         self.chord_events += 1;
@@ -390,7 +392,7 @@ mod tests {
     fn straight(speed: &mut Speed, steps: u64, wait: u64) {
         for _ in 0..steps {
             let at = [speed.at[0] + 1000.0, 0.0, 0.0];
-            speed.step(speed.now + wait, &at);
+            speed.advance(speed.now + wait, &at);
         }
     }
 
@@ -427,7 +429,7 @@ mod tests {
             });
             for _ in 0..103 {
                 at[(leg % 2) as usize] += 1000.0;
-                speed.step(speed.now + 1000, &at);
+                speed.advance(speed.now + 1000, &at);
             }
         }
         speed.rest();
@@ -464,7 +466,7 @@ mod tests {
         // 1000 steps/s^2 of 1 um: s = t^2 / 2 gives the time of every step.
         for step in 1..=5000_u64 {
             let now = (2.0 * step as f64 / 1000.0).sqrt() * 1e6;
-            speed.step(now as u64, &[1000.0 * step as f64, 0.0, 0.0]);
+            speed.advance(now as u64, &[1000.0 * step as f64, 0.0, 0.0]);
         }
         let (columns, _) = speed.columns();
         let band = columns
@@ -488,7 +490,7 @@ mod tests {
         for k in 1..=1000_u32 {
             let angle = f64::from(k) * 0.04;
             let at = [30_000.0 * angle.cos(), 30_000.0 * angle.sin(), 0.0];
-            speed.step(u64::from(k) * 1200, &at);
+            speed.advance(u64::from(k) * 1200, &at);
         }
         let (columns, _) = speed.columns();
         let band = columns

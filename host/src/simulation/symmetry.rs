@@ -1,7 +1,10 @@
 //! How far the left side of a cut figure is from the mirror image of its right side.
 
+use crate::simulation::observer::{Now, Observer};
+use husillo_machine::Origin;
 use serde::Serialize;
 use std::collections::HashMap;
+use std::io;
 
 /// Points whose mirror images are nearer than this are compared, nm.
 const NEAR_NM: f64 = 500.0;
@@ -12,6 +15,7 @@ const SQUARE_NM: f64 = 1000.0;
 #[derive(Clone, Debug)]
 pub struct Symmetry {
     axis_nm: f64,
+    nm_per_step: [f64; 2],
     /// Where the tool was sent, and how far it was from there.
     points: Vec<[[f64; 2]; 2]>,
 }
@@ -28,23 +32,25 @@ pub struct Difference {
 }
 
 impl Symmetry {
-    /// About a machine position of X.
-    pub const fn new(axis_nm: f64) -> Self {
+    /// About a machine position of X; of the steps of X and Y.
+    pub const fn new(axis_nm: f64, nm_per_step: [f64; 2]) -> Self {
         Self {
             axis_nm,
+            nm_per_step,
             points: Vec::new(),
         }
     }
 
     /// A point of the cut.
-    pub fn add(&mut self, sent_nm: [f64; 2], tool_nm: [f64; 2]) {
+    fn add(&mut self, sent_nm: [f64; 2], tool_nm: [f64; 2]) {
         let off = [tool_nm[0] - sent_nm[0], tool_nm[1] - sent_nm[1]];
         if self.points.last().is_none_or(|last| last[0] != sent_nm) {
             self.points.push([sent_nm, off]);
         }
     }
 
-    /// Compares each point on the right with the nearest mirror image of one on the left. `None` where there are no pairs.
+    /// Compares each point on the right with the nearest mirror image of one on the left. `None`
+    /// where there are no pairs.
     pub fn difference(&self) -> Option<Difference> {
         let square = |at: [f64; 2]| at.map(|nm| (nm / SQUARE_NM).floor() as i64);
         let mut left: HashMap<[i64; 2], Vec<[[f64; 2]; 2]>> = HashMap::new();
@@ -77,13 +83,43 @@ impl Symmetry {
     }
 }
 
+impl Observer for Symmetry {
+    #[inline]
+    fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
+        if now.origin == Origin::Feed {
+            let sent_nm = [0, 1].map(|axis| f64::from(now.sent[axis]) * self.nm_per_step[axis]);
+            self.add(sent_nm, [now.tool_nm[0], now.tool_nm[1]]);
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Symmetry;
+    use super::*;
+    use crate::simulation::observer::tests::now;
+
+    #[test]
+    fn only_cuts_are_compared() {
+        let mut figure = Symmetry::new(0.0, [500.0; 2]);
+        for origin in [Origin::Rapid, Origin::TakeUp, Origin::Feed] {
+            for x in [-2, 2] {
+                let seen = Now {
+                    origin,
+                    sent: [x, 0, 0],
+                    tool_nm: [500.0 * f64::from(x) + 20.0, 0.0, 5.0],
+                    ..now(1)
+                };
+                figure.step(&seen).unwrap();
+            }
+        }
+        let difference = figure.difference().unwrap();
+        assert_eq!((difference.pairs, difference.max_nm), (1, 40.0));
+    }
 
     #[test]
     fn sides_are_compared_as_mirror_images() {
-        let mut figure = Symmetry::new(1e6);
+        let mut figure = Symmetry::new(1e6, [1.0; 2]);
         // The right side 30 nm too far out and 40 nm up, the left one right where it should be.
         figure.add([1_500_000.0, 7.0], [1_500_030.0, 47.0]);
         figure.add([499_900.0, 7.0], [499_900.0, 7.0]);
@@ -91,10 +127,10 @@ mod tests {
         let difference = figure.difference().unwrap();
         assert_eq!((difference.pairs, difference.max_nm), (1, 50.0));
         // Both too far out: the figure is larger, but its sides are alike.
-        let mut figure = Symmetry::new(0.0);
+        let mut figure = Symmetry::new(0.0, [1.0; 2]);
         figure.add([100.0, 0.0], [130.0, 0.0]);
         figure.add([-100.0, 0.0], [-130.0, 0.0]);
         assert_eq!(figure.difference().unwrap().max_nm, 0.0);
-        assert_eq!(Symmetry::new(0.0).difference(), None);
+        assert_eq!(Symmetry::new(0.0, [1.0; 2]).difference(), None);
     }
 }

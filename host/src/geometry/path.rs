@@ -1,7 +1,9 @@
-//! Distance from the simulated tool to the exact programmed path of a move, cheap enough for every step.
+//! The exact programmed path of a move, and how far a point is from it: cheap enough for every
+//! step.
 //!
-//! Everything is in nanometres as `f64`: products stay below 2^53 * 2^-10 for moves up to 1 m, so the
-//! rounding of this measurement is far below a picometre and says nothing about the integer path it measures.
+//! Everything is in nanometres as `f64`: products stay below 2^53 * 2^-10 for moves up to 1 m. So
+//! the rounding of this measurement is far below a picometre, and is not taken for an error of the
+//! integer path that is measured.
 
 use husillo_gcode::{Command, Direction, Nm};
 
@@ -57,7 +59,8 @@ impl Path {
         }
     }
 
-    /// A circular move; `radius` is the radius of a circle, or `None` for the band between the radii of its ends.
+    /// A circular move; `radius` is the radius of a circle, or `None` for the band between the
+    /// radii of its ends.
     pub fn arc(
         plane: [usize; 2],
         from: [f64; 3],
@@ -93,7 +96,8 @@ impl Path {
         })
     }
 
-    /// The path of a command that moves; `half_step` decides whether an arc is a circle or a spiral.
+    /// The path of a command that moves; `half_step` decides whether an arc is a circle or a
+    /// spiral.
     pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
         let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
         match command {
@@ -134,7 +138,8 @@ impl Path {
         }
     }
 
-    /// Returns the square of the distance from `tool` to the path. Points of a helix must come in order.
+    /// Returns the square of the distance from `tool` to the path. Points of a helix must come in
+    /// order.
     ///
     /// By reference: copying what was just written in parts reads it whole, and waits for it.
     #[inline]
@@ -152,7 +157,8 @@ impl Path {
                     let rest = subtract(p, along.map(|a| a * beyond));
                     return dot(rest, rest);
                 }
-                // The cross product, not |p|^2 - t^2: the difference of two large squares would lose the nanometres.
+                // The cross product, not |p|^2 - t^2: the difference of two large squares would
+                // lose the nanometres.
                 let cross = [
                     p[1] * along[2] - p[2] * along[1],
                     p[2] * along[0] - p[0] * along[2],
@@ -199,7 +205,8 @@ impl ArcPath {
         ]
     }
 
-    /// How far a radius is outside of the band; `f64::max` would care for NaN, which does not come here.
+    /// How far a radius is outside of the band; `f64::max` would care for NaN, which does not come
+    /// here.
     #[inline]
     fn outside(&self, r: f64) -> f64 {
         if r > self.radii[1] {
@@ -265,39 +272,10 @@ impl ArcPath {
         let part = (self.turned / self.sweep).clamp(0.0, 1.0);
         let across = tool[self.across] - (self.ends[0][self.across] + rise * part);
         let radial = self.outside(r);
-        // The helix rises at a slope, so the distance square to it is shorter than the one straight up.
+        // The helix rises at a slope, so the distance square to it is shorter than the one straight
+        // up.
         let slope = rise / (self.sweep * r.max(1.0));
         radial * radial + across * across / (1.0 + slope * slope)
-    }
-}
-
-/// Largest and root-mean-square deviation.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Deviation {
-    largest_squared: f64,
-    sum_of_squares: f64,
-    count: u64,
-}
-
-impl Deviation {
-    /// Takes one squared distance.
-    #[inline]
-    pub fn add(&mut self, squared: f64) {
-        if squared > self.largest_squared {
-            self.largest_squared = squared;
-        }
-        self.sum_of_squares += squared;
-        self.count += 1;
-    }
-
-    /// Largest deviation in nanometres.
-    pub fn largest_nm(&self) -> f64 {
-        self.largest_squared.sqrt()
-    }
-
-    /// Root mean square in nanometres; 0 when nothing was measured.
-    pub fn rms_nm(&self) -> f64 {
-        (self.sum_of_squares / (self.count.max(1) as f64)).sqrt()
     }
 }
 

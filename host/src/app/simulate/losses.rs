@@ -1,0 +1,45 @@
+//! What is said about steps that the motors did not follow.
+
+use crate::app::job::Job;
+use crate::page::report::millimetres;
+use crate::programs::check::duration;
+use crate::simulation::run::Run;
+use husillo_machine::OnLoss;
+
+/// A sentence for each axis that lost steps which nothing made good: how many, where first, and
+/// what to do.
+pub fn sentences(job: &Job, run: &Run) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let axes = job.machine.axes.iter().zip(run.mechanics.losses().lost());
+    let axes = axes.zip(run.encoders.behind);
+    for (((axis, lost), is_behind), first) in axes.zip(run.mechanics.losses().first()) {
+        let corrects = axis
+            .encoder
+            .is_some_and(|file| file.encoder.on_loss == OnLoss::Correct);
+        let is_made_good = corrects && !is_behind;
+        if lost == 0 || is_made_good {
+            continue;
+        }
+        let place = first.map_or(String::new(), |first| {
+            let [x, y, z] = first.at_nm.map(millimetres);
+            format!(
+                "; the first at step event {}, after {}, near X{x} Y{y} Z{z} mm of the machine",
+                first.event,
+                duration(first.time_s)
+            )
+        });
+        let advice = match axis.pull_out_rate {
+            Some(rate) => format!(
+                "the motor follows up to {rate} Hz: lower the feed, or `max_rate` or `start_rate` \
+                 of the axis"
+            ),
+            None => "lower the feed or `max_rate` of the axis".to_owned(),
+        };
+        let letter = char::from(axis.letter);
+        let steps = if lost == 1 { "step" } else { "steps" };
+        sentences.push(format!(
+            "axis {letter} lost {lost} {steps}{place}: {advice}"
+        ));
+    }
+    sentences
+}

@@ -1,0 +1,94 @@
+//! The report of a run: what its page shows.
+
+use super::results::Results;
+use crate::app::job::Job;
+use crate::machines::machine_file::Travel;
+use crate::page::report::{AxisRow, Report, length};
+use crate::programs::check::{Facts, duration};
+use crate::simulation::run::Run;
+
+/// The table of figures; no time of take-ups where the lash is not compensated.
+pub fn figures(
+    results: &Results,
+    facts: &Facts,
+    take_up_s: Option<f64>,
+) -> Vec<(&'static str, String)> {
+    vec![
+        ("time", duration(results.duration_s)),
+        ("step events", results.events.to_string()),
+        ("feed path", length(facts.feed_nm)),
+        ("rapid path", length(facts.rapid_nm)),
+        ("largest deviation", length(results.max_deviation_nm)),
+        ("RMS deviation", length(results.rms_deviation_nm)),
+        (
+            "reversals",
+            results.reversals.iter().sum::<u64>().to_string(),
+        ),
+        (
+            "backlash",
+            match take_up_s {
+                Some(seconds) => format!("taken up in {}", duration(seconds)),
+                None => "not compensated".to_owned(),
+            },
+        ),
+        ("lost steps", results.lost_steps.to_string()),
+    ]
+}
+
+/// The report of a run with its work zero at `offset_nm` of the machine; the warnings of the
+/// check, one line each.
+pub fn made(
+    job: &Job,
+    run: &Run,
+    results: &Results,
+    figures: Vec<(&'static str, String)>,
+    offset_nm: [i64; 3],
+    warnings: Vec<String>,
+) -> Report {
+    let travel = |axis: usize| match job.machine.axes[axis].travel {
+        Travel::Range(range) => Some(range.map(|at| (at - offset_nm[axis]) as f64)),
+        Travel::Unknown | Travel::Unlimited => None,
+    };
+    let lost = run.mechanics.losses().lost();
+    let axes = (0..3)
+        .map(|axis| AxisRow {
+            letter: char::from(job.machine.axes[axis].letter),
+            extent_nm: [results.min_nm[axis] as f64, results.max_nm[axis] as f64],
+            travel_nm: travel(axis),
+            end_nm: results.end_nm[axis] as f64,
+            reversals: results.reversals[axis],
+            lost_steps: lost[axis],
+        })
+        .collect();
+    let machine_frame = |axis: usize| match job.machine.axes[axis].travel {
+        Travel::Range(range) => Some(range.map(|at| at as f64)),
+        Travel::Unknown | Travel::Unlimited => None,
+    };
+    let [right, up] = job.machine.view;
+    let area = machine_frame(right)
+        .zip(machine_frame(up))
+        .map(|([x0, x1], [y0, y1])| [[x0, y0], [x1, y1]]);
+    Report {
+        program: job.name().to_owned(),
+        machine: job.machine.title.clone(),
+        figures,
+        axes,
+        phases: run.observers.phases.motors(&job.machine),
+        drawing: run.observers.picture.drawing.clone(),
+        ideal: run.observers.picture.ideal.clone(),
+        ideal_is_whole: run.observers.picture.ideal_is_whole,
+        area,
+        view: job
+            .machine
+            .view
+            .map(|axis| char::from(job.machine.axes[axis].letter)),
+        largest_nm: results.max_deviation_nm,
+        speed: run.observers.speed.clone(),
+        has_ramps: job
+            .machine
+            .axes
+            .iter()
+            .any(|axis| axis.acceleration.is_some()),
+        warnings,
+    }
+}

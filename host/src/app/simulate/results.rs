@@ -1,0 +1,106 @@
+//! The results of a run, and how `--format json` prints them.
+
+use crate::app::job::Job;
+use crate::console;
+use crate::diagnostics::Findings;
+use crate::programs::check::Facts;
+use crate::simulation::run::Run;
+use crate::simulation::symmetry::{Difference, Symmetry};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// What `run --format json` prints.
+#[derive(Debug, Default, Serialize)]
+pub struct Results {
+    pub events: u64,
+    pub duration_s: f64,
+    pub end_nm: [i64; 3],
+    pub min_nm: [i64; 3],
+    pub max_nm: [i64; 3],
+    pub max_deviation_nm: f64,
+    pub rms_deviation_nm: f64,
+    pub reversals: [u64; 3],
+    pub lost_steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order: Option<Order>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_right: Option<Difference>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub encoders: Vec<String>,
+    pub feed_nm: i64,
+    pub rapid_nm: i64,
+    pub errors: u64,
+    pub warnings: u64,
+}
+
+/// What `--order mirrored` has done.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Order {
+    /// Contours cut in halves.
+    pub mirrored: usize,
+    /// Closed contours cut as they were.
+    pub whole: usize,
+    /// Reversals of every axis in the order of the file.
+    pub reversals_of_file: [u64; 3],
+    /// The same in the order that was cut.
+    pub reversals: [u64; 3],
+}
+
+impl Results {
+    /// Of a program with errors: nothing moved.
+    pub fn refused(findings: &Findings) -> Self {
+        Self {
+            errors: findings.errors,
+            warnings: findings.warnings,
+            ..Self::default()
+        }
+    }
+
+    /// Of a run that has ended with its work zero at `offset_nm` of the machine.
+    pub fn new(job: &Job, run: &Run, facts: &Facts, offset_nm: [i64; 3]) -> Self {
+        let nm =
+            |steps: [i32; 3]| [0, 1, 2].map(|axis| in_nm(job, axis, steps[axis]) - offset_nm[axis]);
+        let seen = &run.observers;
+        Self {
+            events: run.mechanics.events(),
+            duration_s: run.mechanics.seconds(),
+            end_nm: nm(run.mechanics.tool()),
+            min_nm: nm(seen.statistics.low),
+            max_nm: nm(seen.statistics.high),
+            max_deviation_nm: rounded(seen.deviation.largest_nm()),
+            rms_deviation_nm: rounded(seen.deviation.rms_nm()),
+            reversals: seen.statistics.reversals,
+            lost_steps: run.mechanics.losses().lost().iter().sum(),
+            encoders: run.encoders.sentences.clone(),
+            order: None,
+            left_right: seen.symmetry.as_ref().and_then(Symmetry::difference),
+            feed_nm: facts.feed_nm.round() as i64,
+            rapid_nm: facts.rapid_nm.round() as i64,
+            errors: 0,
+            warnings: 0,
+        }
+    }
+
+    /// Prints them as one line of JSON.
+    ///
+    /// # Errors
+    ///
+    /// Writing fails.
+    pub fn print_json(&self) -> io::Result<()> {
+        let json = serde_json::to_string(self).map_err(io::Error::other)?;
+        writeln!(console::stdout(), "{json}")
+    }
+}
+
+/// A position of an axis in nm, to the nearest.
+fn in_nm(job: &Job, axis: usize, steps: i32) -> i64 {
+    let step = job.machine.axes[axis].step;
+    let exact = i128::from(steps) * i128::from(step.num);
+    let nearest = (2 * exact + i128::from(step.den)).div_euclid(2 * i128::from(step.den));
+    i64::try_from(nearest).unwrap_or(i64::MAX)
+}
+
+/// Thousandths of a nanometre are more than enough.
+fn rounded(nm: f64) -> f64 {
+    (nm * 1e3).round() / 1e3
+}

@@ -1,0 +1,97 @@
+//! The summary that `run` prints for people.
+
+use super::results::{Order, Results};
+use crate::app::job::Job;
+use crate::console;
+use crate::page::report::{length, millimetres};
+use crate::programs::check::{Facts, duration};
+use crate::simulation::run::Run;
+use crate::simulation::symmetry::Difference;
+use std::io::{self, Write};
+
+/// Reports of the encoders that are printed; JSON has all.
+const MOST_REPORTS: usize = 20;
+
+/// Prints the summary.
+///
+/// # Errors
+///
+/// Writing fails.
+pub fn print(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Result<()> {
+    let out = &mut console::stdout();
+    writeln!(
+        out,
+        "Simulated  {} step events, {}",
+        results.events,
+        duration(results.duration_s)
+    )?;
+    writeln!(
+        out,
+        "           path {} feed, {} rapid",
+        length(facts.feed_nm),
+        length(facts.rapid_nm)
+    )?;
+    writeln!(
+        out,
+        "           deviation {} at most, {} RMS",
+        length(results.max_deviation_nm),
+        length(results.rms_deviation_nm)
+    )?;
+    print_axes(job, run, results, out)?;
+    if let Some(order) = &results.order {
+        print_order(order, out)?;
+    }
+    if let Some(apart) = &results.left_right {
+        print_sides(apart, out)?;
+    }
+    let reports = &run.encoders.sentences;
+    for report in reports.iter().take(MOST_REPORTS) {
+        writeln!(out, "Encoders   {report}")?;
+    }
+    if let Some(more @ 1..) = reports.len().checked_sub(MOST_REPORTS) {
+        writeln!(out, "           and {more} more")?;
+    }
+    Ok(())
+}
+
+fn print_axes(job: &Job, run: &Run, results: &Results, out: &mut impl Write) -> io::Result<()> {
+    let lost = run.mechanics.losses().lost();
+    for (axis, facts) in job.machine.axes.iter().enumerate() {
+        let [low, high, end] =
+            [results.min_nm, results.max_nm, results.end_nm].map(|nm| millimetres(nm[axis] as f64));
+        write!(
+            out,
+            "           {} {low} to {high} mm, ends at {end}, {} take-ups",
+            char::from(facts.letter),
+            results.reversals[axis]
+        )?;
+        match lost[axis] {
+            0 => writeln!(out)?,
+            lost => writeln!(out, ", {lost} STEPS LOST")?,
+        }
+    }
+    Ok(())
+}
+
+fn print_order(order: &Order, out: &mut impl Write) -> io::Result<()> {
+    let count = |reversals: [u64; 3]| reversals.iter().sum::<u64>();
+    writeln!(
+        out,
+        "Mirrored   {} contours in halves, {} as they were; {} reversals, \
+         {} in the order of the file",
+        order.mirrored,
+        order.whole,
+        count(order.reversals),
+        count(order.reversals_of_file)
+    )
+}
+
+fn print_sides(apart: &Difference, out: &mut impl Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "Left/right {} apart at most, {} RMS, over {} pairs of points",
+        length(apart.max_nm),
+        length(apart.rms_nm),
+        apart.pairs
+    )
+}

@@ -1,0 +1,233 @@
+//! How findings are printed: drawn text, one line each, or JSON.
+
+use super::{Finding, Place, Severity};
+use crate::console::{is_obeyed, shown};
+use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// How findings are printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Drawn under the line of the program.
+    Text,
+    /// `file:line:column: error[E0301]: message`, for editors and screen readers.
+    Short,
+    /// One JSON object a line.
+    Json,
+}
+
+impl Place {
+    /// The same place without what a terminal obeys. What the renderer does not replace itself
+    /// becomes something as long.
+    fn shown(&self) -> Self {
+        let visible = |one: char| match one.len_utf8() {
+            2 if is_obeyed(one) => '\u{bf}',
+            3 if is_obeyed(one) => char::REPLACEMENT_CHARACTER,
+            _ => one,
+        };
+        Self {
+            file: shown(&self.file),
+            line: self.line,
+            text: self.text.chars().map(visible).collect(),
+            span: self.span.clone(),
+        }
+    }
+}
+
+impl Finding {
+    /// Prints the finding with its newline.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn print(&self, format: Format, colour: bool, out: &mut impl Write) -> io::Result<()> {
+        match format {
+            Format::Text => writeln!(out, "{}\n", self.drawn(colour)),
+            Format::Short => writeln!(out, "{}", shown(&self.short())),
+            Format::Json => writeln!(out, "{}", shown(&self.json())),
+        }
+    }
+
+    pub fn drawn(&self, colour: bool) -> String {
+        let shown = self.shown();
+        shown.drawn_as_it_is(colour)
+    }
+
+    /// The same finding without what a terminal obeys; columns stay what they are.
+    fn shown(&self) -> Self {
+        Self {
+            code: self.code.clone(),
+            severity: self.severity,
+            message: shown(&self.message),
+            place: self.place.as_ref().map(Place::shown),
+            label: shown(&self.label),
+            elsewhere: self
+                .elsewhere
+                .as_ref()
+                .map(|(place, label)| (place.shown(), shown(label))),
+            notes: self.notes.iter().map(|note| shown(note)).collect(),
+            help: self.help.as_deref().map(shown),
+            fix: self.fix.clone(),
+        }
+    }
+
+    fn drawn_as_it_is(&self, colour: bool) -> String {
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let title = level.primary_title(&self.message).id(&self.code);
+        let mut group = Group::with_title(title);
+        if let Some(place) = &self.place {
+            group = group.element(drawn_at(place, &self.label));
+        }
+        if let Some((place, label)) = &self.elsewhere {
+            group = group.element(drawn_at(place, label));
+        }
+        for note in &self.notes {
+            group = group.element(Level::NOTE.message(note));
+        }
+        let mut report = Vec::new();
+        match (&self.help, &self.fix, &self.place) {
+            (Some(help), Some(fix), Some(place)) => {
+                let patch = Patch::new(fix.span.clone(), &fix.text);
+                let snippet = Snippet::source(&place.text)
+                    .line_start(place.line)
+                    .patch(patch);
+                report.push(group);
+                report.push(Level::HELP.secondary_title(help).element(snippet));
+            }
+            (Some(help), _, _) => report.push(group.element(Level::HELP.message(help))),
+            _ => report.push(group),
+        }
+        let renderer = if colour {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
+        renderer.render(&report)
+    }
+
+    pub(super) fn short(&self) -> String {
+        let (severity, code, message) = (self.severity.name(), &self.code, &self.message);
+        match &self.place {
+            Some(place) => {
+                let (file, line, column) = (&place.file, place.line, place.column());
+                format!("{file}:{line}:{column}: {severity}[{code}]: {message}")
+            }
+            None => format!("{severity}[{code}]: {message}"),
+        }
+    }
+
+    fn json(&self) -> String {
+        let place = self.place.as_ref();
+        let fixes = match (&self.fix, place) {
+            (Some(fix), Some(place)) => vec![JsonFix {
+                line: place.line,
+                column: columns_before(&place.text, fix.span.start) + 1,
+                end: columns_before(&place.text, fix.span.end) + 1,
+                text: &fix.text,
+            }],
+            _ => Vec::new(),
+        };
+        let json = JsonFinding {
+            code: &self.code,
+            severity: self.severity.name(),
+            file: place.map(|place| place.file.as_str()),
+            line: place.map(|place| place.line),
+            column: place.map(Place::column),
+            end: place.map(Place::end_column),
+            message: &self.message,
+            label: (!self.label.is_empty()).then_some(self.label.as_str()),
+            notes: &self.notes,
+            help: self.help.as_deref(),
+            fixes,
+        };
+        serde_json::to_string(&json).unwrap_or_default()
+    }
+}
+
+fn columns_before(text: &str, at: usize) -> usize {
+    text.char_indices()
+        .take_while(|(index, _)| *index < at)
+        .count()
+}
+
+fn drawn_at<'a>(
+    place: &'a Place,
+    label: &'a str,
+) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    let mark = AnnotationKind::Primary.span(place.span.clone());
+    let mark = if label.is_empty() {
+        mark
+    } else {
+        mark.label(label)
+    };
+    Snippet::source(&place.text)
+        .line_start(place.line)
+        .path(&place.file)
+        .annotation(mark)
+}
+
+/// What `--format json` prints for one finding.
+#[derive(Serialize)]
+struct JsonFinding<'a> {
+    code: &'a str,
+    severity: &'a str,
+    file: Option<&'a str>,
+    line: Option<usize>,
+    column: Option<usize>,
+    end: Option<usize>,
+    message: &'a str,
+    label: Option<&'a str>,
+    notes: &'a [String],
+    help: Option<&'a str>,
+    fixes: Vec<JsonFix<'a>>,
+}
+
+#[derive(Serialize)]
+struct JsonFix<'a> {
+    line: usize,
+    column: usize,
+    end: usize,
+    text: &'a str,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_finding_in_three_forms() {
+        let place = Place::new("part.nc", 2, b"N050 G01 X2.0 U0.4 F12", 14..18);
+        let finding = Finding::error("E0201", "unknown word `U`", place)
+            .label("no axis or parameter named `U`")
+            .help("remove the word")
+            .fix(14..19, "");
+        assert_eq!(
+            finding.short(),
+            "part.nc:2:15: error[E0201]: unknown word `U`"
+        );
+        assert!(finding.json().contains("\"column\":15,\"end\":19"));
+        let drawn = finding.drawn(false);
+        assert!(drawn.contains("--> part.nc:2:15"), "{drawn}");
+        assert!(drawn.contains("2 + N050 G01 X2.0 F12"), "{drawn}");
+    }
+
+    #[test]
+    fn binary_lines_are_drawn() {
+        let place = Place::new("junk", 1, b"\x00\xff\xfeG1", 1..2);
+        assert!(
+            !Finding::error("E0101", "no letter", place)
+                .drawn(false)
+                .is_empty()
+        );
+        let past_the_end = Place::new("junk", 1, b"G1", 9..12);
+        assert!(
+            !Finding::error("E0101", "no letter", past_the_end)
+                .drawn(false)
+                .is_empty()
+        );
+    }
+}

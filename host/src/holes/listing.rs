@@ -1,0 +1,236 @@
+//! A board as tables for people and as JSON for programs.
+
+use super::explain::because;
+use super::visiting_order::Metric;
+use super::{Board, count};
+use crate::text::json::{self, Millimetres};
+use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
+use husillo_gcode::Nm;
+use serde::{Serialize, Serializer};
+use std::io::{self, Write};
+
+impl Board {
+    /// Writes the tables for people.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn print(&self, file: &str, out: &mut impl Write) -> io::Result<()> {
+        let (holes, slots) = (self.holes.len(), self.slots.len());
+        writeln!(
+            out,
+            "{file}: {}, {}",
+            count(holes, "hole"),
+            count(slots, "slot")
+        )?;
+        self.print_settings(out)?;
+        self.print_tools(out)?;
+        if let Some([low, high]) = self.extent() {
+            let size = [0, 1].map(|axis: usize| Nm(high[axis].0 - low[axis].0));
+            writeln!(
+                out,
+                "\n  extent   X {} to {} mm, Y {} to {} mm ({} x {} mm, middles of holes and ends \
+                 of slots)",
+                low[0], high[0], low[1], high[1], size[0], size[1]
+            )?;
+            writeln!(
+                out,
+                "  travel   {:.1} mm from the origin over all holes",
+                self.travel_nm(Metric::Straight) / 1e6
+            )?;
+        }
+        Ok(())
+    }
+
+    fn print_settings(&self, out: &mut impl Write) -> io::Result<()> {
+        let settings = &self.settings;
+        let row = |out: &mut dyn Write, name: &str, value: String, reason: Reason| {
+            writeln!(out, "  {name:<8} {value:<26} {}", because(reason))
+        };
+        row(
+            out,
+            "units",
+            settings.units.value.to_string(),
+            settings.units.reason,
+        )?;
+        if settings.point_missing {
+            row(
+                out,
+                "zeros",
+                settings.zeros.value.to_string(),
+                settings.zeros.reason,
+            )?;
+            row(
+                out,
+                "digits",
+                settings.digits.value.to_string(),
+                settings.digits.reason,
+            )?;
+        } else {
+            writeln!(
+                out,
+                "  zeros and digits do not matter: all coordinates have a point"
+            )?;
+        }
+        Ok(())
+    }
+
+    fn print_tools(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "\n  tool   diameter mm  plated    holes    slots")?;
+        for tool in &self.tools {
+            let holes = self
+                .holes
+                .iter()
+                .filter(|hole| hole.tool.number == tool.number);
+            let slots = self
+                .slots
+                .iter()
+                .filter(|slot| slot.tool.number == tool.number);
+            let diameter = tool
+                .diameter_nm
+                .map_or("?".to_owned(), |nm| Nm(nm).to_string());
+            let plated = match tool.plated {
+                Some(true) => "yes",
+                Some(false) => "no",
+                None => "?",
+            };
+            let name = format!("T{}", tool.number);
+            let (holes, slots) = (holes.count(), slots.count());
+            writeln!(
+                out,
+                "  {name:<6} {diameter:>11}  {plated:<6} {holes:>8} {slots:>8}"
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Writes the JSON object for programs: exact millimetres.
+    ///
+    /// # Errors
+    ///
+    /// What the writer says.
+    pub fn print_json(&self, errors: u64, warnings: u64, out: &mut impl Write) -> io::Result<()> {
+        let settings = &self.settings;
+        let listing = Listing {
+            holes: &self.holes,
+            slots: &self.slots,
+            tools: self.tools.iter().map(ListedTool::new).collect(),
+            units: settings.units.value.to_string(),
+            units_reason: because(settings.units.reason),
+            zeros: match settings.zeros.value {
+                Zeros::Leading => "leading",
+                Zeros::Trailing => "trailing",
+            },
+            zeros_reason: because(settings.zeros.reason),
+            digits: settings.digits.value.to_string(),
+            digits_reason: because(settings.digits.reason),
+            errors,
+            warnings,
+        };
+        json::write_line(&listing, out)
+    }
+}
+
+/// What `--format json` prints; lengths in mm.
+#[derive(Serialize)]
+struct Listing<'a> {
+    #[serde(serialize_with = "holes")]
+    holes: &'a [Hole],
+    #[serde(serialize_with = "slots")]
+    slots: &'a [Slot],
+    tools: Vec<ListedTool>,
+    units: String,
+    units_reason: String,
+    zeros: &'static str,
+    zeros_reason: String,
+    digits: String,
+    digits_reason: String,
+    errors: u64,
+    warnings: u64,
+}
+
+#[derive(Serialize)]
+struct ListedTool {
+    number: u16,
+    diameter: Option<Millimetres>,
+    plated: Option<bool>,
+}
+
+impl ListedTool {
+    fn new(tool: &Tool) -> Self {
+        Self {
+            number: tool.number,
+            diameter: tool.diameter_nm.map(Millimetres),
+            plated: tool.plated,
+        }
+    }
+}
+
+/// A slot: straight ones as their ends and their diameter.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum ListedSlot {
+    Straight(
+        Millimetres,
+        Millimetres,
+        Millimetres,
+        Millimetres,
+        Option<Millimetres>,
+    ),
+    Curved {
+        from: [Millimetres; 2],
+        to: [Millimetres; 2],
+        diameter: Option<Millimetres>,
+        direction: &'static str,
+        #[serde(flatten)]
+        about: About,
+    },
+}
+
+/// What a curved slot goes around.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum About {
+    Radius(Millimetres),
+    Centre([Millimetres; 2]),
+}
+
+/// Each hole as X, Y and diameter. One by one: there can be millions.
+fn holes<S: Serializer>(holes: &[Hole], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(holes.iter().map(|hole| {
+        let [x, y] = hole.at_nm.map(Millimetres);
+        (x, y, hole.tool.diameter_nm.map(Millimetres))
+    }))
+}
+
+fn slots<S: Serializer>(slots: &[Slot], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(slots.iter().map(ListedSlot::new))
+}
+
+impl ListedSlot {
+    fn new(slot: &Slot) -> Self {
+        let [from, to] = [slot.from_nm, slot.to_nm].map(|at_nm| at_nm.map(Millimetres));
+        let diameter = slot.tool.diameter_nm.map(Millimetres);
+        let (is_clockwise, about) = match slot.path {
+            Path::Straight => {
+                let ([x, y], [to_x, to_y]) = (from, to);
+                return Self::Straight(x, y, to_x, to_y, diameter);
+            }
+            Path::Radius {
+                clockwise,
+                radius_nm,
+            } => (clockwise, About::Radius(Millimetres(radius_nm))),
+            Path::Centre {
+                clockwise,
+                centre_nm,
+            } => (clockwise, About::Centre(centre_nm.map(Millimetres))),
+        };
+        Self::Curved {
+            from,
+            to,
+            diameter,
+            direction: if is_clockwise { "cw" } else { "ccw" },
+            about,
+        }
+    }
+}

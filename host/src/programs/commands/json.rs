@@ -1,0 +1,278 @@
+//! A command as a JSON object.
+
+use crate::geometry::path::Path;
+use crate::text::json::decimal;
+use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
+use serde::Serialize;
+use serde_json::value::RawValue;
+
+/// A command at its line.
+#[derive(Serialize)]
+pub struct Line {
+    line: usize,
+    #[serde(flatten)]
+    object: Object,
+}
+
+/// What a command says; lengths and places in nm.
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Object {
+    Rapid {
+        to_nm: [i64; 3],
+    },
+    Linear {
+        to_nm: [i64; 3],
+        #[serde(flatten)]
+        feed: PathFeed,
+    },
+    Arc {
+        to_nm: [i64; 3],
+        centre_nm: [i64; 3],
+        plane: &'static str,
+        direction: &'static str,
+        turns: u32,
+        #[serde(flatten)]
+        feed: PathFeed,
+    },
+    Dwell {
+        micros: u64,
+    },
+    Spindle {
+        direction: &'static str,
+        rpm: Box<RawValue>,
+    },
+    Coolant {
+        mist: bool,
+        flood: bool,
+    },
+    Tool {
+        number: u32,
+    },
+    Stop {
+        optional: bool,
+    },
+    End {
+        rewind: bool,
+    },
+    Spline {
+        to_nm: [i64; 3],
+        points_nm: Vec<[i64; 2]>,
+        #[serde(flatten)]
+        feed: PathFeed,
+    },
+    Thread {
+        to_nm: [i64; 3],
+        lead_nm: i64,
+    },
+    Probe {
+        to_nm: [i64; 3],
+        away: bool,
+        must: bool,
+        #[serde(flatten)]
+        feed: PathFeed,
+    },
+    ToolIs {
+        number: u32,
+    },
+    ToolLength {
+        number: u32,
+        offset_nm: [i64; 3],
+    },
+    Compensation {
+        side: &'static str,
+        plane: &'static str,
+        radius_nm: i64,
+    },
+    Drill,
+    Other {
+        text: String,
+    },
+}
+
+/// The feed along a path.
+#[derive(Serialize)]
+enum PathFeed {
+    #[serde(rename = "feed_nm_per_min")]
+    PerMinute(i64),
+    #[serde(rename = "feed_nm_per_rev")]
+    PerRevolution(i64),
+}
+
+impl Line {
+    /// The object of a command that begins at `from`; `None` for one that is only a mode.
+    pub fn new(line: usize, command: &Command<3>, from: [Nm; 3]) -> Option<Self> {
+        let object = motion(command, from).or_else(|| tool(command));
+        Some(Self {
+            line,
+            object: object.or_else(|| other(command))?,
+        })
+    }
+}
+
+fn nm<const N: usize>(at: [Nm; N]) -> [i64; N] {
+    at.map(|Nm(nm)| nm)
+}
+
+/// The object of a command that moves.
+fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
+    let along = |feed: &Feed| path_feed(feed, command, from);
+    Some(match command {
+        Command::Rapid { to } => Object::Rapid { to_nm: nm(*to) },
+        Command::Linear { to, feed } => Object::Linear {
+            to_nm: nm(*to),
+            feed: along(feed),
+        },
+        Command::Arc { arc, feed } => Object::Arc {
+            to_nm: nm(arc.to),
+            centre_nm: nm(arc.centre),
+            plane: match arc.plane {
+                Plane::Xy => "xy",
+                Plane::Zx => "zx",
+                Plane::Yz => "yz",
+            },
+            direction: match arc.direction {
+                Direction::Clockwise => "cw",
+                Direction::CounterClockwise => "ccw",
+            },
+            turns: arc.turns,
+            feed: along(feed),
+        },
+        Command::Spline { spline, feed } => Object::Spline {
+            to_nm: nm(spline.to),
+            points_nm: spline.points.iter().map(|at| nm(*at)).collect(),
+            feed: along(feed),
+        },
+        Command::Thread { to, lead } => Object::Thread {
+            to_nm: nm(*to),
+            lead_nm: lead.0,
+        },
+        Command::Probe {
+            to,
+            feed,
+            away,
+            must,
+        } => Object::Probe {
+            to_nm: nm(*to),
+            away: *away,
+            must: *must,
+            feed: along(feed),
+        },
+        _ => return None,
+    })
+}
+
+/// The object of a command about the tool.
+fn tool(command: &Command<3>) -> Option<Object> {
+    Some(match command {
+        Command::Tool { number } => Object::Tool { number: *number },
+        Command::ToolIs { number } => Object::ToolIs { number: *number },
+        Command::ToolLength { number, offset } => Object::ToolLength {
+            number: *number,
+            offset_nm: nm(*offset),
+        },
+        Command::Compensation {
+            side,
+            radius,
+            plane,
+        } => Object::Compensation {
+            side: match side {
+                None => "off",
+                Some(Side::Left) => "left",
+                Some(Side::Right) => "right",
+            },
+            plane: plane.name(),
+            radius_nm: radius.0,
+        },
+        _ => return None,
+    })
+}
+
+/// The object of a command that neither moves nor is about the tool.
+fn other(command: &Command<3>) -> Option<Object> {
+    Some(match command {
+        Command::Dwell { micros } => Object::Dwell { micros: *micros },
+        Command::Spindle {
+            direction,
+            milli_rpm,
+        } => Object::Spindle {
+            direction: match direction {
+                SpindleDirection::Off => "off",
+                SpindleDirection::Clockwise => "cw",
+                SpindleDirection::CounterClockwise => "ccw",
+            },
+            rpm: decimal(thousandths(*milli_rpm)),
+        },
+        Command::Coolant { mist, flood } => Object::Coolant {
+            mist: *mist,
+            flood: *flood,
+        },
+        Command::Stop { optional } => Object::Stop {
+            optional: *optional,
+        },
+        Command::End { rewind } => Object::End { rewind: *rewind },
+        Command::Drill => Object::Drill,
+        Command::Surface { .. }
+        | Command::Orient { .. }
+        | Command::Switch { .. }
+        | Command::Output { .. }
+        | Command::Analog { .. }
+        | Command::Wait { .. }
+        | Command::Pallet => Object::Other {
+            text: command.to_string(),
+        },
+        _ => return None,
+    })
+}
+
+/// Thousandths as a decimal without zeros at its end.
+fn thousandths(value: u64) -> String {
+    let digits = format!("{}.{:03}", value / 1000, value % 1000);
+    digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
+}
+
+/// The feed along the path; under inverse time it follows from the length of the move.
+fn path_feed(feed: &Feed, command: &Command<3>, from: [Nm; 3]) -> PathFeed {
+    match *feed {
+        Feed::PerMinute(rate) => PathFeed::PerMinute(rate.0),
+        Feed::InverseTime { micro_per_minute } => {
+            let length = Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length());
+            PathFeed::PerMinute((length * micro_per_minute as f64 / 1e6).round() as i64)
+        }
+        Feed::PerRevolution(rate) => PathFeed::PerRevolution(rate.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn json(command: &Command<3>) -> String {
+        let line = Line::new(7, command, [Nm(0); 3]);
+        line.map_or(String::new(), |line| serde_json::to_string(&line).unwrap())
+    }
+
+    #[test]
+    fn the_line_comes_first_then_the_kind() {
+        let to = [Nm(1), Nm(-2), Nm(3)];
+        let feed = Feed::PerMinute(Nm(40));
+        let linear = "{\"line\":7,\"kind\":\"linear\",\"to_nm\":[1,-2,3],\"feed_nm_per_min\":40}";
+        assert_eq!(json(&Command::Linear { to, feed }), linear);
+        assert_eq!(json(&Command::Drill), "{\"line\":7,\"kind\":\"drill\"}");
+    }
+
+    #[test]
+    fn turns_of_the_spindle_are_exact() {
+        for (milli_rpm, rpm) in [(0, "0"), (600_000, "600"), (1_001, "1.001"), (2_500, "2.5")] {
+            let spindle = Command::Spindle {
+                direction: SpindleDirection::Clockwise,
+                milli_rpm,
+            };
+            let expected = "{\"line\":7,\"kind\":\"spindle\",\"direction\":\"cw\",\"rpm\":";
+            assert_eq!(json(&spindle), format!("{expected}{rpm}}}"));
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! What the encoders of a run report: axes that are behind, right again, or stalled.
+
+use husillo_machine::Followed;
+
+/// What the encoders have reported.
+#[derive(Clone, Debug, Default)]
+pub struct EncoderReports {
+    /// Axes that an encoder saw behind and that have not been corrected.
+    pub behind: [bool; 3],
+    /// All of it, as sentences.
+    pub sentences: Vec<String>,
+}
+
+impl EncoderReports {
+    /// Takes an entry; `letters` are those of the axes, and so many step events were made before.
+    #[cold]
+    pub fn add(&mut self, entry: &Followed<3>, letters: [char; 3], events: u64) {
+        let (axis, is_behind, what) = match *entry {
+            Followed::Event(_) => return,
+            Followed::Lost { axis, steps } => (axis, true, format!("is {steps} steps behind")),
+            Followed::Corrected { axis } => (axis, false, "is right again".to_owned()),
+            Followed::Stalled { axis, steps } => {
+                (axis, true, format!("is stalled, {steps} steps behind"))
+            }
+        };
+        let letter = letters[axis];
+        self.behind[axis] = is_behind;
+        self.sentences
+            .push(format!("{letter} {what}, after {events} step events"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_is_behind_until_it_is_right_again() {
+        let mut reports = EncoderReports::default();
+        let mut add = |entry| {
+            reports.add(&entry, ['X', 'Y', 'Z'], 12);
+            reports.behind
+        };
+        let lost = Followed::Lost { axis: 1, steps: 4 };
+        assert_eq!(add(lost), [false, true, false]);
+        assert_eq!(add(Followed::Corrected { axis: 1 }), [false; 3]);
+        let stalled = Followed::Stalled { axis: 0, steps: -9 };
+        assert_eq!(add(stalled), [true, false, false]);
+        let sentences = [
+            "Y is 4 steps behind, after 12 step events",
+            "Y is right again, after 12 step events",
+            "X is stalled, -9 steps behind, after 12 step events",
+        ];
+        assert_eq!(reports.sentences, sentences);
+    }
+}

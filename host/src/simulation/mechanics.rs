@@ -1,0 +1,223 @@
+//! The simulated machine: step events into the motors, their coils, the rotors and the screws.
+
+use crate::machines::encoder_file::Push;
+use crate::machines::machine_file::MachineFile;
+use crate::programs::setup;
+use crate::simulation::losses::{FirstLoss, Losses};
+use husillo_machine::{Motors, StepEvent};
+use husillo_sim::Rig;
+use husillo_stepper::{Drive, Levels};
+
+/// The simulated machine, and its clock.
+pub struct Mechanics {
+    motors: Motors<3, Drive>,
+    rig: Rig<3>,
+    timer_hz: u32,
+    nm_per_step: [f64; 3],
+    tool: [i32; 3],
+    events: u64,
+    ticks: u64,
+    /// Losses to come.
+    pushes: Vec<Push>,
+    losses: Losses,
+    /// Counts and steps of each encoder.
+    encoders: [Option<(i64, i64)>; 3],
+}
+
+impl Mechanics {
+    /// A homed machine at rest, with the lash of its file or, worn, with that of
+    /// `[simulated_lash]`.
+    ///
+    /// # Errors
+    ///
+    /// A driver that has not the step mode of the machine file, or nothing of how worn it is.
+    pub fn new(machine: &MachineFile, is_worn: bool) -> Result<Self, String> {
+        let motors = setup::motors(machine)?;
+        let mut rig = setup::rig(machine, &motors);
+        if is_worn {
+            let steps = machine.axes.each_ref().map(|axis| axis.step);
+            let field = machine.lash.field(steps).ok_or_else(|| {
+                let path = &machine.path;
+                format!("{path}: no [simulated_lash]: nobody says how worn it is")
+            })?;
+            rig = rig.with_lash_field(field);
+        }
+        let axes = machine.axes.each_ref();
+        Ok(Self {
+            motors,
+            rig,
+            timer_hz: machine.timer_hz,
+            nm_per_step: axes.map(|axis| axis.step.num as f64 / axis.step.den as f64),
+            tool: [0; 3],
+            events: 0,
+            ticks: 0,
+            pushes: Vec::new(),
+            losses: Losses::default(),
+            encoders: axes.map(|axis| {
+                let encoder = axis.encoder.as_ref()?.encoder;
+                Some((encoder.counts.into(), encoder.steps.into()))
+            }),
+        })
+    }
+
+    /// The tool was brought to these steps before.
+    pub fn start_at(&mut self, steps: [i32; 3]) {
+        self.rig = self.rig.clone().with_tool_at(steps);
+        self.tool = self.rig.tool();
+    }
+
+    /// Motors are pushed at these events.
+    pub fn set_pushes(&mut self, pushes: &[Push]) {
+        self.pushes = pushes.to_vec();
+    }
+
+    /// Makes a step.
+    #[inline]
+    pub fn step(&mut self, step: &StepEvent<3>) {
+        self.events += 1;
+        self.ticks += u64::from(step.wait_ticks);
+        if !self.pushes.is_empty() {
+            self.push();
+        }
+        let rig = &mut self.rig;
+        self.motors
+            .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
+                rig.apply(levels, wait_ticks);
+            });
+        self.tool = self.rig.tool();
+        if self.rig.lost_steps() != self.losses.lost() {
+            self.lose();
+        }
+    }
+
+    /// Rests.
+    pub fn rest(&mut self, wait_ticks: u32) {
+        self.ticks += u64::from(wait_ticks);
+        let rig = &mut self.rig;
+        // The driver sees what idling changes at the end of the rest.
+        self.motors.rest(wait_ticks, |wait_ticks, levels| {
+            rig.apply(levels, wait_ticks);
+        });
+    }
+
+    /// The pushes of this event.
+    #[cold]
+    fn push(&mut self) {
+        let events = self.events;
+        let (now, later): (Vec<Push>, _) =
+            self.pushes.iter().partition(|push| push.event <= events);
+        self.pushes = later;
+        for push in now {
+            self.rig.push(push.axis, push.steps);
+        }
+    }
+
+    #[cold]
+    fn lose(&mut self) {
+        let here = FirstLoss {
+            event: self.events,
+            time_s: self.seconds(),
+            at_nm: self.in_nm(self.tool),
+        };
+        self.losses.lose(self.rig.lost_steps(), here);
+    }
+
+    /// Step events so far, take-up included.
+    pub const fn events(&self) -> u64 {
+        self.events
+    }
+
+    /// Timer ticks so far.
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Seconds so far.
+    pub fn seconds(&self) -> f64 {
+        self.in_seconds(self.ticks)
+    }
+
+    /// Timer ticks as seconds.
+    pub fn in_seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 / f64::from(self.timer_hz)
+    }
+
+    /// Where the tool is, in steps.
+    pub const fn tool(&self) -> [i32; 3] {
+        self.tool
+    }
+
+    /// Nanometres a step of each axis.
+    pub const fn nm_per_step(&self) -> [f64; 3] {
+        self.nm_per_step
+    }
+
+    /// Steps as nm.
+    #[inline]
+    pub fn in_nm(&self, steps: [i32; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
+    }
+
+    /// Inputs of the drivers.
+    pub fn levels(&self) -> &[Levels; 3] {
+        self.motors.levels()
+    }
+
+    /// What the motors did not follow.
+    pub const fn losses(&self) -> &Losses {
+        &self.losses
+    }
+
+    /// What the encoders read, from the homed position on.
+    pub fn counts(&self) -> [i64; 3] {
+        let motor = self.rig.motor();
+        [0, 1, 2].map(|axis| {
+            self.encoders[axis].map_or(0, |(counts, steps)| {
+                (i64::from(motor[axis]) * counts).div_euclid(steps)
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORWARD: StepEvent<3> = StepEvent {
+        wait_ticks: 10_000,
+        delta: [1, 0, 0],
+    };
+
+    #[test]
+    fn the_tool_follows_and_a_push_is_a_loss() {
+        let file = MachineFile::load("micromill").unwrap();
+        let mut mechanics = Mechanics::new(&file, false).unwrap();
+        mechanics.set_pushes(&["X:6:-4".parse().unwrap()]);
+        for _ in 0..5 {
+            mechanics.step(&FORWARD);
+        }
+        assert_eq!((mechanics.tool(), mechanics.events()), ([5, 0, 0], 5));
+        assert_eq!(mechanics.losses().lost(), [0; 3]);
+        mechanics.rest(7);
+        mechanics.step(&FORWARD);
+        assert_eq!(mechanics.ticks(), 60_007);
+        assert_eq!(mechanics.losses().lost(), [4, 0, 0]);
+        let first = mechanics.losses().first()[0].unwrap();
+        assert_eq!((first.event, first.time_s), (6, mechanics.seconds()));
+    }
+
+    #[test]
+    fn lash_holds_the_tool_back() {
+        let file = MachineFile::load("micromill").unwrap();
+        let mut mechanics = Mechanics::new(&file, false).unwrap();
+        mechanics.start_at([3, 0, 0]);
+        let back = StepEvent {
+            delta: [-1, 0, 0],
+            ..FORWARD
+        };
+        for _ in 0..5 {
+            mechanics.step(&back);
+        }
+        assert_eq!(mechanics.tool(), [3, 0, 0]);
+    }
+}

@@ -1,0 +1,139 @@
+//! Which programmed move a step belongs to, and where moves and take-ups begin and end.
+
+use crate::geometry::path::Path;
+use crate::programs::program;
+use crate::programs::setup::Micromill;
+use crate::simulation::observer::Begun;
+use husillo_gcode::Nm;
+use husillo_machine::{Origin, Segment, StepEvent};
+
+/// The move that is being made.
+#[derive(Debug)]
+pub struct Moves {
+    half_step_nm: f64,
+    /// Programmed speed of the spindle in thousandths of a turn a minute; 0 where it stands.
+    pub milli_rpm: u64,
+    segment: Option<Segment<3>>,
+    target: [i32; 3],
+    is_arrived: bool,
+    origin: Origin,
+    take_up_axis: Option<usize>,
+}
+
+/// A move with its path.
+#[derive(Debug)]
+pub struct Move {
+    segment: Segment<3>,
+    to: [Nm; 3],
+    path: Path,
+    milli_rpm: u64,
+}
+
+impl Move {
+    /// The move as observers get it.
+    pub const fn begun(&self) -> Begun<'_> {
+        Begun {
+            segment: &self.segment,
+            to: self.to,
+            path: &self.path,
+            milli_rpm: self.milli_rpm,
+        }
+    }
+}
+
+impl Moves {
+    /// At rest at zero. Half a step decides whether an arc is a circle or a spiral.
+    pub const fn new(half_step_nm: f64) -> Self {
+        Self {
+            half_step_nm,
+            milli_rpm: 0,
+            segment: None,
+            target: [0; 3],
+            is_arrived: true,
+            origin: Origin::Rest,
+            take_up_axis: None,
+        }
+    }
+
+    /// The tool was brought to these steps before.
+    pub const fn start_at(&mut self, tool: [i32; 3]) {
+        self.target = tool;
+    }
+
+    /// Whether a step with this origin is the first of a move or of a take-up, or the first after
+    /// one.
+    #[inline]
+    pub fn is_turn(&self, origin: Origin) -> bool {
+        self.is_arrived || origin != self.origin
+    }
+
+    /// After a turn: the programmed move that begins, if it is another one.
+    #[cold]
+    pub fn turn(&mut self, machine: &Micromill, origin: Origin) -> Option<Move> {
+        let executing = machine.executing().copied();
+        let is_other = executing != self.segment;
+        self.segment = executing;
+        self.is_arrived = false;
+        if origin != Origin::TakeUp {
+            self.take_up_axis = None;
+        }
+        self.origin = origin;
+        let segment = executing.filter(|_| is_other)?;
+        let path = Path::programmed(segment.from, &segment.command, self.half_step_nm)?;
+        let to = program::target(&segment.command).unwrap_or(segment.from);
+        for (axis, target) in self.target.iter_mut().enumerate() {
+            let scale = machine.config().axes[axis].scale;
+            *target = scale.nearest(to[axis].0).unwrap_or(0);
+        }
+        Some(Move {
+            segment,
+            to,
+            path,
+            milli_rpm: self.milli_rpm,
+        })
+    }
+
+    /// A step of take-up: whether its axis begins with it.
+    pub fn takes_up(&mut self, step: &StepEvent<3>) -> bool {
+        let axis = step.delta.iter().position(|delta| *delta != 0);
+        let begins = axis != self.take_up_axis;
+        self.take_up_axis = axis;
+        begins
+    }
+
+    /// The machine has sent the tool to these steps.
+    #[inline]
+    pub fn sent(&mut self, position: [i32; 3]) {
+        self.is_arrived = position == self.target;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_take_up_begins_once_for_each_axis() {
+        let mut moves = Moves::new(70.0);
+        let step = |delta| StepEvent {
+            wait_ticks: 1,
+            delta,
+        };
+        let [x, y] = [step([-1, 0, 0]), step([0, 1, 0])];
+        assert_eq!(
+            [x, x, y, y].map(|step| moves.takes_up(&step)),
+            [true, false, true, false]
+        );
+    }
+
+    #[test]
+    fn a_turn_is_where_a_target_was_reached_or_the_origin_changes() {
+        let mut moves = Moves::new(70.0);
+        moves.start_at([2, 0, 0]);
+        assert!(moves.is_turn(Origin::Rest));
+        moves.sent([1, 0, 0]);
+        assert!(!moves.is_turn(Origin::Rest) && moves.is_turn(Origin::Feed));
+        moves.sent([2, 0, 0]);
+        assert!(moves.is_turn(Origin::Rest));
+    }
+}

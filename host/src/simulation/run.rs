@@ -1,0 +1,222 @@
+//! `husillo run`: events into the simulated machine, and what it does with them to the observers.
+
+use crate::machines::encoder_file::Push;
+use crate::machines::machine_file::MachineFile;
+use crate::programs::setup::{ClosedMicromill, Micromill};
+use crate::simulation::deviation::Deviation;
+use crate::simulation::encoders::EncoderReports;
+use crate::simulation::mechanics::Mechanics;
+use crate::simulation::moves::Moves;
+use crate::simulation::observer::{Begun, Now, Observer};
+use crate::simulation::phases::Phases;
+use crate::simulation::picture::Picture;
+use crate::simulation::speed::Speed;
+use crate::simulation::statistics::Statistics;
+use crate::simulation::symmetry::Symmetry;
+use crate::simulation::trace::Trace;
+use husillo_gcode::SpindleDirection;
+use husillo_machine::{Event, Followed, Origin, Output, StepEvent};
+use std::io::{self, Write};
+
+/// All that look at a run.
+pub struct Observers {
+    /// Extents and take-ups.
+    pub statistics: Statistics,
+    /// Deviation of feed moves.
+    pub deviation: Deviation,
+    /// Picture of the path.
+    pub picture: Picture,
+    /// Speed along the path.
+    pub speed: Speed,
+    /// Currents of the first steps.
+    pub phases: Phases,
+    /// Sides of the work, where they are compared.
+    pub symmetry: Option<Symmetry>,
+    trace: Option<Trace>,
+}
+
+/// Calls a method of each of them, one by one: there are millions of steps, and a call through a
+/// table is not inlined.
+macro_rules! each {
+    ($observers:ident, $observer:ident => $call:expr) => {{
+        each!(@ $call, $observer, $observers: statistics deviation picture speed phases);
+        each!(@ $call, $observer, $observers: symmetry trace);
+    }};
+    (@ $call:expr, $observer:ident, $observers:ident: $($name:ident)*) => {$({
+        let $observer = &mut $observers.$name;
+        $call;
+    })*};
+}
+
+impl Observer for Observers {
+    fn begin(&mut self, begun: &Begun<'_>) {
+        each!(self, observer => observer.begin(begun));
+    }
+
+    #[inline]
+    fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
+        each!(self, observer => observer.step(now)?);
+        Ok(())
+    }
+
+    fn dwell(&mut self, ticks: u64) {
+        each!(self, observer => observer.dwell(ticks));
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        each!(self, observer => observer.finish()?);
+        Ok(())
+    }
+}
+
+/// A run under way, and its results.
+pub struct Run {
+    letters: [char; 3],
+    /// The simulated machine.
+    pub mechanics: Mechanics,
+    moves: Moves,
+    /// What is seen of it.
+    pub observers: Observers,
+    /// What the encoders reported.
+    pub encoders: EncoderReports,
+}
+
+impl Run {
+    /// A homed machine at rest, with the lash of its file or, worn, with that of
+    /// `[simulated_lash]`; every step goes to `trace` too.
+    ///
+    /// # Errors
+    ///
+    /// A driver that has not the step mode of the machine file, or nothing of how worn it is; the
+    /// trace cannot be written.
+    pub fn new(
+        machine: &MachineFile,
+        is_worn: bool,
+        trace: Option<Box<dyn Write>>,
+    ) -> Result<Self, String> {
+        let mechanics = Mechanics::new(machine, is_worn)?;
+        let ramps = machine.axes.iter().filter_map(|axis| axis.acceleration);
+        let trace = trace.map(|out| Trace::new(out, machine.timer_hz));
+        let observers = Observers {
+            statistics: Statistics::default(),
+            deviation: Deviation::new(),
+            picture: Picture::new(machine.view),
+            speed: Speed::new(machine.timer_hz, ramps.max()),
+            phases: Phases::new(machine, mechanics.levels()),
+            symmetry: None,
+            trace: trace.transpose().map_err(|error| error.to_string())?,
+        };
+        let step = machine.axes[0].step;
+        Ok(Self {
+            letters: machine.axes.each_ref().map(|axis| char::from(axis.letter)),
+            mechanics,
+            moves: Moves::new(0.5 * (step.num as f64 / step.den as f64)),
+            observers,
+            encoders: EncoderReports::default(),
+        })
+    }
+
+    /// The tool was brought to these steps before.
+    pub fn start_at(&mut self, steps: [i32; 3]) {
+        self.mechanics.start_at(steps);
+        self.observers.statistics.start_at(self.mechanics.tool());
+        self.moves.start_at(self.mechanics.tool());
+    }
+
+    /// Motors are pushed at these events.
+    pub fn set_pushes(&mut self, pushes: &[Push]) {
+        self.mechanics.set_pushes(pushes);
+    }
+
+    /// Takes one entry of a machine with encoders, and returns where these are then.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    pub fn followed(
+        &mut self,
+        machine: &ClosedMicromill,
+        entry: &Followed<3>,
+    ) -> io::Result<[i64; 3]> {
+        match entry {
+            Followed::Event(Event::Step(step)) if machine.is_correcting() => {
+                self.mechanics.step(step);
+            }
+            Followed::Event(event) => self.event(machine.machine(), event)?,
+            report => {
+                let events = self.mechanics.events();
+                self.encoders.add(report, self.letters, events);
+            }
+        }
+        Ok(self.mechanics.counts())
+    }
+
+    /// Takes one event of the machine.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    #[inline]
+    pub fn event(&mut self, machine: &Micromill, event: &Event<3>) -> io::Result<()> {
+        match event {
+            Event::Step(step) => self.step(machine, step),
+            Event::Dwell { wait_ticks } => {
+                self.mechanics.rest(*wait_ticks);
+                self.observers.dwell(self.mechanics.ticks());
+                Ok(())
+            }
+            Event::Output(Output::Spindle {
+                direction,
+                milli_rpm,
+            }) => {
+                let is_on = *direction != SpindleDirection::Off;
+                self.moves.milli_rpm = if is_on { *milli_rpm } else { 0 };
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, machine: &Micromill, step: &StepEvent<3>) -> io::Result<()> {
+        self.mechanics.step(step);
+        let origin = machine.origin();
+        let is_turn = self.moves.is_turn(origin);
+        if is_turn {
+            if let Some(begun) = self.moves.turn(machine, origin) {
+                self.observers.begin(&begun.begun());
+            }
+        }
+        let is_take_up = origin == Origin::TakeUp;
+        let begins_take_up = is_take_up && self.moves.takes_up(step);
+        let sent = machine.position_steps();
+        if !is_take_up {
+            self.moves.sent(sent);
+        }
+        let tool = self.mechanics.tool();
+        self.observers.step(&Now {
+            step,
+            origin,
+            is_turn,
+            begins_take_up,
+            event: self.mechanics.events(),
+            ticks: self.mechanics.ticks(),
+            tool,
+            tool_nm: self.mechanics.in_nm(tool),
+            sent,
+            levels: self.mechanics.levels(),
+        })
+    }
+
+    /// Writes what is left of the trace.
+    ///
+    /// # Errors
+    ///
+    /// The trace cannot be written.
+    pub fn finish(&mut self) -> io::Result<()> {
+        self.observers.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests;

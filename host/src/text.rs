@@ -1,0 +1,3 @@
+//! How values are written, for people and for programs: what several commands share.
+
+pub mod json;
