@@ -1,8 +1,8 @@
 //! From a line of G-code to timed step events with `gcode`, `interp` and `planner` alone.
 //!
-//! `gcode` reads the line, `interp` decides which axes step, `planner` decides when. No crate depends
-//! on another: nanometres and steps pass between them as integers and arrays. A controller without
-//! ramps and backlash needs no more; `husillo-machine` does the rest.
+//! `gcode` reads the line, `interp` decides which axes step, `planner` decides when. No crate
+//! depends on another: nanometres and steps pass between them as integers and arrays. A controller
+//! without ramps and backlash needs no more; `husillo-machine` does the rest.
 
 #![no_std]
 
