@@ -1,5 +1,5 @@
 (Three concentric circles of 3, 2 and 1 mm radius, in the middle of a 10 x 7 mm work area.)
-(Millimetres, absolute, feed in mm/min: about the fastest the 140 nm steps of the micro mill allow.)
+(Millimetres, absolute, mm/min: about the highest feed of the micro mill's 140 nm steps.)
 N010 G21 G90 G17 G94
 N020 M3 S6000
 N030 G0 X8 Y3.5          (start of the largest circle)

@@ -1,4 +1,4 @@
-(A head of 0.97 x 0.99 mm, the same on both sides: forehead, ears, cheeks, chin. husillo run examples/head.nc --worn --symmetry 5 --order mirrored)
+(A symmetric head, 0.97 x 0.99 mm: husillo run FILE --worn --symmetry 5 --order mirrored)
 G21 G90 G17 G94 F0.9
 M3 S6000
 G0 Z0.098

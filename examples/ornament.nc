@@ -1,4 +1,4 @@
-(A rosette of scallops and teeth: 45 times an axis turns round and its backlash is taken up.)
+(A rosette of scallops and teeth: an axis reverses and takes up its backlash 45 times.)
 G21 G90 G17 G94 F1.2
 M3 S6000
 G0 X2 Y2
@@ -47,6 +47,6 @@ G1 X6 Y4
 G1 X6.5 Y3
 G0 Z0.098
 M5
-(away to the right: X does not turn round any more)
+(away to the right: X does not reverse any more)
 G0 X10 Y0
 M30

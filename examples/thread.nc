@@ -1,4 +1,4 @@
-(A thread of 1.5 mm lead, three passes; for the machine lathe)
+(A thread of 1.5 mm lead, three passes; for -m lathe)
 G21 G90 G18 G94 G8
 M3 S600
 G0 X10 Z5

@@ -1,8 +1,8 @@
-(A stepped shaft with a fillet and a rounded shoulder, out of a bar of 40 mm; for the machine lathe)
+(A stepped shaft with a fillet and a rounded shoulder, from a 40 mm bar; for -m lathe)
 G21 G90 G18 G7 G94
 T1 M3 S1200
 G0 X42 Z2
-(cuts of 1.5 mm, the tool 0.5 mm off on the way back; 0.4 mm on the diameter and 0.1 mm in Z are left)
+(cuts of 1.5 mm, retract 0.5 mm; allowance 0.4 mm on the diameter and 0.1 mm in Z)
 G71 U1.5 R0.5
 G71 P100 Q190 U0.4 W0.1 F400
 N100 G0 X10

@@ -1,10 +1,11 @@
-//! Hands the linker scripts to the linker: those in `memory/` of the program, or else those of all.
+//! Passes the linker scripts to the linker: those in `memory/` of the program, or else the common
+//! ones.
 use std::{
     env, fs,
     path::{Path, PathBuf},
 };
 
-/// The build script of programs that need no other.
+/// The build script of programs that need nothing else.
 pub fn main() {
     let folder = ["memory", "../../memory", "../../../firmware/memory"]
         .into_iter()
@@ -23,7 +24,7 @@ pub fn main() {
     if is_arm {
         println!("cargo:rustc-link-arg-bins=--nmagic");
     } else {
-        // The link.x of riscv-rt does not include it.
+        // The link.x of riscv-rt does not include memory.x.
         println!("cargo:rustc-link-arg-bins=-Tmemory.x");
     }
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

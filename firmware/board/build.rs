@@ -1,4 +1,5 @@
-//! Chooses the board, and makes the linker's memory map from those lines of its file that begin with `//:`.
+//! Selects the board, and makes the linker's memory map from the lines of its file that begin with
+//! `//:`.
 use std::{env, fs, path::PathBuf};
 
 fn main() {
@@ -20,9 +21,9 @@ fn main() {
     let module = format!("#[path = {path:?}]\nmod chosen;\n");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::write(out.join("memory.x"), map).expect("memory.x written to OUT_DIR");
-    // The vector table is the board's own.
+    // The board has its own vector table.
     fs::write(out.join("device.x"), "").expect("device.x written to OUT_DIR");
     fs::write(out.join("chosen.rs"), module).expect("chosen.rs written to OUT_DIR");
-    // For the firmware, too.
+    // The firmware's linker needs it as well.
     println!("cargo:rustc-link-search={}", out.display());
 }

@@ -1,4 +1,5 @@
-//! The build script of a firmware: which linker scripts its runtime has. The memory map is the board's.
+//! The build script of a firmware: selects the linker scripts of its runtime. The memory map is the
+//! board's.
 use std::env;
 
 fn main() {
@@ -8,7 +9,7 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("arm") {
         println!("cargo:rustc-link-arg-bins=--nmagic");
     } else {
-        // The link.x of riscv-rt does not include it.
+        // The link.x of riscv-rt does not include memory.x.
         println!("cargo:rustc-link-arg-bins=-Tmemory.x");
     }
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

@@ -1,23 +1,30 @@
-//! The sessions of `host/README.md` are what the program prints.
+//! The sessions of `host/README.md` and of its pages are what the program prints.
 
 mod common;
 
 use common::husillo;
 
-/// A command line of the README, and the lines it shows below it.
+/// A command line of a page, and the lines it shows below it.
 struct Shown<'a> {
-    command: &'a str,
+    command: String,
     lines: Vec<&'a str>,
 }
 
-fn shown(readme: &str) -> Vec<Shown<'_>> {
+fn shown(text: &str) -> Vec<Shown<'_>> {
     let mut all: Vec<Shown<'_>> = Vec::new();
     let mut is_session = false;
-    for line in readme.lines() {
+    let mut text_lines = text.lines();
+    while let Some(line) = text_lines.next() {
         if line.starts_with("```") {
             is_session = false;
         } else if let Some(command) = line.strip_prefix("$ husillo ") {
             is_session = true;
+            let mut command = command.to_owned();
+            // A backslash continues the command on the next line.
+            while command.ends_with('\\') {
+                command.pop();
+                command += text_lines.next().unwrap_or_default();
+            }
             let lines = Vec::new();
             all.push(Shown { command, lines });
         } else if let (true, Some(last)) = (is_session, all.last_mut()) {
@@ -54,20 +61,28 @@ fn is_same(shown: &str, printed: &str) -> bool {
 #[test]
 fn every_session_is_what_is_printed() {
     let package = env!("CARGO_MANIFEST_DIR");
-    let readme = std::fs::read_to_string("README.md").unwrap();
-    let all = shown(&readme);
-    assert!(all.len() >= 4);
+    let pages = std::fs::read_dir("docs").unwrap();
+    let pages = pages.map(|page| page.unwrap().path());
+    let texts: Vec<_> = pages
+        .chain(["README.md".into()])
+        .map(|page| std::fs::read_to_string(page).unwrap())
+        .collect();
+    let all: Vec<_> = texts.iter().flat_map(|text| shown(text)).collect();
+    assert!(all.len() >= 8);
     for Shown { command, lines } in all {
-        let words = words(command).into_iter();
+        let words = words(&command).into_iter();
+        let examples = format!("{package}/../examples/");
         let words = words.map(|word| match word.strip_prefix("examples/") {
-            Some(example) => format!("{package}/../examples/{example}"),
+            Some(example) => format!("{examples}{example}"),
             None => word,
         });
         let mut program = husillo();
         program.args(words).current_dir(env!("CARGO_TARGET_TMPDIR"));
         let output = program.output().unwrap();
         let text = [output.stdout, output.stderr].concat();
-        let text = String::from_utf8(text).unwrap();
+        let text = String::from_utf8(text)
+            .unwrap()
+            .replace(&examples, "examples/");
         // `...` stands for any lines.
         let mut printed = text.lines();
         let mut is_gap = false;

@@ -1,8 +1,8 @@
 //! From a line of G-code to timed step events with `gcode`, `interp` and `planner` alone.
 //!
-//! `gcode` reads the line, `interp` says which axes step, `planner` says when. None of them knows
-//! the others: nanometres and steps go between them as integers and arrays. This is all that a
-//! controller without ramps and backlash needs; `husillo-machine` does the rest.
+//! `gcode` reads the line, `interp` decides which axes step, `planner` decides when. No crate
+//! depends on another: nanometres and steps pass between them as integers and arrays. A controller
+//! without ramps and backlash needs no more; `husillo-machine` does the rest.
 
 #![no_std]
 
@@ -12,7 +12,7 @@ use husillo_interp::{
 };
 use husillo_planner::Timer;
 
-/// Three axes with steps of one length, at constant speed.
+/// A controller of three axes with the same step length, at constant speed.
 #[derive(Clone, Debug)]
 pub struct Controller {
     modal: Modal<3>,
@@ -20,24 +20,24 @@ pub struct Controller {
     scale: Scale,
     timer_hz: u32,
     rapid_nm_per_min: u64,
-    /// The end of the move begun last.
+    /// The end of the last move.
     at: [Nm; 3],
 }
 
 /// Why a line or a command of it cannot be carried out.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The line is wrong, with the place in it.
+    /// The line is wrong; the error has the position in it.
     Program(Error),
     /// A position is beyond 2^31 steps.
     TooFar,
     /// The arc cannot be made.
     Arc(ArcError),
-    /// The feed is not in length a minute.
+    /// The feed is not a length per minute.
     Feed,
 }
 
-/// A move on its way: events, each with the ticks to wait before it.
+/// A move in progress: an iterator of events, each with the ticks to wait before it.
 #[derive(Clone, Debug)]
 pub struct Move {
     path: Path<3>,
@@ -45,7 +45,7 @@ pub struct Move {
 }
 
 impl Controller {
-    /// Stands at machine zero. `timer_hz` are the ticks of a second.
+    /// Starts at machine zero. The timer has `timer_hz` ticks per second.
     pub fn new(dialect: Dialect, scale: Scale, timer_hz: u32, rapid_nm_per_min: u64) -> Self {
         Controller {
             modal: Modal::new(dialect),
@@ -57,10 +57,11 @@ impl Controller {
         }
     }
 
-    /// Reads a line. Its commands are to be begun one after the other.
+    /// Reads a line. The caller begins its commands one after the other.
     ///
     /// # Errors
-    /// [`Failure::Program`]; nothing has changed then.
+    ///
+    /// [`Failure::Program`]; the state is unchanged.
     pub fn line(&mut self, text: &[u8]) -> Result<Commands<3>, Failure> {
         let (mut block, mut commands) = (Block::new(), Commands::new());
         block
@@ -70,10 +71,11 @@ impl Controller {
         Ok(commands)
     }
 
-    /// Begins a command; `None` where it is no move.
+    /// Begins a command. Returns `None` if it is not a move.
     ///
     /// # Errors
-    /// Any [`Failure`] but `Program`; nothing moves then.
+    ///
+    /// Any [`Failure`] except `Program`; nothing moves.
     pub fn begin(&mut self, command: &Command<3>) -> Result<Option<Move>, Failure> {
         let (to, nm_per_min) = match command {
             Command::Rapid { to } => (*to, self.rapid_nm_per_min),
@@ -117,7 +119,7 @@ impl Controller {
         }))
     }
 
-    /// The path of an arc and its length in its plane; `None` where a line is as good.
+    /// The path of an arc and its length in its plane; `None` where a line is equivalent.
     fn round(
         &self,
         arc: &Arc<3>,

@@ -1,4 +1,4 @@
-//! The events of the three crates are those of the machine that is made of them.
+//! The three crates give the same events as the machine that is composed of them.
 
 use husillo_gcode::Dialect;
 use husillo_interp::Scale;
@@ -25,7 +25,7 @@ fn scales() -> [Scale; 3] {
 #[test]
 fn steps_are_those_of_the_machine() {
     for scale in scales() {
-        // Fast enough never to be the limit.
+        // Fast enough that the axes never limit the speed.
         let axis = Axis {
             scale,
             travel: None,
@@ -70,7 +70,7 @@ fn steps_are_those_of_the_machine() {
                 }
             }
             assert_eq!(steps, expected, "{line}");
-            // The machine keeps fractions of a tick, and of a nanometre.
+            // The machine also keeps fractions of a tick and of a nanometre.
             assert!(
                 ticks.abs_diff(expected_ticks) <= 2,
                 "{line}: {ticks}, {expected_ticks}"

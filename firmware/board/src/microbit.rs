@@ -1,6 +1,7 @@
 //! The BBC micro:bit, version 1: an nRF51822 with a Cortex-M0, 16 MHz (QEMU: `microbit`).
 //!
-//! TIMER0 counts microseconds freely and compares: waits follow each other without adding up what an interrupt takes.
+//! TIMER0 counts microseconds freely and compares. So the time that an interrupt takes does not add
+//! up over successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -43,11 +44,11 @@ const PIN_CNF: usize = 0x700;
 const TIMER1: usize = 0x4000_9000;
 const TIMER_STOP: usize = 0x004;
 const TIMER_CLEAR: usize = 0x00c;
-/// Also its first task.
+/// The base, which is also its first task.
 const GPIOTE: usize = 0x4000_6000;
 const GPIOTE_CONFIG: usize = GPIOTE + 0x510;
 const PPI_ENABLE: usize = 0x4001_f500;
-/// Event and task of each.
+/// Event and task of each channel.
 const PPI_CHANNELS: usize = 0x4001_f510;
 const QDEC: usize = 0x4001_2000;
 const QDEC_START: usize = 0x000;
@@ -58,19 +59,21 @@ const QDEC_PSELA: usize = 0x520;
 const QDEC_PSELB: usize = 0x524;
 const DIRCLR: usize = 0x51c;
 const COMPARE0_INTERRUPT: u32 = 1 << 16;
-/// P0.01 to P0.06, P0.11 and P0.12, pads 2, 1, 0, 3, 4, 10, 7, 6: the motors, from bit 0.
+/// Motors, from bit 0: P0.01 to P0.06, P0.11 and P0.12, at pads 2, 1, 0, 3, 4, 10, 7, 6.
 const MOTORS: u32 = 0x3f << 1 | 3 << 11;
-/// P0.20 to P0.23, pads 12, 15, 14, 13: other outputs.
+/// Other outputs: P0.20 to P0.23, at pads 12, 15, 14, 13.
 const OUTPUTS: u32 = 0xf << 20;
-/// P0.16, P0.17, P0.18, P0.26, P0.10, pads 16, 5, 8, 11, 9: switches to ground.
+/// Switches to ground: P0.16, P0.17, P0.18, P0.26, P0.10, at pads 16, 5, 8, 11, 9.
 const INPUTS: [usize; 5] = [16, 17, 18, 26, 10];
 const PULLED_UP: u32 = 3 << 2;
-/// With the feature `motor`: P0.03, pad 0, the PWM, and P0.01 and P0.02, pads 2 and 1, A and B of the encoder.
+/// With the feature `motor`: the PWM at P0.03, pad 0, and A and B of the encoder at P0.01 and
+/// P0.02, pads 2 and 1.
 const PWM: u32 = 3;
 const ENCODER: [usize; 2] = [1, 2];
-/// Every wait is taken at once: none is above 2^31.
+/// The timer takes every wait at once: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
-/// The shortest wait: what the timer needs to see a comparison, and no end that has passed is waited for. Where it passes all the same, twice as long.
+/// The shortest wait: what the timer needs to detect a match, so that it never waits for a time
+/// that has passed. If the time passes nevertheless, the wait is doubled.
 const LEAST_US: u32 = 2;
 
 /// When the last wait ended, and whether the transmitter is free.
@@ -115,9 +118,9 @@ pub fn send(byte: u8) -> bool {
     })
 }
 
-/// The UART goes on at this rate.
+/// Sets the rate of the UART.
 pub fn baud(bits_per_s: u32) {
-    // 2^32 / 16 MHz a bit/s, in steps of 2^12: 9600 is 0x275000. No rate is beyond 2^20.
+    // 2^32 / 16 MHz per bit/s, in steps of 2^12: 9600 is 0x275000. No rate is beyond 2^20.
     let steps = (bits_per_s << 12).wrapping_add(31_250) / 62_500;
     set(UART + BAUDRATE, steps << 12);
 }
@@ -127,7 +130,8 @@ pub fn is_sent() -> bool {
     IS_FREE.with(|is_free| *is_free || read(UART + TXDRDY) != 0)
 }
 
-/// The PWM at pad 0, 31 kHz, in steps of 1/255: TIMER1 counts 256 at 8 MHz, and each passage of the duty and of 0 toggles the pin.
+/// Sets the PWM at pad 0, 31 kHz, in steps of 1/255. TIMER1 counts 256 at 8 MHz; the pin toggles
+/// when it passes the duty and when it passes 0.
 pub fn drive(duty: u8) {
     if cfg!(not(feature = "motor")) {
         return;
@@ -137,7 +141,7 @@ pub fn drive(duty: u8) {
             return;
         }
         *last = duty;
-        // Begun anew: a duty that changes while it counts might miss a toggle.
+        // Restarts the timer: a duty that changes while it counts might miss a toggle.
         set(TIMER1 + TIMER_STOP, 1);
         set(GPIOTE_CONFIG, 0);
         match duty {
@@ -146,7 +150,7 @@ pub fn drive(duty: u8) {
             _ => {
                 set(TIMER1 + TIMER_CLEAR, 1);
                 set(TIMER1 + CC0, duty.into());
-                // A task on this pin that toggles it; high at first.
+                // A task that toggles this pin; high at first.
                 set(GPIOTE_CONFIG, 3 | PWM << 8 | 3 << 16 | 1 << 20);
                 set(TIMER1 + TIMER_START, 1);
             }
@@ -154,7 +158,8 @@ pub fn drive(duty: u8) {
     });
 }
 
-/// The counter of the encoder at pads 2 and 1, every edge: sampled by the decoder every 128 us.
+/// The counter of the encoder at pads 2 and 1, which counts every edge. The decoder samples it
+/// every 128 us.
 pub fn counts(simulated: u16) -> u16 {
     if cfg!(not(feature = "motor")) {
         return simulated;
@@ -166,7 +171,7 @@ pub fn counts(simulated: u16) -> u16 {
     })
 }
 
-/// PWM and decoder.
+/// Starts PWM and decoder.
 fn start_motor() {
     if cfg!(not(feature = "motor")) {
         return;
@@ -189,7 +194,7 @@ fn start_motor() {
     set(PPI_ENABLE, 3);
 }
 
-/// The motors' pins.
+/// Sets the motors' pins.
 #[inline]
 pub fn write(levels: u8) {
     let levels = u32::from(levels);
@@ -198,14 +203,14 @@ pub fn write(levels: u8) {
     set(GPIO + OUTSET, high);
 }
 
-/// The other outputs.
+/// Sets the other outputs.
 pub fn switch(outputs: u8) {
     let high = u32::from(outputs) << 20 & OUTPUTS;
     set(GPIO + OUTCLR, OUTPUTS & !high);
     set(GPIO + OUTSET, high);
 }
 
-/// The switches: 1 where one is closed.
+/// The switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -222,16 +227,17 @@ fn now_us() -> u32 {
     read(TIMER + CC1)
 }
 
-/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
         let begin = *last;
         *last = last.wrapping_add(us);
         set(TIMER + CC0, *last);
-        // Only now: QEMU sets it again while the counter stands on the old value.
+        // Only now: QEMU sets it again while the counter is at the old value.
         set(TIMER + COMPARE0, 0);
-        // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
+        // A time that has passed wraps. One that passed long ago wraps to any time, but seldom to
+        // one within the wait.
         let left_us = last.wrapping_sub(now_us());
         if left_us < LEAST_US || left_us > us {
             *last = late(begin, us);
@@ -240,7 +246,8 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     set(TIMER + INTENSET, COMPARE0_INTERRUPT);
 }
 
-/// When a wait ends whose time has passed: as soon as it can. One before it that was cut short would have ended later than now: then it is counted from now.
+/// The end of a wait whose time has passed: as soon as possible. If the wait before was cut short,
+/// it would have ended later than now; then this wait counts from now.
 #[cold]
 fn late(begin: u32, us: u32) -> u32 {
     let is_cut = begin.wrapping_sub(now_us()) < 1 << 31;
@@ -249,7 +256,7 @@ fn late(begin: u32, us: u32) -> u32 {
         let end = now_us().wrapping_add(least_us);
         set(TIMER + CC0, end);
         set(TIMER + COMPARE0, 0);
-        // The time that has passed may have been seen.
+        // The timer may have seen the time that has passed.
         nvic::unpend(8);
         if end.wrapping_sub(now_us()).wrapping_sub(1) < 1 << 31 {
             return end;
@@ -258,19 +265,19 @@ fn late(begin: u32, us: u32) -> u32 {
     }
 }
 
-/// Ends the wait.
+/// Cancels the wait.
 pub fn stop() {
     set(TIMER + INTENCLR, COMPARE0_INTERRUPT);
     set(TIMER + COMPARE0, 0);
     nvic::unpend(8);
 }
 
-/// The interrupts of the chip by their numbers.
+/// The chip's interrupts by their numbers.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Vector; 9] = vectors([(2, on_uart_interrupt), (8, on_timer_interrupt)]);
 
-/// A wait is over. `on_time` sets the next one or ends it: that quits the interrupt.
+/// A wait is over. `on_time` sets the next wait or cancels it, which acknowledges the interrupt.
 extern "C" fn on_timer_interrupt() {
     // Safety: this is an interrupt's handler.
     crate::on_time(unsafe { crate::section() });

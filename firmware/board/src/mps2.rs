@@ -1,7 +1,9 @@
 //! ARM's MPS2 board with a Cortex-M4F (QEMU: `mps2-an386`), 25 MHz.
 //!
-//! UART0 is the link; GPIO0 pins 0 to 7 are the motors, pins 8 to 11 other outputs, GPIO1 pins 0 to 4 switches to ground.
-//! TIMER0 is the step interrupt: with nothing to reload it counts down once. TIMER1 counts freely: waits follow each other without adding up what an interrupt takes.
+//! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11; GPIO1
+//! has switches to ground at pins 0 to 4. TIMER0 is the step interrupt: with nothing to reload it
+//! counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add up over
+//! successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -28,7 +30,7 @@ const UART_INTCLEAR: usize = 0xc;
 const BAUDDIV: usize = 0x10;
 const GPIO0: usize = 0x4001_0000;
 const GPIO1: usize = 0x4001_1000;
-/// Pins by their mask.
+/// Pins addressed by their mask.
 const LOW_BYTE: usize = 0x400 + 4 * 0xff;
 const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
@@ -40,7 +42,7 @@ pub const LONGEST_US: u32 = 1 << 26;
 /// When the last wait ended.
 static LAST: Shared<u32> = Shared::new(0);
 
-/// When the last byte was given to the UART.
+/// When the UART took the last byte.
 static SENT_AT: Shared<u32> = Shared::new(0);
 
 /// Pins, timers, UART, interrupts.
@@ -54,7 +56,7 @@ pub fn start() {
     set(TIMER1 + VALUE, u32::MAX);
     set(TIMER1 + CTRL, 1);
     baud(9600);
-    set(UART0 + UART_CTRL, 0b1011); // both ways, interrupt of the receiver
+    set(UART0 + UART_CTRL, 0b1011); // both directions, receive interrupt
     nvic::unmask(0);
     nvic::unmask(8);
 }
@@ -69,37 +71,38 @@ pub fn send(byte: u8) -> bool {
     is_free
 }
 
-/// The UART goes on at this rate.
+/// Sets the rate of the UART.
 pub fn baud(bits_per_s: u32) {
     set(UART0 + BAUDDIV, CLOCKS_PER_S / bits_per_s.max(1));
 }
 
-/// Whether the last stop bit is out: the UART tells only that its buffer is empty, one byte before. Two characters later it is.
+/// Whether the last stop bit is out. The UART reports only that its buffer is empty, one byte
+/// earlier; two characters later the stop bit is out.
 pub fn is_sent() -> bool {
     let since = SENT_AT.with(|at| (!read(TIMER1 + VALUE)).wrapping_sub(*at));
     read(UART0 + STATE) & 1 == 0 && since > read(UART0 + BAUDDIV).wrapping_mul(20)
 }
 
-/// There is no PWM.
+/// This board has no PWM.
 pub fn drive(_: u8) {}
 
-/// There is no counter.
+/// This board has no counter.
 pub fn counts(simulated: u16) -> u16 {
     simulated
 }
 
-/// The motors' pins.
+/// Sets the motors' pins.
 #[inline]
 pub fn write(levels: u8) {
     set(GPIO0 + LOW_BYTE, levels.into());
 }
 
-/// The other outputs.
+/// Sets the other outputs.
 pub fn switch(outputs: u8) {
     set(GPIO0 + PINS_8_TO_11, u32::from(outputs & 0xf) << 8);
 }
 
-/// The switches: 1 where one is closed.
+/// The switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -107,7 +110,7 @@ pub fn inputs(simulated: u8) -> u8 {
     !read(GPIO1 + DATA) as u8 & 0x1f
 }
 
-/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
@@ -115,11 +118,12 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         // Below 2^31.
         let clocks = us.wrapping_mul(CLOCKS_PER_US);
         let left = last.wrapping_add(clocks).wrapping_sub(now);
-        // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
+        // A time that has passed wraps. One that passed long ago wraps to any time, but seldom to
+        // one within the wait.
         let left = if left.wrapping_sub(1) < clocks {
             left
         } else if last.wrapping_sub(now) < 1 << 31 {
-            // The wait before it was cut short: from now on.
+            // The wait before was cut short: this one counts from now.
             clocks.max(1)
         } else {
             1
@@ -129,14 +133,14 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     });
 }
 
-/// Ends the wait.
+/// Cancels the wait.
 pub fn stop() {
     set(TIMER0 + VALUE, 0);
     set(TIMER0 + INTCLEAR, 1);
     nvic::unpend(8);
 }
 
-/// The interrupts of the chip by their numbers.
+/// The chip's interrupts by their numbers.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Vector; 32] = vectors([(0, on_uart_interrupt), (8, on_timer_interrupt)]);

@@ -1,32 +1,32 @@
-//! The interrupts of a Cortex-M by their number.
+//! The interrupts of a Cortex-M by number.
 
 use cortex_m::peripheral::NVIC;
 
 #[derive(Clone, Copy)]
 struct Irq(u16);
 
-// Safety: the boards' files name numbers of their chips only.
+// Safety: a board's file names only numbers that its chip has.
 unsafe impl cortex_m::interrupt::InterruptNumber for Irq {
     fn number(self) -> u16 {
         self.0
     }
 }
 
-/// Lets it come.
+/// Enables the interrupt.
 pub fn unmask(number: u16) {
-    // Safety: the board's file has it in its table.
+    // Safety: the board's vector table has a handler for it.
     unsafe { NVIC::unmask(Irq(number)) }
 }
 
-/// It has not come.
+/// Clears the interrupt if it is pending.
 pub fn unpend(number: u16) {
     NVIC::unpend(Irq(number));
 }
 
-/// A place of the vector table.
+/// An entry of the vector table.
 pub type Vector = Option<extern "C" fn()>;
 
-/// A table with these interrupts.
+/// A vector table with these handlers.
 pub const fn vectors<const COUNT: usize, const USED: usize>(
     used: [(usize, extern "C" fn()); USED],
 ) -> [Vector; COUNT] {

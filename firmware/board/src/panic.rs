@@ -1,4 +1,5 @@
-//! There is no panic: whatever could, does not link. The USB crates can: then the motors' steps end, and the host hears nothing more.
+//! A program in which anything can panic does not link. The USB crates can panic: then the steps
+//! end, the outputs go off, and the host receives nothing more.
 
 #[cfg(not(feature = "usb"))]
 #[panic_handler]

@@ -1,10 +1,14 @@
-//! The Raspberry Pi Pico: an RP2040 with two Cortex-M0+, one of them used, 125 MHz. Its line is USB: a serial port of the class CDC-ACM,
-//! `/dev/ttyACM0` at the host.
+//! The Raspberry Pi Pico: an RP2040 with two Cortex-M0+, of which one is used, 125 MHz. Its link is
+//! USB: a serial port of the class CDC-ACM, `/dev/ttyACM0` at the host.
 //!
-//! `BOARD=src/pico.rs cargo build --release -p micromill --features board/usb --target thumbv6m-none-eabi`
+//! ```sh
+//! BOARD=src/pico.rs cargo build --release -p micromill --features board/usb \
+//!     --target thumbv6m-none-eabi
+//! ```
 //!
-//! The timer counts microseconds freely and compares, as the micro:bit's. Clocks and USB are those of `rp2040-hal`, which may panic: then
-//! all stands still. There is no QEMU for this chip: it is built, not run.
+//! The timer counts microseconds freely and compares, as that of the micro:bit does. Clocks and USB
+//! are those of `rp2040-hal`, which may panic: then everything stops. QEMU does not have this chip:
+//! the firmware is built, not run.
 //: MEMORY
 //: {
 //:   BOOT2 : ORIGIN = 0x10000000, LENGTH = 256
@@ -42,26 +46,27 @@ const GPIO_IN: usize = 0x04;
 const OUT_SET: usize = 0x14;
 const OUT_CLR: usize = 0x18;
 const OE_SET: usize = 0x24;
-/// A pin of the SIO's; a pad with input, 4 mA and pull-up.
+/// The function of a pin that the SIO drives.
 const BY_SIO: u32 = 5;
+/// A pad with input, 4 mA and pull-up.
 const PULLED_UP: u32 = 1 << 6 | 1 << 4 | 1 << 3;
-/// GP2 to GP9: the motors, from bit 0.
+/// Motors, from bit 0: GP2 to GP9.
 const MOTORS: u32 = 0xff << 2;
-/// GP10 to GP13: other outputs.
+/// Other outputs: GP10 to GP13.
 const OUTPUTS: u32 = 0xf << 10;
-/// GP14 to GP18: switches to ground.
+/// The first of five switches to ground: GP14 to GP18.
 const INPUTS: usize = 14;
-/// Every wait is taken at once: none is above 2^31.
+/// The timer takes every wait at once: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
-/// The shortest wait: what setting it takes.
+/// The shortest wait: the time it takes to set it.
 const LEAST_US: u32 = 2;
 /// Numbers of the interrupts.
 const TIMER_0: u16 = 0;
 const USB: u16 = 5;
-/// For tests and examples in a laboratory: <https://pid.codes/1209/0001/>. A product has its own.
+/// For tests and examples in a laboratory: <https://pid.codes/1209/0001/>. A product needs its own.
 const IDENTITY: UsbVidPid = UsbVidPid(0x1209, 0x0001);
 
-/// The second stage of the boot loader: the chip runs it before the program.
+/// The second stage of the boot loader, which the chip runs before the program.
 #[used]
 #[unsafe(link_section = ".boot2")]
 static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_W25Q080;
@@ -79,7 +84,7 @@ static LAST_US: Shared<u32> = Shared::new(0);
 
 /// Pins, timer, USB, interrupts.
 pub fn start() {
-    // Without its clocks the chip can do nothing: it stays without a line.
+    // Without its clocks the chip can do nothing: then it has no link.
     LINE.with(|line| *line = open().ok().flatten());
     for pin in 2..INPUTS + 5 {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
@@ -93,9 +98,9 @@ pub fn start() {
     nvic::unmask(USB);
 }
 
-/// Clocks, resets, and the serial port.
+/// Starts clocks and peripherals, and opens the serial port.
 fn open() -> Result<Option<Line>, InitError> {
-    // Safety: `start` is called once, and nobody else has them.
+    // Safety: `start` is called once, and nothing else owns the peripherals.
     let mut chip = unsafe { pac::Peripherals::steal() };
     let mut watchdog = Watchdog::new(chip.WATCHDOG);
     let ClocksManager { usb_clock, .. } = init_clocks_and_plls(
@@ -135,12 +140,12 @@ fn open() -> Result<Option<Line>, InitError> {
     }))
 }
 
-/// Sends a byte, if the port has room for it. Without a host nobody reads: it is said to be sent.
+/// Sends a byte, if the port has room for it. Without a host it is reported as sent.
 pub fn send(byte: u8) -> bool {
     LINE.with(|line| match line {
         Some(line) if line.port.dtr() => {
             let is_taken = line.port.write(&[byte]) == Ok(1);
-            // What does not go at once goes with the next interrupt of the port.
+            // The next interrupt of the port sends what does not go out at once.
             line.port.flush().ok();
             is_taken
         }
@@ -151,20 +156,20 @@ pub fn send(byte: u8) -> bool {
 /// USB has no rate.
 pub fn baud(_: u32) {}
 
-/// What was sent is on its way.
+/// Always true: the port buffers what is sent.
 pub fn is_sent() -> bool {
     true
 }
 
-/// There is no DC motor.
+/// This board has no DC motor.
 pub fn drive(_: u8) {}
 
-/// Nor its encoder.
+/// This board has no counter for an encoder.
 pub fn counts(simulated: u16) -> u16 {
     simulated
 }
 
-/// The motors' pins.
+/// Sets the motors' pins.
 #[inline]
 pub fn write(levels: u8) {
     let high = u32::from(levels) << 2;
@@ -172,14 +177,14 @@ pub fn write(levels: u8) {
     set(SIO + OUT_SET, high);
 }
 
-/// The other outputs.
+/// Sets the other outputs.
 pub fn switch(outputs: u8) {
     let high = u32::from(outputs) << 10 & OUTPUTS;
     set(SIO + OUT_CLR, OUTPUTS & !high);
     set(SIO + OUT_SET, high);
 }
 
-/// The switches: 1 where one is closed.
+/// The switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -187,15 +192,17 @@ pub fn inputs(simulated: u8) -> u8 {
     (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
 }
 
-/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
-        // A wait that was cut short would have ended later than now: then from now on.
+        // If the wait before was cut short, it would have ended later than now: then this one
+        // counts from now.
         let now = read(TIMER + NOW_US);
         let is_cut = last.wrapping_sub(now) < 1 << 31;
         *last = if is_cut { now } else { *last }.wrapping_add(us);
         loop {
-            // What has passed wraps; what passed long ago wraps to any time, but seldom to one within the wait.
+            // A time that has passed wraps. One that passed long ago wraps to any time, but seldom
+            // to one within the wait.
             let now = read(TIMER + NOW_US);
             let left = last.wrapping_sub(now);
             if left < LEAST_US || left > us {
@@ -203,7 +210,7 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
             }
             set(TIMER + INTR, 1);
             set(TIMER + ALARM, *last);
-            // It may have passed in between: then the alarm would come after 2^32 us.
+            // The time may have passed in between: then the alarm would come after 2^32 us.
             let left = last.wrapping_sub(read(TIMER + NOW_US));
             if left.wrapping_sub(1) < 1 << 31 || read(TIMER + ARMED) & 1 == 0 {
                 break;
@@ -213,7 +220,7 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     });
 }
 
-/// Ends the wait.
+/// Cancels the wait.
 pub fn stop() {
     set(TIMER + INTE, 0);
     set(TIMER + ARMED, 1);
@@ -221,7 +228,8 @@ pub fn stop() {
     nvic::unpend(TIMER_0);
 }
 
-/// Takes what the host has sent: at most a packet, of which a protocol with echoes fills a few bytes.
+/// Takes what the host has sent: at most one packet. A protocol with echoes fills a few bytes of
+/// it.
 extern "C" fn on_usb() {
     let mut bytes = [0; 64];
     let count = LINE.with(|line| {
@@ -235,7 +243,7 @@ extern "C" fn on_usb() {
     heard.for_each(|byte| crate::heard(*byte));
 }
 
-/// The interrupts of the chip by their numbers.
+/// The chip's interrupts by their numbers.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Vector; 32] = vectors([(0, on_timer_interrupt), (5, on_usb)]);

@@ -1,10 +1,10 @@
-//! Registers of the chip.
+//! Access to the registers of the chip.
 
 use core::ptr::{read_volatile, write_volatile};
 
 /// Reads a register.
 pub fn read(address: usize) -> u32 {
-    // Safety: the boards' files name registers of their chips only.
+    // Safety: a board's file names only registers that its chip has.
     unsafe { read_volatile(address as *const u32) }
 }
 

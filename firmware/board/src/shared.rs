@@ -1,32 +1,32 @@
-//! What foreground and interrupts share.
+//! Data that foreground and interrupts share.
 
 use core::cell::UnsafeCell;
 
 use critical_section::CriticalSection;
 
-/// A value that is only touched while no interrupt comes.
+/// A value that is accessed only while interrupts are disabled.
 pub struct Shared<T>(UnsafeCell<T>);
 
-// Safety: there is one core, and `with` lets nobody else in.
+// Safety: there is one core, and all access is within a critical section.
 unsafe impl<T: Send> Sync for Shared<T> {}
 
 impl<T> Shared<T> {
-    /// Shares it.
+    /// Wraps a value.
     pub const fn new(value: T) -> Self {
         Shared(UnsafeCell::new(value))
     }
 
-    /// Works on it with interrupts held back. Not to be called within itself for the same value.
+    /// Works on the value with interrupts disabled. Must not be nested for the same value.
     #[inline]
     pub fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
         critical_section::with(|section| self.within(section, work))
     }
 
-    /// Works on it where interrupts are held back already: in one of them, or in [`uninterrupted`](crate::uninterrupted). Not to be called within
-    /// itself for the same value.
+    /// Works on the value where interrupts are disabled already: in an interrupt, or in
+    /// [`uninterrupted`](crate::uninterrupted). Must not be nested for the same value.
     #[inline]
     pub fn within<R>(&self, _: CriticalSection<'_>, work: impl FnOnce(&mut T) -> R) -> R {
-        // Safety: no interrupt comes, and `work` does not call this for the same value.
+        // Safety: interrupts are disabled, and `work` does not access the same value.
         work(unsafe { &mut *self.0.get() })
     }
 }

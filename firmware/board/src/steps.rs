@@ -5,43 +5,44 @@ use critical_section::CriticalSection;
 use crate::Shared;
 use crate::chosen::LONGEST_US;
 
-/// A step that waits for its time; `D` is what the foreground wants back of one that is dropped.
+/// A queued step. `D` is what the foreground gets back if the step is dropped.
 #[derive(Clone, Copy)]
 pub struct Step<D> {
-    /// Microseconds after the one before.
+    /// Microseconds after the step before.
     pub wait_us: u32,
-    /// The motors' pins from then on.
+    /// Levels of the motors' pins from then on.
     pub levels: u8,
-    /// Of the foreground.
+    /// Data of the foreground.
     pub delta: D,
 }
 
-/// What comes when a wait is over.
+/// What is due when a wait is over.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Due {
-    /// None runs.
+    /// No wait runs.
     Nothing,
-    /// The rest of the next step's wait: it is longer than the board's timer takes at once.
+    /// The rest of the next step's wait, which is longer than the board's timer takes at once.
     Rest,
     /// The next step.
     Step,
-    /// None runs, and none begins.
+    /// No wait runs, and none may begin.
     Held,
 }
 
-/// `PLACES` steps that wait, a power of two up to 128. The foreground fills it; the interrupt writes and pops.
+/// A queue of `PLACES` steps, a power of two up to 128. The foreground fills it; the interrupt
+/// writes the levels and pops.
 ///
-/// Of `heapless` the same queue takes twice the instructions in the interrupt.
+/// The same queue made with `heapless` takes twice the instructions in the interrupt.
 pub struct Steps<D, const PLACES: usize> {
     places: [Step<D>; PLACES],
-    /// Steps queued and made, wrapping: where they are, too.
+    /// Numbers of steps queued and made, wrapping; also the indices of the slots.
     queued: u8,
     made: u8,
     due: Due,
 }
 
 impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
-    /// None; `delta` fills the places.
+    /// An empty queue; `delta` fills the slots.
     pub const fn new(delta: D) -> Self {
         const {
             assert!(
@@ -62,7 +63,7 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         }
     }
 
-    /// The step interrupt: a wait is over.
+    /// The step interrupt calls this when a wait is over.
     #[inline]
     pub fn on_time(&mut self, section: CriticalSection<'_>) {
         if self.due != Due::Step {
@@ -103,7 +104,8 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         }
     }
 
-    /// Queues a step; where none waits its wait begins now. The foreground counts: there is room.
+    /// Queues a step. If the queue was empty, its wait begins now. The caller counts the steps and
+    /// calls this only when there is room.
     #[inline]
     pub fn push(&mut self, step: Step<D>, section: CriticalSection<'_>) {
         *self.place(self.queued) = step;
@@ -113,14 +115,16 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         }
     }
 
-    /// For an interrupt: no step is made any more until [`release`](Steps::release), or [`stop`](Steps::stop).
+    /// For an interrupt: no step is made until [`release`](Steps::release) or
+    /// [`stop`](Steps::stop).
     #[inline]
     pub fn hold(&mut self) {
         crate::stop();
         self.due = Due::Held;
     }
 
-    /// They go on; the next one waits as long as it does after the one before, or is made at once where that has passed.
+    /// Resumes the steps. The next step keeps its wait after the step before, or is made at once if
+    /// that has passed.
     #[inline]
     pub fn release(&mut self, section: CriticalSection<'_>) {
         if self.due == Due::Held {
@@ -128,19 +132,19 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         }
     }
 
-    /// Whether none waits.
+    /// Whether no step is queued.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.made == self.queued
     }
 
-    /// How many were made, wrapping.
+    /// The number of steps made, wrapping.
     #[inline]
     pub fn made(&self) -> u8 {
         self.made
     }
 
-    /// None of those that wait is made: they are given back, the last one first.
+    /// Drops all queued steps and returns them, the last one first.
     pub fn stop(&mut self) -> impl Iterator<Item = Step<D>> {
         crate::stop();
         self.due = Due::Nothing;
@@ -159,14 +163,14 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     }
 }
 
-/// For foregrounds.
+/// Access from the foreground.
 impl<D: Copy, const PLACES: usize> Shared<Steps<D, PLACES>> {
     /// See [`Steps::push`].
     pub fn push(&self, step: Step<D>) {
         crate::uninterrupted(|section| self.within(section, |steps| steps.push(step, section)));
     }
 
-    /// Whether none waits.
+    /// Whether all queued steps have been made.
     pub fn are_made(&self) -> bool {
         self.with(|steps| steps.is_empty())
     }

@@ -1,5 +1,6 @@
-//! QEMU's `virt` with one RV32IMAC hart: its UART is a 16550, its timer 10 MHz. It has no pins but those of the UART: the motors' levels go to its
-//! scratch register, the other outputs are DTR, RTS, OUT1 and OUT2.
+//! QEMU's `virt` with one RV32IMAC hart. Its UART is a 16550, its timer runs at 10 MHz. It has no
+//! pins but those of the UART: the motors' levels go to the scratch register, and the other outputs
+//! are DTR, RTS, OUT1 and OUT2.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x80000000, LENGTH = 64K
@@ -36,11 +37,11 @@ const PLIC_CLAIM: usize = PLIC + 0x20_0004;
 const TIME: usize = 0x0200_bff8;
 const COMPARE: usize = 0x0200_4000;
 const CLOCKS_PER_US: u64 = 10;
-/// Every wait is taken at once: none is above 2^31.
+/// The timer takes every wait at once: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 
 fn read_byte(address: usize) -> u8 {
-    // Safety: the UART's registers.
+    // Safety: callers pass only registers of the UART.
     unsafe { read_volatile(address as *const u8) }
 }
 
@@ -49,10 +50,10 @@ fn set_byte(address: usize, value: u8) {
     unsafe { write_volatile(address as *mut u8, value) }
 }
 
-/// When the last wait ended: what the timer compares with.
+/// When the last wait ended, which is the value that the timer compares with.
 static LAST: Shared<u64> = Shared::new(0);
 
-/// UART, interrupts.
+/// Starts UART and interrupts.
 pub fn start() {
     stop();
     set(COMPARE, 0);
@@ -61,7 +62,7 @@ pub fn start() {
     set(PLIC + 4 * UART_SOURCE, 1);
     set(PLIC_ENABLE, 1 << UART_SOURCE);
     set(PLIC_THRESHOLD, 0);
-    // Safety: the handlers are below.
+    // Safety: the handlers are defined below.
     unsafe {
         riscv::register::mie::set_mext();
         riscv::interrupt::enable();
@@ -77,26 +78,26 @@ pub fn send(byte: u8) -> bool {
     is_free
 }
 
-/// The motors' levels.
+/// Sets the motors' levels.
 #[inline]
 pub fn write(levels: u8) {
     set_byte(UART + SCRATCH, levels);
 }
 
-/// The other outputs.
+/// Sets the other outputs.
 pub fn switch(outputs: u8) {
     set_byte(UART + MODEM_CONTROL, outputs & 0xf);
 }
 
-/// There are no switches.
+/// This board has no switches.
 pub fn inputs(simulated: u8) -> u8 {
     simulated
 }
 
-/// The UART goes on at this rate.
+/// Sets the rate of the UART.
 pub fn baud(bits_per_s: u32) {
     let divisor = UART_HZ / 16 / bits_per_s.max(1);
-    set_byte(UART + LINE_CONTROL, 0x83); // 8 bits, and the first two registers are the divisor
+    set_byte(UART + LINE_CONTROL, 0x83); // 8 bits; the first two registers become the divisor
     set_byte(UART, divisor as u8);
     set_byte(UART + INTERRUPTS, (divisor >> 8) as u8);
     set_byte(UART + LINE_CONTROL, 0x03);
@@ -107,10 +108,10 @@ pub fn is_sent() -> bool {
     read_byte(UART + LINE_STATUS) & 0x40 != 0
 }
 
-/// There is no PWM.
+/// This board has no PWM.
 pub fn drive(_: u8) {}
 
-/// There is no counter.
+/// This board has no counter.
 pub fn counts(simulated: u16) -> u16 {
     simulated
 }
@@ -125,29 +126,31 @@ fn now() -> u64 {
     }
 }
 
-/// Calls `on_time` so many microseconds after the last time, or at once where that has passed.
+/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
         let now = now();
-        // The wait before it was cut short where it would have ended later than now: then from now on.
+        // If the wait before was cut short, it would have ended later than now: then this one
+        // counts from now.
         let clocks = u64::from(us).wrapping_mul(CLOCKS_PER_US);
         let end = now.min(*last).wrapping_add(clocks).max(now);
         if end >> 32 != *last >> 32 {
-            // Never earlier in between.
+            // The value must never be earlier in between.
             set(COMPARE, u32::MAX);
             set(COMPARE + 4, (end >> 32) as u32);
         }
-        // Nothing later before it, as a rule: where the time has passed QEMU forgets that one only when the next wait begins, and would jump to it.
+        // No later value is written before this one, as a rule: if the time has passed, QEMU
+        // forgets a later value only when the next wait begins, and would jump to it.
         set(COMPARE, end as u32);
         *last = end;
-        // Safety: the handler is below.
+        // Safety: the handler is defined below.
         unsafe { riscv::register::mie::set_mtimer() };
     });
 }
 
-/// Ends the wait. Not by a time that never comes: QEMU would jump to it.
+/// Cancels the wait. It does not set a time that never comes, because QEMU would jump to it.
 pub fn stop() {
-    // Safety: nobody waits for it any more.
+    // Safety: nothing waits for it any more.
     unsafe { riscv::register::mie::clear_mtimer() };
 }
 

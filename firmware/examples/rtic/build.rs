@@ -1,4 +1,5 @@
-//! The linker scripts, and the names of the interrupts that the chip's own crate would have.
+//! Provides the linker scripts, and the names of the interrupts that a crate of the chip would
+//! have.
 
 #[path = "../../link.rs"]
 mod link;

@@ -1,7 +1,7 @@
-"""Three holes drilled with two tools: every event as that of the host's emulated drill.
+"""Drills three holes with two tools: every event must be that of the host's emulated drill.
 
-From homing on, of each event the wait, the motors' phases and the spindle; as our own controller
-and, on one board, as the original one.
+From homing on, this compares the wait, the motors' phases and the spindle of each event: with our
+controller, and on one board with the original one.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ SPEED = 1000
 
 
 def pins(row: Row) -> tuple[int, int]:
-    """Of each motor the first two wires, and the spindle."""
+    """The first two wires of each motor, and the spindle."""
     levels = (row[name] & 3 for name in ("lx", "ly", "lz"))
     return sum(two << 2 * axis for axis, two in enumerate(levels)), row["spindle"]
 
 
 def drilled(port: str) -> int:
-    """Drills the board: how many holes."""
+    """Drills the board. Returns the number of holes."""
     return int(host.send(FILE, "drill", port, "--yes", answer=r"(\d+) holes drilled")[-1])
 
 
 def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
-    """Drills with the firmware and with the emulated drill, and compares: the figures."""
+    """Drills with the firmware and with the emulated drill, and compares. Yields the figures."""
     options, features = (("--faithful",), "faithful") if is_faithful else ((), "")
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
@@ -47,7 +47,7 @@ def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
             ram = firmware.ram()
         happened = registers.read_file(board, log, with_outputs=True)
     same(f"{board}: holes", count, expected)
-    # What was waited for; before that the motors are switched on.
+    # Only events with a wait: before them the motors are switched on.
     events: list[Made | Switched] = [
         one
         for one in happened
@@ -60,7 +60,7 @@ def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
 
 
 def main(arguments: list[str]) -> int:
-    """Checks it on all boards."""
+    """Checks the firmware on all boards."""
     options = product.parser("drill", __doc__).parse_args(arguments)
     chosen = options.boards or ALL
     figures = product.measure("drill", chosen, lambda board: drill(board, False))

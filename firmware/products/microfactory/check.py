@@ -1,7 +1,7 @@
-"""A figure cut by the host: every event as that of the host's emulated machine.
+"""The host cuts a figure: every event must be that of the host's emulated machine.
 
-From homing on, of each event the wait, the motors' pins and their current and RESET, of each status
-the positions reported. Then an emergency stop while it homes.
+From homing on, this compares the wait, the motors' pins, their current and RESET of each event, and
+the positions of each status. After that comes an emergency stop while it homes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SPEED = 200
 
 
 def cut(board: Board) -> Iterator[tuple[str, int]]:
-    """Cuts with the firmware and with the emulated machine, and compares: the figures."""
+    """Cuts with the firmware and with the emulated machine, and compares. Yields the figures."""
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
         with Emulated("microfactory", folder, SPEED) as emulated:
@@ -48,11 +48,11 @@ def cut(board: Board) -> Iterator[tuple[str, int]]:
 
 
 def check_reports(board: Board, happened: list[Happened], positions: list[tuple[int, ...]]) -> None:
-    """Every position reported is that of the pins."""
+    """Checks that every reported position is that of the pins."""
     reported = list(status.statuses(happened))
     for steps, _, flags, position in reported:
-        # It is ahead of the pins by the step that waits for its time, which may have come before
-        # its first byte went out.
+        # The position is ahead of the pins by the step that waits for its time. That time may have
+        # come before the first byte went out.
         if flags & status.HOMED and position not in positions[max(steps - 1, 0) : steps + 2]:
             fail(f"{board}: reports {position} after {steps} steps, and is at {positions[steps]}")
     last = len(positions) - 1
@@ -61,5 +61,5 @@ def check_reports(board: Board, happened: list[Happened], positions: list[tuple[
 
 
 def main(arguments: list[str]) -> int:
-    """Checks it on all boards."""
+    """Checks the firmware on all boards."""
     return product.check("microfactory", __doc__, arguments, cut)

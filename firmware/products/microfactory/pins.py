@@ -11,12 +11,12 @@ from husillo_firmware.waiting import require
 
 MOTORS = ("dx", "dy", "dz", "dc")
 CLOCKS, ENABLE, NOT_RESET = 0xF, 0b01, 0b10
-# CLOCK is high so long.
+# How long CLOCK is high.
 PULSE_US = 10
 
 
 class Pins:
-    """Levels and outputs of one row of the host's after the other: directions stay."""
+    """Levels and outputs of the host's rows, one after the other. Directions persist."""
 
     def __init__(self) -> None:
         self.directions = 0
@@ -32,10 +32,11 @@ class Pins:
 
 
 def events(board: Board, happened: Iterable[Happened]) -> list[Made | Switched]:
-    """What was waited for, and the current when it is switched.
+    """Steps that had a wait, and switches of the current.
 
-    CLOCK rises with a step and falls in an interrupt of its own. Where that one comes late, what
-    follows does so, too: that time is taken off. Between two events directions are as they will be.
+    CLOCK rises with a step and falls in an interrupt of its own. If that comes late, what follows
+    is late as well, so that time is subtracted. Between two events the directions are already those
+    of the next one.
     """
     found: list[Made | Switched] = []
     before: Made | None = None

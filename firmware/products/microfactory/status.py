@@ -1,4 +1,4 @@
-"""What the microfactory reports of itself when it is asked."""
+"""The status that the microfactory reports on request."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ ASK = 0x35
 LENGTH = 21
 MOVING, HOMED = 1, 2
 LASH = (200, 0, 200, 0)
-# From home, 200 steps off the switches, to where axes and spindle stand at first.
+# Positions of axes and spindle at power-on, from home, which is 200 steps off the switches.
 BEGIN = (220, 180, 700, 0)
 
 
 class Status(NamedTuple):
-    """A report: how many steps had been made, why, the flags, the positions."""
+    """A report: steps made so far, reason, flags, positions."""
 
     steps: int
     report: int
@@ -29,7 +29,7 @@ class Status(NamedTuple):
 
 
 def positions(rows: Iterable[Row]) -> Iterator[tuple[int, ...]]:
-    """Where loads and spindle are before the first step of the host's rows and after each."""
+    """Positions of loads and spindle before the first step of the host's rows and after each."""
     ahead, loads = list(LASH), list(BEGIN)
     yield tuple(loads)
     for row in rows:
@@ -52,7 +52,7 @@ def check(content: bytes) -> int:
 
 
 def statuses(happened: Iterable[Happened]) -> Iterator[Status]:
-    """All that was reported."""
+    """All reports."""
     said: list[tuple[int, int]] = []
     steps = 0
     for one in happened:

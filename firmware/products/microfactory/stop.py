@@ -1,6 +1,6 @@
 """An emergency stop while it homes.
 
-What was made until then is as in the host's emulated machine, and nothing follows.
+The events until then must be those of the host's emulated machine, and nothing may follow.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from products.microfactory import pins
 from products.microfactory.status import ASK, LENGTH
 
 HOME, EMERGENCY, REJECTED = b"H!?"
-# Steps that may have been decided on.
+# Steps that may already be in progress at the stop.
 AHEAD = 1
-# More steps than that are made before the stop is sent.
+# The stop is sent after more steps than this.
 BEGUN = 3
-# A computer that is busy may let it home to the end.
+# A busy computer may let it home to the end.
 TRIES = 5
 ANSWER_S = 60
 
@@ -32,7 +32,7 @@ class Line(Firmware):
     """The microfactory in QEMU, and its answers."""
 
     def ask(self, byte: int, length: int = 1) -> bytes:
-        """Sends a byte; what it says then."""
+        """Sends a byte. Returns the answer."""
         self.line.sendall(bytes([byte]))
         said = b""
         while len(said) < length:
@@ -44,7 +44,7 @@ class Line(Firmware):
 
 
 def stopped(board: Board, log: Path) -> list[Happened]:
-    """Homes the firmware and stops it: what has happened."""
+    """Homes the firmware and stops it. Returns what has happened."""
 
     def happened() -> list[Happened]:
         return registers.read_file(board, log, with_outputs=True)
@@ -61,14 +61,14 @@ def stopped(board: Board, log: Path) -> list[Happened]:
             fail(f"{board}: report {report:#x}, flags {flags} after an emergency stop")
         if line.ask(HOME) != bytes([REJECTED]):
             fail(f"{board}: it homes after an emergency stop")
-        # The line takes as long for these bytes as the motors for several steps.
+        # These bytes take as long on the line as several steps of the motors.
         line.ask(ASK, LENGTH)
         line.ask(ASK, LENGTH)
     return happened()
 
 
 def check(board: Board) -> None:
-    """Stops it while it homes, and looks at its pins."""
+    """Stops it while it homes and checks its pins."""
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
         with Emulated("microfactory", folder, 200) as emulated:

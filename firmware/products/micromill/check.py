@@ -1,7 +1,6 @@
-"""A program cut by the host: every step, wait, phase and byte as in the host's files.
+"""The host cuts a program: every step, wait, phase and byte must be as in the host's files.
 
-Then stops, jogs, hosts that are asked to end and hostile bytes, and the instructions of everything
-counted.
+After that come stops, jogs, hosts that are asked to end, hostile bytes, and instruction counts.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ HOSTILE_BYTES = 5000
 
 
 def all_of(board: Board, hostile_bytes: int) -> Iterator[tuple[str, int]]:
-    """Checks it on a board: the figures."""
+    """Checks the firmware on a board. Yields the figures."""
     yield from program.cut(board, PROGRAM, is_traced=True)
     stop.check(board)
     jog.check(board)
@@ -31,13 +30,13 @@ def all_of(board: Board, hostile_bytes: int) -> Iterator[tuple[str, int]]:
 
 
 def main(arguments: list[str]) -> int:
-    """Checks it on all boards."""
+    """Checks the firmware on all boards."""
     parser = product.parser("micromill", __doc__)
     parser.add_argument(
         "--circles", action="store_true", help="cut examples/circles.nc, and nothing else"
     )
     parser.add_argument(
-        "--hostile", type=int, default=HOSTILE_BYTES, metavar="BYTES", help="send so many"
+        "--hostile", type=int, default=HOSTILE_BYTES, metavar="BYTES", help="how many"
     )
     options = parser.parse_args(arguments)
     chosen = options.boards or boards.ALL

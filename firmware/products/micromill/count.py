@@ -1,4 +1,4 @@
-"""How many instructions the firmware takes for what it does, counted in QEMU's log of every one."""
+"""Counts the instructions of the firmware's tasks, in QEMU's log of every instruction."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from husillo_firmware.boards import Board
 from husillo_firmware.instructions import BEGIN, END, Count
 from husillo_firmware.waiting import fail, require
 
-from products.micromill.link import ANSWER_S, READY, Mill
+from products.micromill.link import ANSWER_S, READY, Micromill
 
 START = b"G01X00005Y00005F0100;"
-# A name, a string before it, and the string whose events are counted.
+# A name, a string to send first, and the string whose events are counted.
 EVENTS = (
     ("slope_event", None, b"G01X00150Y00080F0100;"),
     ("slope_event_untold", b"R000;", b"G01X00295Y00155F0100;"),
-    # Forwards with both axes, as before: nothing is taken up.
+    # Both axes forwards, as before: there is no take-up.
     ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
     # 7 steps after 1457.
     ("take_up_event_untold", None, b"G01X00444F0100;"),
-    # A circle of 3 mm, and four times lash.
+    # A circle of 3 mm, with four take-ups.
     ("circle_event_untold", None, b"G02X00444Y00305I00444J00705F0100;"),
 )
 
 
 def count(board: Board) -> Iterator[tuple[str, int]]:
-    """Counts: names and instructions."""
+    """Yields names and instructions."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         for name, value in (*start(board, log), *strings(board, log)):
@@ -36,8 +36,8 @@ def count(board: Board) -> Iterator[tuple[str, int]]:
 
 
 def start(board: Board, log: Path) -> Iterator[tuple[str, float]]:
-    """From the reset to the first sleep, "ready" in the transmitter: what nothing else wakes."""
-    with Mill(board, "-S", "-singlestep", "-D", str(log)) as mill:
+    """Counts from the reset to the first sleep, with "ready" in the transmitter."""
+    with Micromill(board, "-S", "-singlestep", "-D", str(log)) as mill:
         mill.monitor(BEGIN)
         mill.monitor("c")
         said = mill.receive(ANSWER_S)
@@ -49,13 +49,13 @@ def start(board: Board, log: Path) -> Iterator[tuple[str, float]]:
 
 
 def strings(board: Board, log: Path) -> Iterator[tuple[str, float]]:
-    """What strings take, and their events."""
-    with Mill(board, "-singlestep", "-D", str(log)) as mill:
+    """Counts the instructions of strings and of their events."""
+    with Micromill(board, "-singlestep", "-D", str(log)) as mill:
 
         def counted(string: bytes) -> Count:
             mill.monitor(BEGIN)
             mill.ask(string)
-            # What it does behind its answer belongs to the string.
+            # What the firmware does after its answer belongs to the string.
             mill.booted()
             mill.monitor(END)
             found = Count(mill, log)
@@ -64,10 +64,10 @@ def strings(board: Board, log: Path) -> Iterator[tuple[str, float]]:
 
         mill.home()
         mill.ask(START)
-        # How often it wakes in between depends on when the host sends: the least of some.
+        # How often it wakes in between depends on when the host sends: take the minimum of four.
         nowhere = min((counted(START) for _ in range(4)), key=lambda found: found.foreground)
         yield "byte_interrupt", max(nowhere.byte)
-        # Without a step: the bytes, the line read, checked and planned.
+        # No step: only the bytes, and the line read, checked and planned.
         yield "line", nowhere.foreground
 
         held, worst = nowhere.held, 0

@@ -1,7 +1,7 @@
-"""Random bytes, over-long lines, strings cut short and resets against the firmware.
+"""Sends random bytes, over-long lines, truncated strings and resets to the firmware.
 
-It never hangs, the motors stay within the travel after homing and above the switches before it, and
-in the end a line is obeyed as ever.
+It must never hang. After homing the motors must stay within the travel, before it above the
+switches. At the end it must obey a line as usual.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from products.micromill.link import (
     STEPS,
     STOPPED,
     TAKEN,
-    Mill,
+    Micromill,
     add_steps,
 )
 
 LASH = (1457, 1271, 0)
 TRAVEL = (71_429, 50_000, None)
 FAR = 10**9
-# Without `H`, `B` and `R`: the limits of a machine that homes anew, has another lash or does not
-# report all steps would not be known here.
+# Without `H`, `B` and `R`: this check would not know the limits of a machine that homes again, has
+# another backlash or does not report all steps.
 BYTES = bytes(byte for byte in range(256) if byte not in b"HBR")
 STRINGS = (
     b"JX-; JX+; &X-Y-; &X+Y+Z-; PX-9999; PY+9999; FY-390; FX+390; G00X10000Y07000; G28X0Y0; S1; S0;"
@@ -39,23 +39,23 @@ LAST_STEPS = 71
 
 
 class Watch:
-    """Where the motors are, by the steps reported."""
+    """Tracks the motors by the reported steps."""
 
     def __init__(self, where: str) -> None:
         self.where, self.steps = where, 0
         self.start(False)
 
     def start(self, is_homed: bool) -> None:
-        """Counts from here."""
+        """Starts counting at the present position."""
         self.at, self.is_homed = [0, 0, 0], is_homed
 
     def hear(self, said: bytes) -> None:
-        """Counts the steps, and looks where that is."""
+        """Counts the steps and checks the position."""
         self.steps += sum(byte in STEPS for byte in said)
         add_steps(said, self.at)
         for axis, (at, lash, travel) in enumerate(zip(self.at, LASH, TRAVEL, strict=True)):
-            # A motor is behind its load by the lash at most. Before homing the switches close at
-            # -400.
+            # A motor differs from its load by at most the backlash. Before homing the switches
+            # close at -400.
             low, high = -401, FAR
             if self.is_homed:
                 low, high = (-lash, travel) if travel else (-FAR, FAR)
@@ -64,21 +64,21 @@ class Watch:
 
 
 class Attack:
-    """Hostile bytes for a micro mill, the same ones for a seed."""
+    """Hostile bytes for a micro mill; the same seed gives the same bytes."""
 
-    def __init__(self, mill: Mill, seed: int) -> None:
+    def __init__(self, mill: Micromill, seed: int) -> None:
         self.mill, self.random = mill, random.Random(seed)
         self.where = f"{mill.board}, seed {seed}"
         self.watch = Watch(self.where)
         self.resets = 0
 
     def some(self) -> bytes:
-        """Some bytes."""
+        """Returns some bytes."""
         kind = self.random.randrange(8)
         if kind < 3:
             return bytes(self.random.choices(BYTES, k=self.random.randrange(1, 64)))
         if kind == 3:
-            # Over-long, with an end or without.
+            # Over-long, with a terminator or without.
             line = bytes(self.random.choices(b"0123456789GXY.-", k=self.random.randrange(60, 400)))
             return line + self.random.choice((b"", b";"))
         string = self.random.choice(STRINGS)
@@ -90,17 +90,17 @@ class Attack:
         return string
 
     def calm(self) -> None:
-        """All stops, and the line is free of what was begun."""
+        """Stops everything and clears the line of a begun string."""
         for _ in range(50):
             self.mill.line.send(b"A;")
             said = self.mill.receive(2)
-            # A run that goes on because its `A` was lost is not waited for.
+            # Does not wait for a run that continues because its `A` was lost.
             for _ in range(200):
                 if not (more := self.mill.receive(0.1)):
                     break
                 said += more
             self.watch.hear(said)
-            # Bytes get lost where more come than there is room for, so it may be asked for again.
+            # Bytes get lost if more come than there is room for, so the question may be repeated.
             if said:
                 answer = self.mill.ask(b"S0;")
                 self.watch.hear(answer)
@@ -109,7 +109,7 @@ class Attack:
         fail(f"{self.where}: no answer")
 
     def home(self) -> None:
-        """Homes it. On a busy host hostile bytes may still be on their way: they stop it."""
+        """Homes it. On a busy host, hostile bytes may still arrive and stop the homing."""
         for _ in range(9):
             self.calm()
             said = self.mill.ask(b"H;", (DONE, NO_SWITCH, STOPPED))
@@ -120,9 +120,9 @@ class Attack:
         fail(f"{self.where}: homing ended with {said[-1]:#x}")
 
     def send(self, burst: bytes) -> None:
-        """Sends bytes as fast as they are echoed, lost ones left out.
+        """Sends bytes as fast as they are echoed, apart from lost ones.
 
-        QEMU keeps what a UART has no room for, without end.
+        QEMU keeps all bytes for which a UART has no room.
         """
         for place in range(0, len(burst), 256):
             part = burst[place : place + 256]
@@ -135,7 +135,7 @@ class Attack:
                 echoes += sum(byte not in STEPS for byte in said)
 
     def move(self) -> None:
-        """Something moves for a while: in virtual time that is long, and all of its steps come."""
+        """Moves something for a while. In virtual time that is long, and all of its steps come."""
         self.mill.line.send(b"A;" + self.random.choice(MOVES))
         end = time.monotonic() + 0.02
         while time.monotonic() < end:
@@ -143,18 +143,18 @@ class Attack:
         self.mill.line.send(b"A;")
 
     def reset(self) -> None:
-        """Resets it in the middle of whatever it is."""
+        """Resets it, whatever it is doing."""
         self.mill.monitor("system_reset")
         self.resets += 1
         said = self.mill.hear(READY)
-        # Bytes that were on their way may move it already.
+        # Bytes that were still under way may move it already.
         self.watch.start(False)
         self.watch.hear(said.rpartition(READY)[2])
         if self.random.randrange(2):
             self.home()
 
     def run(self, wanted: int) -> int:
-        """Sends at least so many hostile bytes: how many."""
+        """Sends at least this many hostile bytes. Returns how many."""
         self.watch.hear(self.mill.receive(1))
         sent = 0
         self.home()
@@ -176,7 +176,7 @@ class Attack:
 
 def check(board: Board, wanted: int, seed: int = 1) -> None:
     """Sends hostile bytes."""
-    with Mill(board) as mill:
+    with Micromill(board) as mill:
         attack, begin = Attack(mill, seed), time.monotonic()
         sent = attack.run(wanted)
     steps, seconds = attack.watch.steps, time.monotonic() - begin

@@ -1,7 +1,7 @@
-"""A host that is asked to end while the firmware moves stops it first.
+"""A host that is asked to end while the firmware moves must stop it first.
 
-Ctrl-C and a request to end, in a jog, in steps and in a program, in the time of the clock on the
-wall: soon the motors stand, and the host says so.
+Ctrl-C and a request to end come in a jog, in steps and in a program, in wall-clock time. The motors
+must stop soon, and the host must report it.
 """
 
 from __future__ import annotations
@@ -16,35 +16,36 @@ from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
 from husillo_firmware.waiting import require, until
 
-from products.micromill.link import ANSWER_S, DONE, Mill
+from products.micromill.link import ANSWER_S, DONE, Micromill
 
 # Five millimetres there and back at 10 mm/min: a minute.
 PROGRAM = "G21 G90\nG1 X5 F10\nG1 X0\nM30\n"
-# Steps that are made before the request.
+# Steps before the request.
 BEGUN = 50
-# Of 170 a second, from before the request to the last one, with what this computer needs to look.
+# Most steps, of 170 a second, from before the request to the last one. This includes the time that
+# this computer needs to look.
 MOST = 100
 END_S = 20
 # The host's exit status.
 INTERRUPTED = 130
-# Steps that the firmware is asked for when it stands.
+# Steps that are requested after the stop.
 AFTER = 34
 
 
 class Interrupted:
-    """A micro mill that a host moves until it is asked to end, and its log."""
+    """A micro mill that a host moves until the host is asked to end, and its log."""
 
-    def __init__(self, mill: Mill, log: Path) -> None:
+    def __init__(self, mill: Micromill, log: Path) -> None:
         self.mill, self.log, self.board = mill, log, mill.board
 
     def steps(self) -> int:
         """Steps since the log was emptied."""
-        # The monitor answers when all before it was written.
+        # The monitor answers when everything before it has been written.
         self.mill.monitor("info status")
         return len(registers.made(registers.read_file(self.board, self.log)))
 
     def interrupt(self, words: list[str | Path], request: signal.Signals) -> int:
-        """Starts a host, asks it to end: how many steps it made after that."""
+        """Starts a host and asks it to end. Returns how many steps were made after that."""
         os.truncate(self.log, 0)
         place = f"{self.board}: {' '.join(map(str, words))}"
         moves = host.command(*words, "-m", "micromill", "--port", self.mill.tcp)
@@ -62,7 +63,7 @@ class Interrupted:
         require(moving.returncode == INTERRUPTED, f"{place}: status {moving.returncode}, {said}")
         require("the controller has stopped" in said, f"{place}: {said}")
         require(after - before <= MOST, f"{place}: {after - before} steps after the request")
-        # It makes these steps, and no others beside them.
+        # It makes exactly these steps.
         self.mill.connect()
         self.mill.ask(b"PX+%04d;" % AFTER, (DONE,))
         self.mill.line.close()
@@ -83,8 +84,8 @@ def check(board: Board) -> None:
             (["send", program, "--stream"], signal.SIGINT),
         ]
         trace = (*registers.ARGUMENTS, "-D", str(log))
-        # The line is the host's.
-        with Mill(board, *trace, in_wall_time=True, is_connected=False) as mill:
+        # The host uses the line.
+        with Micromill(board, *trace, in_wall_time=True, is_connected=False) as mill:
             mill.booted()
             interrupted = Interrupted(mill, log)
             most = max(interrupted.interrupt(words, request) for words, request in turns)

@@ -1,7 +1,7 @@
-"""Moves the firmware by hand with `husillo jog`, in the time of the clock on the wall.
+"""Moves the firmware by hand with `husillo jog`, in wall-clock time.
 
-Several axes step together, faster and slower when asked, and as many steps as the host says. A host
-that is killed leaves a jog that ends by itself.
+Several axes step together, faster and slower when asked, and make as many steps as the host
+reports. When the host is killed, the jog must end automatically.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from husillo_firmware.boards import Board
 from husillo_firmware.registers import Happened, Made, clocks_per_us
 from husillo_firmware.waiting import require, until
 
-from products.micromill.link import ANSWER_S, DONE, STOPPED, WRONG, Mill
+from products.micromill.link import ANSWER_S, DONE, STOPPED, WRONG, Micromill
 
 ACTIONS = (
     *("x+y-z+", "0.5s", "faster", "0.5s", "slower", "0.5s"),
     *("run", "z", "-250", "0.5s", "x", "30"),
 )
-# At 170 steps a second, and at 180.
+# At 170 steps per second, and at 180.
 WAITS_US = [5883, 5556, 5883]
-# At 250 steps a second, as asked for.
+# At 250 steps per second, as requested.
 RUN_US = 4000
-# Steps of the jog whose host is killed, before that; the whole jog would be 5100.
+# Steps of the jog before its host is killed, and at most in all; the whole jog would be 5100.
 BEGUN, MOST = 200, 2000
-# Half a second after the host's last word it ends, however long that takes here.
+# The jog ends half a second after the host's last byte. This is how long that may take here.
 END_S = 20
 AFTER = 34
 
@@ -37,25 +37,25 @@ AFTER = 34
 class Jogged:
     """A micro mill that is jogged, and its log."""
 
-    def __init__(self, mill: Mill, log: Path) -> None:
+    def __init__(self, mill: Micromill, log: Path) -> None:
         self.mill, self.log, self.board = mill, log, mill.board
 
     def command(self, *actions: str) -> list[str]:
-        """How the host jogs."""
+        """The arguments with which the host jogs."""
         return ["jog", "-m", "micromill", "--port", self.mill.tcp, *actions]
 
     def happened(self) -> list[Happened]:
-        """All until now."""
-        # The monitor answers when all before it was written.
+        """Everything until now."""
+        # The monitor answers when everything before it has been written.
         self.mill.monitor("info status")
         return registers.read_file(self.board, self.log)
 
     def steps(self) -> list[Made]:
-        """All steps until now. The first one was written when it was switched on."""
+        """All steps until now, without the levels written at power-on."""
         return registers.made(self.happened())[1:]
 
     def jog(self) -> int:
-        """Jogs, faster and slower, and compares: how many steps of three axes."""
+        """Jogs, faster and slower, and compares. Returns the number of steps of three axes."""
         said = host.says(*self.command(*ACTIONS))
         steps = self.steps()
         waits = [
@@ -67,12 +67,12 @@ class Jogged:
         jogged, run = counts[0] // 3, counts[1]
         is_all = counts[0] % 3 == 0 and counts[2] == 30 and len(steps) == jogged + run + 30
         require(is_all and len(waits) == len(steps) - 1, (counts, len(steps), len(waits)))
-        # Each axis has another phase after every event.
+        # Every event changes the phase of each axis.
         for before, after in pairwise(steps[:jogged]):
             changed = before.levels ^ after.levels
             require(all(changed >> place & 3 for place in (0, 2, 4)), "an axis stood")
-        # Waits may be longer: the steps run dry where this computer is held up, on a busy one most
-        # of them.
+        # Waits may be longer: the queue runs dry when this computer is delayed. On a busy one that
+        # is most of them.
         right = [wait for wait in waits[: jogged - 1] if wait in WAITS_US]
         paces = [wait for n, wait in enumerate(right) if not n or wait != right[n - 1]]
         require(paces == WAITS_US and len(right) > 0.3 * jogged, waits[:jogged])
@@ -81,7 +81,7 @@ class Jogged:
         return counts[0]
 
     def kill(self) -> None:
-        """The host is gone without a word while it jogs."""
+        """Kills the host while it jogs."""
         before = len(self.steps())
         jogs = host.command(*self.command("x+", "30s"))
         with subprocess.Popen(jogs, stdout=subprocess.DEVNULL) as jogging:
@@ -98,10 +98,10 @@ class Jogged:
         )
         stopped = len(self.steps())
         require(BEGUN < stopped - before < MOST, stopped - before)
-        # It makes these steps, and no others beside them.
+        # It makes exactly these steps.
         self.mill.connect()
         move = b"PX+%04d;" % AFTER
-        # The killed host may have left the start of a string: the mill refuses it with this move.
+        # The killed host may have left the start of a string. The mill refuses it with this move.
         if WRONG in self.mill.ask(move, (DONE, WRONG)):
             self.mill.ask(move, (DONE,))
         after = len(self.steps())
@@ -113,8 +113,8 @@ def check(board: Board) -> None:
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         trace = (*registers.ARGUMENTS, "-D", str(log))
-        # The line is the host's.
-        with Mill(board, *trace, in_wall_time=True, is_connected=False) as mill:
+        # The host uses the line.
+        with Micromill(board, *trace, in_wall_time=True, is_connected=False) as mill:
             mill.booted()
             jogged = Jogged(mill, log)
             steps = jogged.jog()

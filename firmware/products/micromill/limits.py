@@ -1,4 +1,4 @@
-"""What the micro mill's figures may be at most, and what they have to leave room for."""
+"""Upper limits of the micro mill's figures: memory, and instructions per event."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from husillo_firmware.golden import Figures
 
 # The memory of the original controller, in bytes.
 FLASH, RAM = 32768, 3840
-# Instructions an event may take on it and on a faster one.
+# Instructions that an event may take on this controller and on a faster one.
 MOST = {
     "microbit count slope_event_untold": 450,
     "microbit count take_up_event_untold": 450,
@@ -18,8 +18,8 @@ MOST = {
     "mps2-an386 count circle_event_untold": 220,
     "mps2-an386 count step_interrupt": 60,
 }
-# Events of an arc, the slowest ones, that have to be sustained a second. Of each board its
-# processor, its clock, cycles an instruction, and those of an interrupt's entry and return.
+# Rate of arc events, the slowest ones, that must be sustained. For each board: the processor, its
+# clock, cycles per instruction, cycles of an interrupt's entry and return, events per second.
 LEAST = {
     "microbit": ("Cortex-M0 at 48 MHz", 48e6, 1.5, 32, 50_000),
     "mps2-an386": ("Cortex-M4F at 168 MHz", 168e6, 1.3, 24, 380_000),
@@ -27,7 +27,7 @@ LEAST = {
 
 
 def exceeded(figures: Figures) -> list[str]:
-    """What is beyond the limits, of the boards that were measured."""
+    """Returns what is beyond the limits, for the boards that were measured."""
     found = dict(figures)
     most: dict[str, float] = dict(MOST)
     if "microbit flash" in found:

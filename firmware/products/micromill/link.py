@@ -1,4 +1,4 @@
-"""The micro mill's link, as far as checks need it: strings sent byte by byte, each waited for."""
+"""The micro mill's link, as far as checks need it: strings sent byte by byte, with echoes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED = 0x8F, 0x8C, 0x8E, 0x8B, 0x89, 
 ANSWERS = (DONE, TAKEN, WRONG, REFUSED, NO_SWITCH, STOPPED)
 STEPS = range(0x80, 0x86)
 ECHO_S = 10
-# Where every instruction is logged it takes its time.
+# Long, because logging every instruction is slow.
 ANSWER_S = 60
 
 
-class Mill(Firmware):
-    """A micro mill in QEMU, and what it says."""
+class Micromill(Firmware):
+    """A micro mill in QEMU, and its answers."""
 
     def __init__(
         self,
@@ -31,11 +31,11 @@ class Mill(Firmware):
         if is_connected:
             self.connect()
 
-    def __enter__(self) -> Mill:
+    def __enter__(self) -> Micromill:
         return self
 
     def ask(self, string: bytes, answers: Iterable[int] = ANSWERS) -> bytes:
-        """Sends a string and gives all that is said until there is one of the answers."""
+        """Sends a string. Returns all bytes received up to one of the answers."""
         said = b""
         for byte in string:
             self.line.send(bytes([byte]))
@@ -43,7 +43,7 @@ class Mill(Firmware):
         return said if any(byte in answers for byte in said) else self.hear(answers, said)
 
     def hear(self, answers: Iterable[int], said: bytes = b"") -> bytes:
-        """All that is said until there is one of the answers."""
+        """Returns all bytes received up to one of the answers."""
         while not any(byte in answers for byte in said):
             more = self.receive(ANSWER_S)
             if not more:
@@ -58,7 +58,7 @@ class Mill(Firmware):
 
 
 def add_steps(said: Iterable[int], to: list[int]) -> None:
-    """Adds the steps that are reported to those of each axis."""
+    """Adds the reported steps to those of each axis."""
     for byte in said:
         if byte in STEPS:
             to[byte >> 1 & 3] += 1 if byte & 1 else -1

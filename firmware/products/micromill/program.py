@@ -1,4 +1,4 @@
-"""A program cut by the host: every step, wait, phase and byte as in the host's own files of it."""
+"""The host cuts a program: every step, wait, phase and byte must be as in the host's files."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ SPINDLE = {"M03": 1, "M04": 2, "M05": 0, "M30": 0}
 
 @dataclass
 class Line:
-    """A string of the link, and the rows of the host's step file that it makes."""
+    """A string of the link, and its rows in the host's step file."""
 
     string: str
     rows: list[Row]
 
 
 def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int]]:
-    """Cuts a program with the firmware by the host, and compares: the figures.
+    """Has the host cut a program with the firmware, and compares. Yields the figures.
 
-    Without the trace only the steps that are reported are compared: programs of any length.
+    Without the trace, only the reported steps are compared. That works for programs of any length.
     """
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
@@ -43,8 +43,8 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
             firmware.booted()
             steps = int(host.send(program, "micromill", firmware.tcp)[0])
             ram = firmware.ram()
-        # The steps reported are those of the strings on the simulator: what it says of them has to
-        # be what it says of the program.
+        # The reported steps are those of the strings on the simulator. Its report of them must be
+        # that of the program.
         strings = folder / "strings.mm"
         host.says("compile", program, "-m", "micromill", "-o", strings)
         if (of_strings := report(strings)) != (of_program := report(program)):
@@ -54,10 +54,10 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
             late = compare(board, registers.read_file(board, log), lines_of(program, folder))
     yield "steps", steps
     if late:
-        # In virtual time, 64 ns an instruction, from the wait's end until the time is read behind
-        # the pins. Of 1000 steps the latest is left out: on a busy computer QEMU's clock now and
-        # then jumps too far where the chip sleeps. `held_longest` has what the firmware itself can
-        # do.
+        # In virtual time, 64 ns per instruction, from the end of the wait until the time is read
+        # after the pins. The latest of 1000 steps is left out: on a busy computer QEMU's clock
+        # sometimes jumps too far while the chip sleeps. `held_longest` is the delay that the
+        # firmware itself can cause.
         require(len(late) > 0.8 * steps, f"{board}: {len(late)} of {steps} steps have a time")
         late.sort()
         yield "jitter_us", math.ceil(late[len(late) * 999 // 1000] - late[0])
@@ -65,7 +65,7 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
 
 
 def lines_of(program: Path, folder: Path) -> list[Line]:
-    """The strings that the host makes of a program, each with its rows."""
+    """The strings that the host makes from a program, each with its rows."""
     strings = host.says("compile", program, "-m", "micromill").splitlines()
     path, before, lines = folder / "part.mm", 0, []
     for count, string in enumerate(strings, 1):
@@ -77,17 +77,17 @@ def lines_of(program: Path, folder: Path) -> list[Line]:
 
 
 def report(path: Path) -> str:
-    """What the simulator says of a program."""
+    """The simulator's report of a program."""
     return host.says("run", path, "-m", "micromill", "--format", "json")
 
 
 def phases(levels: int) -> int:
-    """PH of both phases of a motor, of the host's levels of its driver."""
+    """PH of both phases of a motor, from the host's levels of its driver."""
     return levels & 1 | levels >> 2 & 2
 
 
 def cycle_of(lines: Sequence[Line]) -> dict[int, int]:
-    """The phases of a motor that has gone 0 to 3 steps, as the host's files have them."""
+    """The phases of a motor after 0 to 3 steps, as in the host's files."""
     cycle: dict[int, int] = {}
     sums = [0, 0, 0]
     for row in (row for line in lines for row in line.rows):
@@ -101,7 +101,7 @@ def cycle_of(lines: Sequence[Line]) -> dict[int, int]:
 def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> list[float]:
     """Compares what happened after homing with the host's files.
 
-    Returns how late each step was whose line was under way, in microseconds.
+    Returns the lateness in microseconds of every step but the first of each line.
     """
     homed = happened.index(DONE) + 1
     at = [0, 0, 0]
@@ -140,9 +140,9 @@ def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> li
 def waited(
     board: Board, where: str, step: Made, wait_us: int, last: int | None, is_first: bool
 ) -> int:
-    """Compares the wait before a step with the host's: when the step was due.
+    """Compares the wait before a step with the host's. Returns when the step was due.
 
-    The first one of a line begins when the line has been read: it may wait longer.
+    The first step of a line begins when the line has been read, so it may wait longer.
     """
     if step.due is None:
         fail(f"{where} was not waited for")
@@ -156,7 +156,7 @@ def waited(
 
 
 def none_is_ahead(happened: Sequence[Happened]) -> None:
-    """No step is reported before it is made."""
+    """Checks that no step is reported before it is made."""
     ahead = 0
     for one in happened:
         if isinstance(one, int):

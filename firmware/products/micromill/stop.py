@@ -1,9 +1,9 @@
-"""A byte that stops acts before the next step, even where the foreground is steps behind.
+"""A stopping byte must act before the next step, even if the foreground is steps behind.
 
-QEMU's log has each access to a register: once the stopping byte was read the motors' pins may not
-change any more. Interrupts have one priority, so a step that was due in the same instant is made
-before that, or not at all. The steps that the link reported are those of the pins. A step after the
-stop waits its time after the last one that was made, and no longer than that from now on.
+QEMU's log has each access to a register. Once the stopping byte has been read, the motors' pins
+must not change any more. Interrupts have one priority, so a step that was due at the same instant
+is made before that, or not at all. The steps reported over the link must be those of the pins. A
+step after the stop waits its time after the last step made, and no longer than that from now on.
 """
 
 from __future__ import annotations
@@ -18,31 +18,32 @@ from husillo_firmware.boards import Board
 from husillo_firmware.registers import Made, clocks_per_us
 from husillo_firmware.waiting import fail, require
 
-from products.micromill.link import DONE, NO_SWITCH, STOPPED, TAKEN, Mill, add_steps
+from products.micromill.link import DONE, NO_SWITCH, STOPPED, TAKEN, Micromill, add_steps
 
-# Of a counted step: those a second of the machine.
+# The wait of a counted step: 170 steps per second.
 WAIT_US = math.ceil(1e6 / 170)
 STEP = b"PX+0001;"
-# Clears what a stop has left of a string.
+# Clears the rest of a string after a stop.
 CLEAR = b";"
 TURNS = 6
 
 
 class Stopped:
-    """A micro mill that is stopped again and again, and its log."""
+    """A micro mill that is stopped repeatedly, and its log."""
 
-    def __init__(self, mill: Mill, log: Path) -> None:
+    def __init__(self, mill: Micromill, log: Path) -> None:
         self.mill, self.log, self.board = mill, log, mill.board
         self.steps = [0, 0, 0]
         self.cycle: list[int] = []
 
     def ask(self, string: bytes, *answers: int) -> None:
-        """Sends a string and counts the steps that are reported."""
+        """Sends a string and counts the reported steps."""
         add_steps(self.mill.ask(string, answers) if answers else self.mill.ask(string), self.steps)
 
     def logged(self) -> str:
-        """What is in the log, which is empty then."""
-        # The monitor answers when all before it was written, and nothing is until it goes on.
+        """Returns the text of the log, and empties it."""
+        # The monitor answers when everything before it has been written. Nothing follows until
+        # `cont`.
         self.mill.monitor("stop")
         text = self.log.read_text(errors="replace")
         os.truncate(self.log, 0)
@@ -50,7 +51,7 @@ class Stopped:
         return text
 
     def made(self, text: str) -> list[Made]:
-        """What was written to the pins."""
+        """The writes to the pins."""
         return registers.made(registers.read(self.board, text.splitlines()))
 
     def prepare(self) -> None:
@@ -64,7 +65,7 @@ class Stopped:
         self.ask(b"S1;")
 
     def stop(self, turn: int) -> None:
-        """Stops it among ten lines, and looks at its pins."""
+        """Stops it within ten lines and checks its pins."""
         lines = [
             b"G01X%05dY%05dF0100;" % (10 + 60 * turn + 3 * number, 10 + 40 * turn + 5 * number)
             for number in range(10)
@@ -72,12 +73,12 @@ class Stopped:
         for line in lines:
             self.ask(line, TAKEN)
         before = self.logged()
-        # The foreground has two lines to read before it comes to the stop: an arc that is none, and
-        # a feed. On the microbit that takes longer than two steps, so a hold that does nothing is
-        # seen there; the mps2-an386 has read them before, and on virt QEMU takes a byte too late.
+        # The foreground has two lines to read before it gets to the stop: an invalid arc, and a
+        # feed. On the microbit that takes longer than two steps, so a hold that does nothing shows
+        # there. The mps2-an386 reads them in time, and on virt QEMU takes a byte too late.
         self.mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
         add_steps(self.mill.hear((STOPPED,)), self.steps)
-        # Its answer comes later than a step that was due would.
+        # Its answer comes later than a step that was due would come.
         self.ask(CLEAR)
         text = self.logged()
         stop = f"addr {registers.heard_at(self.board):#x} value 0x41 "
@@ -100,16 +101,16 @@ def phases(step: Made) -> list[int]:
 
 
 def between_us(board: Board, begin: int | None, end: int | None) -> float:
-    """The time from one clock to the other."""
+    """The time from one clock value to another, in microseconds."""
     if begin is None or end is None:
         fail(f"{board}: a step was not waited for")
     return (end - begin) % 2**32 / clocks_per_us(board)
 
 
 def cut_short(board: Board, log: Path) -> None:
-    """A wait that is cut short: by the clock on the wall, which does not jump to its end."""
+    """Cuts a wait short, in wall-clock time, which does not jump to its end."""
     trace = (*registers.ARGUMENTS, "-D", str(log))
-    with Mill(board, *trace, in_wall_time=True) as mill:
+    with Micromill(board, *trace, in_wall_time=True) as mill:
         mill.booted()
         mill.home()
         mill.ask(b"G01X00005Y00005F0100;")
@@ -127,12 +128,12 @@ def cut_short(board: Board, log: Path) -> None:
 
 
 def check(board: Board) -> None:
-    """Stops it again and again."""
+    """Stops it repeatedly."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
-        # A million instructions a second, as slow as QEMU goes.
+        # A million instructions per second, the slowest that QEMU runs.
         slowly = ("-D", str(log), "-icount", "shift=10,sleep=off")
-        with Mill(board, *registers.ARGUMENTS, *slowly) as mill:
+        with Micromill(board, *registers.ARGUMENTS, *slowly) as mill:
             mill.booted()
             stopped = Stopped(mill, log)
             stopped.prepare()

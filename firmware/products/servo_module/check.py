@@ -1,6 +1,7 @@
-"""A measuring machine of one servo module: every result as with the simulator.
+"""A measuring machine of one servo module: every result must be that of the simulator.
 
-Home on the index, trapezoids, the probe both ways, a jog, the state at the end.
+It homes on the index, moves in trapezoids, probes in both directions, jogs, and reads the final
+state.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ ACTIONS = (
     *("jog", "-x", "0.2s", "slow", "status"),
 )
 RESULTS = 11
-# A motor rests within a count of its goal, here and there; where contacts are is latched, to the
-# count. A jog is as long as the host's clock says.
+# Both motors rest within a count of their goal. Contacts are latched to the count. The length of a
+# jog depends on the host's clock.
 TOLERANCES = {
     "trigger": 0,
     "corrected": 0,
@@ -35,7 +36,7 @@ TOLERANCES = {
 
 
 def results(*where: str) -> list[dict[str, Any]]:
-    """Has the host measure: its results."""
+    """Has the host measure. Returns its results."""
     said = host.says("measure", "-m", "cmm", *ACTIONS, *where, "--format", "json")
     rows: list[dict[str, Any]] = json.loads(said)
     require(len(rows) == RESULTS, rows)
@@ -43,7 +44,7 @@ def results(*where: str) -> list[dict[str, Any]]:
 
 
 def measure(board: Board) -> Iterator[tuple[str, int]]:
-    """Measures with the firmware and with the simulator, and compares: the figures."""
+    """Measures with the firmware and with the simulator, and compares. Yields the figures."""
     simulated = results("--contact", "1:1500", "--contact", "1:..-1500")
     with Firmware("servo_module", board) as firmware:
         firmware.booted()
@@ -61,7 +62,7 @@ def measure(board: Board) -> Iterator[tuple[str, int]]:
 
 
 def main(arguments: list[str]) -> int:
-    """Checks it on all boards."""
+    """Checks the firmware on all boards."""
     parser = product.parser("servo_module", __doc__)
     parser.add_argument("--count", action="store_true", help=count.__doc__)
     options = parser.parse_args(arguments)

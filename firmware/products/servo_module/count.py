@@ -1,4 +1,4 @@
-"""How many instructions a servo interrupt takes while the host has the motor go to and fro."""
+"""Counts the instructions of a servo interrupt while the host moves the motor to and fro."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from husillo_firmware.qemu import ANSWER_S, Firmware
 from husillo_firmware.waiting import require, until
 
 GOALS = ("goto", "7000", "goto", "-7000") * 3
-# Parts of the way that are logged, each until the log is so long, and what lies between them.
+# Parts of the motion that are logged, the length of the log of each, and the time between them.
 PARTS = 12
 LOG_BYTES = 16_000_000
 BETWEEN_S = 0.4
 
 
 def ticks(board: Board) -> Iterator[tuple[str, int]]:
-    """Counts: how many interrupts were logged, their median and the longest."""
+    """Yields how many interrupts were logged, their median and the longest."""
     found: list[int] = []
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
@@ -47,7 +47,7 @@ def ticks(board: Board) -> Iterator[tuple[str, int]]:
 
 
 def runs_on(process: subprocess.Popen[bytes]) -> None:
-    """Lets it go on until the next part, or until it ends."""
+    """Lets it run until the next part, or until it ends."""
     try:
         process.wait(BETWEEN_S)
     except subprocess.TimeoutExpired:

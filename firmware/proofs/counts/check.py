@@ -1,4 +1,4 @@
-"""How many instructions an event of each kernel takes on three processors, counted under QEMU."""
+"""Counts the instructions per event of each kernel on three processors, under QEMU."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from husillo_firmware.golden import Columns, Figures
 from husillo_firmware.waiting import fail
 
 GOLDEN = FIRMWARE / "proofs/counts/golden.txt"
-# The columns, from left to right: the board that counts and its heading.
+# The columns, from left to right: the board and its heading.
 COLUMNS = ((MPS2, "thumbv7em"), (MICROBIT, "thumbv6m"), (VIRT, "rv32imac"))
 PROGRAMS = ("counts", "counts-text")
 
 
 def counted(package: str, program: str, board: Board) -> Figures:
-    """What a program says that counts: kernels and instructions."""
+    """Runs a counting program. Returns kernels and instructions."""
     command = ["cargo", "run", "-q", "--release", "-p", package, "--bin", program]
     run = subprocess.run(
         [*command, "--target", board.target], cwd=FIRMWARE, stdout=subprocess.PIPE, text=True
@@ -30,7 +30,7 @@ def counted(package: str, program: str, board: Board) -> Figures:
 
 
 def table(package: str, programs: tuple[str, ...]) -> Figures:
-    """Counts on all processors: names are `KERNEL COLUMN`."""
+    """Counts on all processors. The names are `KERNEL COLUMN`."""
     figures: Figures = {}
     for board, heading in COLUMNS:
         cargo("build", "-q", "--release", "-p", package, "--target", board.target)
@@ -47,7 +47,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--peers",
         action="store_true",
-        help="count other crates' controllers and decoders beside ours, and compare nothing",
+        help="count other crates' controllers and decoders as well, and compare nothing",
     )
     options = parser.parse_args(arguments)
     figures = (

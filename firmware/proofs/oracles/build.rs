@@ -1,4 +1,5 @@
-//! Takes the oracle tests of the crates as they stand in their folders and makes functions of them that a chip can call.
+//! Takes the oracle tests of the crates from their folders and makes functions of them that a chip
+//! can call.
 
 #[path = "../../link.rs"]
 mod link;
@@ -7,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Test files with plain `#[test]` functions on oracle data: crate and file.
+/// Crate and file of tests with plain `#[test]` functions on oracle data.
 const FILES: [(&str, &str); 7] = [
     ("backlash", "oracle"),
     ("interp", "oracle"),
@@ -35,7 +36,8 @@ fn main() {
         fs::write(&made, text).expect("OUT_DIR is writable");
         writeln!(
             modules,
-            "#[allow(unused_imports)] // not every file needs all of its surroundings\nmod {module} {{ use crate::surroundings::*; include!({made:?}); }}"
+            "#[allow(unused_imports)] // not every file needs all of its surroundings\n\
+             mod {module} {{ use crate::surroundings::*; include!({made:?}); }}"
         )
         .expect("a String takes everything");
         for function in functions {
@@ -47,7 +49,8 @@ fn main() {
     fs::write(out.join("tests.rs"), all).expect("OUT_DIR is writable");
 }
 
-/// The text with its tests as public functions and the places of its data as they are from anywhere; and their names.
+/// The text with its tests as public functions and absolute paths of its data, and the names of the
+/// tests.
 fn callable(text: &str, folder: &Path) -> (String, Vec<String>) {
     let mut names = Vec::new();
     let mut made = String::new();

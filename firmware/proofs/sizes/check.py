@@ -1,8 +1,8 @@
-"""Flash and stack of small programs, and flash and static RAM of each crate, on a Cortex-M0.
+"""Measures flash and stack of small programs, and flash and static RAM of each crate: Cortex-M0.
 
-Of the small programs the flash is what they take beyond an empty one, at `opt-level = "s"`. How
-deep their stack is, is seen under QEMU; how deep it can be at most is read from their code. Of each
-crate all public functions are linked together, as the panic probe names them.
+The flash of a small program is what it takes more than an empty one, at `opt-level = "s"`. The
+depth of its stack is observed under QEMU; the bound of that depth is read from its code. For each
+crate all public functions that the panic proof names are linked together.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from husillo_firmware.stack import Depths
 from husillo_firmware.waiting import fail
 
 SIZES = FIRMWARE / "proofs/sizes"
-# The crates, each of which is the name of a function of the panic probe.
+# The crates. The panic proof has a function of each name.
 CRATES = (
     *("gcode", "excellon", "interp", "planner", "stepper", "backlash", "encoder", "pid"),
     *("probe", "transports", "store", "machine", "controllers"),
@@ -36,7 +36,7 @@ LEVEL = "s"
 
 
 def of_programs(features: str) -> Iterator[tuple[str, float]]:
-    """Flash, stack and bounds of the small programs with features of the parser."""
+    """Flash, stack and bounds of the small programs, with these features of the parser."""
     folder = target_folder() / f"size-{features}"
     chosen = () if features == "basic" else ("--features", features)
     cargo(
@@ -58,7 +58,7 @@ def of_programs(features: str) -> Iterator[tuple[str, float]]:
 
 
 def run(program: Path) -> str:
-    """Runs a program in QEMU: what it says."""
+    """Runs a program in QEMU. Returns its output."""
     done = subprocess.run(["./qemu-run", program], cwd=FIRMWARE, stdout=subprocess.PIPE, text=True)
     if done.returncode:
         fail(f"{done.stdout}{program}: status {done.returncode}")
@@ -69,7 +69,7 @@ def of_crates() -> Iterator[tuple[str, float]]:
     """Flash and static RAM of each crate."""
     folder = target_folder() / "size-crates"
     folder.mkdir(parents=True, exist_ok=True)
-    # A link that was made before is not made again.
+    # Cargo would not link again what was linked before.
     (FIRMWARE / "proofs/panics/src/main.rs").touch()
     cargo(
         *("rustc", "-q", "--release", "-p", "panics", "--target", MICROBIT.target),

@@ -1,1 +1,1 @@
-"""Checks of the firmwares: built, run in QEMU, compared with the host and with golden figures."""
+"""Checks the firmwares: builds them, runs them in QEMU, compares with host and golden figures."""

@@ -20,16 +20,16 @@ CHECKS = {
 
 
 def run(arguments: list[str]) -> None:
-    """Builds a firmware and becomes QEMU, which runs it."""
+    """Builds a firmware and runs it in QEMU."""
     options = argparse.ArgumentParser(prog="firmware/qemu", description=run.__doc__)
     options.add_argument("product", choices=[name for name in CHECKS if is_product(name)])
     options.add_argument("board", nargs="?", type=boards.named, default=boards.MPS2)
     options.add_argument("port", nargs="?", type=int, default=7000)
-    options.add_argument("--features", default="", help="of the firmware, as in faithful")
+    options.add_argument("--features", default="", help="of the firmware, such as faithful")
     options.add_argument(
-        "--slow", action="store_true", help="keep to the clock on the wall, and do not jump"
+        "--slow", action="store_true", help="keep to wall-clock time, and do not jump"
     )
-    options.add_argument("qemu", nargs="*", help="arguments of QEMU's own, after --")
+    options.add_argument("qemu", nargs="*", help="further arguments of QEMU, after --")
     chosen = options.parse_args(arguments)
     elf = build.firmware(chosen.product, chosen.board, chosen.features)
     port = f"--port tcp:127.0.0.1:{chosen.port}"
@@ -47,7 +47,7 @@ def is_product(name: str) -> bool:
 
 
 def main(arguments: list[str]) -> int:
-    """Runs a check by its name: the status."""
+    """Runs a check by its name. Returns the exit status."""
     if arguments[:1] == ["qemu"]:
         run(arguments[1:])
     if not arguments or arguments[0] not in CHECKS:

@@ -1,10 +1,10 @@
-"""The boards on which firmwares are checked, as QEMU has them."""
+"""The QEMU boards on which firmwares are checked."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Of every board, in bytes.
+# RAM of every board, in bytes.
 RAM = 16384
 
 
@@ -17,7 +17,7 @@ class Board:
     target: str
     qemu: tuple[str, ...]
     ram_start: int
-    # The compiler's optimization; a product may have another one.
+    # The optimisation level; a product may have another one.
     level: str
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Builds firmwares and the host's program with cargo."""
+"""Builds firmwares and the host program with cargo."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from husillo_firmware.boards import Board
 # The folder `firmware`.
 FIRMWARE = Path(__file__).resolve().parents[2]
 
-# Where there is flash the events go for speed.
+# Boards with enough flash optimise the events for speed.
 LEVELS = {("micromill", "mps2-an386"): "3"}
-# The micro mill's events are in the firmware's own crate, which instantiates what is generic.
+# The micro mill's events are in the firmware's own crate, which instantiates the generic code.
 OWN = {("micromill", "microbit"): 'profile.release.package.micromill.opt-level="s"'}
 
 
 def target_folder(of: Path = FIRMWARE) -> Path:
-    """Where cargo puts what it builds of a workspace."""
+    """Cargo's target folder of a workspace."""
     return of / os.environ.get("CARGO_TARGET_DIR", "target")
 
 
 def cargo(*arguments: str, folder: Path = FIRMWARE, **environment: str) -> None:
-    """Runs cargo; its messages are seen, and the check ends where it fails."""
+    """Runs cargo and shows its messages. Ends the check if it fails."""
     command = ["cargo", *arguments]
     status = subprocess.run(command, cwd=folder, env={**os.environ, **environment}).returncode
     if status:
@@ -48,6 +48,6 @@ def firmware(program: str, board: Board, features: str = "") -> Path:
 
 
 def compiler() -> str:
-    """The compiler's version: figures of another one are not compared."""
+    """The compiler's version. Figures of another version are not compared."""
     said = subprocess.run(["rustc", "-V"], cwd=FIRMWARE, capture_output=True, text=True, check=True)
     return said.stdout.strip()

@@ -1,4 +1,4 @@
-"""Programs of 32 bits, read from their headers: no tool for the target is needed."""
+"""Reads 32-bit ELF programs, without tools of the target."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WRITTEN, LOADED = 1, 2
 
 @dataclass(frozen=True)
 class Section:
-    """A section: `link` is the number of the one that has its names."""
+    """A section. `link` is the number of the section that has its names."""
 
     name: str
     kind: int
@@ -25,13 +25,13 @@ class Section:
     link: int
 
     def has(self, address: int) -> bool:
-        """Whether the address is in it."""
+        """Whether the address is in this section."""
         return self.address <= address < self.address + self.length
 
 
 @dataclass(frozen=True)
 class Symbol:
-    """A symbol; `is_function` where it is one that the program defines."""
+    """A symbol. `is_function` is true for a function that the program defines."""
 
     name: str
     value: int
@@ -52,7 +52,7 @@ class Elf:
         self.programs = [one for one in self.sections if one.kind == PROGRAM and one.flags & LOADED]
 
     def text(self, place: int) -> str:
-        """The name at a place of the file."""
+        """The name at an offset of the file."""
         return self.data[place : self.data.index(b"\0", place)].decode()
 
     def flash(self) -> int:
@@ -64,20 +64,20 @@ class Elf:
         return self.sum(lambda one: bool(one.flags & WRITTEN))
 
     def sum(self, counts: Callable[[Section], bool]) -> int:
-        """Bytes of those sections of memory."""
+        """Total length of the loaded sections for which `counts` is true."""
         return sum(one.length for one in self.sections if one.flags & LOADED and counts(one))
 
     def static(self, start: int) -> int:
-        """Bytes from the start of RAM to the end of what is there from the start."""
+        """Bytes from the start of RAM to the end of the static data."""
         names = (".data", ".bss", ".uninit")
         return max(one.address + one.length for one in self.sections if one.name in names) - start
 
     def halfword(self, address: int) -> int:
-        """Two bytes of code; 0 where there is none."""
+        """Two bytes of code; 0 where there is no code."""
         return self.number(address, "<H")
 
     def number(self, address: int, form: str) -> int:
-        """A number in the program, in a form of `struct`; 0 where there is none."""
+        """A number in the program, in a `struct` format; 0 where there is no code."""
         for one in self.programs:
             if one.has(address):
                 place = one.offset + address - one.address

@@ -1,4 +1,4 @@
-"""A firmware beside the host's emulated machine: both are given the same commands."""
+"""Compares a firmware with the host's emulated machine, which gets the same commands."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from husillo_firmware.boards import Board
 from husillo_firmware.registers import Made, Switched, clocks_per_us
 from husillo_firmware.waiting import Lines, fail, require
 
-# A foreground gives one event after the other, as it has to look at the switches. It takes no
-# longer than this: an event that is due before may come late.
+# A foreground gives one event after the other, as it has to read the switches. It takes at most
+# this long: an event that is due earlier may come late.
 FOREGROUND_US = 300
 BEGIN_S = 60
 
@@ -29,7 +29,7 @@ def rows_of(lines: Iterable[str]) -> list[Row]:
 
 
 class Emulated:
-    """A machine that the host emulates, quicker than in real time."""
+    """A machine that the host emulates, faster than in real time."""
 
     def __init__(self, machine: str, folder: Path, speed: int, *options: str) -> None:
         self.link, self.steps = folder / f"{machine}.link", folder / f"{machine}.csv"
@@ -49,7 +49,7 @@ class Emulated:
         self.process.communicate()
 
     def rows(self) -> list[Row]:
-        """All that it has made, when it was ended."""
+        """All rows, after the machine was ended."""
         with self.steps.open() as file:
             return rows_of(file)
 
@@ -62,11 +62,12 @@ def compare(
     outputs: int,
     slow: int = 0,
 ) -> int:
-    """Compares pins written when a wait was over, and outputs switched, with rows.
+    """Compares pins written at the end of a wait, and outputs switched, with rows.
 
-    Returns how many rows have happened. `outputs` are those before the first row. Waits count from
-    the event before or, where an output that is `slow` was switched on, from then; how long a
-    machine stood before nobody knows. A wait is exact, unless its end had passed when it began.
+    Returns how many rows have happened. `outputs` are those before the first row. A wait counts
+    from the event before. If an output in `slow` was switched on, it counts from then, because it
+    is unknown how long the machine stood before. A wait is exact, unless its end had passed when it
+    began.
     """
     events = iter(happened)
     due: int | None = None
@@ -100,13 +101,13 @@ def compare(
 
 
 def same(what: str, found: float, expected: float) -> None:
-    """Ends the check where they differ."""
+    """Ends the check if the values differ."""
     if found != expected:
         fail(f"{what}: {found} instead of {expected}")
 
 
 def due_of(one: Made | Switched | None) -> int:
-    """When it was to be; the check ends where it was not waited for."""
+    """When an event was due. Ends the check if it had no wait."""
     due = one.due if isinstance(one, Made) else None
     if due is None:
         fail("pins were written that nothing was waited for")

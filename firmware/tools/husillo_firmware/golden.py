@@ -1,4 +1,4 @@
-"""Figures and the ones that are kept of them: the one comparison of all checks."""
+"""Compares figures with golden ones, for all checks."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from husillo_firmware.build import FIRMWARE, compiler
 # Names and values, in the order in which they are printed.
 Figures = dict[str, float]
 
-# A figure may change by so much, up and down.
+# How much a figure may change, up or down.
 TOLERANCE = 0.02
 # Last words of names of figures that may not change at all.
 EXACT = {"steps", "holes", "results"}
 
 
 def differences(golden: Figures, found: Figures) -> list[str]:
-    """What has changed beyond what is allowed, and what is missing or new."""
+    """Figures that changed more than allowed, and figures that are missing or new."""
     said = [f"{name} is gone" for name in golden if name not in found]
     for name, now in found.items():
         if name not in golden:
@@ -31,7 +31,7 @@ def differences(golden: Figures, found: Figures) -> list[str]:
 
 
 class Lines:
-    """A figure a line: its name, then its value, a whole number."""
+    """One figure per line: its name, then its value, a whole number."""
 
     @staticmethod
     def text(figures: Figures) -> str:
@@ -76,9 +76,10 @@ def settle(
     is_written: bool,
     is_meant: Callable[[str], bool] = lambda name: True,
 ) -> int:
-    """Compares figures with a golden file, or writes it: the status of the check.
+    """Compares figures with a golden file, or writes the file. Returns the status of the check.
 
-    Of the file only the figures that are meant are compared. Those of another compiler are not.
+    Only those figures of the file for which `is_meant` is true are compared. Figures of another
+    compiler are not compared.
     """
     version, where = compiler(), path.relative_to(FIRMWARE)
     if is_written:

@@ -1,4 +1,4 @@
-"""The host's program, as checks use it."""
+"""The host program, as checks use it."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from pathlib import Path
 from husillo_firmware.build import FIRMWARE, cargo, target_folder
 from husillo_firmware.waiting import fail
 
-# Longer than anything takes that a check asks for.
+# Longer than any command of a check takes.
 LONGEST_S = 600
 STEPS_AS_SIMULATED = r"Steps +(\d+), each as in the simulator"
 
 
 @cache
 def program() -> Path:
-    """Builds it: its path."""
+    """Builds the host program. Returns its path."""
     root = FIRMWARE.parent
     cargo("build", "-q", "-p", "husillo-host", folder=root)
     return target_folder(root) / "debug/husillo"
 
 
 def command(*arguments: str | Path) -> list[str]:
-    """A command of it."""
+    """A command line of the host program."""
     return [str(program()), *map(str, arguments)]
 
 
 def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Runs it to its end."""
+    """Runs the host program to its end."""
     return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=LONGEST_S)
 
 
 def says(*arguments: str | Path) -> str:
-    """What it says on its standard output; the check ends where it fails."""
+    """Runs the host program. Returns its standard output; ends the check if it fails."""
     done = run(*arguments)
     if done.returncode:
         fail(f"husillo {' '.join(map(str, arguments))}\n{done.stdout}{done.stderr}")
@@ -48,7 +48,7 @@ def send(
     *arguments: str,
     answer: str = STEPS_AS_SIMULATED,
 ) -> list[str]:
-    """Has it send a file: what its answer has in the group of a pattern, once or more."""
+    """Has the host send a file. Returns all matches of the pattern's group in its output."""
     said = says("send", file, "-m", machine, "--port", port, *arguments)
     found: list[str] = re.findall(answer, said)
     if not found:

@@ -1,4 +1,4 @@
-"""QEMU's log of every instruction (-singlestep, log exec,nochain,int), counted."""
+"""Counts instructions in QEMU's log of every instruction (-singlestep, log exec,nochain,int)."""
 
 from __future__ import annotations
 
@@ -7,40 +7,39 @@ from pathlib import Path
 
 from husillo_firmware.qemu import Firmware
 
-# What QEMU's monitor is told to begin such a log, and to end it.
+# The commands of QEMU's monitor that begin and end such a log.
 BEGIN, END = "log exec,nochain,int", "log none"
 
-# A foreground that sleeps again after fewer instructions has only looked whether there is
-# something to do.
+# A foreground that sleeps again after fewer instructions has only checked whether there is work.
 IDLE = 32
 
-# The number of the timer's interrupt as the log has it; the UART's is the other one.
+# The number of the timer's interrupt in the log; the other one is the UART's.
 TIMER = {"microbit": "24", "mps2-an386": "24", "virt": "7"}
 
-# Code that holds interrupts back (True) and lets them in (False): cpsid and cpsie; csrrci and
-# csrrsi of mstatus, bit 3.
+# Code that disables interrupts (True) and enables them (False): cpsid and cpsie; csrrci and csrrsi
+# of mstatus, bit 3.
 HOLDS = {0xB672: True, 0xB662: False}
 HOLDS_RISCV = {0x30047073: True, 0x30046073: False}
 
 
 class Count:
-    """What a log of a program on a board says; up to the first sleep or all of it."""
+    """Counts of a program's log on a board: up to the first sleep, or of all of it."""
 
     def __init__(self, firmware: Firmware, path: Path, to_sleep: bool = False) -> None:
         self.firmware, self.program = firmware, firmware.elf
         self.is_riscv = firmware.board.name == "virt"
         self.foreground = 0
-        # Instructions of each interrupt of the timer, and of each other one.
+        # Instructions of each timer interrupt, and of each other one.
         self.step: list[int] = []
         self.byte: list[int] = []
-        # The longest stretch in which no interrupt of the timer comes.
+        # The longest stretch in which the timer interrupt cannot come.
         self.held = 0
-        # The interrupt that runs; `None` in the foreground.
+        # The list of the running interrupt; `None` in the foreground.
         self.inside: list[int] | None = None
         self.stretch, self.is_held = 0, False
-        # Instructions of the foreground since it slept last.
+        # Instructions of the foreground since its last sleep.
         self.awake = IDLE
-        # What is known of the instruction at an address: holds, returns, sleeps.
+        # For the instruction at an address: holds, returns, sleeps.
         self.known: dict[int, tuple[bool | None, bool, bool]] = {}
         with path.open(errors="replace") as lines:
             for line in lines:
@@ -48,11 +47,11 @@ class Count:
                     break
 
     def sleeps_after(self, line: str) -> bool:
-        """Counts a line: whether the foreground sleeps with it."""
+        """Counts a line. Returns whether the foreground sleeps with it."""
         if line.startswith("Trace"):
             at = line.index("[")
             return self.executed(int(line[at + 10 : at + 18], 16))
-        # It was not executed yet: it comes again.
+        # The instruction was not executed yet: it comes again.
         if line.startswith(("Stopped", "cpu_io_recompile")):
             if self.inside is None:
                 self.foreground -= 1
@@ -71,7 +70,7 @@ class Count:
         return False
 
     def executed(self, address: int) -> bool:
-        """Counts an instruction: whether the foreground sleeps with it."""
+        """Counts an instruction. Returns whether the foreground sleeps with it."""
         is_foreground = self.inside is None
         if self.inside is None:
             self.foreground += 1
@@ -91,7 +90,7 @@ class Count:
                     self.held = max(self.held, self.stretch)
                 self.is_held = holds
         if is_foreground and sleeps:
-            # Woken by an interrupt that it need not follow yet: it is idle.
+            # An interrupt woke it that needs no work yet: it was idle.
             if self.awake < IDLE:
                 self.foreground -= self.awake
             self.awake = 0
@@ -100,7 +99,7 @@ class Count:
         return is_foreground and sleeps
 
     def leave(self) -> None:
-        """An interrupt has ended."""
+        """Ends an interrupt."""
         if self.inside is self.byte:
             self.held = max(self.held, self.stretch)
         self.inside = None
@@ -110,11 +109,11 @@ class Count:
         return self.program.halfword(address) | self.program.halfword(address + 2) << 16
 
     def is_return(self, address: int) -> bool:
-        """mret: the ARM boards log it themselves."""
+        """Whether this is mret. On ARM boards QEMU logs the return itself."""
         return self.is_riscv and self.word(address) == 0x3020_0073
 
     def holds(self, address: int) -> bool | None:
-        """Whether interrupts are held back from there on, let in, or neither (`None`)."""
+        """Whether interrupts are disabled from there on, enabled, or neither (`None`)."""
         if self.is_riscv:
             return HOLDS_RISCV.get(self.word(address) & ~0xF80)
         return HOLDS.get(self.program.halfword(address))

@@ -1,4 +1,4 @@
-"""What the checks of all products have in common: boards, figures, the golden file."""
+"""The common part of all products' checks: boards, figures, the golden file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Measured = Callable[[Board], Iterable[tuple[str, int]]]
 
 
 def parser(name: str, what: str) -> argparse.ArgumentParser:
-    """The options that every product's check has."""
+    """The options of every product's check."""
     options = argparse.ArgumentParser(prog=f"firmware/check {name}", description=what)
     options.add_argument("boards", nargs="*", type=boards.named, metavar="BOARD")
     options.add_argument("--write", action="store_true", help="renew golden.txt")
@@ -22,7 +22,7 @@ def parser(name: str, what: str) -> argparse.ArgumentParser:
 
 
 def measure(name: str, on: Iterable[Board], measured: Measured) -> Figures:
-    """Checks a product on boards: its figures, printed as they come."""
+    """Checks a product on boards, and prints its figures as they come. Returns them."""
     figures: Figures = {}
     for board in on:
         rows = list(measured(board))
@@ -35,7 +35,7 @@ def measure(name: str, on: Iterable[Board], measured: Measured) -> Figures:
 
 
 def settle(name: str, options: argparse.Namespace, figures: Figures) -> int:
-    """Compares a product's figures with its golden file, or writes it: the status."""
+    """Compares a product's figures with its golden file, or writes it. Returns the status."""
     chosen = {board.name for board in options.boards or boards.ALL}
     if options.write and options.boards:
         raise SystemExit("--write needs all boards")
@@ -46,6 +46,6 @@ def settle(name: str, options: argparse.Namespace, figures: Figures) -> int:
 
 
 def check(name: str, what: str, arguments: list[str], measured: Measured) -> int:
-    """The whole check of a product that has no options of its own: the status."""
+    """Runs the whole check of a product without options of its own. Returns the status."""
     options = parser(name, what).parse_args(arguments)
     return settle(name, options, measure(name, options.boards or boards.ALL, measured))

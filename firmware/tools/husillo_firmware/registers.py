@@ -1,4 +1,4 @@
-"""What a firmware does at the registers of its board, by QEMU's trace of every access to them."""
+"""Reads what a firmware does from QEMU's trace of every access to the board's registers."""
 
 from __future__ import annotations
 
@@ -9,39 +9,39 @@ from pathlib import Path
 
 from husillo_firmware.boards import Board
 
-# To be given to QEMU, with `-D` and the file: enough for the pins and their waits, and for when
-# they were written, too.
+# Options for QEMU, to be used with `-D FILE`. ACCESSES shows the pins and their waits; ARGUMENTS
+# also shows when they were written.
 ACCESSES = ("-trace", "memory_region_ops_write", "-trace", "memory_region_ops_read")
 ARGUMENTS = (*ACCESSES, "-d", "int")
 
-# A wait whose end has passed when it begins ends so soon after that: the microbit's timer has to
-# see its end coming, if need be at the second try.
+# A wait whose end has passed when it begins ends within this time. The microbit's timer must see
+# its end coming, which may need a second try.
 AT_ONCE_US = 4
 
 ACCESS = re.compile(r"memory_region_ops_(write|read) .* addr 0x([0-9a-f]+) value 0x([0-9a-f]+) ")
 
 
 class Registers:
-    """The registers of a board, and what is written to them."""
+    """The registers of a board, and the meaning of writes to them."""
 
-    # Of the timer.
+    # Clocks of the timer.
     CLOCKS_PER_US: int
-    # The addresses of a byte sent, of a byte heard, and of the time.
+    # The addresses of a byte sent, of a byte received, and of the time.
     SENT: int
     HEARD: int
     NOW: int
 
     def now(self, value: int) -> int:
-        """The time, by what was read at `NOW`."""
+        """The time, from the value read at `NOW`."""
         return value
 
     def write(self, address: int, value: int) -> tuple[str, int] | None:
-        """Whether the motors, the outputs or a wait was written there, and what."""
+        """Whether this writes the motors, the outputs or a wait, and the value."""
         raise NotImplementedError
 
 
 class Microbit(Registers):
-    """TIMER0 in microseconds; OUTCLR, then OUTSET tell all pins of a kind."""
+    """TIMER0 in microseconds. OUTCLR, then OUTSET show all pins of a kind."""
 
     CLOCKS_PER_US = 1
     SENT, HEARD = 0x4000_251C, 0x4000_2518
@@ -63,7 +63,7 @@ class Microbit(Registers):
 
 
 class Mps2(Registers):
-    """TIMER1 counts down at 25 MHz; TIMER0 is given the time from what was read there last."""
+    """TIMER1 counts down at 25 MHz. TIMER0 gets the time from the last reading of TIMER1."""
 
     CLOCKS_PER_US = 25
     SENT = HEARD = 0x4000_4000
@@ -87,14 +87,14 @@ class Mps2(Registers):
 
 
 class Virt(Registers):
-    """mtime at 10 MHz, mtimecmp; the pins are those of the UART."""
+    """mtime at 10 MHz, and mtimecmp. The pins are those of the UART."""
 
     CLOCKS_PER_US = 10
     SENT = HEARD = 0x1000_0000
     NOW = 0x0200_BFF8
 
     def write(self, address: int, value: int) -> tuple[str, int] | None:
-        # 0 is what it is set to when it is switched on.
+        # It is set to 0 at power-on.
         if address == 0x0200_4000 and value:
             return "due", value
         if address == 0x1000_0007:
@@ -108,45 +108,45 @@ BOARDS: dict[str, type[Registers]] = {"microbit": Microbit, "mps2-an386": Mps2, 
 
 
 def clocks_per_us(board: Board) -> int:
-    """Of the board's timer."""
+    """Clocks per microsecond of the board's timer."""
     return BOARDS[board.name].CLOCKS_PER_US
 
 
 def heard_at(board: Board) -> int:
-    """The address at which a byte that has come is read."""
+    """The address at which a received byte is read."""
     return BOARDS[board.name].HEARD
 
 
 @dataclass(eq=False)
 class Made:
-    """The motors' pins were written."""
+    """A write to the motors' pins."""
 
     levels: int
     outputs: int
-    # When that was to be: clocks of the board, of 32 bits. `None`: nothing was waited for.
+    # When it was due, in clocks of the board, 32 bits. `None`: there was no wait.
     due: int | None
-    # The time that was read last before that wait began.
+    # The last reading of the time before that wait began.
     asked: int | None
-    # When it was read that it had been. `None`: that interrupt did not read it, or there is no
-    # telling (`virt`, where QEMU does not log its end).
+    # The first reading of the time after it. `None`: the interrupt did not read it, or this is
+    # unknown (`virt`, where QEMU does not log the end of an interrupt).
     at: int | None = None
 
     def is_late(self, board: Board) -> bool:
-        """Whether its time had passed when its wait began: then it is made at once."""
+        """Whether its time had passed when its wait began. Then it is made at once."""
         if self.due is None or self.asked is None:
             return False
         since = (self.due - self.asked) % 2**32
         return since <= AT_ONCE_US * clocks_per_us(board)
 
     def earlier(self, clocks: int) -> Made:
-        """The same, asked for and due so much earlier."""
+        """The same write, requested and due earlier by this many clocks."""
         due, asked = (None if at is None else at - clocks for at in (self.due, self.asked))
         return replace(self, due=due, asked=asked)
 
 
 @dataclass(eq=False)
 class Switched:
-    """The other outputs have changed."""
+    """A change of the other outputs."""
 
     outputs: int
 
@@ -156,7 +156,7 @@ Happened = Made | Switched | int
 
 
 def made(happened: Iterable[Happened]) -> list[Made]:
-    """What was written to the motors' pins."""
+    """The writes to the motors' pins."""
     return [one for one in happened if isinstance(one, Made)]
 
 
@@ -166,15 +166,15 @@ def said(happened: Iterable[Happened]) -> bytes:
 
 
 def read_file(board: Board, path: Path, with_outputs: bool = False) -> list[Happened]:
-    """All that a log says until now: as `read`."""
+    """Reads all of a log until now; see `read`."""
     with path.open(errors="replace") as lines:
         return read(board, lines, with_outputs)
 
 
 def read(board: Board, lines: Iterable[str], with_outputs: bool = False) -> list[Happened]:
-    """All that was written to the motors' pins, and the bytes that were sent, in order.
+    """Reads the writes to the motors' pins and the bytes sent from the lines of a log, in order.
 
-    Of the lines of a log. Where asked for, what has switched outputs, too.
+    With `with_outputs` it includes changes of the other outputs.
     """
     registers = BOARDS[board.name]()
     happened: list[Happened] = []

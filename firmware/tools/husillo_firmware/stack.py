@@ -1,9 +1,9 @@
-"""How deep the stack of a program for a Cortex-M0 can be, read from its code.
+"""Bounds the stack depth of a program for a Cortex-M0, from its code.
 
-The bound of a function is the room that it and all that it calls can take at most: the registers
-and the room that each function pushes, added up along the deepest chain of calls. Every chain
-counts, whether any input takes it or not. A function that calls through a pointer, or itself, has
-no such bound: then the check fails.
+The bound of a function is the largest room that it and its callees can take: the registers and the
+space that each function pushes, added up along the deepest chain of calls. Every chain counts,
+whether or not any input takes it. A function that calls through a pointer, or calls itself, has no
+such bound: then the check fails.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from husillo_firmware.build import elf
 from husillo_firmware.elf import Elf
 from husillo_firmware.waiting import fail
 
-# What the chip pushes when an interrupt comes (8 words), and the two of the reset.
+# What the chip pushes at an interrupt (8 words), and the two words of the reset.
 FRAMES = 40
 
 
 @dataclass
 class Function:
-    """What a function takes of the stack itself, and where it goes."""
+    """The room that a function itself takes on the stack, and its calls and jumps."""
 
     room: int = 0
     calls: set[int] = field(default_factory=set)
@@ -37,7 +37,7 @@ class Depths:
 
     def __init__(self, path: Path) -> None:
         self.path, self.elf = path, Elf(path)
-        # Name and length of the function that begins at an address.
+        # Name and length of the function at an address.
         self.functions: dict[int, tuple[str, int]] = {}
         # Where code begins (False) and where data does (True).
         self.marks: dict[int, bool] = {}
@@ -46,12 +46,12 @@ class Depths:
                 self.functions.setdefault(symbol.value & ~1, (symbol.name, symbol.length))
             elif re.match(r"\$[td](\.|$)", symbol.name):
                 self.marks[symbol.value] = symbol.name[1] == "d"
-        # `None` while it is looked for.
+        # `None` while the depth is being computed.
         self.depths: dict[int, int | None] = {}
         sys.setrecursionlimit(10000)
 
     def bound(self, pattern: str) -> int:
-        """The bound of the one function whose symbol has that pattern."""
+        """The bound of the only function whose symbol matches this pattern."""
         found = [at for at, (name, _) in self.functions.items() if re.search(pattern, name)]
         if len(found) != 1:
             fail(f"{self.path}: {len(found)} functions are called {pattern}")
@@ -60,7 +60,7 @@ class Depths:
         return depth
 
     def depth(self, begin: int) -> int | None:
-        """The bound of the function there; `None` where it is looked for already."""
+        """The bound of the function at an address; `None` while it is being computed."""
         if begin not in self.depths:
             self.depths[begin] = None
             function = self.scan(begin)
@@ -77,7 +77,7 @@ class Depths:
         """Reads the code of a function."""
         end = begin + self.functions[begin][1]
         function, is_data = Function(), False
-        # What was loaded into a register.
+        # The values loaded into registers.
         loaded: dict[int, int] = {}
         at = begin
         while at < end:
@@ -93,7 +93,7 @@ class Depths:
             elif code & 0xFF87 == 0x4485:  # add sp, r
                 function.room -= min(loaded.get(code >> 3 & 15, 0), 0)
             elif code & 0xFF80 == 0x4780 and code != 0x47F0:  # blx r
-                # Of a function called several times the address is loaded once.
+                # The address of a function that is called several times is loaded once.
                 to = loaded.get(code >> 3 & 15, 0) & ~1
                 if to in self.functions:
                     function.calls.add(to)
@@ -105,7 +105,7 @@ class Depths:
                 low = self.elf.halfword(at + 2)
                 if code & 0xF800 == 0xF000 and low & 0xD000 == 0xD000:  # bl
                     to = at + 4 + branch(code, low)
-                    # Within a function it is a jump too far for the short one.
+                    # Within a function this is a jump that is too far for `b`.
                     if not begin < to < end:
                         function.calls.add(to)
                 at += 2
@@ -115,7 +115,7 @@ class Depths:
 
 
 def branch(high: int, low: int) -> int:
-    """How far a `bl` of two halfwords goes."""
+    """The distance of a `bl` of two halfwords."""
     sign = high >> 10 & 1
     first, second = 1 - (low >> 13 & 1 ^ sign), 1 - (low >> 11 & 1 ^ sign)
     bits = first << 23 | second << 22 | (high & 0x3FF) << 12 | (low & 0x7FF) << 1
@@ -123,9 +123,9 @@ def branch(high: int, low: int) -> int:
 
 
 def worst(firmware: str) -> int:
-    """How deep the stack of a firmware can be, whatever comes in.
+    """The largest stack depth of a firmware, for any input.
 
-    That is `main`, and on top of it an interrupt with the frame that the chip pushes.
+    This is `main`, and on top of it an interrupt with the frame that the chip pushes.
     """
     depths = Depths(elf(firmware, MICROBIT))
     interrupts = ("on_timer_interrupt", "on_uart_interrupt")

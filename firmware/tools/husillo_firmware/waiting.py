@@ -1,4 +1,4 @@
-"""Waits for a thing itself, and never for ever."""
+"""Waits for conditions, always with a time limit."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import time
 from collections.abc import Callable
 from typing import IO, NoReturn
 
-# Between two looks at what is waited for.
+# Time between two checks of a condition.
 LOOK_S = 0.01
 
 
 def fail(what: str) -> NoReturn:
-    """Ends the check: it has failed."""
+    """Ends the check as failed."""
     raise SystemExit(what)
 
 
 def require(is_true: bool, what: object) -> None:
-    """Ends the check where something is not as it has to be."""
+    """Ends the check if a condition is false."""
     if not is_true:
         fail(str(what))
 
 
 def until(is_so: Callable[[], bool], seconds: float, what: str) -> None:
-    """Waits until it is so; fails with what is missing when it is not within that time."""
+    """Waits until a condition is true. Fails with `what` if that takes too long."""
     end = time.monotonic() + seconds
     while not is_so():
         if time.monotonic() > end:
@@ -34,7 +34,7 @@ def until(is_so: Callable[[], bool], seconds: float, what: str) -> None:
 
 
 class Lines:
-    """The lines that a process says."""
+    """The output lines of a process."""
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
         self.process = process
@@ -42,7 +42,7 @@ class Lines:
         self.begun = b""
 
     def next(self, seconds: float) -> str:
-        """The next line, without its end; fails when none comes within that time."""
+        """The next line, without its end. Fails if none comes within that time."""
         end = time.monotonic() + seconds
         while b"\n" not in self.begun:
             left = end - time.monotonic()
@@ -57,6 +57,6 @@ class Lines:
 
 
 def pipe_of(pipe: IO[bytes] | None) -> IO[bytes]:
-    """A pipe that was asked for."""
+    """The pipe of a process that was started with one."""
     assert pipe is not None, "the process was started with a pipe"
     return pipe

@@ -1,4 +1,4 @@
-"""The comparison of a firmware's events with the host's: waits are exact."""
+"""Tests the comparison of a firmware's events with the host's: waits are exact."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from husillo_firmware.registers import Made, clocks_per_us
 from products.microfactory import pins
 
 WAITS_US = (2500, 54, 2446)
-# Where the clock of 32 bits wraps within the second wait.
+# The 32-bit clock wraps within the second wait.
 BEGIN_US = 2**32 - 2520
-# When the foreground begins a wait, at the earliest.
+# The earliest start of a wait by the foreground, before its end.
 AHEAD_US = 40
 
 
 def rows() -> list[Row]:
-    """A step of one axis after each wait, as the host's file has them; the first begins anew."""
+    """A step of one axis after each wait, as in the host's file. The first one starts afresh."""
     found: list[Row] = []
     t_us = 1_000_000
     for wait_us in WAITS_US:
@@ -33,7 +33,7 @@ def levels(row: Row) -> tuple[int, int]:
 
 
 def made(board: Board, waits_us: list[tuple[int, int]]) -> list[Made]:
-    """Steps by their waits and how long before their time those were asked for."""
+    """Steps from their waits, and from how long before their time each wait was requested."""
     clocks = clocks_per_us(board)
     at = BEGIN_US * clocks
     found: list[Made] = []
@@ -44,7 +44,7 @@ def made(board: Board, waits_us: list[tuple[int, int]]) -> list[Made]:
 
 
 def pulses(board: Board, high_us: int, left_us: int) -> list[Made]:
-    """Two steps with CLOCKs that are high so long, 2446 us from rise to rise without delays."""
+    """Two steps with CLOCKs of this length, 2446 us from rise to rise without delays."""
     clocks = clocks_per_us(board)
     times = ((0, AHEAD_US), (high_us, left_us), (2446 - pins.PULSE_US, AHEAD_US))
     at = 0
@@ -56,7 +56,7 @@ def pulses(board: Board, high_us: int, left_us: int) -> list[Made]:
 
 
 class Waits(unittest.TestCase):
-    """Waits of a firmware beside those of the host."""
+    """Compares waits of a firmware with those of the host."""
 
     def compared(self, board: Board, *waits_us: tuple[int, int]) -> int:
         return compare(board, made(board, [(2500, AHEAD_US), *waits_us]), rows(), levels, 0)
@@ -88,7 +88,7 @@ class Pulses(unittest.TestCase):
     """CLOCK of the microfactory."""
 
     def since_us(self, board: Board, high_us: int, left_us: int) -> float:
-        """From one rise to the next."""
+        """Time from one rise to the next."""
         first, second = pins.events(board, pulses(board, high_us, left_us))
         assert isinstance(first, Made) and isinstance(second, Made)
         assert first.due is not None and second.due is not None

@@ -1,4 +1,4 @@
-"""The golden comparison: what may change, and what may not."""
+"""Tests the golden comparison: what may change, and what may not."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from husillo_firmware.golden import Columns, Lines, differences
 
 
 class Differences(unittest.TestCase):
-    """What is said of figures beside the ones that are kept."""
+    """Differences between figures and golden figures."""
 
     def test_two_percent_either_way_is_the_limit(self) -> None:
         for now in (980, 1000, 1020):
@@ -31,7 +31,7 @@ class Differences(unittest.TestCase):
 
 
 class Forms(unittest.TestCase):
-    """What is written is read again."""
+    """Golden files are read as they were written."""
 
     def test_lines(self) -> None:
         figures = {"microbit count line": 22555.0, "basic bytes Modal<3>": 328.0}

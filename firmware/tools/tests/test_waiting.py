@@ -1,4 +1,4 @@
-"""Waits end: with what is waited for, or with an error."""
+"""Tests that every wait ends: with its condition, or with an error."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-//! An axis is homed on its index and touches a work piece, and a link tells where: one thing after the other, each waited for with
-//! `nb::block!`. The state machines neither wait nor know it; what goes on meanwhile stands inside of the macro.
+//! Homes an axis on its index, touches a work piece, and sends its position over a link. Each of
+//! these is awaited with `nb::block!`. The state machines do not wait; the body of the macro does
+//! the work of each period.
 //!
-//! A board of your own has its timer, its motor and its UART in the place of [`motor`] and of the loop at the end.
+//! On your own board, replace [`motor`] and the loop at the end by timer, motor and UART.
 #![no_std]
 #![no_main]
 
@@ -56,7 +57,7 @@ fn to(goal: i32, velocity: u32) -> ServoMotion {
     }
 }
 
-/// Where the work piece is, counts.
+/// Touches the work piece. Returns its position in counts.
 fn touch(motor: &mut Motor, axis: &mut ServoAxis) -> i32 {
     let plan = Plan {
         approach: [2_000, 0, 0],
@@ -65,7 +66,7 @@ fn touch(motor: &mut Motor, axis: &mut ServoAxis) -> i32 {
         over_travel: 200,
         back_off: 50,
         touches: 2,
-        // 2^-16 counts a period.
+        // Speeds in 2^-16 counts per period.
         travel_speed: 2 << 16,
         probing_speed: 1 << 15,
         slow_speed: 1 << 12,
@@ -105,12 +106,12 @@ fn touch(motor: &mut Motor, axis: &mut ServoAxis) -> i32 {
     }
 }
 
-/// Sends these bytes, one a payload, over a link with two places, and prints what arrives.
+/// Sends these bytes, one per payload, over a link with a window of two, and prints what arrives.
 fn tell(bytes: &[u8]) {
     let timing = Timing::of(115_200);
     let mut ends = [Peer::<2>::caller(1, timing), Peer::<2>::station(1, timing)];
     let mut now_us = 0;
-    // A wire in the place of a UART.
+    // A wire instead of a UART.
     let mut exchange = |ends: &mut [Peer<2>; 2]| {
         now_us += 87;
         let [left, right] = ends;

@@ -1,9 +1,9 @@
-//! What a board has in this place: a motor, its encoder, and a probe against a work piece.
+//! Stands in for the hardware of a board: a motor, its encoder, and a probe at a work piece.
 
 use husillo_machine::ServoInputs;
 use husillo_pid::{Drive, ServoGains};
 
-/// Gains of a PIC-SERVO for this motor: proportional action alone.
+/// Gains of a PIC-SERVO for this motor: proportional action only.
 pub const GAINS: ServoGains = ServoGains {
     proportional: 2_000,
     derivative: 0,
@@ -16,24 +16,26 @@ pub const GAINS: ServoGains = ServoGains {
     dead_band: 0,
 };
 
-/// Where the index and the work piece are, counts.
+/// Position of the index, counts.
 pub const INDEX: i32 = 730;
+/// Position of the work piece, counts.
 pub const PIECE: i32 = 2_345;
 
-/// A motor whose speed follows its drive: 1/64 count a period for each of the 255 parts of the duty.
+/// A motor whose speed follows its drive: 1/64 count per period for each of the 255 parts of the
+/// duty.
 #[derive(Default)]
 pub struct Motor {
-    /// 1/64 counts.
+    /// Position, 1/64 counts.
     at: i32,
 }
 
 impl Motor {
-    /// A servo period goes by under this drive.
+    /// Advances by one servo period under this drive.
     pub fn turn(&mut self, drive: Drive) {
         self.at += i32::from(drive.signed());
     }
 
-    /// What the board reads.
+    /// The inputs that a board would read.
     pub fn read(&self) -> ServoInputs {
         let counts = self.at / 64;
         ServoInputs {

@@ -1,8 +1,8 @@
-//! An axis homed on its index, and told over a link, as tasks: one is the servo's clock, one the far end of the link, and the
-//! rest waits for them with `.await`.
+//! Homes an axis on its index and reports its position over a link, as tasks. One task is the clock
+//! of the servo, one is the far end of the link, and the main task awaits both.
 //!
-//! The crates know nothing of tasks: [`ready`] makes a future of whatever polls. A board of your own has its timer in the place of
-//! [`servo`]'s loop and a UART in the place of [`WIRES`].
+//! The crates do not depend on tasks: [`ready`] makes a future of any polling function. On your own
+//! board, replace the loop of [`servo`] by a timer and [`WIRES`] by a UART.
 #![no_std]
 #![no_main]
 
@@ -23,7 +23,7 @@ use husillo_transports::link::{Peer, Received, Timing};
 use motor::{GAINS, INDEX, Motor};
 use semihosting::println;
 
-/// What two tasks work on.
+/// A value that two tasks share.
 type Held<T> = Mutex<CriticalSectionRawMutex, RefCell<Option<T>>>;
 
 static AXIS: Held<ServoAxis> = Mutex::new(RefCell::new(None));
@@ -31,10 +31,10 @@ static AXIS: Held<ServoAxis> = Mutex::new(RefCell::new(None));
 /// Bytes from here to the far end, and back.
 static WIRES: [Channel<CriticalSectionRawMutex, u8, 4>; 2] = [Channel::new(), Channel::new()];
 
-/// A byte at 115 200 bits a second.
+/// Time of a byte at 115 200 bits per second.
 const BYTE_US: u32 = 87;
 
-/// Waits until it would not block any more.
+/// Waits until `poll` does not block any more.
 async fn ready<T, E>(mut poll: impl FnMut() -> nb::Result<T, E>) -> Result<T, E> {
     loop {
         match poll() {
@@ -45,7 +45,7 @@ async fn ready<T, E>(mut poll: impl FnMut() -> nb::Result<T, E>) -> Result<T, E>
     }
 }
 
-/// Works on the axis.
+/// Gives access to the axis.
 fn axis<R>(work: impl FnOnce(&mut ServoAxis) -> R) -> R {
     AXIS.lock(|axis| {
         let mut axis = axis.borrow_mut();
@@ -54,7 +54,7 @@ fn axis<R>(work: impl FnOnce(&mut ServoAxis) -> R) -> R {
     })
 }
 
-/// The servo's period, each time that all others have had their turn.
+/// The servo: one period each time all other tasks have run.
 #[embassy_executor::task]
 async fn servo() {
     let mut motor = Motor::default();
@@ -64,7 +64,7 @@ async fn servo() {
     }
 }
 
-/// One turn of an end of the link: what it says goes out, what has come goes in.
+/// Polls an end of the link: sends what it transmits and hands over what has arrived.
 fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[u8; 4]> {
     let [out, back] = [&WIRES[out], &WIRES[back]];
     let says = if out.is_full() {
@@ -82,7 +82,7 @@ fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[
     }
 }
 
-/// The far end: it prints what it is told, and ends the program.
+/// The far end: prints what it receives, and ends the program.
 #[embassy_executor::task]
 async fn far_end() {
     let mut end = Peer::<2>::station(1, Timing::of(115_200));

@@ -1,11 +1,12 @@
-//! What RTIC asks of a chip's crate, of the `mps2-an386` that QEMU has: priorities and interrupts, here its first timer alone.
+//! What RTIC needs of a chip's crate, for QEMU's `mps2-an386`: priorities and interrupts, here only
+//! the first timer.
 
 use cortex_m::interrupt::InterruptNumber;
 
-/// Bits of a priority.
+/// Number of priority bits.
 pub const NVIC_PRIO_BITS: u8 = 3;
 
-/// The interrupts by their number.
+/// The interrupts by number.
 #[derive(Clone, Copy)]
 #[repr(u16)]
 pub enum Interrupt {
@@ -13,10 +14,10 @@ pub enum Interrupt {
     TIMER0 = 8,
 }
 
-/// The name that crates of chips have for it, too.
+/// The name that chip crates also have for it.
 pub use Interrupt as interrupt;
 
-// Safety: the numbers are the chip's.
+// Safety: the chip has these numbers.
 unsafe impl InterruptNumber for Interrupt {
     fn number(self) -> u16 {
         self as u16
@@ -27,7 +28,7 @@ unsafe extern "C" {
     fn TIMER0();
 }
 
-/// Where they go to: nowhere but the timer.
+/// The handlers: only that of the timer.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Option<unsafe extern "C" fn()>; 9] =
@@ -36,7 +37,7 @@ static __INTERRUPTS: [Option<unsafe extern "C" fn()>; 9] =
 const TIMER: *mut u32 = 0x4000_0000 as *mut u32;
 const HZ: u32 = 25_000_000;
 
-/// The timer's interrupt comes at this period.
+/// Starts the timer interrupt with this period.
 pub fn start(period_us: u32) {
     // Safety: these are the timer's registers: reload, and control with interrupt and count.
     unsafe {
@@ -45,7 +46,7 @@ pub fn start(period_us: u32) {
     }
 }
 
-/// It has come.
+/// Acknowledges the interrupt.
 pub fn acknowledge() {
     // Safety: as above.
     unsafe { TIMER.add(3).write_volatile(1) };

@@ -1,4 +1,4 @@
-//! Counts the methods of motion. Run by `check`.
+//! Counts the methods that make motion. Run by `check`.
 #![no_std]
 #![no_main]
 

@@ -7,10 +7,11 @@ mod board;
 use kernels::Count;
 use semihosting::{println, process};
 
-/// Prints what an event of each kernel costs in executed instructions, loop included: `kernel instructions`.
+/// Prints the instructions that each kernel executes per event, loop included:
+/// `kernel instructions`.
 pub fn report(all: fn(Count<'_>)) -> ! {
     board::start();
-    // The frame around the work.
+    // The overhead around the work.
     let frame = board::instructions(&mut || ());
     all(&mut |name, events, work| {
         let instructions = board::instructions(work).saturating_sub(frame);
@@ -21,7 +22,7 @@ pub fn report(all: fn(Count<'_>)) -> ! {
     process::exit(0)
 }
 
-/// A fault ends QEMU at once instead of hanging until the runner's timeout.
+/// Ends QEMU at once, so that a fault does not hang until the runner's timeout.
 #[cfg(target_arch = "arm")]
 #[cortex_m_rt::exception]
 unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {

@@ -1,4 +1,4 @@
-//! Counts what stands between a line of text and its events. Run by `check`.
+//! Counts the stages from a line of text to its events. Run by `check`.
 #![no_std]
 #![no_main]
 

@@ -1,8 +1,9 @@
-//! Compares the public functions of the `no_std` crates with those the panic probe names: a function the probe does not
-//! link is a function nothing is proved about. Exit status 1 when one is missing.
+//! Compares the public functions of the `no_std` crates with those that the panic proof names.
+//! Nothing is proved about a function that it does not link. The exit status is 1 if one is
+//! missing.
 //!
-//! The sources are read as rustfmt leaves them: items in column 0, methods in column 4, tests last. What a macro generates
-//! is not seen, nor are the default methods of a trait.
+//! The sources are read as rustfmt leaves them: items in column 0, methods in column 4, tests last.
+//! Functions that a macro generates are not found, nor are the default methods of a trait.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,8 @@ const CRATES: [&str; 13] = [
     "controllers",
 ];
 
-/// Traits whose implementations need not be in the probe: derived, or made of calls of functions that are, or text output.
+/// Traits whose implementations need not be in the proof. They are derived, print text, or only
+/// call functions that are in it.
 const EXCUSED_TRAITS: [&str; 15] = [
     "Clone",
     "Copy",
@@ -40,11 +42,11 @@ const EXCUSED_TRAITS: [&str; 15] = [
     "PartialOrd",
     "ErrorType",
     "ExactSizeIterator",
-    // Of interp, not public: the iterators call it.
+    // A private trait of interp, which the iterators call.
     "Method",
 ];
 
-/// Single functions that need not be in the probe, as `crate Type::function`, with the reason.
+/// Single functions that need not be in the proof, as `crate Type::function`, with the reason.
 const EXCUSED_FUNCTIONS: [(&str, &str); 0] = [];
 
 fn main() {
@@ -60,7 +62,7 @@ fn main() {
             if EXCUSED_FUNCTIONS.iter().any(|(excused, _)| *excused == key) {
                 continue;
             }
-            println!("    not in the panic probe: {function}");
+            println!("    not in the panic proof: {function}");
             missing += 1;
         }
     }
@@ -73,7 +75,7 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// `Type::function` or `function` of everything a crate exports.
+/// Every function that a crate exports, as `Type::function` or `function`.
 fn public_functions(source: &Path) -> BTreeSet<String> {
     let library = read(&source.join("lib.rs"));
     let mut exported = exported_names(&library, "pub use ");
@@ -115,8 +117,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
-/// The file that says what is public of a file in a module that the library declares with
-/// `pub mod`, or exports with `pub use` out of another one.
+/// The file that decides what is public in `file`, if that is in a module that the library declares
+/// with `pub mod`, or exports with `pub use` from another one.
 fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     let inside = file.strip_prefix(source).expect("a file of this crate");
     let module = inside.with_extension("");
@@ -134,7 +136,7 @@ fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     Some(source.join(path).with_extension("rs"))
 }
 
-/// Every word of the statements that begin with `pub use`, or with that and where from.
+/// Every word of the statements that begin with `begin`: `pub use`, or `pub use` with a path.
 fn exported_names(library: &str, begin: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for statement in library.split(begin).skip(1) {
@@ -153,7 +155,7 @@ fn is_word(character: char) -> bool {
 fn functions_of(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut header = String::new();
-    // The type of the `impl` block the line stands in, and whether its functions need `pub` to be public.
+    // The type of the current `impl` block, and whether its functions need `pub` to be public.
     let mut block: Option<(String, bool)> = None;
     for line in text.lines() {
         if line.starts_with("mod tests") {
@@ -194,7 +196,7 @@ fn function_name(line: &str, visibility: &str) -> Option<String> {
     )
 }
 
-/// The type of an `impl` header, and whether the block is inherent. Nothing for an excused trait.
+/// The type of an `impl` header, and whether the block is inherent. `None` for an excused trait.
 fn block_of(header: &str) -> Option<(String, bool)> {
     let head = without_generics(header.strip_prefix("impl")?);
     let head = head.split(" where ").next().unwrap_or_default();
@@ -232,7 +234,7 @@ fn last_segment(path: &str) -> String {
     path.rsplit("::").next().unwrap_or(path).trim().to_string()
 }
 
-/// The functions a file of the probe takes the address of.
+/// The functions whose address a file of the proof takes.
 fn named_functions(probe: &str) -> BTreeSet<String> {
     let text: Vec<&str> = probe.split_whitespace().collect();
     let text = text.join(" ");
@@ -244,7 +246,7 @@ fn named_functions(probe: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// What stands after the last comma or bracket that is not inside generics.
+/// The text after the last comma or bracket that is not inside generics.
 fn last_entry(text: &str) -> &str {
     let mut depth = 0_i32;
     for (index, character) in text.char_indices().rev() {
@@ -258,7 +260,7 @@ fn last_entry(text: &str) -> &str {
     text.trim()
 }
 
-/// `<Type<..> as Trait>::function` and `Type::<..>::function::<..>` to `Type::function`.
+/// Reduces `<Type<..> as Trait>::function` and `Type::<..>::function::<..>` to `Type::function`.
 fn named(entry: &str) -> String {
     let entry = match entry.rsplit_once("::<") {
         Some((function, generics)) if generics.ends_with('>') && !generics.contains("::") => {
@@ -270,7 +272,7 @@ fn named(entry: &str) -> String {
         Some((item, function)) => (item, function),
         None => return entry.to_string(),
     };
-    // A module in front of the type is not a part of its name.
+    // A module before the type is not a part of its name.
     let is_module = |path: &str| path.starts_with(|first: char| first.is_ascii_lowercase());
     let mut item = item.trim_start_matches('<');
     while let Some((module, rest)) = item.split_once("::") {

@@ -1,23 +1,24 @@
-//! Runs the crates' oracle tests on a chip: the same files as `cargo test`, made callable by the build script.
+//! Runs the crates' oracle tests on a chip: the same files as `cargo test`, made callable by the
+//! build script.
 #![no_std]
 #![no_main]
 
 extern crate alloc;
 
-// Its critical sections are those of the heap.
+// The heap needs its critical sections.
 #[cfg(target_arch = "arm")]
 use cortex_m as _;
 use embedded_alloc::LlffHeap;
 use semihosting::println;
 
-/// What the tests find around them on a host.
+/// What the tests import on a host.
 mod surroundings {
     pub use alloc::format;
     pub use alloc::string::String;
     pub use alloc::vec;
     pub use alloc::vec::Vec;
 
-    /// Functions of numbers that `core` has not.
+    /// Functions of numbers that `core` lacks.
     pub trait Real {
         /// The square root.
         fn sqrt(self) -> Self;
@@ -29,7 +30,7 @@ mod surroundings {
         fn hypot(self, other: Self) -> Self;
         /// The angle of a vector, in radians.
         fn atan2(self, other: Self) -> Self;
-        /// What is left of a division, never negative.
+        /// The remainder of a division, never negative.
         fn rem_euclid(self, divisor: Self) -> Self;
     }
 

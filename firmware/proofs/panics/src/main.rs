@@ -1,8 +1,10 @@
-//! The proof that no public function of the leaves, of `machine` and of `controllers` can panic: it links only when there is no panic left.
+//! Proves that no public function of the leaves, of `machine` and of `controllers` can panic: this
+//! program links only if no panic is left.
 //!
-//! Each module lists the functions of one crate and takes their addresses, so that each is compiled for any argument and any
-//! state. A path to a panic keeps the panic handler, and the handler calls a symbol that nobody defines.
-//! Generic functions are proved for the instances named. Built with `--profile release-checked`, overflow is a panic too.
+//! Each module lists the functions of one crate and takes their addresses, so that each is compiled
+//! for any argument and any state. A path to a panic keeps the panic handler, and the handler calls
+//! a symbol that nothing defines. Generic functions are proved for the instances named. With
+//! `--profile release-checked`, an overflow is a panic, too.
 #![no_std]
 #![no_main]
 
@@ -20,7 +22,7 @@ mod stepper;
 mod store;
 mod transports;
 
-/// Where the linker starts to look for what is used. Never run.
+/// The linker's entry point. Never run.
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     gcode::keep();
@@ -47,11 +49,11 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe extern "C" {
         fn a_public_function_can_panic() -> !;
     }
-    // Safety: nobody defines this function, so no program that contains this call links.
+    // Safety: nothing defines this function, so no program that contains this call links.
     unsafe { a_public_function_can_panic() }
 }
 
-/// Looks at the place of the panic, so that the calls of different places are not merged into one.
+/// Uses the location of the panic, so that calls from different locations are not merged into one.
 #[cfg(feature = "show")]
 #[panic_handler]
 fn panic(information: &core::panic::PanicInfo<'_>) -> ! {

@@ -9,7 +9,7 @@ use husillo_probe::{
     Repeatability, Request, Sphere, Tip, Touch, UnitVector, corner_nm,
 };
 
-/// Points as they come from a buffer.
+/// Points from a buffer.
 type Points = Copied<Iter<'static, [i64; 3]>>;
 type Touches = Copied<Iter<'static, Touch>>;
 

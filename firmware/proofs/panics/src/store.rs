@@ -7,7 +7,7 @@ use embedded_storage::nor_flash::{
 };
 use husillo_store::{Save, Store};
 
-/// A flash that nothing is known of.
+/// A flash whose behaviour the compiler does not know.
 struct Flash<const UNIT: usize>;
 
 #[derive(Debug)]

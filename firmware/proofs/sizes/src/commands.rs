@@ -1,4 +1,4 @@
-//! A line to words, blocks and commands.
+//! From a line to words, blocks and commands.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What the start of a program and its vectors take.
+//! An empty program: its start-up code and its vectors.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! How deep the stack is below a call, seen from what it overwrites. Run by `check`.
+//! Measures how deep the stack is below a call, from what the call overwrites. Run by `check`.
 #![no_std]
 #![no_main]
 
@@ -7,8 +7,9 @@ use core::ptr::{read_volatile, write_volatile};
 use husillo_gcode::{Block, Commands, Dialect, Modal, words};
 use semihosting::{println, process};
 
-/// How much is looked at, and left alone next to the caller.
+/// Bytes of stack that are examined.
 const DEPTH: usize = 4096;
+/// Bytes below the caller that are left alone.
 const MARGIN: usize = 64;
 const PAINT: u32 = 0xa5a5_5a5a;
 
@@ -18,8 +19,8 @@ fn depth(work: &mut dyn FnMut()) -> usize {
     let top = cortex_m::register::msp::read() as usize - MARGIN;
     let places = || (top - DEPTH..top).step_by(4);
     for place in places() {
-        // SAFETY: below the stack pointer, which a margin keeps away from, and within the RAM of the board (16 kB, of
-        // which nothing else is in use); interrupts are off.
+        // SAFETY: the address is below the stack pointer, with a margin, and within the RAM of the
+        // board (16 kB, otherwise unused); interrupts are off.
         unsafe { write_volatile(place as *mut u32, PAINT) };
     }
     work();
@@ -29,7 +30,8 @@ fn depth(work: &mut dyn FnMut()) -> usize {
     DEPTH + MARGIN - 4 * untouched.count()
 }
 
-/// Lines of every kind, good and bad: with them calls go nearly as deep as they can (`bound` says how deep that is).
+/// Lines of every kind, good and bad. With them calls go nearly as deep as they can; `bound` is the
+/// limit.
 const LINES: &[&str] = &[
     "G1 X12.345 Y-6.789 F600",
     "G0 X1.234567891 Y0.1234567895",
@@ -46,7 +48,7 @@ const LINES: &[&str] = &[
     "G53 G0 X0 Y0",
     "G38.2 Z-5 F10",
     "G43.1 Z5.5",
-    // Numbers of many digits, at every place where one is read and scaled.
+    // Numbers of many digits, in every word where one is read and scaled.
     "G1 X12.3456789012 Y-6.78901234567 Z0.123456789012 F600.123456789",
     "G1 X.0000000000000000001234567891",
     "G53 G1 X1.23456789012",
@@ -81,7 +83,8 @@ const LINES: &[&str] = &[
     "G83 X1 Y1 Z-3 R2 Q0.5 L2",
     "G87 X1 Y1 Z-3 R2 I1.00000000001 J2 K1",
     "M3 S1000",
-    "G87 X1.00000000001 Y1 Z-3.00000000001 R2.00000000001 I1.00000000001 J2.00000000001 K1.00000000001",
+    "G87 X1.00000000001 Y1 Z-3.00000000001 R2.00000000001 \
+     I1.00000000001 J2.00000000001 K1.00000000001",
     "G91 G83 X1.00000000001 Y1.00000000001 Z-3.00000000001 R2.00000000001 Q0.50000000001 L3",
     "G90 G80",
     "G5 X1.00000000001 Y1 I0.50000000001 J0 P0.50000000001 Q0",
@@ -102,7 +105,8 @@ const LINES: &[&str] = &[
     "M3",
     "M61 Q2.00000000",
     "G64 P0.01000000001",
-    "G76 P1.00000000001 Z-5.00000000001 I-0.5 J0.10000000001 K0.60000000001 R1.5 Q29.00000000001 H1 L2 E0.50000000001",
+    "G76 P1.00000000001 Z-5.00000000001 I-0.5 J0.10000000001 \
+     K0.60000000001 R1.5 Q29.00000000001 H1 L2 E0.50000000001",
     "G76 P1 Z-5 I-0.5 J0.1 K0.6 R1.5 Q29 H1 L2 E0.5",
     "G1 X1 X2",
     "G1 Q5",

@@ -1,4 +1,4 @@
-//! A line to words.
+//! From a line to words.
 #![no_std]
 #![no_main]
 

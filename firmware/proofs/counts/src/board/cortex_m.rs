@@ -1,16 +1,18 @@
 //! The simulated Cortex-M boards: SysTick as a clock of executed instructions.
 //!
-//! Under `-icount shift=6` an instruction takes 64 ns of virtual time. SysTick counts down 24 bits at 25 MHz (mps2-an386:
-//! 40 ns a tick) or 16 MHz (microbit: 62.5 ns a tick), so more than one tick an instruction: every count is told apart,
-//! up to 10 million instructions a measurement.
+//! Under `-icount shift=6` an instruction takes 64 ns of virtual time. SysTick counts down 24 bits
+//! at 25 MHz (mps2-an386: 40 ns per tick) or 16 MHz (microbit: 62.5 ns per tick). So an instruction
+//! takes more than one tick, and every count is exact, up to 10 million instructions per
+//! measurement.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-/// Nanoseconds of virtual time an instruction takes.
+/// Nanoseconds of virtual time per instruction.
 const INSTRUCTION_NS: u64 = 64;
-/// Tenths of a nanosecond of one SysTick tick: the thumbv7em build runs on mps2-an386, the other on microbit.
+/// Tenths of a nanosecond per SysTick tick. The thumbv7em build runs on mps2-an386, the other on
+/// microbit.
 const TICK_TENTHS_NS: u64 = if cfg!(target_feature = "dsp") || cfg!(target_abi = "eabihf") {
     400
 } else {
@@ -35,6 +37,6 @@ pub fn instructions(work: &mut dyn FnMut()) -> u64 {
     work();
     let after = SYST::get_current();
     let ticks = u64::from(before.wrapping_sub(after) & 0x00ff_ffff);
-    // Whole ticks at both ends: right to an instruction.
+    // Whole ticks at both ends: exact to an instruction.
     (ticks * TICK_TENTHS_NS + INSTRUCTION_NS * 5) / (INSTRUCTION_NS * 10)
 }

@@ -1,11 +1,12 @@
-//! The simulated RISC-V board (`virt`, RV32IMAC): it counts its instructions itself, exactly so under `-icount`.
+//! The simulated RISC-V board (`virt`, RV32IMAC). It counts its own instructions, exactly under
+//! `-icount`.
 
 use riscv::register::minstret;
 
 /// There is nothing to start.
 pub fn start() {}
 
-/// Instructions that `work` executes, the frame around it included. Up to 2^32.
+/// Instructions that `work` executes, at most 2^32, the frame around it included.
 #[inline(never)]
 pub fn instructions(work: &mut dyn FnMut()) -> u64 {
     let before = minstret::read();

@@ -1,4 +1,5 @@
-//! Whole circles of 1000 steps radius about a whole-step centre: four changes of quadrant in some 6000 events.
+//! Full circles of 1000 steps radius about a whole-step centre: four quadrant changes in about 6000
+//! events.
 
 use core::hint::black_box;
 
@@ -29,7 +30,7 @@ pub fn all(count: Count<'_>) {
     if let Ok(search) = DirectSearchPrinted::new(&CIRCLE) {
         walk(count, "direct_search_printed", &search);
     }
-    // A centre between steps: what the general arc is for.
+    // A centre between steps, which needs the general arc.
     let between = ArcMove {
         fraction_bits: 16,
         ..CIRCLE

@@ -1,4 +1,4 @@
-//! Text to moves, and the whole chain below the text: path, take-up, timer.
+//! From text to moves, and the whole chain below the text: path, take-up, timer.
 
 use core::hint::black_box;
 
@@ -65,7 +65,8 @@ fn machine(count: Count<'_>) {
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
         ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
     ] {
-        // With a queue of four moves it fits the RAM of a microbit. An arc is walked here, when it begins.
+        // With a queue of four moves it fits the RAM of a microbit. An arc is walked once here,
+        // when it begins.
         let mut machine = Machine::<3, Path<3>, Backlash, 4>::new(config);
         let taken = machine.line(text);
         assert!(taken.is_ok(), "the line means a move");
@@ -78,8 +79,8 @@ fn machine(count: Count<'_>) {
     }
 }
 
-/// A machine with an encoder on every motor. It is moved on its way here, so with a queue of two moves, and not where a line is read: the
-/// stack of a microbit has no room for more.
+/// A machine with an encoder on every motor. Returning it moves it, so its queue has two moves, and
+/// no line is read here: the stack of a microbit has no room for more.
 #[inline(never)]
 fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 2> {
     let encoder = AxisEncoder {
@@ -118,7 +119,8 @@ fn closed_loop(count: Count<'_>) {
     });
 }
 
-/// A servo module on a trapezoid of 4000 counts, a quarter of it ramps, that its motor follows a period late: all that its servo interrupt does but pins.
+/// A servo module on a trapezoid of 4000 counts, a quarter of it ramps. The motor follows one
+/// period late. This is all that the servo interrupt does, except pins.
 #[inline(never)]
 fn servo_module(count: Count<'_>) {
     let mut module = ServoModule::new(4);
@@ -143,8 +145,8 @@ fn servo_module(count: Count<'_>) {
     };
     let trajectory = Trajectory {
         position: Some(4000),
-        velocity: Some(0x0005_0000),     // 5 counts a period
-        acceleration: Some(0x0000_0a3d), // 125 periods to it
+        velocity: Some(0x0005_0000),     // 5 counts per period
+        acceleration: Some(0x0000_0a3d), // 125 periods to that speed
         mode: Mode::Trapezoid,
         start_now: true,
         ..Trajectory::default()

@@ -1,4 +1,4 @@
-//! Encoder samples, as many as fit a port's memory; the position is looked at once at the end.
+//! Encoder samples, as many as fit in a port's memory. The position is read once at the end.
 
 use core::hint::black_box;
 
@@ -10,7 +10,7 @@ use crate::Count;
 
 const SAMPLES: u32 = 256;
 
-/// Levels of a walk forward with a rest and a turn now and then: two counts in three samples.
+/// Levels of a forward motion with rests and reversals: two counts in three samples.
 fn walk() -> [u8; SAMPLES as usize] {
     let mut quarters = 0_u8;
     let mut sample = 0_u8;
@@ -21,7 +21,7 @@ fn walk() -> [u8; SAMPLES as usize] {
             3 | 6 => quarters,
             _ => quarters.wrapping_add(1),
         };
-        // Gray code
+        // Gray code.
         let phase = quarters & 3;
         phase ^ phase >> 1
     })
@@ -39,7 +39,7 @@ pub fn all(count: Count<'_>) {
             black_box((encoder.position(), encoder.skipped(), encoder.direction()));
         });
     }
-    // What an interrupt has: the decoder is in memory before and after each sample.
+    // As in an interrupt: the decoder is in memory before and after each sample.
     let mut encoder = Quadrature::new(Scale::X4, 0);
     count("quadrature_in_memory", SAMPLES, &mut || {
         for levels in black_box(&samples) {
@@ -76,7 +76,7 @@ fn velocity(count: Count<'_>, samples: &[u8]) {
             black_box(velocity.update((*sample).into()));
         }
     });
-    // A count every fourth sample, the velocity read every time.
+    // A count every fourth sample; the velocity is read at every sample.
     count("velocity_by_period_4", SAMPLES, &mut || {
         let mut velocity = VelocityByPeriod::<4>::new(black_box(1_000_000), 100_000, 0);
         let mut ticks = 0_u32;

@@ -1,8 +1,10 @@
-//! What is counted: every method of the crates, walked as an interrupt would walk it.
+//! The kernels that are counted: every method of the crates, iterated as an interrupt would.
 //!
-//! A stream is moved into a local and walked to its end: `for step in stream { black_box(masks) }`. So a count has the loop in it, the test
-//! for the end of the move and what every so many events comes on top; setting up is not in it. The same kernels run on
-//! simulated microcontrollers (the program `count`) and on the host (`husillo-bench`).
+//! A stream is moved into a local and iterated to its end:
+//! `for step in stream { black_box(masks) }`. So a count includes the loop, the test for the end of
+//! the move, and work that is due only every so many events. It does not include the set-up. The
+//! same kernels run on simulated microcontrollers (the programs `counts` and `counts-text`) and on
+//! the host (`husillo-bench`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -23,16 +25,17 @@ use core::hint::black_box;
 
 use husillo_interp::Step;
 
-/// Takes a kernel's name, how many events it has, and what to run, once.
+/// Takes the name of a kernel, its number of events, and the work to run once.
 pub type Count<'a> = &'a mut dyn FnMut(&str, u32, &mut dyn FnMut());
 
-/// Hands every kernel to `count`.
+/// Passes every kernel to `count`.
 pub fn all(count: Count<'_>) {
     methods(count);
     text(count);
 }
 
-/// Interpolation, planning and the stages behind them. The groups are not inlined: their moves would all be on the stack at once.
+/// Interpolation, planning and the stages behind them. The groups are not inlined, because their
+/// moves would all be on the stack at once.
 pub fn methods(count: Count<'_>) {
     lines::all(count);
     arcs::all(count);
@@ -45,7 +48,7 @@ pub fn methods(count: Count<'_>) {
     probe::all(count);
 }
 
-/// From text to events. With the methods it is more than a microbit holds.
+/// From text to events. Together with the methods it would not fit in a microbit.
 pub fn text(count: Count<'_>) {
     words::all(count);
     words::line(count);
@@ -53,7 +56,7 @@ pub fn text(count: Count<'_>) {
     transports::all(count);
 }
 
-/// A move from its first event to its end.
+/// Counts a move from its first event to its end.
 fn walk<I: Iterator<Item = Step> + Clone>(count: Count<'_>, name: &str, path: &I) {
     let events = path.clone().map(|_| 1).sum();
     count(name, events, &mut || {
@@ -63,7 +66,7 @@ fn walk<I: Iterator<Item = Step> + Clone>(count: Count<'_>, name: &str, path: &I
     });
 }
 
-/// A speed profile from its first interval to its last.
+/// Counts a speed profile from its first interval to its last.
 fn time<I: Iterator<Item = u32> + Clone>(count: Count<'_>, name: &str, profile: &I) {
     let events = profile.clone().map(|_| 1).sum();
     count(name, events, &mut || {

@@ -1,4 +1,5 @@
-//! Controllers: one sample each, of an error that stays within the limits unless the name says otherwise.
+//! Controllers, one sample at a time. The error stays within the limits unless the name says
+//! otherwise.
 
 use core::hint::black_box;
 
@@ -47,7 +48,7 @@ pub fn all(count: Count<'_>) {
     servo(count);
 }
 
-/// One that stays within its limits, and one that does not.
+/// A controller that stays within its limits, and one that does not.
 fn controllers(rule: Integration) -> Option<(Controller, Controller)> {
     let gains = Gains {
         proportional: I16F16::lit("2.5"),
@@ -80,7 +81,7 @@ fn updates<A: AntiWindup<i32>, D: Derivative>(
     });
 }
 
-/// The controller with one piece more.
+/// The controller with one additional part.
 fn pieces(count: Count<'_>, pid: &Controller) {
     let target = || black_box(I32F0::from_bits(500));
     let measured = || black_box(I32F0::from_bits(460));
@@ -137,7 +138,7 @@ fn pieces(count: Count<'_>, pid: &Controller) {
     });
 }
 
-/// The law of the module, with everything turned on.
+/// The law of the servo module, with every option on.
 fn servo(count: Count<'_>) {
     let gains = ServoGains {
         proportional: 100,

@@ -46,7 +46,7 @@ pub fn all(count: Count<'_>) {
     spindle(count);
 }
 
-/// Each axis at its own times. An item is a tick at which some axis steps.
+/// Each axis with its own timing. An item is a tick at which at least one axis steps.
 fn axes(count: Count<'_>) {
     let timers = AxisTimers::new(2_000_000, [EVENTS, 1_300, 7]);
     let items = timers.clone().map(|_| 1).sum();
@@ -74,7 +74,7 @@ fn bursts(count: Count<'_>) {
     let Ok(profile) = Trapezoid::new(&rates, 500) else {
         return;
     };
-    // The intervals of the ramp are counted with it.
+    // The count includes the intervals of the ramp.
     count("burst_compress", 500, &mut || {
         for burst in Bursts::new(black_box(profile.clone()), 2) {
             black_box(burst);
@@ -82,7 +82,7 @@ fn bursts(count: Count<'_>) {
     });
 }
 
-/// A thread of 1.5 mm in steps of 1 um, 4096 counts a turn: asked at every count.
+/// A thread of 1.5 mm in steps of 1 um, 4096 counts per turn. It is polled at every count.
 fn spindle(count: Count<'_>) {
     let Some(follower) = Follower::new(4096, 1500, 0, -1) else {
         return;
@@ -115,7 +115,7 @@ fn ramp(count: Count<'_>, name: &str, line: &Stretch, exit_squared: u64) {
     });
 }
 
-/// Moves of 20 um, 32 of them in the queue: 0.64 mm, less than it takes to brake.
+/// Moves of 20 um, 32 of them in the queue: 0.64 mm, less than the braking distance.
 #[inline(never)]
 fn queue(count: Count<'_>) {
     let chord = Stretch {
@@ -131,7 +131,7 @@ fn queue(count: Count<'_>) {
         for number in 0..MOVES {
             black_box(queue.limits());
             black_box(queue.pop());
-            // Now and then a corner.
+            // One move in 32 begins at a corner.
             let entry_limit_nm_per_s = if number % 32 == 0 {
                 1_000_000
             } else {
@@ -146,18 +146,19 @@ fn queue(count: Count<'_>) {
     });
 }
 
-/// What a line costs before it is in the queue: its direction and limits, and the corner to it.
+/// The work for a line before it is in the queue: its direction, its limits, and the corner before
+/// it.
 fn junction(count: Count<'_>) {
     let junction = Junction {
         jump_nm_per_s: Some([10_000_000; 3]),
         deviation_nm: Some(10_000),
         acceleration_nm_per_s2: [500_000_000; 3],
     };
-    let ways = [[20_000, 100, 1], [19_900, 2_000, 2]];
+    let distances = [[20_000, 100, 1], [19_900, 2_000, 2]];
     count("direction_and_junction", MOVES, &mut || {
         let mut last = None;
-        for way in ways.iter().cycle().take(MOVES as usize) {
-            let Some(direction) = Direction::new(*black_box(way)) else {
+        for distance in distances.iter().cycle().take(MOVES as usize) {
+            let Some(direction) = Direction::new(*black_box(distance)) else {
                 return;
             };
             black_box(direction.speed_limit(&[100_000_000; 3]));

@@ -19,7 +19,7 @@ const RAMP: Rates = Rates {
 
 #[inline(never)]
 pub fn all(count: Count<'_>) {
-    // At the top rate all the way.
+    // At the top rate throughout.
     let level = Rates {
         start_rate_hz: 20_000,
         end_rate_hz: 20_000,
@@ -60,7 +60,8 @@ pub fn all(count: Count<'_>) {
     servo(count);
 }
 
-/// A move of a servo of 4000 counts: at top velocity nine tenths of the way, and up and down all the way.
+/// Servo moves of 4000 counts: one at top velocity for nine tenths of the distance, one of ramps
+/// only.
 fn servo(count: Count<'_>) {
     for (name, velocity, acceleration) in [
         ("servo_profile_slew", 0x1_0000, 0x100),

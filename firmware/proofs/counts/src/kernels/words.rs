@@ -1,4 +1,5 @@
-//! Text to words, a byte being an event: the beginnings of the programs that `husillo-bench` compares parsers with.
+//! From text to words. An event is a byte. The texts are the beginnings of the programs with which
+//! `husillo-bench` compares parsers.
 
 use core::hint::black_box;
 
@@ -47,7 +48,7 @@ pub fn all(count: Count<'_>) {
     }
 }
 
-/// A line from its bytes to its command, in place.
+/// Takes a line from its bytes to its command, in place.
 #[inline(never)]
 pub fn line(count: Count<'_>) {
     let dialect = Dialect::RS274;
