@@ -3,7 +3,7 @@
 /// A controller of one machine, or of several: bytes and inputs in, events and bytes out.
 ///
 /// It has no clock, no pin and no port. What runs a controller is written once for all of them:
-/// `husillo_sim::Emulated` does it in simulated time.
+/// `husillo_sim::Emulated` in simulated time, `firmware/foreground` on a chip.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -43,6 +43,13 @@ pub trait Controller {
     type Inputs;
     /// What a machine is to do.
     type Event: Timed;
+    /// The bytes that stop the motors at once; `()`: none.
+    type Stops: StopBytes;
+
+    /// How many events with a wait it gives before the oldest of them is made. 1: the caller asks
+    /// for the next event when the one before was made, so it is decided with the inputs as they are
+    /// then. A controller with more counts them, and gives no more.
+    const AHEAD: usize = 1;
 
     /// How many machines it drives, each in its own time.
     fn machines(&self) -> u8 {
@@ -55,6 +62,10 @@ pub trait Controller {
     /// made, reports the others with [`made`](Controller::made), and calls
     /// [`halted`](Controller::halted).
     fn receive(&mut self, byte: u8) -> bool;
+
+    /// The bytes that stop what moves now. An interrupt holds the motors until
+    /// [`receive`](Controller::receive) has taken the byte.
+    fn stops(&self) -> Self::Stops;
 
     /// The motors have stopped, as [`receive`](Controller::receive) asked for.
     fn halted(&mut self) {}
@@ -70,12 +81,36 @@ pub trait Controller {
         let _ = (machine, events);
     }
 
+    /// Whether something is reported when an event that was given is made. Otherwise the caller may
+    /// report several events with one call of [`made`](Controller::made).
+    fn reports_next(&self) -> bool {
+        true
+    }
+
     /// The next byte for the line.
     fn transmit(&mut self) -> Option<u8>;
 
     /// The reset button, or power that comes back: as after the start. What was stored for good
     /// stays.
     fn reset(&mut self);
+}
+
+/// Bytes that stop the motors, for an interrupt.
+pub trait StopBytes: Copy {
+    /// No byte stops.
+    const NONE: Self;
+
+    /// Whether this byte stops.
+    fn takes(self, byte: u8) -> bool;
+}
+
+/// No byte stops.
+impl StopBytes for () {
+    const NONE: () = ();
+
+    fn takes(self, _: u8) -> bool {
+        false
+    }
 }
 
 /// An event that may have to wait for its time.

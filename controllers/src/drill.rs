@@ -68,12 +68,15 @@ pub struct Drill<const N: usize> {
 impl<const N: usize> Controller for Drill<N> {
     type Inputs = DrillInputs;
     type Event = DrillEvent;
+    type Stops = ();
 
     /// Takes a byte of the line. Only the button R stops this machine.
     fn receive(&mut self, byte: u8) -> bool {
         self.push(byte);
         false
     }
+
+    fn stops(&self) {}
 
     fn next_event(&mut self, machine: u8, inputs: &DrillInputs) -> Option<DrillEvent> {
         if machine > 0 {

@@ -10,7 +10,7 @@ mod micromill;
 mod ring;
 mod servo_module;
 
-pub use controller::{Controller, Timed};
+pub use controller::{Controller, StopBytes, Timed};
 pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
 pub use husillo_transports::microfactory::Report as MicrofactoryReport;
 pub use husillo_transports::micromill::Stops as MicromillStops;

@@ -17,7 +17,7 @@ pub use event::{MicromillEvent, MicromillInputs, MicromillStep};
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
-use crate::controller::{Controller, Timed};
+use crate::controller::{Controller, StopBytes, Timed};
 use crate::ring::Ring;
 use course::Course;
 use entry::{Entry, Place};
@@ -186,7 +186,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// So many of the events given, the oldest ones, have been made.
     #[inline]
     pub fn made(&mut self, events: usize) {
-        if !self.will_tell() && events < self.ahead.len() {
+        if !self.reports_next() && events < self.ahead.len() {
             return self.ahead.drop_first(events);
         }
         self.tell(events);
@@ -217,7 +217,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
 
     /// Whether something is told when events that were given have been made, steps or that a line is done: then [`made`](Micromill::made) should be said of each at
     /// once. Otherwise the foreground may wait until some have been made: saying so of several costs as much as of one.
-    pub const fn will_tell(&self) -> bool {
+    pub const fn reports_next(&self) -> bool {
         self.link.tells_steps() || self.ends_ahead > 0
     }
 
@@ -389,15 +389,23 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Controller
 {
     type Inputs = MicromillInputs;
     type Event = MicromillEvent;
+    type Stops = Stops;
+
+    const AHEAD: usize = AHEAD;
 
     fn receive(&mut self, byte: u8) -> bool {
         Micromill::receive(self, byte)
+    }
+
+    fn stops(&self) -> Stops {
+        Micromill::stops(self)
     }
 
     fn halted(&mut self) {
         Micromill::halted(self);
     }
 
+    #[inline(always)]
     fn next_event(&mut self, machine: u8, inputs: &MicromillInputs) -> Option<MicromillEvent> {
         if machine > 0 {
             return None;
@@ -409,12 +417,24 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Controller
         Micromill::made(self, events);
     }
 
+    fn reports_next(&self) -> bool {
+        Micromill::reports_next(self)
+    }
+
     fn transmit(&mut self) -> Option<u8> {
         Micromill::transmit(self)
     }
 
     fn reset(&mut self) {
         *self = Micromill::new(self.config);
+    }
+}
+
+impl StopBytes for Stops {
+    const NONE: Self = Stops::Nothing;
+
+    fn takes(self, byte: u8) -> bool {
+        Stops::takes(self, byte)
     }
 }
 

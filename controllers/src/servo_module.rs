@@ -245,11 +245,14 @@ impl ServoModule {
 impl Controller for ServoModule {
     type Inputs = ServoInputs;
     type Event = ServoModuleOutput;
+    type Stops = ();
 
     fn receive(&mut self, byte: u8) -> bool {
         self.link.push(byte);
         false
     }
+
+    fn stops(&self) {}
 
     fn next_event(&mut self, machine: u8, inputs: &ServoInputs) -> Option<ServoModuleOutput> {
         (machine == 0).then(|| self.tick(inputs))

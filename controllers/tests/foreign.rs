@@ -28,6 +28,7 @@ impl Controller for Slide {
     /// The end switch.
     type Inputs = bool;
     type Event = SlideEvent;
+    type Stops = ();
 
     fn receive(&mut self, byte: u8) -> bool {
         match byte {
@@ -38,6 +39,8 @@ impl Controller for Slide {
         }
         false
     }
+
+    fn stops(&self) {}
 
     fn halted(&mut self) {
         (self.left, self.given) = (0, 0);

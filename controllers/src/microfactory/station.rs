@@ -171,6 +171,7 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
 {
     type Inputs = MicrofactoryInputs;
     type Event = MicrofactoryEvent;
+    type Stops = ();
 
     fn machines(&self) -> u8 {
         MACHINES as u8
@@ -193,6 +194,8 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
         }
         false
     }
+
+    fn stops(&self) {}
 
     fn next_event(
         &mut self,

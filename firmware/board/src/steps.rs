@@ -2,7 +2,6 @@
 
 use critical_section::CriticalSection;
 
-use crate::Shared;
 use crate::chosen::LONGEST_US;
 
 /// A queued step. `D` is what the foreground gets back if the step is dropped.
@@ -25,6 +24,8 @@ enum Due {
     Rest,
     /// The next step.
     Step,
+    /// The end of its pulse.
+    Fall,
     /// No wait runs, and none may begin.
     Held,
 }
@@ -32,16 +33,23 @@ enum Due {
 /// A queue of `PLACES` steps, a power of two up to 128. The foreground fills it; the interrupt
 /// writes the levels and pops.
 ///
+/// The pins of `PULSED` are high for `PULSE_US` microseconds in a step, then low. The wait of the
+/// next step counts from the rise.
+///
 /// The same queue made with `heapless` takes twice the instructions in the interrupt.
-pub struct Steps<D, const PLACES: usize> {
+pub struct Steps<D, const PLACES: usize, const PULSED: u8 = 0, const PULSE_US: u32 = 0> {
     places: [Step<D>; PLACES],
     /// Numbers of steps queued and made, wrapping; also the indices of the slots.
     queued: u8,
     made: u8,
     due: Due,
+    /// The step before had a pulse: that time of the next wait is over.
+    has_pulsed: bool,
 }
 
-impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
+impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
+    Steps<D, PLACES, PULSED, PULSE_US>
+{
     /// An empty queue; `delta` fills the slots.
     pub const fn new(delta: D) -> Self {
         const {
@@ -60,6 +68,7 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
             queued: 0,
             made: 0,
             due: Due::Nothing,
+            has_pulsed: false,
         }
     }
 
@@ -69,7 +78,15 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         if self.due != Due::Step {
             return self.go_on(section);
         }
-        crate::write(self.place(self.made).levels);
+        let levels = self.place(self.made).levels;
+        crate::write(levels);
+        if PULSED != 0 {
+            self.has_pulsed = levels & PULSED != 0;
+            if self.has_pulsed {
+                self.due = Due::Fall;
+                return crate::wait(PULSE_US, section);
+            }
+        }
         self.made = self.made.wrapping_add(1);
         self.next(section);
     }
@@ -80,6 +97,11 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         if self.made == self.queued {
             self.due = Due::Nothing;
             return crate::stop();
+        }
+        if PULSED != 0 && self.has_pulsed {
+            self.has_pulsed = false;
+            let step = self.place(self.made);
+            step.wait_us = step.wait_us.saturating_sub(PULSE_US);
         }
         let step = self.place(self.made);
         match step.wait_us.checked_sub(LONGEST_US) {
@@ -100,6 +122,11 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     fn go_on(&mut self, section: CriticalSection<'_>) {
         match self.due {
             Due::Rest => self.next(section),
+            Due::Fall => {
+                crate::write(self.place(self.made).levels & !PULSED);
+                self.made = self.made.wrapping_add(1);
+                self.next(section);
+            }
             _ => crate::stop(),
         }
     }
@@ -132,6 +159,13 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
         }
     }
 
+    /// Whether another step can be queued.
+    #[inline]
+    pub fn has_room(&self) -> bool {
+        // No more than `PLACES` are queued, at most 128.
+        usize::from(self.queued.wrapping_sub(self.made)) < PLACES
+    }
+
     /// Whether no step is queued.
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -160,18 +194,5 @@ impl<D: Copy, const PLACES: usize> Steps<D, PLACES> {
     #[inline]
     fn place(&mut self, number: u8) -> &mut Step<D> {
         &mut self.places[usize::from(number) % PLACES]
-    }
-}
-
-/// Access from the foreground.
-impl<D: Copy, const PLACES: usize> Shared<Steps<D, PLACES>> {
-    /// See [`Steps::push`].
-    pub fn push(&self, step: Step<D>) {
-        crate::uninterrupted(|section| self.within(section, |steps| steps.push(step, section)));
-    }
-
-    /// Whether all queued steps have been made.
-    pub fn are_made(&self) -> bool {
-        self.with(|steps| steps.is_empty())
     }
 }

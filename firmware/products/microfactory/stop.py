@@ -12,7 +12,7 @@ from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
 from husillo_firmware.emulated import Emulated, compare
 from husillo_firmware.qemu import Firmware
-from husillo_firmware.registers import Happened, Switched
+from husillo_firmware.registers import Happened, Made, Switched
 from husillo_firmware.waiting import fail, require, until
 
 from products.microfactory import pins
@@ -64,7 +64,15 @@ def stopped(board: Board, log: Path) -> list[Happened]:
         # These bytes take as long on the line as several steps of the motors.
         line.ask(ASK, LENGTH)
         line.ask(ASK, LENGTH)
+        # The current ends behind the step that waits for its time.
+        still = f"{board}: there is current after an emergency stop"
+        until(lambda: is_off(pins.events(board, happened())[-1]), ANSWER_S, still)
     return happened()
+
+
+def is_off(one: Made | Switched) -> bool:
+    """Whether this switches the current off."""
+    return isinstance(one, Switched) and not one.outputs & pins.ENABLE
 
 
 def check(board: Board) -> None:
@@ -83,7 +91,7 @@ def check(board: Board) -> None:
             fail(f"{board}: no emergency stop came while it homed")
     *made, end = made
     compare(board, made, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
-    if not isinstance(end, Switched) or end.outputs & pins.ENABLE:
+    if not is_off(end):
         fail(f"{board}: there is current after an emergency stop")
     late = pins.events(board, happened[happened.index(EMERGENCY) :])
     if len(late) > AHEAD + 1:

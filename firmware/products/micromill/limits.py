@@ -8,10 +8,10 @@ from husillo_firmware.golden import Figures
 FLASH, RAM = 32768, 3840
 # Instructions that an event may take on this controller and on a faster one.
 MOST = {
-    "microbit count slope_event_untold": 450,
-    "microbit count take_up_event_untold": 450,
-    "microbit count circle_event_untold": 450,
-    "microbit count arc_event_untold": 450,
+    "microbit count slope_event_untold": 460,
+    "microbit count take_up_event_untold": 460,
+    "microbit count circle_event_untold": 460,
+    "microbit count arc_event_untold": 460,
     "microbit count step_interrupt": 90,
     "mps2-an386 count slope_event_untold": 220,
     "mps2-an386 count take_up_event_untold": 220,

@@ -1,26 +1,25 @@
-//! The circuit-board drill's firmware: bytes come in by the UART, steps go out by a timer's interrupt, one at a time with the switches as they are.
+//! The firmware of the circuit-board drill.
 //!
-//! ```text
-//! UART interrupt ──bytes──► foreground: Drill ──one event──► step interrupt ──► pins
-//!                               ▲  ▲                               │
-//!                  switches ────┘  └──────────── it was made ──────┘
-//! ```
-//!
-//! All that belongs to a board is one file in `board`.
+//! The main loop is that of [`foreground`], with one event at a time: each step is decided with the
+//! switches as they are then. Everything that belongs to a board is one file in `board`.
 #![no_std]
 #![no_main]
 
 mod switches;
 
-use board::{CriticalSection, Shared, Step, Steps};
-use husillo_controllers::{Controller, Drill, DrillConfig, DrillEvent, Timed};
+use board::{CriticalSection, Shared, Step};
+use foreground::{Interrupts, Product};
+use husillo_controllers::{DrillConfig, DrillEvent, DrillInputs, Timed};
 use husillo_machine::{Idle, Motors};
 use husillo_stepper::{Driver, Levels, Mode, Sequencer};
 use husillo_transports::drill::MEMORY_BYTES;
+use static_cell::ConstStaticCell;
 use switches::Switches;
 
-/// In its place from the start: on the stack there is no room to make it.
-static DRILL: Shared<Drill<MEMORY_BYTES>> = Shared::new(Drill::new(CONFIG));
+type Controller = husillo_controllers::Drill<MEMORY_BYTES>;
+
+/// A static: the stack has no room to make it.
+static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new(CONFIG));
 
 const CONFIG: DrillConfig = if cfg!(feature = "faithful") {
     DrillConfig::ORIGINAL
@@ -28,74 +27,79 @@ const CONFIG: DrillConfig = if cfg!(feature = "faithful") {
     DrillConfig::FIXED
 };
 
-static STEPS: Shared<Steps<(), 1>> = Shared::new(Steps::new(()));
+static INTERRUPTS: Shared<Interrupts<Drill, 1>> = Shared::new(Interrupts::new(()));
 
 /// The wait of a step is over.
 #[unsafe(no_mangle)]
 fn on_time(section: CriticalSection<'_>) {
-    STEPS.within(section, |steps| steps.on_time(section));
+    INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// The foreground takes them all: what stops this machine is its button R, which is the chip's reset.
+/// No byte stops this machine: its button R does, which is the reset of the chip.
 #[unsafe(no_mangle)]
 fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
-/// Everything else.
+/// Starts the main loop.
 #[board::entry]
 fn main() -> ! {
     board::start();
-    let Ok(motor) = Sequencer::new(Driver::Unipolar, Mode::Full) else {
-        // This driver has that mode.
+    let motor = Sequencer::new(Driver::Unipolar, Mode::Full);
+    let (Ok(motor), Some(controller)) = (motor, CONTROLLER.try_take()) else {
+        // This driver has that mode, and the controller is taken once.
         loop {
             core::hint::spin_loop();
         }
     };
-    let mut motors = Motors::new([motor; 3], Idle::Hold);
-    let mut levels = pins(motors.levels());
+    let motors = Motors::new([motor; 3], Idle::Hold);
+    let levels = pins(motors.levels());
     board::write(levels);
-    let mut switches = Switches::new();
-    let mut unsent = None;
-    loop {
-        while let Some(byte) = board::received() {
-            DRILL.with(|drill| drill.push(byte));
-        }
-        let mut is_idle = true;
-        let are_made = STEPS.are_made();
-        if are_made {
-            let inputs = switches.inputs();
-            let event = DRILL.with(|drill| Controller::next_event(drill, 0, &inputs));
-            match event {
-                Some(DrillEvent::Step(step)) => {
-                    switches.moved(&step.delta);
-                    motors.step(step.wait_ticks, &step.delta, |_, all| levels = pins(all));
-                }
-                Some(DrillEvent::Spindle(on)) => board::switch(on.into()),
-                // There is no panel.
-                _ => {}
+    let mut drill = Drill {
+        motors,
+        levels,
+        switches: Switches::new(),
+    };
+    foreground::run(&mut drill, controller, &INTERRUPTS)
+}
+
+/// The drill at the pins.
+struct Drill {
+    motors: Motors<3, Sequencer>,
+    /// The pins of the motors.
+    levels: u8,
+    switches: Switches,
+}
+
+impl Product for Drill {
+    type Controller = Controller;
+    type Undo = ();
+
+    fn inputs(&mut self, _: &Controller) -> DrillInputs {
+        self.switches.inputs()
+    }
+
+    fn perform(&mut self, event: DrillEvent) -> Option<Step<()>> {
+        let wait_us = event.wait_ticks();
+        match event {
+            DrillEvent::Step(step) => {
+                self.switches.moved(&step.delta);
+                let levels = &mut self.levels;
+                self.motors
+                    .step(step.wait_ticks, &step.delta, |_, all| *levels = pins(all));
             }
-            is_idle = event.is_none();
-            if let Some(wait_us) = event.and_then(|event| event.wait_ticks()) {
-                STEPS.push(Step {
-                    wait_us,
-                    levels,
-                    delta: (),
-                });
-            }
+            DrillEvent::Spindle(on) => board::switch(on.into()),
+            // There is no panel.
+            DrillEvent::Dwell { .. } | DrillEvent::Report(_) | DrillEvent::Idle => {}
         }
-        unsent = unsent.or_else(|| DRILL.with(Drill::transmit));
-        if let Some(byte) = unsent {
-            if board::send(byte) {
-                unsent = None;
-            }
-            is_idle = false;
-        }
-        if is_idle {
-            board::sleep(|section| STEPS.within(section, |steps| steps.is_empty()) == are_made);
-        }
+        wait_us.map(|wait_us| Step {
+            wait_us,
+            levels: self.levels,
+            delta: (),
+        })
     }
 }
 
-/// The first two of four wires of each motor, from bit 0: with two phases on the others are their opposites, by inverters.
+/// Two of the four wires of each motor, from bit 0. Two phases are always on, so inverters make the
+/// other two.
 fn pins(levels: &[Levels; 3]) -> u8 {
     levels
         .iter()

@@ -1,147 +1,136 @@
-//! The microfactory's firmware: commands come in by the UART, steps go out by a timer's interrupt, one at a time with the switches as they are.
+//! The firmware of the microfactory.
 //!
-//! ```text
-//! UART interrupt ──bytes──► foreground: Microfactory ──one event──► step interrupt ──► CLOCK, CW/CCW of four L297
-//!                               ▲  ▲                              │
-//!                  switches ────┘  └──────────── it was made ─────┘
-//! ```
-//!
-//! All that belongs to a board is one file in `board`.
+//! The main loop is that of [`foreground`], with one event at a time: each step is decided with the
+//! switches as they are then. The step interrupt writes CLOCK and CW/CCW of four L297. Everything
+//! that belongs to a board is one file in `board`.
 #![no_std]
 #![no_main]
 
 mod switches;
 
-use core::iter;
-
-use board::{CriticalSection, Shared, Step, Steps};
+use board::{CriticalSection, Shared, Step};
+use foreground::{Interrupts, Product};
 use husillo_controllers::{
-    Controller, MICROFACTORY_MOTORS, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryStation,
-    Timed,
+    MICROFACTORY_MOTORS, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
+    MicrofactoryStation, Timed,
 };
 use husillo_transports::microfactory::{ByteTable, Device};
 use switches::Switches;
 
 /// Moves of a figure that there is room for.
-const ROOM: usize = 500;
+const MOVES: usize = 500;
 
-/// As the simulated one of `husillo` is: a jog ends half a second after it was sent last.
+type Controller = MicrofactoryStation<MOVES>;
+
+/// That of the simulated one: a jog ends half a second after it was sent last.
 const CONFIG: MicrofactoryConfig = MicrofactoryConfig {
     dead_man_ticks: Some(500_000),
     ..MicrofactoryConfig::ORIGINAL
 };
 
-/// A step, and the end of its CLOCK pulse.
-static STEPS: Shared<Steps<(), 2>> = Shared::new(Steps::new(()));
-/// CW/CCW of the motors, bits 4 to 7; their CLOCKs are bits 0 to 3.
-static WAYS: Shared<u8> = Shared::new(0);
-/// Outputs: ENABLE of all motors, and their RESET, which acts low.
+/// CLOCK of the motors.
+const CLOCKS: u8 = 0b1111;
+
+/// Outputs: ENABLE of all motors, and their RESET, which is active low.
 const ENABLE: u8 = 0b01;
 const NOT_RESET: u8 = 0b10;
 
-/// CLOCK is high so long: an L297 wants 0.5 us, and CW/CCW stable for 4 us after it has risen. A
+/// How long CLOCK is high. An L297 needs 0.5 us, and CW/CCW stable for 4 us after the rise. A
 /// Cortex-M0 at 16 MHz takes some microseconds from one interrupt of the timer to the next.
 const PULSE_US: u32 = 10;
+
+static INTERRUPTS: Shared<Interrupts<Microfactory, 1, CLOCKS, PULSE_US>> =
+    Shared::new(Interrupts::new(()));
 
 /// A wait is over: CLOCKs of a step rise, or fall.
 #[unsafe(no_mangle)]
 fn on_time(section: CriticalSection<'_>) {
-    STEPS.within(section, |steps| steps.on_time(section));
+    INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// The foreground takes them all: a step that waits is the last one.
+/// The foreground takes all bytes: at most one step waits.
 #[unsafe(no_mangle)]
 fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
-/// Everything else.
+/// Starts the main loop.
 #[board::entry]
 fn main() -> ! {
     board::start();
-    let mut outputs = NOT_RESET;
-    board::switch(outputs);
+    board::switch(NOT_RESET);
     let link = Device::new(ByteTable::DEFAULT);
-    let link = link.acknowledging().storing(ROOM as u16);
-    let mut station = MicrofactoryStation::<ROOM>::new(link, CONFIG);
-    let mut switches = Switches::new();
-    let mut unsent = None;
-    // The part of the next wait that the pulse before it took.
-    let mut used_us = 0;
-    loop {
-        while let Some(byte) = board::received() {
-            station.receive(byte);
-        }
-        let mut is_idle = true;
-        let are_made = STEPS.are_made();
-        if are_made {
-            outputs |= NOT_RESET;
-            let event = station.next_event(0, &switches.inputs());
-            let mut clocks = 0;
-            match event {
-                Some(MicrofactoryEvent::Step(step)) => {
-                    switches.moved(&step.delta);
-                    clocks = self::clocks(&step.delta);
-                }
-                Some(MicrofactoryEvent::Reset { .. }) => outputs &= !NOT_RESET,
-                Some(MicrofactoryEvent::Enable(true)) => outputs |= ENABLE,
-                Some(MicrofactoryEvent::Enable(false)) => outputs &= !ENABLE,
-                // There is no panel.
-                _ => {}
+    let link = link.acknowledging().storing(MOVES as u16);
+    let mut station = Controller::new(link, CONFIG);
+    let mut machine = Microfactory {
+        directions: 0,
+        outputs: NOT_RESET,
+        switches: Switches::new(),
+    };
+    foreground::run(&mut machine, &mut station, &INTERRUPTS)
+}
+
+/// The microfactory at the pins.
+struct Microfactory {
+    /// CW/CCW of the motors, bits 4 to 7; their CLOCKs are bits 0 to 3.
+    directions: u8,
+    outputs: u8,
+    switches: Switches,
+}
+
+impl Product for Microfactory {
+    type Controller = Controller;
+    type Undo = ();
+
+    fn inputs(&mut self, _: &Controller) -> MicrofactoryInputs {
+        self.switches.inputs()
+    }
+
+    fn perform(&mut self, event: MicrofactoryEvent) -> Option<Step<()>> {
+        let wait_us = event.wait_ticks();
+        let mut clocks = 0;
+        match event {
+            MicrofactoryEvent::Step(step) => {
+                self.switches.moved(&step.delta);
+                clocks = self.clocks(&step.delta);
             }
-            board::switch(outputs);
-            is_idle = event.is_none();
-            if let Some(wait_us) = event.and_then(|event| event.wait_ticks()) {
-                let ways = WAYS.with(|ways| *ways);
-                let rise = Step {
-                    wait_us: wait_us.saturating_sub(used_us),
-                    levels: ways | clocks,
-                    delta: (),
-                };
-                let fall = (clocks != 0).then_some(Step {
-                    wait_us: PULSE_US,
-                    levels: ways,
-                    delta: (),
-                });
-                push(rise, fall);
-                used_us = if fall.is_some() { PULSE_US } else { 0 };
-            }
+            MicrofactoryEvent::Reset { .. } => self.switch(self.outputs & !NOT_RESET),
+            MicrofactoryEvent::Enable(true) => self.switch(self.outputs | ENABLE),
+            MicrofactoryEvent::Enable(false) => self.switch(self.outputs & !ENABLE),
+            // There is no panel.
+            MicrofactoryEvent::Dwell { .. }
+            | MicrofactoryEvent::Report(_)
+            | MicrofactoryEvent::Idle => {}
         }
-        unsent = unsent.or_else(|| station.transmit());
-        if let Some(byte) = unsent {
-            if board::send(byte) {
-                unsent = None;
-            }
-            is_idle = false;
-        }
-        if is_idle {
-            board::sleep(|section| STEPS.within(section, |steps| steps.is_empty()) == are_made);
-        }
+        wait_us.map(|wait_us| Step {
+            wait_us,
+            levels: self.directions | clocks,
+            delta: (),
+        })
+    }
+
+    /// A reset ends with its wait.
+    fn made(&mut self) {
+        self.switch(self.outputs | NOT_RESET);
     }
 }
 
-/// Queues both at once: CLOCK may rise at once, and a byte that comes does not make it fall later.
-fn push(rise: Step<()>, fall: Option<Step<()>>) {
-    board::uninterrupted(|section| {
-        STEPS.within(section, |steps| {
-            for step in iter::once(rise).chain(fall) {
-                steps.push(step, section);
-            }
-        });
-    });
-}
+impl Microfactory {
+    fn switch(&mut self, outputs: u8) {
+        self.outputs = outputs;
+        board::switch(outputs);
+    }
 
-/// CLOCKs of a step; its CW/CCW are written now, long before, and after the pulse of the last one.
-fn clocks(delta: &[i8; MICROFACTORY_MOTORS]) -> u8 {
-    let clocks = delta
-        .iter()
-        .rev()
-        .fold(0, |word, delta| word << 1 | u8::from(*delta != 0));
-    let forwards = delta
-        .iter()
-        .rev()
-        .fold(0, |word, delta| word << 1 | u8::from(*delta > 0));
-    WAYS.with(|ways| {
-        *ways = *ways & !(clocks << 4) | forwards << 4;
-        board::write(*ways);
-    });
-    clocks
+    /// The CLOCKs of a step. Its CW/CCW are written now: long before the step, and after the pulse
+    /// of the step before.
+    fn clocks(&mut self, delta: &[i8; MICROFACTORY_MOTORS]) -> u8 {
+        let bits = |is_set: fn(i8) -> bool| {
+            delta
+                .iter()
+                .rev()
+                .fold(0, |word, delta| word << 1 | u8::from(is_set(*delta)))
+        };
+        let clocks = bits(|delta| delta != 0);
+        self.directions = self.directions & !(clocks << 4) | bits(|delta| delta > 0) << 4;
+        board::write(self.directions);
+        clocks
+    }
 }

@@ -7,7 +7,7 @@
 //!  encoder, probe, index
 //! ```
 //!
-//! All that belongs to a board is one file in `board`.
+//! Everything that belongs to a board is one file in `board`.
 #![no_std]
 #![no_main]
 
@@ -15,6 +15,7 @@ mod plant;
 mod servo;
 
 use board::{CriticalSection, Shared};
+use foreground::Transmitter;
 use servo::Servo;
 
 /// A servo period, that of the original's chip.
@@ -22,7 +23,7 @@ const PERIOD_US: u32 = 512;
 
 static SERVO: Shared<Option<Servo>> = Shared::new(None);
 
-/// What `work` gives, once there is a servo.
+/// Works on the servo, once there is one.
 fn with_servo<R: Default>(work: impl FnOnce(&mut Servo) -> R) -> R {
     SERVO.with(|servo| servo.as_mut().map(work).unwrap_or_default())
 }
@@ -34,40 +35,32 @@ fn on_time(section: CriticalSection<'_>) {
     with_servo(Servo::tick);
 }
 
-/// At once: who hears a byte stops talking.
+/// The module takes a byte at once: it stops sending when it hears one.
 #[unsafe(no_mangle)]
 fn on_byte(byte: u8, _: CriticalSection<'_>) {
     with_servo(|servo| servo.hear(byte));
 }
 
-/// Replies.
+/// Sends the replies. The servo periods are in the interrupt, so their time does not vary.
 #[board::entry]
 fn main() -> ! {
     board::start();
     board::baud(19_200);
     SERVO.with(|servo| *servo = Some(Servo::new()));
     board::uninterrupted(|section| board::wait(PERIOD_US, section));
-    let (mut unsent, mut is_driven) = (None, false);
+    let (mut transmitter, mut is_driven) = (Transmitter::new(), false);
     loop {
         while board::received().is_some() {
-            unsent = None;
+            transmitter.clear();
         }
-        unsent = unsent.or_else(|| with_servo(Servo::speak));
-        match unsent {
-            Some(byte) => {
-                is_driven = true;
-                if board::send(byte) {
-                    unsent = None;
-                }
-            }
-            None if is_driven => {
-                // The last stop bit is out.
-                if board::is_sent() {
-                    with_servo(Servo::be_silent);
-                    is_driven = false;
-                }
-            }
-            None => board::sleep(|_| !with_servo(|servo| servo.has_reply())),
+        if transmitter.send(|| with_servo(Servo::speak)) {
+            is_driven = true;
+        } else if !is_driven {
+            board::sleep(|_| !with_servo(|servo| servo.has_reply()));
+        } else if board::is_sent() {
+            // The last stop bit is out.
+            with_servo(Servo::be_silent);
+            is_driven = false;
         }
     }
 }

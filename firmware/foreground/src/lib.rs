@@ -1,0 +1,159 @@
+//! The main loop of every firmware whose motors step.
+//!
+//! ```text
+//! UART interrupt ──bytes──► foreground: Controller ──events──► queue ──► step interrupt ──► pins
+//!                               ▲  ▲                                          │
+//!               Product::inputs ┘  └──────────── how many were made ──────────┘
+//! ```
+//!
+//! A firmware implements [`Product`] for the pins of its machine, has its [`Interrupts`] in a
+//! static, and calls [`run`].
+#![no_std]
+
+mod interrupts;
+mod transmitter;
+
+pub use interrupts::Interrupts;
+pub use transmitter::Transmitter;
+
+use board::{Shared, Step};
+use husillo_controllers::Controller;
+
+/// The pins of a machine, and what the firmware knows of its motors.
+pub trait Product {
+    /// The controller of the machine.
+    type Controller: Controller;
+    /// Data that undoes an event which is dropped.
+    type Undo: Copy;
+
+    /// The switches and sensors as they are now.
+    fn inputs(&mut self, controller: &Self::Controller)
+    -> <Self::Controller as Controller>::Inputs;
+
+    /// Does now what the event does without a wait. An event with a wait is returned as a step for
+    /// the queue: its levels are written when the wait is over.
+    fn perform(
+        &mut self,
+        event: <Self::Controller as Controller>::Event,
+    ) -> Option<Step<Self::Undo>>;
+
+    /// Events with a wait have been made.
+    fn made(&mut self) {}
+
+    /// An event will not be made. The last one comes first.
+    fn undo(&mut self, dropped: Self::Undo) {
+        let _ = dropped;
+    }
+}
+
+/// Runs a controller of one machine: never returns.
+///
+/// A controller that does not plan ahead needs a queue of one place. It is asked for an event when
+/// the event before was made, with the switches as they are then.
+#[inline(never)]
+pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+    product: &mut P,
+    controller: &mut P::Controller,
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+) -> ! {
+    const { assert!(P::Controller::AHEAD <= PLACES, "events wait in the queue") };
+    let mut reported = 0_u8;
+    let mut transmitter = Transmitter::new();
+    loop {
+        let made = interrupts.with(|now| now.steps.made());
+        report(product, controller, &mut reported, made);
+        while let Some(byte) = board::received() {
+            if controller.receive(byte) {
+                halt(product, controller, &mut reported, interrupts);
+            }
+        }
+        let mut has_room = board::uninterrupted(|section| {
+            interrupts.within(section, |now| {
+                now.stops = controller.stops();
+                // The bytes that held the steps have been received: none of them stops.
+                if !board::has_heard() {
+                    now.steps.release(section);
+                }
+                now.steps.has_room()
+            })
+        });
+        let plans_ahead = const { P::Controller::AHEAD > 1 };
+        // A step that is due soon comes before the bytes. Where steps are queued, the bytes come
+        // first: those that were sent make room for the reports of further steps.
+        if plans_ahead {
+            transmitter.send(|| controller.transmit());
+        }
+        let inputs = product.inputs(controller);
+        // A controller that plans ahead counts its events.
+        while (plans_ahead || has_room)
+            && let Some(event) = controller.next_event(0, &inputs)
+        {
+            if let Some(step) = product.perform(event) {
+                has_room = push(interrupts, step);
+            }
+        }
+        let is_silent = if plans_ahead {
+            transmitter.is_empty_after(|| controller.transmit())
+        } else {
+            !transmitter.send(|| controller.transmit())
+        };
+        if is_silent {
+            // Reporting several events costs as much as reporting one.
+            let together = if controller.reports_next() {
+                1
+            } else {
+                PLACES as u8 / 2
+            };
+            board::sleep(|section| {
+                interrupts.within(section, |now| {
+                    let new = now.steps.made().wrapping_sub(reported);
+                    new == 0 || new < together && !now.steps.is_empty()
+                })
+            });
+        }
+    }
+}
+
+/// Reports to the controller how many events were made.
+fn report<P: Product>(
+    product: &mut P,
+    controller: &mut P::Controller,
+    reported: &mut u8,
+    made: u8,
+) {
+    let new = made.wrapping_sub(*reported);
+    controller.made(0, new.into());
+    if new > 0 {
+        product.made();
+    }
+    *reported = made;
+}
+
+/// Queues an event where there is room; `true`: there is room for another one.
+#[inline(always)]
+fn push<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+    step: Step<P::Undo>,
+) -> bool {
+    board::uninterrupted(|section| {
+        interrupts.within(section, |now| {
+            now.steps.push(step, section);
+            now.steps.has_room()
+        })
+    })
+}
+
+/// Stops the motors: queued events are dropped and undone.
+fn halt<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+    product: &mut P,
+    controller: &mut P::Controller,
+    reported: &mut u8,
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+) {
+    let made = interrupts.with(|now| {
+        now.steps.stop().for_each(|step| product.undo(step.delta));
+        now.steps.made()
+    });
+    report(product, controller, reported, made);
+    controller.halted();
+}

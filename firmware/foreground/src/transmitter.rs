@@ -1,0 +1,41 @@
+//! The bytes on their way to the UART.
+
+/// Sends the bytes of a controller, as fast as the UART takes them.
+#[derive(Default)]
+pub struct Transmitter {
+    /// A byte that the UART has not taken yet.
+    unsent: Option<u8>,
+}
+
+impl Transmitter {
+    /// Nothing to send.
+    pub const fn new() -> Self {
+        Transmitter { unsent: None }
+    }
+
+    /// Sends bytes until there is none, or the UART takes no more. `false`: there was none.
+    #[inline]
+    pub fn send(&mut self, mut next: impl FnMut() -> Option<u8>) -> bool {
+        let mut is_busy = false;
+        while let Some(byte) = self.unsent.take().or_else(&mut next) {
+            is_busy = true;
+            if !board::send(byte) {
+                self.unsent = Some(byte);
+                break;
+            }
+        }
+        is_busy
+    }
+
+    /// Whether there is nothing to send, after asking for the next byte.
+    #[inline]
+    pub fn is_empty_after(&mut self, next: impl FnOnce() -> Option<u8>) -> bool {
+        self.unsent = self.unsent.take().or_else(next);
+        self.unsent.is_none()
+    }
+
+    /// Drops the byte that the UART has not taken yet.
+    pub fn clear(&mut self) {
+        self.unsent = None;
+    }
+}
