@@ -13,7 +13,7 @@ use reporting::{colour, verdict, with_findings};
 use crate::calibrating::{Calibrate, What};
 use crate::cli::{
     Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate, Holes,
-    Interpolate, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
+    Interpolate, Jog, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
     Target, Tune,
 };
 use crate::console;
@@ -116,7 +116,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-fn jog(args: &microfactory::Jog) -> Result<u8, Failure> {
+fn jog(args: &Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,

@@ -1,20 +1,23 @@
 //! The command line: what can be asked, and the help texts.
 
 mod drilling;
+mod jog;
 mod moves;
 mod servo;
+mod zero;
 
 use crate::diagnostics::Format;
-use crate::programs::zero::Zero;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
     Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
     Layout, Mirror, Send, SlotHandling,
 };
+pub use jog::Jog;
 use moves::COMPARE_HELP;
 pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
+pub use zero::Zero;
 
 /// Check, simulate and draw programs for small machines
 #[derive(Debug, Parser)]
@@ -131,7 +134,7 @@ pub enum Command {
         husillo jog home x 400 figure\n  \
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
         husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
-    Jog(crate::microfactory::Jog),
+    Jog(Jog),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \

@@ -27,8 +27,9 @@ pub use page::{Board, html as page};
 pub use part::{Part, lean, millimetres};
 pub use program::{Translation, text as program_text};
 
-use crate::link::wire::{Wire, stop_flag};
-use crate::microfactory::Jog;
+use crate::cli::Jog;
+use crate::link::stop::stop_flag;
+use crate::link::wire::Wire;
 use action::{Action, Hand};
 use client::{Client, Trouble};
 use device::Device;

@@ -1,7 +1,6 @@
 //! Simulated controllers behind a port.
 
 pub mod device;
-pub mod emulation;
 pub mod step_rows;
 #[cfg(unix)]
 pub mod terminal;

@@ -5,6 +5,9 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// What some editors write before a text in UTF-8: no part of the program.
+pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Which file something is, under whatever name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {

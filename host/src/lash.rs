@@ -3,10 +3,8 @@
 mod bench;
 mod calibrating;
 mod circles;
-mod file;
 mod page;
 mod readings;
 
 pub use calibrating::calibrate_backlash;
 pub use circles::print_circles;
-pub use file::LashFile;

@@ -2,6 +2,7 @@
 
 pub mod bytes_file;
 pub mod encoder_file;
+pub mod lash_file;
 pub mod listing;
 pub mod machine_file;
 pub mod power;

@@ -15,13 +15,11 @@ pub mod file;
 mod help;
 pub mod interrupt;
 mod piece_file;
-pub mod port;
 mod result_row;
 mod routine;
 mod session;
 
 pub use calibrating::{calibrate_axis, calibrate_squareness};
-pub use port::{Port, read as read_port};
 
 use crate::cli::{Emulate, Measure, Results};
 use crate::machines::machine_file::LoadError;

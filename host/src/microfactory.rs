@@ -7,7 +7,6 @@
 //! ```
 
 mod action;
-mod args;
 mod client;
 mod crew;
 mod device;
@@ -16,10 +15,10 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use args::Jog;
 pub use figure::{is_list, program};
 pub use settings::Settings;
 
+use crate::cli::Jog;
 use crate::link::wire::Wire;
 use action::Action;
 use client::Client;
@@ -146,7 +145,7 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
         baud: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: args.figure.as_deref(),
-        stop: crate::link::wire::stop_flag()?,
+        stop: crate::link::stop::stop_flag()?,
     };
     let shares = crew::work(links.crew(&args.port, shares)?, out)?;
     if shares.len() > 1 {
@@ -193,7 +192,7 @@ pub fn send(
         baud: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: None,
-        stop: crate::link::wire::stop_flag()?,
+        stop: crate::link::stop::stop_flag()?,
     };
     let shares = crew::work(links.crew(ports, shares)?, out)?;
     crew::report(&shares, out).map_err(|error| error.to_string())?;

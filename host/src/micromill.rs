@@ -18,8 +18,9 @@ mod translate;
 pub use sender::{Sending, send};
 pub use translate::{Translated, translate};
 
-use crate::link::wire::{Wire, stop_flag};
-use crate::microfactory::Jog;
+use crate::cli::Jog;
+use crate::link::stop::stop_flag;
+use crate::link::wire::Wire;
 use action::Action;
 use device::Device;
 use hand::Hand;

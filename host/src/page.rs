@@ -1,5 +1,4 @@
 //! What the reports are made of.
 
 pub mod chart;
-pub mod drawing;
 pub mod report;

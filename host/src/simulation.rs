@@ -4,6 +4,7 @@
 //! [`observer::Observer`] gets the step together with the state of the machine after it.
 
 pub mod deviation;
+pub mod drawing;
 pub mod encoders;
 pub mod losses;
 pub mod mechanics;

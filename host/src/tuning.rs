@@ -4,9 +4,10 @@ mod listing;
 mod page;
 
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
+use crate::link::port;
+use crate::measuring::file;
 use crate::measuring::interrupt::{INTERRUPTED, Interrupt, User};
 use crate::measuring::{Stopped, told};
-use crate::measuring::{file, port};
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};

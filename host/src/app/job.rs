@@ -2,6 +2,7 @@
 
 use super::{Failure, reporting};
 use crate::cli::Target;
+use crate::cli::Zero;
 use crate::diagnostics::Findings;
 use crate::input;
 use crate::machines::machine_file::{LoadError, MachineFile};
@@ -10,7 +11,7 @@ use crate::programs::check::{self, Facts};
 use crate::programs::program::Start;
 use crate::programs::setup::{self, Micromill};
 use crate::programs::source::Source;
-use crate::programs::zero::{self, Zero};
+use crate::programs::zero;
 use husillo_machine::Config;
 use std::io::{self, Read};
 

@@ -94,7 +94,12 @@ pub struct Compare {
     #[arg(long, value_name = "METHODS")]
     pub only: Option<String>,
     /// Weights of error, iterations, evenness and work in the decision matrix
-    #[arg(long, value_name = "E,I,S,W", default_value = crate::methods::decision::DEFAULT_WEIGHTS, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "E,I,S,W",
+        default_value = "3,3,3,1",
+        allow_hyphen_values = true
+    )]
     pub weights: String,
     /// How to print the results [default: by the name of the output, or text]
     #[arg(long, value_enum)]

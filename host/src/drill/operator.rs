@@ -1,7 +1,8 @@
 //! The operator before a terminal.
 
 use super::sender::{Operator, left};
-use crate::link::wire::{stops_asked, typed_line};
+use crate::link::stop::stops_asked;
+use crate::link::wire::typed_line;
 use husillo_gcode::Nm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;

@@ -2,7 +2,8 @@
 
 use super::duration::{seconds, spoken, travel_steps, way_s};
 use super::part::{Part, millimetres};
-use crate::page::report::{STYLE, escape};
+use crate::page::report::STYLE;
+use crate::text::escape::escape;
 use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
 

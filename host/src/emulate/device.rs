@@ -1,7 +1,7 @@
 //! A machine that is emulated: its line, its controller, its mechanics, and a panel.
 
-use crate::emulate::emulation::Emulation;
 use crate::emulate::step_rows::StepRows;
+use crate::link::emulation::Emulation;
 use crate::link::serial_line::Line;
 use husillo_controllers::{Controller, Timed};
 use husillo_sim::{Emulated, Plant};

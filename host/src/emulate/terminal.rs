@@ -1,14 +1,15 @@
 //! `husillo emulate`: a simulated device behind a pseudo-terminal or a socket, in real time.
 
 use crate::cli::Emulate;
-use crate::emulate::emulation::Emulation;
-use crate::measuring::read_port;
+use crate::link::emulation::Emulation;
+use crate::link::port;
+use crate::link::stop::stop_flag;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
@@ -122,7 +123,7 @@ impl Outlet {
     /// What a client has sent; waits for it for a moment.
     fn read(&mut self) -> io::Result<Vec<u8>> {
         match self {
-            Self::Terminal { master, .. } => read_port(master),
+            Self::Terminal { master, .. } => port::read(master),
             Self::Socket { listener, client } => {
                 match listener.accept() {
                     // One that is dropped is turned away.
@@ -141,7 +142,7 @@ impl Outlet {
                     std::thread::sleep(LOOK);
                     return Ok(Vec::new());
                 };
-                match read_port(connected) {
+                match port::read(connected) {
                     Ok(bytes) => Ok(bytes),
                     // It has gone; the next one may come.
                     Err(_) => {
@@ -248,28 +249,4 @@ fn typed<E: Emulation>(device: &mut E, line: &str, is_plugged: &mut bool) -> Str
         }
         _ => device.control(line),
     }
-}
-
-/// A flag that Ctrl-C and a request to end set.
-///
-/// # Errors
-///
-/// The system does not hand them over.
-pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let set = Arc::clone(&flag);
-    ctrlc::set_handler(move || {
-        STOPS_ASKED.fetch_add(1, Ordering::Relaxed);
-        set.store(true, Ordering::Relaxed);
-    })
-    .map_err(|error| error.to_string())?;
-    Ok(flag)
-}
-
-/// How often that was asked for.
-static STOPS_ASKED: AtomicU32 = AtomicU32::new(0);
-
-/// How often Ctrl-C was pressed, or the end was asked for.
-pub fn stops_asked() -> u32 {
-    STOPS_ASKED.load(Ordering::Relaxed)
 }

@@ -5,7 +5,9 @@
 //! the rounding of this measurement is far below a picometre, and is not taken for an error of the
 //! integer path that is measured.
 
+use crate::geometry::turn;
 use husillo_gcode::{Command, Direction, Nm};
+use std::f64::consts::TAU;
 
 /// The exact programmed path of one move.
 #[derive(Clone, Debug)]
@@ -73,15 +75,9 @@ impl Path {
         let at = |p: [f64; 3]| [p[plane[0]] - centre[0], p[plane[1]] - centre[1]];
         let (start, end) = (at(from), at(to));
         let (r_start, r_end) = (start[0].hypot(start[1]), end[0].hypot(end[1]));
-        let angles = [start[1].atan2(start[0]), end[1].atan2(end[0])];
-        let turn = std::f64::consts::TAU;
-        let forward = (angles[1] - angles[0]).rem_euclid(turn);
-        let first = match (counter_clockwise, forward < 1e-12) {
-            (_, true) => turn,
-            (true, _) => forward,
-            (false, _) => turn - forward,
-        };
-        let sweep = (first + turn * f64::from(turns)) * if counter_clockwise { 1.0 } else { -1.0 };
+        let angles = [start, end].map(|spoke| turn::angle(spoke, [0.0; 2]));
+        let first = turn::sweep(angles[0], angles[1], counter_clockwise);
+        let sweep = (first + TAU * f64::from(turns)) * if counter_clockwise { 1.0 } else { -1.0 };
         Self::Arc(ArcPath {
             plane,
             across: 3 - plane[0] - plane[1],

@@ -4,7 +4,7 @@ use super::explain::{because, refused, warned};
 use super::step_and_repeat::{Panel, Refused};
 use super::{Board, Options};
 use crate::diagnostics::{Finding, Findings, Place, Severity};
-use crate::programs::source::BYTE_ORDER_MARK;
+use crate::input::BYTE_ORDER_MARK;
 use husillo_excellon::{Doubt, ErrorKind, Feature, Inference, Reader, Reason, WarningKind, lines};
 
 /// Tools that one file may have.

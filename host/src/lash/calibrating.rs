@@ -1,10 +1,10 @@
 //! `husillo calibrate backlash`.
 
 use super::bench::SimulatedBench;
-use super::file::section;
 use super::page::{self, Panel};
 use super::readings;
 use crate::calibrating::BacklashArgs;
+use crate::machines::lash_file::section;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{

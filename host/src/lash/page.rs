@@ -1,6 +1,7 @@
 //! The report of `husillo calibrate backlash`: one value an axis and the map, side by side.
 
-use crate::page::report::{STYLE, escape};
+use crate::page::report::STYLE;
+use crate::text::escape::escape;
 use husillo_metrology::calibration::backlash::Field;
 use std::fmt::Write;
 

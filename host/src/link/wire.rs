@@ -1,12 +1,12 @@
 //! Where the bytes of a client go: a simulated device, a serial device, a socket.
 
-use crate::emulate::emulation::Emulation;
-use crate::measuring::Port;
+use crate::link::emulation::Emulation;
+use crate::link::port::Port;
+use crate::link::stop::stops_asked;
 use std::collections::VecDeque;
 use std::io::{self, BufRead};
-use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Ctrl-C is looked for so often while a line is typed.
@@ -155,26 +155,6 @@ impl<E: Emulation> Wire<E> {
             Self::Simulated { answers, .. } | Self::Real { answers, .. } => answers,
         }
     }
-}
-
-/// A flag that Ctrl-C sets.
-///
-/// # Errors
-///
-/// The system does not hand it over.
-pub fn stop_flag() -> Result<Arc<AtomicBool>, String> {
-    #[cfg(unix)]
-    return crate::emulate::terminal::stop_flag();
-    #[cfg(not(unix))]
-    Ok(Arc::new(AtomicBool::new(false)))
-}
-
-/// How often Ctrl-C was pressed.
-pub fn stops_asked() -> u32 {
-    #[cfg(unix)]
-    return crate::emulate::terminal::stops_asked();
-    #[cfg(not(unix))]
-    0
 }
 
 /// The next line of standard input; `None` where that has ended, or Ctrl-C was pressed more often

@@ -1,9 +1,9 @@
 //! Machine files: TOML to a checked description, with every mistake at its place.
 
 use crate::diagnostics::{Finding, Place};
-use crate::lash::LashFile;
 use crate::machines::bytes_file;
 use crate::machines::encoder_file::EncoderFile;
+use crate::machines::lash_file::LashFile;
 use crate::machines::power::Power;
 use crate::machines::table::{Table, document};
 use husillo_gcode::Dialect;

@@ -1,6 +1,6 @@
 //! The simulated chain of a measuring machine behind a port of `husillo emulate`.
 
-use crate::emulate::emulation::Emulation;
+use crate::link::emulation::Emulation;
 use husillo_metrology::simulated::{self, SimulatedChain};
 
 /// What may be typed at the panel.

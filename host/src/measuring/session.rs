@@ -2,11 +2,11 @@
 
 use super::action::Action;
 use super::direction::Towards;
-use super::port;
 use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
+use crate::link::port;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};

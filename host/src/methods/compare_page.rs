@@ -5,7 +5,8 @@ use crate::methods::compare_picture;
 use crate::methods::compare_text::instructions;
 use crate::methods::decision::{CRITERIA, ORIGINAL};
 use crate::methods::trial::{Speed, WINDOWS};
-use crate::page::report::{STYLE, escape};
+use crate::page::report::STYLE;
+use crate::text::escape::escape;
 use std::fmt::Write;
 
 /// Colours tell the families apart, width and dashes the printed ones from the others.

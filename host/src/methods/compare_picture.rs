@@ -1,10 +1,11 @@
 //! The methods drawn over the exact curve of one move: the whole of it, and where they differ.
 
+use crate::geometry::turn;
 use crate::methods::compare::{Move, Row};
 use crate::methods::curve::Curve;
 use crate::methods::method::{self, Shape};
 use crate::methods::trial::{start, stepped};
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write;
 
 /// Half the side of a zoom, BLU.
@@ -157,7 +158,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
     if let Curve::Arc { begin, sweep, .. } = one.curve {
         // Inside the sweep, so that there is something on both sides.
         let within = |angle: f64| {
-            let part = ((angle - begin) * sweep.signum()).rem_euclid(TAU) / sweep.abs();
+            let part = turn::turned(begin, angle, sweep > 0.0) / sweep.abs();
             let edge = 3.0 / one.curve.length().max(1.0);
             (part > edge && part < 1.0 - edge).then(|| one.curve.at(part))
         };

@@ -1,5 +1,6 @@
 //! The exact curve of one move on the grid: distance from it, progress along it. Everything in BLU.
 
+use crate::geometry::turn;
 use crate::methods::method::AXES;
 use husillo_interp::{ArcMove, Direction};
 use std::f64::consts::TAU;
@@ -51,14 +52,14 @@ impl Curve {
         let vector = |p: [f64; 2]| [p[0] - centre[0], p[1] - centre[1]];
         let (start, end) = (vector(from), vector(to));
         let radii = [start[0].hypot(start[1]), end[0].hypot(end[1])];
-        let begin = start[1].atan2(start[0]);
-        let forward = (end[1].atan2(end[0]) - begin).rem_euclid(TAU);
-        let whole = from == to || forward < 1e-12;
-        let sweep = match direction {
-            _ if whole => TAU,
-            Direction::CounterClockwise => forward,
-            Direction::Clockwise => TAU - forward,
-        } + TAU * f64::from(turns);
+        let begin = turn::angle(from, centre);
+        let last = if from == to {
+            begin
+        } else {
+            turn::angle(to, centre)
+        };
+        let is_forward = direction == Direction::CounterClockwise;
+        let sweep = turn::sweep(begin, last, is_forward) + TAU * f64::from(turns);
         Self::Arc {
             centre,
             radii: radius.map_or([radii[0].min(radii[1]), radii[0].max(radii[1])], |r| [r, r]),
@@ -175,8 +176,7 @@ impl Curve {
                 sweep,
                 ..
             } => {
-                let angle = (at[1] - centre[1]).atan2(at[0] - centre[0]);
-                let turned = ((angle - begin) * sweep.signum()).rem_euclid(TAU);
+                let turned = turn::turned(*begin, turn::angle(at, *centre), *sweep > 0.0);
                 // Just before the start is the start.
                 let turned = if turned > 0.5 * (TAU + sweep.abs()) {
                     0.0

@@ -5,8 +5,6 @@ use serde::Serialize;
 
 /// Names of the criteria, in the order of the weights.
 pub const CRITERIA: [&str; 4] = ["error", "iterations", "evenness", "work"];
-/// Weights when none are given: those of the micro mill's builders.
-pub const DEFAULT_WEIGHTS: &str = "3,3,3,1";
 /// What that machine's builders got, with criteria they did not pass on.
 pub const ORIGINAL: &str = "With the same weights and criteria of their own the micro mill's builders gave direct search 90.5, \
      DDA 84.4 and the staircase 72.1 points.";
@@ -120,10 +118,7 @@ mod tests {
 
     #[test]
     fn weights() {
-        assert_eq!(
-            Weights::parse(DEFAULT_WEIGHTS),
-            Ok(Weights([3.0, 3.0, 3.0, 1.0]))
-        );
+        assert_eq!(Weights::parse("3,3,3,1"), Ok(Weights([3.0, 3.0, 3.0, 1.0])));
         for text in ["", "1,2,3", "0,0,0,0", "1,1,1,-1", "1,1,1,nan", "1,2,3,4,5"] {
             assert!(Weights::parse(text).is_err(), "{text}");
         }

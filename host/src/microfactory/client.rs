@@ -175,10 +175,10 @@ impl Client {
             return false;
         }
         let end = std::time::Instant::now() + Duration::from_secs(1);
-        while crate::link::wire::stops_asked() < 2 && std::time::Instant::now() < end {
+        while crate::link::stop::stops_asked() < 2 && std::time::Instant::now() < end {
             std::thread::sleep(Duration::from_millis(10));
         }
-        crate::link::wire::stops_asked() >= 2
+        crate::link::stop::stops_asked() >= 2
     }
 
     fn done(&mut self, action: &Action) -> Result<String, String> {

@@ -5,7 +5,7 @@ use super::client::Client;
 use super::device::Device;
 use super::figure::Figure;
 use super::settings::Settings;
-use crate::emulate::emulation::Emulation;
+use crate::link::emulation::Emulation;
 use crate::link::serial_line::Fault;
 use crate::link::wire::Wire;
 use crate::machines::machine_file::MachineFile;

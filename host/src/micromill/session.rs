@@ -1,7 +1,8 @@
 //! A controller on a port: orders, one after the other, and what it tells meanwhile.
 
 use super::device::Device;
-use crate::link::wire::{Wire, stops_asked};
+use crate::link::stop::stops_asked;
+use crate::link::wire::Wire;
 use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
 use std::collections::VecDeque;
 use std::sync::Arc;

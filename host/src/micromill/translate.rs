@@ -1,5 +1,6 @@
 //! Commands to the strings of the micro mill: absolute micrometres, X and Y together, Z alone.
 
+use crate::geometry::turn;
 use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane, SpindleDirection};
 use husillo_machine::Config;
 use husillo_transports::micromill::{Line, Point};
@@ -183,17 +184,14 @@ impl Translator<'_> {
             axes.map(|axis| (point[axis].0 - arc.centre[axis].0) as f64)
         };
         let ([a0, b0], [a1, b1]) = (spoke(&from), spoke(&arc.to));
-        let (first, last) = (b0.atan2(a0), b1.atan2(a1));
+        let (first, last) = (
+            turn::angle([a0, b0], [0.0; 2]),
+            turn::angle([a1, b1], [0.0; 2]),
+        );
         let (start_radius, end_radius) = (a0.hypot(b0), a1.hypot(b1));
-        let is_closed = axes.iter().all(|axis| from[*axis] == arc.to[*axis]);
-        let mut turn = (last - first).rem_euclid(TAU);
-        if is_closed {
-            turn = TAU;
-        }
-        if arc.direction == Direction::Clockwise {
-            turn = if is_closed { -TAU } else { turn - TAU };
-        }
-        turn += f64::from(arc.turns) * TAU.copysign(turn);
+        let is_forward = arc.direction == Direction::CounterClockwise;
+        let sweep = turn::sweep(first, last, is_forward) + f64::from(arc.turns) * TAU;
+        let turn = if is_forward { sweep } else { -sweep };
         let across = 3 - axes[0] - axes[1];
         let (low, high) = (from[across].0 as f64, arc.to[across].0 as f64);
         let place = |part: f64| -> [f64; 3] {

@@ -1,7 +1,7 @@
 //! The picture of path speed and acceleration over time.
 
-use crate::programs::check::duration;
 use crate::simulation::speed::{Band, Column, Speed, WINDOW_EVENTS};
+use crate::text::duration::duration;
 use std::fmt::Write;
 
 /// Where time begins in the picture.

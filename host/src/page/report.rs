@@ -1,8 +1,12 @@
 //! The report: one HTML file with everything inside, no script, no network.
 
 use crate::page::chart;
-use crate::page::drawing::{Class, Drawing, Point};
+use crate::simulation::drawing::{Class, Drawing, Point};
+use crate::simulation::phases::Motor;
+use crate::simulation::picture::Ideal;
 use crate::simulation::speed::Speed;
+use crate::text::escape::escape;
+use crate::text::length::{length, millimetres};
 use std::fmt::Write;
 
 /// Everything a report shows.
@@ -53,29 +57,6 @@ pub struct AxisRow {
     pub reversals: u64,
     /// Steps its motor did not follow.
     pub lost_steps: u64,
-}
-
-/// A programmed move in the axes of the picture, nm.
-#[derive(Clone, Copy, Debug)]
-pub enum Ideal {
-    /// Straight.
-    Line([f64; 2], [f64; 2]),
-    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are
-    /// one.
-    Arc([f64; 2], [f64; 2], [f64; 2], bool),
-}
-
-/// Coil currents of one motor.
-#[derive(Debug)]
-pub struct Motor {
-    /// Letter of its axis.
-    pub letter: char,
-    /// Name of the driver and mode.
-    pub driver: String,
-    /// Names of the two rows.
-    pub rows: [&'static str; 2],
-    /// Currents of coil A and B after each step, 1000 = 100 %, and the time in microseconds.
-    pub steps: Vec<(u64, [i16; 2])>,
 }
 
 /// Colours and shapes of every page, light and dark.
@@ -580,42 +561,6 @@ fn phase_section(page: &mut String, motors: &[Motor]) {
         );
     }
     page.push_str("</section>\n");
-}
-
-/// Millimetres with six decimals: nanometres.
-pub fn millimetres(nm: f64) -> String {
-    let nm = nm.round();
-    format!("{:.6}", if nm == 0.0 { 0.0 } else { nm / 1e6 })
-}
-
-/// A length in the unit that reads best.
-pub fn length(nm: f64) -> String {
-    match nm.abs() {
-        below if below < 1_000.0 => format!("{} nm", significant(nm)),
-        below if below < 1_000_000.0 => format!("{} um", significant(nm / 1e3)),
-        _ => format!("{} mm", significant(nm / 1e6)),
-    }
-}
-
-/// At most three decimals, no trailing zeros.
-fn significant(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// Text as it may stand in a page.
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }
 
 #[cfg(test)]

@@ -2,12 +2,14 @@
 
 use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machines::machine_file::{MachineFile, Travel};
-use crate::page::report::length;
 use crate::programs::explain::At;
 use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use crate::text::duration::duration;
+use crate::text::length::length;
+use crate::text::number::shortest;
 use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
 use std::io;
@@ -305,12 +307,12 @@ impl Checker<'_> {
         self.warned_feed = Some(rate);
         let message = format!(
             "feed {} mm/min is above what the axes reach here",
-            shorter(rate.0 as f64 / 1e6)
+            shortest(rate.0 as f64 / 1e6, 3)
         );
         let finding = Finding::warning("W0503", message, at.word(b'F'))
             .label(format!(
                 "this move is made at {} mm/min",
-                shorter(reached / 1e6)
+                shortest(reached / 1e6, 3)
             ))
             .note("said once for each feed rate; grbl and LinuxCNC limit it silently");
         findings.add(finding);
@@ -382,19 +384,4 @@ pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
         0.0,
     )
     .map_or(0.0, |path| path.length())
-}
-
-fn shorter(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// A time as `2 min 08 s`.
-pub fn duration(seconds: f64) -> String {
-    let whole = seconds.round() as u64;
-    match (whole / 3600, whole / 60 % 60, whole % 60) {
-        (0, 0, _) => format!("{seconds:.2} s"),
-        (0, minutes, rest) => format!("{minutes} min {rest:02} s"),
-        (hours, minutes, rest) => format!("{hours} h {minutes:02} min {rest:02} s"),
-    }
 }

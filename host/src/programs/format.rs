@@ -1,9 +1,10 @@
 //! `husillo format`: a program written back in one form, a line at a time.
 
 use crate::diagnostics::{Finding, Findings};
+use crate::input::BYTE_ORDER_MARK;
 use crate::programs::blocks;
 use crate::programs::explain::{self, At};
-use crate::programs::source::{BYTE_ORDER_MARK, LONGEST_LINE, read_line};
+use crate::programs::source::{LONGEST_LINE, read_line};
 use husillo_gcode::{Dialect, Error, Receiver, formatted};
 use std::io::{self, BufRead, Write};
 

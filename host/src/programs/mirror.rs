@@ -7,6 +7,7 @@
 //! alike.
 
 use crate::diagnostics::Findings;
+use crate::geometry::turn;
 use crate::programs::program::walk;
 use crate::programs::source::Source;
 use husillo_gcode::{
@@ -115,22 +116,13 @@ impl Cut {
 /// Whether a point of an arc's circle lies on the arc, its ends not counted.
 fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bool {
     let angle = |x: i64, y: i64| {
-        let (x, y) = (x - arc.centre[0].0, y - arc.centre[1].0);
-        f64::atan2(y as f64, x as f64)
+        let spoke = [x - arc.centre[0].0, y - arc.centre[1].0];
+        turn::angle(spoke.map(|nm| nm as f64), [0.0; 2])
     };
     let (start, end) = (angle(from[0].0, from[1].0), angle(to[0].0, to[1].0));
-    let way = |from: f64, to: f64| {
-        let way = match arc.direction {
-            Direction::CounterClockwise => to - from,
-            Direction::Clockwise => from - to,
-        };
-        way.rem_euclid(std::f64::consts::TAU)
-    };
-    let whole = match way(start, end) {
-        way if way < 1e-9 => std::f64::consts::TAU,
-        way => way,
-    };
-    let here = way(start, angle(point[0], point[1]));
+    let is_forward = arc.direction == Direction::CounterClockwise;
+    let whole = turn::sweep(start, end, is_forward);
+    let here = turn::turned(start, angle(point[0], point[1]), is_forward);
     here > 1e-9 && here < whole - 1e-9
 }
 

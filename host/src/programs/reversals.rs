@@ -1,7 +1,9 @@
 //! How often and where the axes of a program turn round, from its geometry alone.
 
+use crate::geometry::turn;
 use husillo_gcode::{Arc, Direction, Nm};
 use husillo_metrology::calibration::backlash::Map;
+use std::f64::consts::FRAC_PI_2;
 
 /// Counts turn-rounds of every axis, and what they take up.
 #[derive(Debug)]
@@ -95,30 +97,23 @@ impl Turns {
             begin,
         );
         let angle = |p: [Nm; 3]| {
-            ((p[b].0 - arc.centre[b].0) as f64).atan2((p[a].0 - arc.centre[a].0) as f64)
+            let spoke = [a, b].map(|axis| (p[axis].0 - arc.centre[axis].0) as f64);
+            turn::angle(spoke, [0.0; 2])
         };
-        let sense = if arc.direction == Direction::CounterClockwise {
-            1.0
-        } else {
-            -1.0
-        };
-        let turn = std::f64::consts::TAU;
-        let mut sweep = (sense * (angle(arc.to) - angle(from))).rem_euclid(turn);
-        if sweep < 1e-9 {
-            sweep = turn;
-        }
-        let quarter = turn / 4.0;
-        // Clockwise is the mirror image: the second axis goes the other way.
-        let start = (sense * angle(from)).rem_euclid(turn) / quarter;
+        let is_forward = arc.direction == Direction::CounterClockwise;
+        let sweep = turn::sweep(angle(from), angle(arc.to), is_forward);
+        let sense = if is_forward { 1.0 } else { -1.0 };
+        // Clockwise is the mirror image: the second axis moves in the opposite direction.
+        let start = turn::turned(0.0, angle(from), is_forward) / FRAC_PI_2;
         let first = (start + 1e-9).floor();
-        let last = (start + sweep / quarter - 1e-9).floor();
+        let last = (start + sweep / FRAC_PI_2 - 1e-9).floor();
         // A whole turn repeats itself, and so do the turn-rounds in it.
         let quarters = (last - first) as u64;
         let centre = arc.centre.map(|Nm(nm)| nm as f64);
         let radius = (begin[a] - centre[a]).hypot(begin[b] - centre[b]);
         // The end of the arc in the direction of an axis.
         let end = |quarter: u64| {
-            let (sin, cos) = (sense * quarter as f64 * turn / 4.0).sin_cos();
+            let (sin, cos) = (sense * quarter as f64 * FRAC_PI_2).sin_cos();
             let mut at = begin;
             at[a] = centre[a] + radius * cos;
             at[b] = centre[b] + radius * sin;
@@ -133,7 +128,7 @@ impl Turns {
                 _ => (1, 1),
             };
             self.go(a, da, at);
-            self.go(b, if sense > 0.0 { db } else { -db }, at);
+            self.go(b, if is_forward { db } else { -db }, at);
         }
         for quarter in 0..4 {
             let axis = if quarter % 2 == 0 { a } else { b };

@@ -1,10 +1,8 @@
 //! Lines of a program, one at a time: memory does not grow with the program.
 
 use crate::input;
+use crate::input::BYTE_ORDER_MARK;
 use std::io::{self, BufRead, BufReader};
-
-/// What some editors write before a text in UTF-8: no part of the program.
-pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Longest line that is taken, in bytes; what follows on a longer line is skipped.
 pub const LONGEST_LINE: usize = 64 * 1024;

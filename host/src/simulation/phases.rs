@@ -1,11 +1,23 @@
 //! Currents of the motors' coils in their first steps.
 
 use crate::machines::machine_file::MachineFile;
-use crate::page::report::Motor;
 use crate::programs::setup;
 use crate::simulation::observer::{Now, Observer};
 use husillo_stepper::{Driver, Levels};
 use std::io;
+
+/// Coil currents of one motor.
+#[derive(Debug)]
+pub struct Motor {
+    /// Letter of its axis.
+    pub letter: char,
+    /// Name of the driver and mode.
+    pub driver: String,
+    /// Names of the two rows.
+    pub rows: [&'static str; 2],
+    /// Currents of coil A and B after each step, 1000 = 100 %, and the time in microseconds.
+    pub steps: Vec<(u64, [i16; 2])>,
+}
 
 /// Steps of each motor that are kept.
 const MOST_STEPS: usize = 24;

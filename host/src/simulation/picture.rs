@@ -1,12 +1,21 @@
 //! The path of the tool and the programmed moves, as the report draws them.
 
 use crate::geometry::path::Path;
-use crate::page::drawing::{Class, Drawing, Point};
-use crate::page::report::Ideal;
+use crate::simulation::drawing::{Class, Drawing, Point};
 use crate::simulation::observer::{Begun, Now, Observer};
 use husillo_gcode::{Command, Direction, Nm};
 use husillo_machine::Origin;
 use std::io;
+
+/// A programmed move in the axes of the picture, nm.
+#[derive(Clone, Copy, Debug)]
+pub enum Ideal {
+    /// Straight.
+    Line([f64; 2], [f64; 2]),
+    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are
+    /// one.
+    Arc([f64; 2], [f64; 2], [f64; 2], bool),
+}
 
 /// Most programmed moves kept.
 const MOST_IDEAL: usize = 20_000;

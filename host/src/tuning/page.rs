@@ -2,7 +2,8 @@
 
 use super::listing::figures;
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
-use crate::page::report::{STYLE, escape};
+use crate::page::report::STYLE;
+use crate::text::escape::escape;
 use husillo_metrology::tuning::{Outcome, Trace};
 use std::fmt::Write;
 

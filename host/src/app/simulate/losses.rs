@@ -1,9 +1,9 @@
 //! What is said about steps that the motors did not follow.
 
 use crate::app::job::Job;
-use crate::page::report::millimetres;
-use crate::programs::check::duration;
 use crate::simulation::run::Run;
+use crate::text::duration::duration;
+use crate::text::length::millimetres;
 use husillo_machine::OnLoss;
 
 /// A sentence for each axis that lost steps which nothing made good: how many, where first, and

@@ -3,9 +3,11 @@
 use super::results::Results;
 use crate::app::job::Job;
 use crate::machines::machine_file::Travel;
-use crate::page::report::{AxisRow, Report, length};
-use crate::programs::check::{Facts, duration};
+use crate::page::report::{AxisRow, Report};
+use crate::programs::check::Facts;
 use crate::simulation::run::Run;
+use crate::text::duration::duration;
+use crate::text::length::length;
 
 /// The table of figures; no time of take-ups where the lash is not compensated.
 pub fn figures(

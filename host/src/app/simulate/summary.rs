@@ -3,10 +3,11 @@
 use super::results::{Order, Results};
 use crate::app::job::Job;
 use crate::console;
-use crate::page::report::{length, millimetres};
-use crate::programs::check::{Facts, duration};
+use crate::programs::check::Facts;
 use crate::simulation::run::Run;
 use crate::simulation::symmetry::Difference;
+use crate::text::duration::duration;
+use crate::text::length::{length, millimetres};
 use std::io::{self, Write};
 
 /// Reports of the encoders that are printed; JSON has all.

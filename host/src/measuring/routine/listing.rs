@@ -1,6 +1,6 @@
 //! Measured features as text, JSON and a table.
 
-use crate::page::report::length;
+use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
 use serde_json::{Value, json};
 use std::fmt::Write;

@@ -2,7 +2,9 @@
 
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
-use crate::page::report::{STYLE, escape, length};
+use crate::page::report::STYLE;
+use crate::text::escape::escape;
+use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
 use std::fmt::Write;
 

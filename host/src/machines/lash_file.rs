@@ -1,6 +1,7 @@
 //! `[lash]` and `[simulated_lash]` of machine files.
 
 use crate::machines::table::Table;
+use crate::text::number::shortest;
 use husillo_metrology::calibration::backlash::{Map, PlaceTable};
 use husillo_metrology::quantity::Fraction;
 use husillo_sim::LashField;
@@ -13,7 +14,7 @@ use toml::de::DeValue;
 /// A table as it is written in a machine file, for an axis.
 pub fn section(table: &PlaceTable, letter: u8) -> String {
     let list = |values: &[f64]| {
-        let texts = values.iter().map(|value| short(*value));
+        let texts = values.iter().map(|value| shortest(*value, 2));
         format!("[{}]", texts.collect::<Vec<_>>().join(", "))
     };
     let mut text = format!("[lash.{}]\n", char::from(letter).to_ascii_lowercase());
@@ -37,17 +38,6 @@ pub fn section(table: &PlaceTable, letter: u8) -> String {
         let _ = writeln!(text, "um = {}", list(&table.lash_um));
     }
     text
-}
-
-/// Two decimals, or fewer.
-fn short(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".into()
-    } else {
-        text.to_owned()
-    }
 }
 
 /// Play of a simulated screw: `mean + swing sin(2 pi own / sine) cos(2 pi other / cosine)` over the positions of X and Y.

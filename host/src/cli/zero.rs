@@ -1,0 +1,89 @@
+//! The value of `--zero`.
+
+use husillo_gcode::Nm;
+use husillo_metrology::quantity::{self, Quantity};
+use std::str::FromStr;
+
+/// Work zero in machine coordinates, as it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Zero {
+    /// By axis; an axis that is not named has it at machine zero.
+    At([Nm; 3]),
+    /// Where the part fits the machine.
+    Fit,
+}
+
+impl FromStr for Zero {
+    type Err = String;
+
+    /// Reads `fit`, or axes with lengths as `X20Y-3.5` or `"X20 Z1in"`: in mm where there is no
+    /// unit.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if text.eq_ignore_ascii_case("fit") {
+            return Ok(Self::Fit);
+        }
+        let wanted = || "axes with lengths, as in X20Y15 or \"X20 mm Z-3\", or fit".to_owned();
+        let mut zero = [None; 3];
+        let mut rest = text;
+        while let Some(letter) = rest.chars().next() {
+            let axis = "XYZ".find(letter.to_ascii_uppercase()).ok_or_else(wanted)?;
+            let behind = &rest[1..];
+            let end = behind.find(['X', 'Y', 'Z', 'x', 'y', 'z']);
+            let (value, more) = behind.split_at(end.unwrap_or(behind.len()));
+            if zero[axis].replace(length(value.trim())?).is_some() {
+                return Err(format!("{letter} is given twice"));
+            }
+            rest = more;
+        }
+        if zero == [None; 3] {
+            return Err(wanted());
+        }
+        Ok(Self::At(zero.map(Option::unwrap_or_default)))
+    }
+}
+
+/// A length, in mm where there is no unit.
+fn length(text: &str) -> Result<Nm, String> {
+    let is_number = text.ends_with(|last: char| last.is_ascii_digit() || last == '.');
+    let parsed = match is_number {
+        true => quantity::parse(&format!("{text} mm")),
+        false => quantity::parse(text),
+    };
+    match parsed? {
+        Quantity::Length(value) if value.rounded().abs() <= FARTHEST => Ok(Nm(value.rounded())),
+        Quantity::Length(_) => Err(format!("`{text}` is out of range")),
+        _ => Err(format!("`{text}` is no length")),
+    }
+}
+
+/// Work zero from machine zero at most: a kilometre.
+const FARTHEST: i64 = 1_000_000_000_000;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_as_they_are_typed() {
+        let at = |text: &str| text.parse::<Zero>();
+        let mm = |x, y, z| Ok(Zero::At([x, y, z].map(|um: i64| Nm(um * 1000))));
+        assert_eq!(at("X20Y-3.5"), mm(20_000, -3_500, 0));
+        assert_eq!(at(" z1in x 2 mm"), mm(2_000, 0, 25_400));
+        assert_eq!(at("Y+0.5 Z-1um"), mm(0, 500, -1));
+        assert_eq!(at("Fit"), Ok(Zero::Fit));
+        for wrong in [
+            "",
+            "X",
+            "20",
+            "X1X2",
+            "A3",
+            "X1 Hz",
+            "X1e3",
+            "X99999999999",
+            "fits",
+        ] {
+            assert!(at(wrong).is_err(), "{wrong}");
+        }
+    }
+}
