@@ -1,4 +1,5 @@
 //! What the reports are made of.
 
 pub mod chart;
+pub mod frame;
 pub mod report;

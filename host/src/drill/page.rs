@@ -2,7 +2,7 @@
 
 use super::duration::{seconds, spoken, travel_steps, way_s};
 use super::part::{Part, millimetres};
-use crate::page::report::STYLE;
+use crate::page::frame;
 use crate::text::escape::escape;
 use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
@@ -32,32 +32,17 @@ pub struct Board<'a> {
 
 /// The page: one file with everything inside.
 pub fn html(board: &Board<'_>) -> String {
-    let mut page = String::new();
-    let name = escape(board.name);
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}{COLOURS}</style>\n</head>\n<body>\n\
-         <header><h1>{name}</h1><p>Drill for circuit boards: X, then Y, then down and up</p></header>\n<main>\n<dl>"
-    );
-    for (term, value) in figures(board) {
-        let _ = writeln!(
-            page,
-            "<div><dt>{term}</dt><dd>{}</dd></div>",
-            escape(&value)
-        );
-    }
-    page.push_str("</dl>\n<section><h2>Board</h2>\n");
+    let line = "Drill for circuit boards: X, then Y, then down and up";
+    let mut page = frame::open(board.name, board.name, line, COLOURS);
+    frame::figures(&mut page, figures(board));
+    page.push_str("<section><h2>Board</h2>\n");
     picture(&mut page, board);
     page.push_str(
         "<p>The numbers are the order; a hole tells its place. The lines are the way, X before Y: of each tool from zero and, dotted, back there. \
          The frame of dashes is the board's extent, the red one the table.</p></section>\n",
     );
     table(&mut page, board);
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    frame::close(page, None)
 }
 
 fn mm(steps: u64) -> String {

@@ -1,7 +1,6 @@
 //! The report of `husillo calibrate backlash`: one value an axis and the map, side by side.
 
-use crate::page::report::STYLE;
-use crate::text::escape::escape;
+use crate::page::frame;
 use husillo_metrology::calibration::backlash::Field;
 use std::fmt::Write;
 
@@ -29,21 +28,17 @@ const MARGIN: f64 = 34.0;
 
 /// Writes the page.
 pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) -> String {
-    let title = escape(title);
     let whence = if is_simulated {
         "cut and measured on the simulated machine, then the axes sent to and fro over the work area"
     } else {
         "as measured, at the places that were measured"
     };
-    let mut page = String::new();
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title}: backlash</title>\n<style>{STYLE}{PICTURE}</style>\n</head>\n<body>\n\
-         <header><h1>{title}: backlash</h1><p>{readings} two-line tests, {whence}</p></header>\n<main>\n\
-         <section><h2>What is left</h2><table><tr><th>axis</th><th>one value</th><th>left with it</th><th>left with the map</th></tr>"
+    let name = format!("{title}: backlash");
+    let line = format!("{readings} two-line tests, {whence}");
+    let mut page = frame::open(&name, &name, &line, PICTURE);
+    page.push_str(
+        "<section><h2>What is left</h2><table><tr><th>axis</th><th>one value</th>\
+         <th>left with it</th><th>left with the map</th></tr>\n",
     );
     for panel in panels {
         let [before, after] = panel.fields.each_ref().map(|field| field.span_um);
@@ -68,8 +63,7 @@ pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) 
         }
         page.push_str("</div></section>\n");
     }
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    frame::close(page, None)
 }
 
 fn picture(page: &mut String, field: &Field, full_um: f64, name: &str) {

@@ -5,8 +5,7 @@ use crate::methods::compare_picture;
 use crate::methods::compare_text::instructions;
 use crate::methods::decision::{CRITERIA, ORIGINAL};
 use crate::methods::trial::{Speed, WINDOWS};
-use crate::page::report::STYLE;
-use crate::text::escape::escape;
+use crate::page::frame;
 use std::fmt::Write;
 
 /// Colours tell the families apart, width and dashes the printed ones from the others.
@@ -37,26 +36,18 @@ inputs.forEach(i=>i.addEventListener('input',sum));sum()}";
 
 /// Writes the page.
 pub fn html(of: &Comparison) -> String {
-    let mut page = String::new();
-    let title = escape(&of.title);
-    // Writing to a String cannot fail.
-    let _ = write!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title}: methods compared</title>\n<style>{STYLE}{METHODS}"
-    );
+    let mut style = METHODS.to_owned();
     for row in &of.rows {
+        // Writing to a String cannot fail.
         let _ = write!(
-            page,
+            style,
             "body:has(#show-{0}:not(:checked)) figure .m-{0}{{display:none}}",
             row.method
         );
     }
-    let _ = writeln!(
-        page,
-        "</style>\n</head>\n<body>\n<header><h1>{title}</h1><p>Interpolation methods compared; 1 BLU is one motor step</p></header>\n<main>"
-    );
+    let title = format!("{}: methods compared", of.title);
+    let line = "Interpolation methods compared; 1 BLU is one motor step";
+    let mut page = frame::open(&title, &of.title, line, &style);
     for shape in ["line", "arc"] {
         let rows: Vec<&Row> = of.rows.iter().filter(|row| row.shape == shape).collect();
         if !rows.is_empty() {
@@ -68,15 +59,8 @@ pub fn html(of: &Comparison) -> String {
     if let Some(one) = of.one.as_ref().filter(|one| compare_picture::is_flat(one)) {
         compare_picture::section(&mut page, one, &of.rows);
     }
-    if !of.notes.is_empty() {
-        page.push_str("<section><h2>Notes</h2><ul>\n");
-        for note in &of.notes {
-            let _ = writeln!(page, "<li>{}</li>", escape(note));
-        }
-        page.push_str("</ul></section>\n");
-    }
-    let _ = writeln!(page, "</main>\n<script>{SCRIPT}</script>\n</body>\n</html>");
-    page
+    frame::notes(&mut page, &of.notes);
+    frame::close(page, Some(SCRIPT))
 }
 
 fn head(page: &mut String, columns: &[&str]) {

@@ -1,6 +1,7 @@
 //! The report: one HTML file with everything inside, no script, no network.
 
 use crate::page::chart;
+use crate::page::frame;
 use crate::simulation::drawing::{Class, Drawing, Point};
 use crate::simulation::phases::Motor;
 use crate::simulation::picture::Ideal;
@@ -59,69 +60,17 @@ pub struct AxisRow {
     pub lost_steps: u64,
 }
 
-/// Colours and shapes of every page, light and dark.
-pub const STYLE: &str = "\
-:root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;\
---panel:#f6f8fa;\
---jog:#6b7280;--rapid:#9a6700;--feed:#0b5cad;--take-up:#000;--limit:#9b0000;--ideal:#57606a}\
-@media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;\
---line:#2b343e;--panel:#161d25;\
---jog:#8b96a3;--rapid:#f0c419;--feed:#5aa9ff;--take-up:#fff;--limit:#ff5c4d;--ideal:#9aa6b2}}\
-*{box-sizing:border-box}\
-body{margin:0 auto;max-width:72rem;padding:1.5rem;background:var(--ground);color:var(--ink);\
-font:16px/1.5 system-ui,sans-serif}\
-h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}p{margin:.3rem 0;\
-color:var(--soft)}\
-svg{display:block;width:100%;height:auto;background:var(--ground);border:1px solid var(--line)}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
-th,td{padding:.25rem .9rem .25rem 0;text-align:right;border-bottom:1px solid var(--line)}\
-th:first-child,td:first-child{text-align:left}th{font-weight:600;color:var(--soft)}\
-dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8rem;margin:1rem 0}\
-dl div{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem}\
-dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;\
-font-variant-numeric:tabular-nums}\
-.scroll{overflow-x:auto}ul{padding-left:1.2rem}code{font-family:ui-monospace,monospace;\
-font-size:.9rem}\
-path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
-.jog{stroke:var(--jog);stroke-width:1.5;stroke-dasharray:1.5 4;stroke-linecap:round}\
-.rapid{stroke:var(--rapid);stroke-width:1.5;stroke-dasharray:7 5}\
-.feed{stroke:var(--feed);stroke-width:1.8;stroke-linejoin:round}\
-.take-up{stroke:var(--take-up);stroke-width:2}\
-.ideal{stroke:var(--ideal);stroke-width:5;stroke-opacity:.3}\
-.thin{stroke:var(--ideal);stroke-width:1}\
-.area{stroke:var(--limit);stroke-width:1.2}.hatch{stroke:var(--limit);stroke-width:1;\
-stroke-opacity:.45}\
-.grid{stroke:var(--line);stroke-width:1}\
-.acceleration{stroke:var(--soft);stroke-width:1.2;stroke-linejoin:round}\
-.stop{stroke-width:5}.dwell{stroke:var(--jog);stroke-dasharray:2 2}\
-text{fill:var(--soft);font:12px system-ui,sans-serif}";
-
 /// Writes the report.
 pub fn html(report: &Report) -> String {
-    let mut page = String::new();
-    let name = escape(&report.program);
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" \
-         href=\"data:,\">\n<title>{name}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <header><h1>{name}</h1><p>{}</p></header>\n<main>\n<dl>",
-        escape(&report.machine)
-    );
-    for (term, value) in &report.figures {
-        let _ = writeln!(page, "<div><dt>{term}</dt><dd>{}</dd></div>", escape(value));
-    }
-    page.push_str("</dl>\n");
+    let mut page = frame::open(&report.program, &report.program, &report.machine, "");
+    frame::figures(&mut page, report.figures.iter().cloned());
     warnings(&mut page, &report.warnings);
     path_section(&mut page, report);
     chart::section(&mut page, &report.speed, report.has_ramps);
     deviation_section(&mut page, report);
     axis_section(&mut page, &report.axes);
     phase_section(&mut page, &report.phases);
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    frame::close(page, None)
 }
 
 fn warnings(page: &mut String, warnings: &[String]) {

@@ -2,7 +2,7 @@
 
 use super::listing::figures;
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
-use crate::page::report::STYLE;
+use crate::page::frame;
 use crate::text::escape::escape;
 use husillo_metrology::tuning::{Outcome, Trace};
 use std::fmt::Write;
@@ -10,27 +10,14 @@ use std::fmt::Write;
 /// Longest stretch that is drawn, s: what comes later looks the same.
 const LONGEST_S: f64 = 1.0;
 
+/// The last column is text.
+const STYLE: &str = "td:last-child,th:last-child{text-align:left}";
+
 /// The page.
 pub fn html(outcome: &Outcome, traces: &[Trace]) -> String {
-    let mut page = String::new();
-    let title = escape(&format!("Tuning of {}: {}", outcome.axis, outcome.method));
-    // Writing to a string does not fail.
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>{STYLE}td:last-child,th:last-child{{text-align:left}}</style>\n\
-         </head>\n<body>\n<header><h1>{title}</h1><p>{}</p></header>\n<main>\n<dl>",
-        escape(&outcome.machine)
-    );
-    for (name, value) in figures(outcome) {
-        let _ = writeln!(
-            page,
-            "<div><dt>{name}</dt><dd>{}</dd></div>",
-            escape(&value)
-        );
-    }
-    page.push_str("</dl>\n");
+    let title = format!("Tuning of {}: {}", outcome.axis, outcome.method);
+    let mut page = frame::open(&title, &title, &outcome.machine, STYLE);
+    frame::figures(&mut page, figures(outcome));
     if let Some(toml) = &outcome.toml {
         let _ = writeln!(page, "<p><code>{}</code></p>", escape(toml));
     }
@@ -42,15 +29,8 @@ pub fn html(outcome: &Outcome, traces: &[Trace]) -> String {
     }
     rules(&mut page, outcome);
     trials(&mut page, outcome);
-    if !outcome.notes.is_empty() {
-        page.push_str("<section><h2>Notes</h2><ul>\n");
-        for note in &outcome.notes {
-            let _ = writeln!(page, "<li>{}</li>", escape(note));
-        }
-        page.push_str("</ul></section>\n");
-    }
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    frame::notes(&mut page, &outcome.notes);
+    frame::close(page, None)
 }
 
 fn section(page: &mut String, number: usize, trace: &Trace) {

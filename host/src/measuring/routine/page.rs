@@ -2,7 +2,7 @@
 
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
-use crate::page::report::STYLE;
+use crate::page::frame;
 use crate::text::escape::escape;
 use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
@@ -28,17 +28,12 @@ pub fn html(
     site: &Site<'_>,
     trouble: Option<&str>,
 ) -> String {
-    let mut page = String::new();
-    let title = escape(name);
+    let mut page = frame::open(&format!("{name}: measured"), name, machine, LOOK);
     let is_good = features.iter().all(Feature::is_good) && trouble.is_none();
     // Writing to a String cannot fail.
     let _ = writeln!(
         page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title}: measured</title>\n<style>{STYLE}{LOOK}</style>\n</head>\n<body>\n\
-         <header><h1>{title}</h1><p>{}</p></header>\n<main>\n<p class=\"verdict {}\">{}</p>",
-        escape(machine),
+        "<p class=\"verdict {}\">{}</p>",
         if is_good { "ok" } else { "out" },
         escape(&verdict(features, trouble))
     );
@@ -47,8 +42,7 @@ pub fn html(
     views(&mut page, features, site);
     residuals(&mut page, features);
     points(&mut page, features);
-    page.push_str("</main>\n</body>\n</html>\n");
-    page
+    frame::close(page, None)
 }
 
 fn verdict(features: &[Feature], trouble: Option<&str>) -> String {
