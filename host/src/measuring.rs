@@ -82,6 +82,66 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     }
 }
 
+/// The action that comes last, and takes over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Last<'a> {
+    /// Run a routine.
+    Run(&'a str),
+    /// Record a routine.
+    Record(&'a str),
+    /// Read actions from the standard input.
+    Session,
+    /// None of these.
+    None,
+}
+
+impl<'a> Last<'a> {
+    /// The actions before the last one, and the last one.
+    fn split(actions: &'a [String]) -> Result<(&'a [String], Self), String> {
+        let is_last = |word: &String| matches!(word.as_str(), "run" | "record" | "session");
+        let begin = actions.iter().position(is_last);
+        let (before, last) = actions.split_at(begin.unwrap_or(actions.len()));
+        let words: Vec<&str> = last.iter().map(String::as_str).collect();
+        let last = match *words.as_slice() {
+            ["run", path] => Last::Run(path),
+            ["record", path] => Last::Record(path),
+            ["session"] => Last::Session,
+            [] => Last::None,
+            ["session", ..] => {
+                return Err(
+                    "`session` is the last action: others come from the standard input".into(),
+                );
+            }
+            [verb, ..] => {
+                let message =
+                    format!("`{verb}` what? As in `{verb} part.routine`, as the last action");
+                return Err(message);
+            }
+        };
+        Ok((before, last))
+    }
+}
+
+/// Writes results: JSON or CSV to `out`, CSV to `table` always. Text was written before.
+fn write_rows(
+    format: Results,
+    rows: &[ResultRow],
+    out: &mut dyn Write,
+    table: &mut Vec<u8>,
+) -> std::io::Result<()> {
+    if format == Results::Json {
+        let json = serde_json::to_string_pretty(rows)?;
+        writeln!(out, "{json}")?;
+    }
+    writeln!(table, "{CSV_HEAD}")?;
+    rows.iter()
+        .try_for_each(|row| writeln!(table, "{}", row.csv()))?;
+    match format {
+        Results::Csv => out.write_all(table),
+        Results::Text | Results::Json => Ok(()),
+    }
+}
+
 fn measure_by(
     args: &Measure,
     machine: &Machine,
@@ -89,52 +149,17 @@ fn measure_by(
     out: &mut dyn Write,
     table: &mut Vec<u8>,
 ) -> Result<(), Stopped> {
-    let last = ["run", "record", "session"];
-    let begin = args
-        .actions
-        .iter()
-        .position(|word| last.contains(&word.as_str()));
-    let (before, last) = args.actions.split_at(begin.unwrap_or(args.actions.len()));
+    let (before, last) = Last::split(&args.actions).map_err(Stopped::Usage)?;
     let mut session = Session::new(args, machine)?;
     let actions = session.actions(before)?;
-    let last: Vec<&str> = last.iter().map(String::as_str).collect();
-    let is_session = match *last.as_slice() {
-        ["run", path] => {
-            return run_routine(
-                args,
-                machine,
-                interrupt,
-                path,
-                (&mut session, &actions),
-                out,
-                table,
-            );
+    let before = (&mut session, actions.as_slice());
+    match last {
+        Last::Run(path) => {
+            return run_routine(args, machine, interrupt, path, before, out, table);
         }
-        ["record", path] => {
-            return record_routine(
-                args,
-                machine,
-                interrupt,
-                path,
-                (&mut session, &actions),
-                out,
-            );
-        }
-        ["run" | "record", ..] => {
-            let message = format!(
-                "`{0}` what? As in `{0} part.routine`, as the last action",
-                last[0]
-            );
-            return Err(Stopped::Usage(message));
-        }
-        ["session"] => true,
-        ["session", ..] => {
-            return Err(Stopped::Usage(
-                "`session` is the last action: others come from the standard input".into(),
-            ));
-        }
-        _ => false,
-    };
+        Last::Record(path) => return record_routine(args, machine, interrupt, path, before, out),
+        Last::Session | Last::None => {}
+    }
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_operator(User::new(interrupt, args.raw));
     let mut rows: Vec<ResultRow> = Vec::new();
@@ -150,7 +175,7 @@ fn measure_by(
             rows.push(row.clone());
         };
         let done = session.run(&actions, &mut head, &mut tell);
-        let done = done.and_then(|()| match is_session {
+        let done = done.and_then(|()| match last == Last::Session {
             true => typed(&mut session, &mut head, interrupt, tell),
             false => Ok(false),
         });
@@ -158,19 +183,7 @@ fn measure_by(
         is_refused = done?;
         Ok(())
     });
-    if args.format == Results::Json {
-        let json = serde_json::to_string_pretty(&rows).map_err(|error| error.to_string())?;
-        written = writeln!(out, "{json}");
-    }
-    written = written.and_then(|()| {
-        writeln!(table, "{CSV_HEAD}")?;
-        rows.iter()
-            .try_for_each(|row| writeln!(table, "{}", row.csv()))?;
-        match args.format {
-            Results::Csv => out.write_all(table),
-            Results::Text | Results::Json => Ok(()),
-        }
-    });
+    let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
     match result {
         Err(trouble) if has_collided => {
             eprintln!("{}", told(&trouble));

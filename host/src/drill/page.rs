@@ -96,6 +96,68 @@ fn to_mm(steps: u16) -> f64 {
     f64::from(steps) / f64::from(STEPS_PER_MM)
 }
 
+/// Draws the route of each tool from zero over its holes and, dotted, back.
+fn routes(page: &mut String, board: &Board<'_>, y_of: impl Fn(u16) -> f64) {
+    for (place, part) in board.parts.iter().enumerate() {
+        let _ = write!(
+            page,
+            "<path class=\"way\" style=\"stroke:var(--t{})\" d=\"M0 {:.3}",
+            place % 6,
+            y_of(0)
+        );
+        let mut last = [0; 2];
+        for stop in part.stops() {
+            let [x, y] = stop.at;
+            let _ = write!(page, "H{:.3}V{:.3}", to_mm(x), y_of(y));
+            last = stop.at;
+        }
+        let _ = writeln!(
+            page,
+            "\"/>\n<path class=\"way back\" style=\"stroke:var(--t{})\" d=\"M{:.3} {:.3}H0V{:.3}\"/>",
+            place % 6,
+            to_mm(last[0]),
+            y_of(last[1]),
+            y_of(0)
+        );
+    }
+}
+
+/// Draws the holes, with numbers of this size.
+fn holes(page: &mut String, board: &Board<'_>, y_of: impl Fn(u16) -> f64, size: f64) {
+    let count: usize = board.parts.iter().map(Part::holes).sum();
+    let every = count.div_ceil(MOST_NUMBERS).max(1);
+    let mut number = 0;
+    for (place, part) in board.parts.iter().enumerate() {
+        let diameter = part.diameter.map_or(UNKNOWN_MM, |nm| nm.0 as f64 / 1e6);
+        let _ = writeln!(
+            page,
+            "<g class=\"hole\" style=\"fill:var(--t{})\">",
+            place % 6
+        );
+        for stop in part.places() {
+            number += 1;
+            let ([x, y], [x_mm, y_mm]) = (stop.at, stop.at.map(millimetres));
+            let _ = writeln!(
+                page,
+                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{number}: {x_mm}, {y_mm} mm, {}</title></circle>",
+                to_mm(x),
+                y_of(y),
+                diameter / 2.0,
+                escape(&part.name())
+            );
+            if number % every == 1 || every == 1 || number == count {
+                let _ = writeln!(
+                    page,
+                    "<text x=\"{:.3}\" y=\"{:.3}\" style=\"font-size:{size:.3}px\">{number}</text>",
+                    to_mm(x) + 0.6 * diameter,
+                    y_of(y) - 0.6 * diameter
+                );
+            }
+        }
+        page.push_str("</g>\n");
+    }
+}
+
 fn picture(page: &mut String, board: &Board<'_>) {
     let Some([low, high]) = extent(board.parts) else {
         page.push_str("<p>No hole.</p>\n");
@@ -129,62 +191,10 @@ fn picture(page: &mut String, board: &Board<'_>) {
         to_mm(high[0]) - to_mm(low[0]),
         to_mm(high[1]) - to_mm(low[1])
     );
-    for (place, part) in board.parts.iter().enumerate() {
-        let _ = write!(
-            page,
-            "<path class=\"way\" style=\"stroke:var(--t{})\" d=\"M0 {:.3}",
-            place % 6,
-            y_of(0)
-        );
-        let mut last = [0; 2];
-        for stop in part.stops() {
-            let [x, y] = stop.at;
-            let _ = write!(page, "H{:.3}V{:.3}", to_mm(x), y_of(y));
-            last = stop.at;
-        }
-        let _ = writeln!(
-            page,
-            "\"/>\n<path class=\"way back\" style=\"stroke:var(--t{})\" d=\"M{:.3} {:.3}H0V{:.3}\"/>",
-            place % 6,
-            to_mm(last[0]),
-            y_of(last[1]),
-            y_of(0)
-        );
-    }
-    let count: usize = board.parts.iter().map(Part::holes).sum();
-    let every = count.div_ceil(MOST_NUMBERS).max(1);
+    routes(page, board, y_of);
     let size = 0.012 * width;
     scale_bar(page, [width, up + 0.5 * margin, 0.3 * margin, size]);
-    let mut number = 0;
-    for (place, part) in board.parts.iter().enumerate() {
-        let diameter = part.diameter.map_or(UNKNOWN_MM, |nm| nm.0 as f64 / 1e6);
-        let _ = writeln!(
-            page,
-            "<g class=\"hole\" style=\"fill:var(--t{})\">",
-            place % 6
-        );
-        for stop in part.places() {
-            number += 1;
-            let ([x, y], [x_mm, y_mm]) = (stop.at, stop.at.map(millimetres));
-            let _ = writeln!(
-                page,
-                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{number}: {x_mm}, {y_mm} mm, {}</title></circle>",
-                to_mm(x),
-                y_of(y),
-                diameter / 2.0,
-                escape(&part.name())
-            );
-            if number % every == 1 || every == 1 || number == count {
-                let _ = writeln!(
-                    page,
-                    "<text x=\"{:.3}\" y=\"{:.3}\" style=\"font-size:{size:.3}px\">{number}</text>",
-                    to_mm(x) + 0.6 * diameter,
-                    y_of(y) - 0.6 * diameter
-                );
-            }
-        }
-        page.push_str("</g>\n");
-    }
+    holes(page, board, y_of, size);
     page.push_str("</svg>\n");
 }
 

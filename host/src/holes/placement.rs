@@ -200,26 +200,47 @@ fn move_all(map: &Affine, board: &mut Board) -> Result<(), String> {
     Ok(())
 }
 
-/// The map that brings the first of each pair nearest to the second, by least squares: turn and offset, or with `stretches` all of it.
-fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String> {
-    let count = pairs.len() as f64;
-    let mean =
-        |of: usize, axis: usize| pairs.iter().map(|pair| pair[of][axis]).sum::<f64>() / count;
-    let [from, to] = [0, 1].map(|of| [mean(of, 0), mean(of, 1)]);
-    // Sums of products about the means: of the file with itself, and with what was measured.
-    let (mut own, mut cross) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
-    for [file, measured] in pairs {
-        let [p, q] = [
-            [file[0] - from[0], file[1] - from[1]],
-            [measured[0] - to[0], measured[1] - to[1]],
-        ];
-        for i in 0..2 {
-            for j in 0..2 {
-                own[i][j] += p[i] * p[j];
-                cross[i][j] += q[i] * p[j];
+/// Sums over pairs of points, the first of the file and the second measured.
+struct Moments {
+    /// Means of the first and of the second points.
+    means: [[f64; 2]; 2],
+    /// Sums of products about the means: first by first.
+    own: [[f64; 2]; 2],
+    /// Second by first.
+    cross: [[f64; 2]; 2],
+}
+
+impl Moments {
+    fn of(pairs: &[[[f64; 2]; 2]]) -> Self {
+        let count = pairs.len() as f64;
+        let mean =
+            |of: usize, axis: usize| pairs.iter().map(|pair| pair[of][axis]).sum::<f64>() / count;
+        let means @ [from, to] = [0, 1].map(|of| [mean(of, 0), mean(of, 1)]);
+        let (mut own, mut cross) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+        for [file, measured] in pairs {
+            let [p, q] = [
+                [file[0] - from[0], file[1] - from[1]],
+                [measured[0] - to[0], measured[1] - to[1]],
+            ];
+            for i in 0..2 {
+                for j in 0..2 {
+                    own[i][j] += p[i] * p[j];
+                    cross[i][j] += q[i] * p[j];
+                }
             }
         }
+        Self { means, own, cross }
     }
+}
+
+/// The map that brings the first of each pair nearest to the second, by least squares: a turn and
+/// an offset, or with `stretches` scales and skew too.
+fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String> {
+    let Moments {
+        means: [from, to],
+        own,
+        cross,
+    } = Moments::of(pairs);
     let size = own[0][0] + own[1][1];
     if size < 1e12 {
         return Err("the holes of --reference are less than a millimetre apart".into());
@@ -271,7 +292,18 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
             (x - measured[0]).hypot(y - measured[1])
         })
         .fold(0.0, f64::max);
-    // A drill that is wrong by more is another file, another unit, or another hole.
+    check_fit(scale, residual_nm)?;
+    let fit = Fit {
+        turn_degrees: angle.to_degrees(),
+        scale_ppm: scale.map(|scale| (scale - 1.0) * 1e6),
+        skew_ppm: skew.map(|skew| skew * 1e6),
+        residual_nm,
+    };
+    Ok((map, fit))
+}
+
+/// Refuses a fit that is wrong by more than a drill is: of another file, unit, or hole.
+fn check_fit(scale: [f64; 2], residual_nm: f64) -> Result<(), String> {
     if scale
         .iter()
         .any(|scale| !(scale - 1.0).abs().le(&MAX_STRETCH))
@@ -288,13 +320,7 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
             residual_nm / 1e6
         ));
     }
-    let fit = Fit {
-        turn_degrees: angle.to_degrees(),
-        scale_ppm: scale.map(|scale| (scale - 1.0) * 1e6),
-        skew_ppm: skew.map(|skew| skew * 1e6),
-        residual_nm,
-    };
-    Ok((map, fit))
+    Ok(())
 }
 
 impl fmt::Display for Fit {

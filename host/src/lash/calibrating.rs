@@ -8,7 +8,8 @@ use crate::machines::lash_file::section;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{
-    Field, Leftover, LinePair, Map, RUN_UP_MM, WHOLE_RUN_UP_MM, cut_all, place_table, survey,
+    Field, Leftover, LinePair, Map, PlaceTable, RUN_UP_MM, WHOLE_RUN_UP_MM, cut_all, place_table,
+    survey,
 };
 use husillo_metrology::quantity::{self, Quantity};
 use std::io::Write;
@@ -37,18 +38,7 @@ pub fn calibrate_backlash(
     } else {
         setup::maps(file)?
     };
-    let readings = match &args.file {
-        Some(path) => {
-            let readings = readings::read(path)?;
-            for reading in &readings {
-                reading
-                    .within(travel_mm)
-                    .map_err(|why| format!("{path}: {why}"))?;
-            }
-            readings
-        }
-        None => simulated_pairs(args, file, &now, travel_mm)?,
-    };
+    let readings = pairs(args, file, &now, travel_mm)?;
     let step_nm = file
         .axes
         .each_ref()
@@ -78,41 +68,32 @@ pub fn calibrate_backlash(
     if sections.is_empty() {
         return Err("no readings".into());
     }
-    let panels = match &args.file {
+    let panels = match args.file {
         None => {
             let over = |maps| survey(&mut SimulatedBench::new(file, maps)?, travel_mm);
             let [before, after] = [over(one)?, over(maps)?];
             surveyed(before, after, travel_mm)
         }
         Some(_) => {
-            let mut pairs = Vec::new();
-            for (axis, table) in tables.iter().enumerate() {
-                if let Some(table) = table {
-                    let [before, after] = [&one, &maps].map(|maps| {
-                        Field::measured(axis, table, &lash, &maps[axis], step_nm, travel_mm)
-                    });
-                    pairs.push((axis, [before, after]));
-                }
-            }
-            pairs
+            let measured = |axis: usize, table: &PlaceTable| {
+                [&one, &maps].map(|maps| {
+                    Field::measured(axis, table, &lash, &maps[axis], step_nm, travel_mm)
+                })
+            };
+            let tables = tables.iter().enumerate();
+            tables
+                .filter_map(|(axis, table)| Some((axis, measured(axis, table.as_ref()?))))
+                .collect()
         }
     };
-    let failed = |error: std::io::Error| error.to_string();
-    for (axis, [before, after]) in &panels {
-        let letter = char::from(file.axes[*axis].letter);
-        let table = tables[*axis].iter();
-        let um: Vec<f64> = table.flat_map(|table| table.lash_um.clone()).collect();
-        let (low, high) = um.iter().fold((f64::MAX, f64::MIN), |(low, high), um| {
-            (low.min(*um), high.max(*um))
-        });
-        writeln!(
-            out,
-            "# {letter}: {} places, lash {low:.1} to {high:.1} um; left with one value {:+.1} to {:+.1} um, with this map {:+.2} to {:+.2} um",
-            um.len(), before.span_um[0], before.span_um[1], after.span_um[0], after.span_um[1]
-        )
-        .map_err(failed)?;
+    for (axis, fields) in &panels {
+        let um = tables[*axis]
+            .as_ref()
+            .map_or(&[][..], |table| &table.lash_um);
+        print_left(file.axes[*axis].letter, um, fields, out).map_err(|error| error.to_string())?;
     }
-    out.write_all(sections.as_bytes()).map_err(failed)?;
+    out.write_all(sections.as_bytes())
+        .map_err(|error| error.to_string())?;
     let panels: Vec<Panel> = panels
         .into_iter()
         .map(|(axis, fields)| Panel {
@@ -125,6 +106,44 @@ pub fn calibrate_backlash(
         page: page::html(&file.title, readings.len(), args.file.is_none(), &panels),
         machine: with_sections(&file.text()?, &sections),
     })
+}
+
+/// The pairs of lines: from the file of readings, or cut on the simulated machine.
+fn pairs(
+    args: &BacklashArgs,
+    file: &MachineFile,
+    now: &[Map; 3],
+    travel_mm: [[f64; 2]; 2],
+) -> Result<Vec<LinePair>, String> {
+    let Some(path) = &args.file else {
+        return simulated_pairs(args, file, now, travel_mm);
+    };
+    let readings = readings::read(path)?;
+    for reading in &readings {
+        reading
+            .within(travel_mm)
+            .map_err(|why| format!("{path}: {why}"))?;
+    }
+    Ok(readings)
+}
+
+/// Prints what is left of the backlash of an axis, with one value and with its map.
+fn print_left(
+    letter: u8,
+    um: &[f64],
+    [before, after]: &[Field; 2],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let low = um.iter().copied().fold(f64::MAX, f64::min);
+    let high = um.iter().copied().fold(f64::MIN, f64::max);
+    let ([one_low, one_high], [low_left, high_left]) = (before.span_um, after.span_um);
+    writeln!(
+        out,
+        "# {}: {} places, lash {low:.1} to {high:.1} um; left with one value {one_low:+.1} to \
+         {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um",
+        char::from(letter),
+        um.len()
+    )
 }
 
 /// Travel of X and Y in mm.

@@ -411,7 +411,8 @@ fn read_idle(table: &mut Table<'_, '_>) -> Idle {
     policy.unwrap_or(Idle::Hold)
 }
 
-fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<AxisFile> {
+/// The length of a step: `step`, or `steps_per_mm`.
+fn read_step(table: &mut Table<'_, '_>) -> Fraction {
     let step = table.quantity(
         "step",
         "a length from 1 nm to 1 m as in \"0.14 um\"",
@@ -432,42 +433,54 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
     if step.is_none() {
         table.missing("step");
     }
-    let step = step.unwrap_or(Fraction { num: 1, den: 1 });
-    let (travel, travel_span) = table.travel("travel", step);
-    let lash = table.quantity(
-        "backlash",
-        "a length as in \"204 um\", or steps",
-        |quantity| match quantity {
-            Quantity::Length(length) => length
-                .over(step)
-                .and_then(|steps| u32::try_from(steps).ok()),
-            Quantity::Steps(steps) => u32::try_from(steps.rounded()).ok(),
-            _ => None,
-        },
-    );
-    let max_rate = rate(table, "max_rate", step);
-    if max_rate.is_none() {
-        table.missing("max_rate");
+    step.unwrap_or(Fraction { num: 1, den: 1 })
+}
+
+/// The rates of an axis, steps per second.
+struct Rates {
+    max: u32,
+    start: Option<u32>,
+    pull_out: Option<u32>,
+    junction: Option<u32>,
+}
+
+impl Rates {
+    fn read(table: &mut Table<'_, '_>, step: Fraction) -> Self {
+        let max = rate(table, "max_rate", step);
+        if max.is_none() {
+            table.missing("max_rate");
+        }
+        let start = rate(table, "start_rate", step);
+        let pull_out = rate(table, "pull_out_rate", step);
+        let junction = rate(table, "junction", step);
+        check_above(
+            table,
+            ["max_rate", "pull_out_rate"],
+            [max, pull_out],
+            "the motor loses steps there",
+        );
+        check_above(
+            table,
+            ["start_rate", "max_rate"],
+            [start, max],
+            "the axis never steps so fast",
+        );
+        Self {
+            max: max.unwrap_or(1),
+            start,
+            pull_out,
+            junction,
+        }
     }
-    let start_rate = rate(table, "start_rate", step);
-    let pull_out_rate = rate(table, "pull_out_rate", step);
-    let junction = rate(table, "junction", step);
-    check_above(
-        table,
-        ["max_rate", "pull_out_rate"],
-        [max_rate, pull_out_rate],
-        "the motor loses steps there",
-    );
-    check_above(
-        table,
-        ["start_rate", "max_rate"],
-        [start_rate, max_rate],
-        "the axis never steps so fast",
-    );
-    let max_rate = max_rate.unwrap_or(1);
-    let driver = table
-        .choice("driver", &DRIVERS)
-        .unwrap_or(Driver::StepDirection);
+}
+
+/// The pulse of the driver, which bounds the rate.
+fn read_driver_pulse(
+    table: &mut Table<'_, '_>,
+    driver: Driver,
+    max_rate: u32,
+    timer_hz: u32,
+) -> PulseNanoseconds {
     let pulse = match driver {
         Driver::StepDirection => table.optional_table("pulse", read_pulse),
         _ => None,
@@ -487,6 +500,28 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
             );
         }
     }
+    pulse
+}
+
+fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<AxisFile> {
+    let step = read_step(table);
+    let (travel, travel_span) = table.travel("travel", step);
+    let lash = table.quantity(
+        "backlash",
+        "a length as in \"204 um\", or steps",
+        |quantity| match quantity {
+            Quantity::Length(length) => length
+                .over(step)
+                .and_then(|steps| u32::try_from(steps).ok()),
+            Quantity::Steps(steps) => u32::try_from(steps.rounded()).ok(),
+            _ => None,
+        },
+    );
+    let rates = Rates::read(table, step);
+    let driver = table
+        .choice("driver", &DRIVERS)
+        .unwrap_or(Driver::StepDirection);
+    let pulse = read_driver_pulse(table, driver, rates.max, timer_hz);
     let acceleration = table.quantity(
         "acceleration",
         "as in \"300 mm/s^2\" or, in steps/s^2, \"2000 Hz/s\"",
@@ -503,12 +538,12 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
         travel_span,
         lash_steps: lash.unwrap_or(0),
         // Without an acceleration there are no ramps.
-        start_rate: start_rate.unwrap_or(match acceleration {
+        start_rate: rates.start.unwrap_or(match acceleration {
             Some(_) => 0,
-            None => max_rate,
+            None => rates.max,
         }),
-        max_rate,
-        pull_out_rate,
+        max_rate: rates.max,
+        pull_out_rate: rates.pull_out,
         acceleration,
         jerk: table.quantity(
             "jerk",
@@ -518,14 +553,14 @@ fn read_axis(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Axi
                 _ => None,
             },
         ),
-        junction,
+        junction: rates.junction,
         driver,
         pulse,
         mode: table.choice("mode", &MODES).unwrap_or(StepMode::Full),
         home: table.optional_table("home", |home| read_home(home, step)),
         power: table.optional_table("motor", Power::read).flatten(),
         encoder: table
-            .optional_table("encoder", |table| EncoderFile::read(table, step, max_rate))
+            .optional_table("encoder", |table| EncoderFile::read(table, step, rates.max))
             .flatten(),
     })
 }

@@ -74,6 +74,50 @@ impl Session {
         Ok(actions)
     }
 
+    /// Calibrates the probe on the face of the reference, if there is one.
+    fn calibrate_on_face(
+        &mut self,
+        towards: &Towards,
+        measurement: &Measurement,
+        head: &mut Calibrated<Head<AnyPort>>,
+    ) -> Result<(), Trouble> {
+        if let (Some(axis), Some(position)) = (towards.axis, self.reference) {
+            let face = Face { axis, position };
+            let over_travel = head.inner().probe().over_travel;
+            self.stylus = face.calibrate(self.stylus, measurement, self.scale, over_travel)?;
+        }
+        Ok(())
+    }
+
+    /// Reports the status of axes, a row each.
+    fn status(
+        &self,
+        axes: &[usize],
+        row: &ResultRow,
+        head: &mut Calibrated<Head<AnyPort>>,
+        tell: &mut impl FnMut(&ResultRow),
+    ) -> Result<(), Trouble> {
+        for axis in axes.iter().copied() {
+            let reply: Reply = head.inner().status(axis)?;
+            let (held, place) = (head.held()[axis], head.position()?);
+            tell(&ResultRow {
+                action: "status",
+                axis: letters(&[axis]),
+                position: self.numbers(place, &[axis]),
+                status: Some(StatusFigures {
+                    held: self.scale.number(held),
+                    position_error: self.scale.number(held - place[axis]),
+                    current: reply.readings.current,
+                    bits: names(reply.status),
+                    auxiliary: auxiliary(reply.readings.auxiliary),
+                    version: reply.readings.version,
+                }),
+                ..row.clone()
+            });
+        }
+        Ok(())
+    }
+
     /// Does everything in turn; each result goes to `tell`.
     ///
     /// # Errors
@@ -131,13 +175,7 @@ impl Session {
                 Action::Calibrate(towards) => {
                     row.action = "calibrate";
                     let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    if let (Some(axis), Some(position)) = (towards.axis, self.reference) {
-                        let face = Face { axis, position };
-                        let over_travel = head.inner().probe().over_travel;
-                        let scale = self.scale;
-                        self.stylus =
-                            face.calibrate(self.stylus, &measurement, scale, over_travel)?;
-                    }
+                    self.calibrate_on_face(&towards, &measurement, head)?;
                     row.touch = Some(TouchFigures {
                         table: self.table(),
                         ..self.figures(&measurement, &towards, &axes)
@@ -154,24 +192,7 @@ impl Session {
                     row.calibration = Some(self.found(&found, body.body));
                 }
                 Action::Status(_) => {
-                    for axis in axes {
-                        let reply: Reply = head.inner().status(axis)?;
-                        let (held, place) = (head.held()[axis], head.position()?);
-                        tell(&ResultRow {
-                            action: "status",
-                            axis: letters(&[axis]),
-                            position: self.numbers(place, &[axis]),
-                            status: Some(StatusFigures {
-                                held: self.scale.number(held),
-                                position_error: self.scale.number(held - place[axis]),
-                                current: reply.readings.current,
-                                bits: names(reply.status),
-                                auxiliary: auxiliary(reply.readings.auxiliary),
-                                version: reply.readings.version,
-                            }),
-                            ..row.clone()
-                        });
-                    }
+                    self.status(&axes, &row, head, &mut tell)?;
                     continue;
                 }
             }

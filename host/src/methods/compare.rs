@@ -229,6 +229,21 @@ fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
     }
 }
 
+/// A centre as `X,Y`, and its fractional bits. They are 0 for whole coordinates: the printed methods
+/// know no others.
+fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
+    let centre = text.split(',').map(|text| scaled(text, 16));
+    let centre: [i64; 2] = centre
+        .collect::<Result<Vec<_>, _>>()?
+        .try_into()
+        .map_err(|_| "--centre takes X,Y".to_owned())?;
+    let is_whole = centre.iter().all(|at| at & 0xffff == 0);
+    Ok(match is_whole {
+        true => (centre.map(|at| at >> 16), 0),
+        false => (centre, 16),
+    })
+}
+
 /// The move that `circle`, `arc` or `line` means, and what to call it; `None` for the name of a file.
 ///
 /// # Errors
@@ -287,20 +302,7 @@ pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
             refuse(args.radius.is_some(), "--radius")?;
             let from = pair(&needs(&args.from, "--from X,Y")?, "--from")?;
             let to = pair(&needs(&args.to, "--to X,Y")?, "--to")?;
-            let centre: Vec<i64> = needs(&args.centre, "--centre X,Y")?
-                .split(',')
-                .map(|text| scaled(text, 16))
-                .collect::<Result<_, _>>()?;
-            let centre: [i64; 2] = centre
-                .try_into()
-                .map_err(|_| "--centre takes X,Y".to_owned())?;
-            // Whole centres as such: the printed methods know no others.
-            let is_whole = centre.iter().all(|at| at & 0xffff == 0);
-            let (centre, bits) = if is_whole {
-                (centre.map(|at| at >> 16), 0)
-            } else {
-                (centre, 16)
-            };
+            let (centre, bits) = centre_of(&needs(&args.centre, "--centre X,Y")?)?;
             let arc = arc_move(from, to, centre, bits, args.direction);
             let title = format!("Arc from {} to {}", list(&from), list(&to));
             Ok(Some((job_of(arc), title)))

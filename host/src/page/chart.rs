@@ -101,57 +101,78 @@ impl Panel {
     }
 }
 
+/// The largest values of a chart, nm and seconds.
+struct Largest {
+    feed: Option<f64>,
+    rapid: Option<f64>,
+    programmed: f64,
+    /// In both directions, mm/s^2.
+    acceleration: f64,
+}
+
+impl Largest {
+    fn of(columns: &[Column]) -> Self {
+        let all = |band: fn(&Column) -> Band| {
+            let all = columns.iter().map(band).reduce(Band::with);
+            all.filter(|band| !band.is_empty())
+        };
+        let largest = |band| all(band).map(|band| f64::from(band.high));
+        Self {
+            feed: largest(|c| c.feed),
+            rapid: largest(|c| c.rapid),
+            programmed: largest(|c| c.programmed).unwrap_or(0.0),
+            acceleration: all(|c| c.acceleration)
+                .map_or(0.0, |band| f64::from(band.high.max(-band.low)) * MM),
+        }
+    }
+
+    /// The speed that sets the scale: that of the feed, if there is any.
+    fn top(&self) -> Option<f64> {
+        self.feed.or(self.rapid).filter(|top| *top > 0.0)
+    }
+
+    /// The top of the chart of speeds, mm/min. The picture is about cutting: much faster rapids run
+    /// along its edge.
+    fn high(&self, top: f64) -> f64 {
+        let rapid = self.rapid.filter(|rapid| *rapid < 3.0 * top).unwrap_or(top);
+        let is_near = self.programmed < 2.0 * top;
+        let programmed = if is_near { self.programmed } else { 0.0 };
+        ceiling(1.05 * MM_PER_MIN * top.max(rapid).max(programmed), 5.0)
+    }
+
+    /// Sentences about the speeds that are beyond the top.
+    fn beyond(&self, high: f64) -> String {
+        let mut beyond = String::new();
+        if let Some(rapid) = self.rapid.filter(|rapid| MM_PER_MIN * rapid > high) {
+            let _ = write!(
+                beyond,
+                " Rapids, at up to {} mm/min, are cut off at the top.",
+                figure(MM_PER_MIN * rapid, MM_PER_MIN * rapid / 20.0)
+            );
+        }
+        let programmed = MM_PER_MIN * self.programmed;
+        if programmed > high {
+            let _ = write!(
+                beyond,
+                " The programmed feed, up to {} mm/min, lies beyond the top.",
+                figure(programmed, programmed / 20.0)
+            );
+        }
+        beyond
+    }
+}
+
 /// Adds the section to a report; `has_ramps` tells why the speed jumps where it does.
 pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
     let (columns, column_seconds) = speed.columns();
-    let all = |band: fn(&Column) -> Band| columns.iter().map(band).reduce(Band::with);
-    let largest = |band: fn(&Column) -> Band| {
-        all(band)
-            .filter(|band| !band.is_empty())
-            .map(|band| f64::from(band.high))
-    };
-    let (feed, rapid) = (largest(|c| c.feed), largest(|c| c.rapid));
-    let Some(top) = feed.or(rapid).filter(|top| *top > 0.0) else {
+    let largest = Largest::of(columns);
+    let Some(top) = largest.top() else {
         return;
     };
-    let programmed = largest(|c| c.programmed).unwrap_or(0.0);
-    // Cutting is what the picture is about: faster rapids run along its edge.
-    let shown = rapid.filter(|rapid| *rapid < 3.0 * top).unwrap_or(top);
-    let shown = [
-        top,
-        shown,
-        if programmed < 2.0 * top {
-            programmed
-        } else {
-            0.0
-        },
-    ];
-    let high = ceiling(
-        1.05 * MM_PER_MIN * shown.into_iter().fold(0.0, f64::max),
-        5.0,
-    );
-    let acceleration = all(|c| c.acceleration)
-        .filter(|band| !band.is_empty())
-        .map_or(0.0, |band| f64::from(band.high.max(-band.low)) * MM);
-    let limit = ceiling((1.05 * acceleration).max(1e-6), 2.0);
-
+    let high = largest.high(top);
     page.push_str("<section><h2>Speed and acceleration over time</h2>\n");
     caption(page, speed, has_ramps);
-    let mut beyond = String::new();
-    if let Some(rapid) = rapid.filter(|rapid| MM_PER_MIN * rapid > high) {
-        let _ = write!(
-            beyond,
-            " Rapids, at up to {} mm/min, are cut off at the top.",
-            figure(MM_PER_MIN * rapid, MM_PER_MIN * rapid / 20.0)
-        );
-    }
-    if MM_PER_MIN * programmed > high {
-        let _ = write!(
-            beyond,
-            " The programmed feed, up to {} mm/min, lies beyond the top.",
-            figure(MM_PER_MIN * programmed, MM_PER_MIN * programmed / 20.0)
-        );
-    }
+    let beyond = largest.beyond(high);
     if !beyond.is_empty() {
         let _ = writeln!(page, "<p>{}</p>", beyond.trim_start());
     }
@@ -163,12 +184,30 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
          speed up to {} mm/min, acceleration up to {} mm/s^2</desc>",
         duration(speed.seconds()),
         figure(
-            MM_PER_MIN * top.max(rapid.unwrap_or(0.0)),
+            MM_PER_MIN * top.max(largest.rapid.unwrap_or(0.0)),
             0.01 * MM_PER_MIN * top
         ),
-        figure(acceleration, 0.01 * acceleration)
+        figure(largest.acceleration, 0.01 * largest.acceleration)
     );
     let width = (RIGHT - LEFT) * column_seconds / speed.seconds().max(column_seconds);
+    speeds(page, columns, width, high);
+    accelerations(page, columns, width, largest.acceleration);
+    time_scale(page, speed.seconds());
+    page.push_str("</svg>\n");
+    legend(page);
+    page.push_str("</section>\n");
+}
+
+/// A band in the unit of a chart.
+fn scaled(band: Band, factor: f64) -> Band {
+    Band {
+        low: band.low * factor as f32,
+        high: band.high * factor as f32,
+    }
+}
+
+/// The chart of speeds.
+fn speeds(page: &mut String, columns: &[Column], width: f64, high: f64) {
     let speeds = Panel {
         top: 30.0,
         bottom: 250.0,
@@ -176,10 +215,6 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
         high,
     };
     speeds.scale(page, "path speed, mm/min");
-    let scaled = |band: Band, factor: f64| Band {
-        low: band.low * factor as f32,
-        high: band.high * factor as f32,
-    };
     let speed_of = |band: fn(&Column) -> Band| {
         (0..columns.len()).map(move |index| {
             let column = &columns[index];
@@ -206,6 +241,11 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
         columns.iter().map(|c| scaled(c.programmed, MM_PER_MIN)),
     );
     stops(page, columns, width, speeds.bottom + 8.0);
+}
+
+/// The chart of accelerations, up to the largest one in mm/s^2.
+fn accelerations(page: &mut String, columns: &[Column], width: f64, largest: f64) {
+    let limit = ceiling((1.05 * largest).max(1e-6), 2.0);
     let accelerations = Panel {
         top: 300.0,
         bottom: 440.0,
@@ -219,10 +259,6 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
         width,
         columns.iter().map(|c| scaled(c.acceleration, MM)),
     );
-    time_scale(page, speed.seconds());
-    page.push_str("</svg>\n");
-    legend(page);
-    page.push_str("</section>\n");
 }
 
 fn caption(page: &mut String, speed: &Speed, has_ramps: bool) {

@@ -310,6 +310,30 @@ impl Writer {
         })
     }
 
+    /// Writes an arc without its feed.
+    fn arc(&mut self, arc: &Arc<3>) {
+        let (plane, letters) = match arc.plane {
+            Plane::Xy => ("G17", "IJ"),
+            Plane::Zx => ("G18", "KI"),
+            Plane::Yz => ("G19", "JK"),
+        };
+        let code = match arc.direction {
+            Direction::Clockwise => "G2",
+            Direction::CounterClockwise => "G3",
+        };
+        // Writing to a String cannot fail.
+        let _ = write!(self.text, "{plane} {code}");
+        let from = self.at;
+        self.go(&arc.to, true);
+        for (letter, axis) in letters.chars().zip(arc.plane.axes()) {
+            let distance = Nm(arc.centre[axis].0 - from[axis].0);
+            let _ = write!(self.text, " {letter}{}", millimetres(distance));
+        }
+        if arc.turns > 0 {
+            let _ = write!(self.text, " P{}", arc.turns + 1);
+        }
+    }
+
     fn write(&mut self, command: &Command<3>) -> Result<(), String> {
         let text = &mut self.text;
         // Writing to a String cannot fail.
@@ -324,26 +348,7 @@ impl Writer {
                 self.feed(feed)?;
             }
             Command::Arc { arc, feed } => {
-                let [first, second] = arc.plane.axes();
-                let (plane, letters) = match arc.plane {
-                    Plane::Xy => ("G17", "IJ"),
-                    Plane::Zx => ("G18", "KI"),
-                    Plane::Yz => ("G19", "JK"),
-                };
-                let code = match arc.direction {
-                    Direction::Clockwise => "G2",
-                    Direction::CounterClockwise => "G3",
-                };
-                let _ = write!(text, "{plane} {code}");
-                let from = self.at;
-                self.go(&arc.to, true);
-                for (letter, axis) in letters.chars().zip([first, second]) {
-                    let way = Nm(arc.centre[axis].0 - from[axis].0);
-                    let _ = write!(self.text, " {letter}{}", millimetres(way));
-                }
-                if arc.turns > 0 {
-                    let _ = write!(self.text, " P{}", arc.turns + 1);
-                }
+                self.arc(arc);
                 self.feed(feed)?;
             }
             Command::Dwell { micros } => {

@@ -33,16 +33,58 @@ pub fn html(outcome: &Outcome, traces: &[Trace]) -> String {
     frame::close(page, None)
 }
 
-fn section(page: &mut String, number: usize, trace: &Trace) {
-    let time_s = |us: u64| us.saturating_sub(trace.start_us) as f64 * 1e-6;
-    let shown = trace
-        .samples
+/// The values of the samples that are shown, over the time in seconds.
+fn shown(
+    trace: &Trace,
+    value: impl Fn(&husillo_metrology::tuning::Sample) -> f64,
+) -> Vec<(f64, f64)> {
+    let values = trace.samples.iter();
+    let values = values.map(|sample| (trace_s(trace, sample.us), value(sample)));
+    values.filter(|(at, _)| *at <= LONGEST_S).collect()
+}
+
+/// Seconds since the begin of a trace.
+fn trace_s(trace: &Trace, us: u64) -> f64 {
+    us.saturating_sub(trace.start_us) as f64 * 1e-6
+}
+
+/// The values of the lower chart: the current, or the drive where there is no servo.
+fn below(trace: &Trace) -> Vec<(f64, f64)> {
+    if trace.target.is_some() {
+        return shown(trace, |sample| f64::from(sample.current));
+    }
+    let drives = trace.drives.iter();
+    let drives = drives.map(|(us, duty)| (trace_s(trace, *us), f64::from(*duty)));
+    drives.filter(|(at, _)| *at <= LONGEST_S).collect()
+}
+
+/// The lower chart.
+fn lower(page: &mut String, trace: &Trace, below: &[(f64, f64)], x: impl Fn(f64) -> f64) {
+    let (name, bottom) = match trace.target {
+        Some(_) => ("motor current, of 255", 0.0),
+        None => ("drive, PWM", -255.0),
+    };
+    let largest = below
         .iter()
-        .filter(|sample| time_s(sample.us) <= LONGEST_S);
-    let positions: Vec<(f64, f64)> = shown
-        .clone()
-        .map(|sample| (time_s(sample.us), f64::from(sample.position)))
-        .collect();
+        .map(|(_, value)| value.abs())
+        .fold(1.0, f64::max);
+    let high = if bottom < 0.0 {
+        255.0
+    } else {
+        ceiling(1.05 * largest, 3.0)
+    };
+    let lower = Panel {
+        top: 300.0,
+        bottom: 440.0,
+        low: bottom,
+        high,
+    };
+    lower.scale(page, name);
+    staircase(page, "acceleration", below, x, &lower);
+}
+
+fn section(page: &mut String, number: usize, trace: &Trace) {
+    let positions = shown(trace, |sample| f64::from(sample.position));
     let Some((seconds, _)) = positions
         .last()
         .copied()
@@ -50,17 +92,7 @@ fn section(page: &mut String, number: usize, trace: &Trace) {
     else {
         return;
     };
-    let below: Vec<(f64, f64)> = if trace.target.is_some() {
-        shown
-            .map(|sample| (time_s(sample.us), f64::from(sample.current)))
-            .collect()
-    } else {
-        let drives = trace
-            .drives
-            .iter()
-            .map(|(us, duty)| (time_s(*us), f64::from(*duty)));
-        drives.filter(|(at, _)| *at <= LONGEST_S).collect()
-    };
+    let below = below(trace);
     let target = trace.target.map(f64::from);
     let all = || {
         positions
@@ -94,27 +126,7 @@ fn section(page: &mut String, number: usize, trace: &Trace) {
         let _ = writeln!(page, "<path class=\"ideal\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/>");
     }
     staircase(page, "feed", &positions, x, &upper);
-    let (name, bottom) = match trace.target {
-        Some(_) => ("motor current, of 255", 0.0),
-        None => ("drive, PWM", -255.0),
-    };
-    let largest = below
-        .iter()
-        .map(|(_, value)| value.abs())
-        .fold(1.0, f64::max);
-    let high = if bottom < 0.0 {
-        255.0
-    } else {
-        ceiling(1.05 * largest, 3.0)
-    };
-    let lower = Panel {
-        top: 300.0,
-        bottom: 440.0,
-        low: bottom,
-        high,
-    };
-    lower.scale(page, name);
-    staircase(page, "acceleration", &below, x, &lower);
+    lower(page, trace, &below, x);
     time_scale(page, seconds);
     page.push_str("</svg>\n");
     let _ = writeln!(

@@ -139,31 +139,37 @@ impl<P: Port> Head<P> {
                 // The modules stop by themselves.
                 Request::Stop | Request::Wait => {}
                 Request::Done(measurement) => return Ok(measurement),
-                Request::Failed(Failure::NoContact | Failure::LostContact)
-                    if unlatched.is_some() =>
-                {
-                    return Err(Trouble::NotLatched {
-                        at: self.text(unlatched.unwrap_or(from)),
-                    });
-                }
-                Request::Failed(failure)
-                    if failure == Failure::StuckContact && beyond.is_some() =>
-                {
-                    // There was no room to leave it.
-                    let (wanted, target) = beyond.unwrap_or_default();
-                    self.check_travel(&wanted, target)?;
-                    return Err(Trouble::Probe(failure));
-                }
-                Request::Failed(Failure::NoContact) => {
+                Request::Failed(failure) => {
+                    if let (Failure::StuckContact, Some((wanted, target))) = (failure, &beyond) {
+                        // There was no room to leave it.
+                        self.check_travel(wanted, *target)?;
+                    }
                     // At most 2^32 - 1.
-                    let way = direction.scaled(search as i64);
-                    return Err(Trouble::NoContact {
-                        from: self.text(from),
-                        to: self.text([0, 1, 2].map(|axis| from[axis] + way[axis])),
-                    });
+                    let length = direction.scaled(search as i64);
+                    let to = [0, 1, 2].map(|axis| from[axis] + length[axis]);
+                    return Err(self.failure(failure, unlatched, [from, to]));
                 }
-                Request::Failed(failure) => return Err(Trouble::Probe(failure)),
             }
+        }
+    }
+
+    /// The trouble of a search that failed, with its ends. `unlatched` is where a contact closed
+    /// without a latch.
+    fn failure(
+        &self,
+        failure: Failure,
+        unlatched: Option<[i64; 3]>,
+        [from, to]: [[i64; 3]; 2],
+    ) -> Trouble {
+        match (failure, unlatched) {
+            (Failure::NoContact | Failure::LostContact, Some(at)) => {
+                Trouble::NotLatched { at: self.text(at) }
+            }
+            (Failure::NoContact, None) => Trouble::NoContact {
+                from: self.text(from),
+                to: self.text(to),
+            },
+            (failure, _) => Trouble::Probe(failure),
         }
     }
 }

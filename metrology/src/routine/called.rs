@@ -62,14 +62,11 @@ impl Cycle {
         let part = |index: usize| numbers.get(index).copied().unwrap_or_default();
         let at: Place = [Some(nm(0)), Some(nm(1)), Some(nm(2))];
         let sense = |sign: f64| if sign < 0.0 { -1.0 } else { 1.0 };
-        let points = |index: usize, usual: u32, least: u32| match numbers.get(index) {
-            None => Ok(usual),
-            Some(points)
-                if points.fract() == 0.0 && (f64::from(least)..=1000.0).contains(points) =>
-            {
-                Ok(*points as u32)
-            }
-            Some(_) => Err(format!("o<{name}> takes {least} to 1000 points")),
+        let points = |index: usize, usual: u32, least: u32| {
+            let points = numbers
+                .get(index)
+                .map_or(Some(usual), |points| count_of(*points, least));
+            points.ok_or_else(|| format!("o<{name}> takes {least} to 1000 points"))
         };
         let across = if numbers.len() > 4 {
             [part(4), part(5), 0.0]
@@ -131,6 +128,12 @@ impl Cycle {
             search_nm: None,
         })
     }
+}
+
+/// A number of points, from the least to 1000.
+fn count_of(points: f64, least: u32) -> Option<u32> {
+    let is_possible = points.fract() == 0.0 && (f64::from(least)..=1000.0).contains(&points);
+    is_possible.then_some(points as u32)
 }
 
 /// Directions that are none, sizes that are none.

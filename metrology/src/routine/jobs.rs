@@ -28,45 +28,8 @@ impl Parser {
                 at: one()?,
                 towards: clauses.direction(&needs)?,
             },
-            "edge" => {
-                let points = clauses.points.map_or(1, |count| count.value);
-                Job::Edge {
-                    at: one()?,
-                    towards: level(clauses.direction(&needs)?, reader)?,
-                    points,
-                    over_nm: match clauses.over {
-                        Some(over) => over.value,
-                        None if points == 1 => 0,
-                        None => {
-                            return Err(needs.missing("over", "the length they are spread over"));
-                        }
-                    },
-                }
-            }
-            "corner" => {
-                let &[first, second] = clauses.towards.as_slice() else {
-                    return Err(needs.missing(
-                        "towards",
-                        "the directions into both faces, as in `towards +x +y`",
-                    ));
-                };
-                if nearest_axis(first, None).0 == nearest_axis(second, None).0 {
-                    return Err(
-                        Wrong::new(code::NUMBER, "a corner of one face", reader.whole())
-                            .help("two directions across each other, as in `towards +x +y`"),
-                    );
-                }
-                Job::Corner {
-                    at: one()?,
-                    towards: [level(first, reader)?, level(second, reader)?],
-                    inset_nm: needs.given(
-                        clauses.inset,
-                        "inset",
-                        "the way from the corner to the first touch of each face",
-                    )?,
-                    is_inside: clauses.is_inside == Some(true),
-                }
-            }
+            "edge" => edge(clauses, &needs)?,
+            "corner" => corner(clauses, &needs)?,
             "web" | "pocket" => Job::Width {
                 at: one()?,
                 along: level(
@@ -81,26 +44,7 @@ impl Parser {
                 is_inside: keyword == "pocket",
             },
             "bore" | "boss" | "circle" | "sphere" if clauses.of.is_empty() => {
-                let diameter_nm =
-                    needs.given(clauses.diameter, "diameter", "about how large it is")?;
-                match keyword {
-                    "sphere" => Job::Sphere {
-                        at: one()?,
-                        diameter_nm,
-                        points: clauses.points(9, 5, reader)?,
-                    },
-                    _ => Job::Round {
-                        at: one()?,
-                        diameter_nm,
-                        points: clauses.points(4, 3, reader)?,
-                        arc_deg: clauses.arc_deg(&needs)?,
-                        is_inside: match keyword {
-                            "bore" => true,
-                            "boss" => false,
-                            _ => needs.choice(clauses.is_inside)?,
-                        },
-                    },
-                }
+                round(clauses, &needs)?
             }
             "plane" | "line" if clauses.of.is_empty() => {
                 let least = if keyword == "plane" { 3 } else { 2 };
@@ -133,26 +77,103 @@ impl Parser {
             .help("write `safe z ...` in a line before"));
         }
         let wanted = clauses.wanted(&job);
-        let is_wanted = |figure| wanted.iter().any(|wanted| wanted.figure == figure);
-        if let Some((points, least)) = points_of(&job) {
-            let figure = match job {
-                Job::Edge { .. } if points == 1 && is_wanted(Angle) => Some(Angle),
-                _ if points <= least && is_wanted(Form) => Some(Form),
-                _ => None,
-            };
-            if let Some(figure) = figure {
-                let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
-                let plural = if points == 1 { "point" } else { "points" };
-                return Err(Wrong::new(
-                    code::TOLERANCE,
-                    format!("`{keyword}` of {points} {plural} has no {name}"),
-                    reader.whole(),
-                )
-                .help(format!("{least} points at least")));
-            }
-        }
+        check_figures(keyword, &job, &wanted, reader)?;
         Ok((job, wanted))
     }
+}
+
+/// The job of an `edge`.
+fn edge(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
+    let points = clauses.points.map_or(1, |count| count.value);
+    Ok(Job::Edge {
+        at: clauses.one_place(needs)?,
+        towards: level(clauses.direction(needs)?, needs.reader)?,
+        points,
+        over_nm: match clauses.over {
+            Some(over) => over.value,
+            None if points == 1 => 0,
+            None => {
+                return Err(needs.missing("over", "the length they are spread over"));
+            }
+        },
+    })
+}
+
+/// The job of a `corner`.
+fn corner(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
+    let &[first, second] = clauses.towards.as_slice() else {
+        return Err(needs.missing(
+            "towards",
+            "the directions into both faces, as in `towards +x +y`",
+        ));
+    };
+    if nearest_axis(first, None).0 == nearest_axis(second, None).0 {
+        return Err(
+            Wrong::new(code::NUMBER, "a corner of one face", needs.reader.whole())
+                .help("two directions across each other, as in `towards +x +y`"),
+        );
+    }
+    Ok(Job::Corner {
+        at: clauses.one_place(needs)?,
+        towards: [level(first, needs.reader)?, level(second, needs.reader)?],
+        inset_nm: needs.given(
+            clauses.inset,
+            "inset",
+            "the way from the corner to the first touch of each face",
+        )?,
+        is_inside: clauses.is_inside == Some(true),
+    })
+}
+
+/// The job of a bore, a boss, a circle or a sphere.
+fn round(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
+    let diameter_nm = needs.given(clauses.diameter, "diameter", "about how large it is")?;
+    Ok(match needs.keyword {
+        "sphere" => Job::Sphere {
+            at: clauses.one_place(needs)?,
+            diameter_nm,
+            points: clauses.points(9, 5, needs.reader)?,
+        },
+        _ => Job::Round {
+            at: clauses.one_place(needs)?,
+            diameter_nm,
+            points: clauses.points(4, 3, needs.reader)?,
+            arc_deg: clauses.arc_deg(needs)?,
+            is_inside: match needs.keyword {
+                "bore" => true,
+                "boss" => false,
+                _ => needs.choice(clauses.is_inside)?,
+            },
+        },
+    })
+}
+
+/// Refuses a tolerance on a figure that so few points do not have.
+fn check_figures(
+    keyword: &str,
+    job: &Job,
+    wanted: &[Wanted],
+    reader: &LineReader<'_>,
+) -> Result<(), Wrong> {
+    let is_wanted = |figure| wanted.iter().any(|wanted| wanted.figure == figure);
+    if let Some((points, least)) = points_of(job) {
+        let figure = match job {
+            Job::Edge { .. } if points == 1 && is_wanted(Angle) => Some(Angle),
+            _ if points <= least && is_wanted(Form) => Some(Form),
+            _ => None,
+        };
+        if let Some(figure) = figure {
+            let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
+            let plural = if points == 1 { "point" } else { "points" };
+            return Err(Wrong::new(
+                code::TOLERANCE,
+                format!("`{keyword}` of {points} {plural} has no {name}"),
+                reader.whole(),
+            )
+            .help(format!("{least} points at least")));
+        }
+    }
+    Ok(())
 }
 
 /// What a statement needs, with words for what is not there.
