@@ -1,6 +1,6 @@
-//! Some bytes of a fixed capacity.
+//! A buffer of bytes with a fixed capacity.
 
-/// Up to `N` bytes; what is pushed beyond is dropped, which each user's bound excludes.
+/// Up to `N` bytes. Bytes pushed beyond `N` are dropped; the bounds of each user exclude this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Buffer<const N: usize> {
     bytes: [u8; N],
@@ -38,7 +38,7 @@ impl<const N: usize> Buffer<N> {
     }
 }
 
-/// Takes numbers from the front of some bytes, low byte first; `None` when they are used up.
+/// Takes numbers from the front of a byte slice, low byte first. `None` when the bytes are used up.
 pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
 
 impl Fields<'_> {

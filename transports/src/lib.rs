@@ -1,17 +1,27 @@
-//! Bytes to commands and back, without IO: links of motion controllers.
+//! The links of motion controllers without IO: bytes to commands, and commands to bytes.
 //!
 //! ```text
-//!  nmc    Command ──► Frame ──► bytes        host: Startup ──► Step ──► Host ──► bytes out, Outcome
-//!         bytes ──► Receiver ──► Command     module: bytes ──► Module ──► Order, then Readings ──► bytes out
-//!  microfactory   byte ──► Order      by mode, with a table of bytes
-//!  drill  Step ──► Host ──► one byte, its echo     Device: byte ──► echo, Order ──► the machine
-//!  micromill  Order ──► string; ──► Host ──► bytes, echoes     Device: byte ──► echo, Order ──► the machine ──► steps told, Done
-//!  link   payloads ──► Frame, numbered and checked ──► bytes     Master, Station, Peer: sent again until they arrive
-//!  rs485  Turnaround: when to drive the line; Echo: what of the received bytes is one's own
+//!  nmc           Command ─► Frame ─► bytes       bytes ─► Receiver ─► Command
+//!        host:   Startup ─► Step ─► Host ─► bytes, Outcome
+//!        module: bytes ─► Module ─► Order, then Readings ─► bytes
+//!  microfactory  byte ─► Order, by mode, with a table of bytes
+//!  drill
+//!        host:   Step ─► Host ─► one byte, its echo
+//!        device: byte ─► Device ─► echo, Order for the machine
+//!  micromill     Order ─► string
+//!        host:   Order ─► Host ─► bytes, echoes
+//!        device: byte ─► Device ─► echo, Order for the machine, then step reports, Done
+//!  link          payloads ─► Frame, numbered and checked ─► bytes
+//!                Master, Station, Peer: repeat a frame until it arrives
+//!  rs485         Turnaround: when to drive the line
+//!                Echo: which of the received bytes are one's own
 //! ```
 //!
-//! Nothing here owns a port or a clock: bytes go in and come out, time is an argument in microseconds (`u32`, wrapping). The features
-//! `embedded-hal-nb` and `embedded-io` put [`rs485`] on a serial port with a driver-enable pin.
+//! The crate owns neither a port nor a clock. Bytes are passed in and out. Time is an argument in
+//! microseconds (`u32`, wrapping). The features `embedded-hal-nb` and `embedded-io` connect
+//! [`rs485`] to a serial port with a driver-enable pin.
+//!
+//! # Examples
 //!
 //! ```
 //! use husillo_transports::nmc::{Command, Module, Readings, Status};
@@ -21,7 +31,7 @@
 //! for byte in Command::NoOperation.frame(0).bytes() {
 //!     module.push(*byte);
 //! }
-//! assert_eq!(module.take(), None); // nothing for the servo to do
+//! assert_eq!(module.take(), None); // no order for the servo
 //! module.reply(Status(0x19), &Readings::default());
 //! assert_eq!([module.transmit(), module.transmit()], [Some(0x19), Some(0x19)]);
 //! ```
@@ -38,7 +48,7 @@ pub mod micromill;
 pub mod nmc;
 pub mod rs485;
 
-/// The README's example, as a doctest.
+/// The example of the README, as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,35 +1,44 @@
-//! A link of frames for our own controllers: numbered, checked, sent again, by one master to one station or to several on a line.
+//! A link of frames for our own controllers: numbered, checked and repeated, between one master and
+//! one or several stations on a line.
 //!
 //! ```text
-//!  frame    COBS( address | kind, flags | number, acknowledged | payload, up to 120 bytes | CRC-16 ) 00
-//!  shared   Master ──► DATA 1 to station 1     half duplex, RS-485: one asks, one answers, one frame at a time
-//!                  ◄── DATA 1, acknowledges 1
-//!                  ──► DATA to all: start      heard by all at the same instant, then each is asked whether it was
-//!  alone    Peer   ──► DATA 1, 2, 3 ...        full duplex: up to seven frames on the way
+//!  frame    COBS( address | kind, flags | number, acknowledged | payload | CRC-16 ) 00
+//!  shared   Master ──► DATA 1 to station 1     half duplex, RS-485: one asks, one answers
+//!                  ◄── DATA 1, acknowledges 1  one frame at a time
+//!                  ──► DATA to all: start      all receive it at once; then each is asked
+//!  alone    Peer   ──► DATA 1, 2, 3 ...        full duplex: up to seven frames in flight
 //!                  ◄── acknowledges 3
 //! ```
 //!
-//! What is sent arrives once, whole and in order, or the link goes down and says how many frames may or may not have arrived. A
-//! station that has restarted takes nothing until it is called again, and tells so; the number of a call comes back in its answer.
-//! A broadcast is sent once only, because a second one would start some later than others; every answer of a station says whether
-//! it heard the last one, so the master knows who missed it.
+//! A payload arrives once, whole and in order, or the link goes down and reports how many frames
+//! are in doubt. A station that has restarted reports it, and accepts nothing until it is called
+//! again. The answer to a call repeats the number of the call. A broadcast is sent only once,
+//! because a repetition would start some stations later than others. Every answer of a station says
+//! whether it received the last broadcast, so the master knows which stations missed it.
 //!
 //! | field | bytes | |
 //! | --- | --- | --- |
 //! | address | 1 | of the station, in both directions; [`BROADCAST`] = all |
-//! | control | 1 | kind in the high half: 0 data, 1 acknowledgement, 2 gap (send again from here), 3 call. Low half: bit 0 = from the station; bits 1 to 3: number of the master's last broadcast, from 1 to 7 and round again; from a station 0 if it did not hear it |
-//! | sequence | 1 | number in the high half, from 1 at a call, modulo 16; in the low half the number of the last frame taken |
-//! | payload | 0 to 120 | of a call and its answer: the number of the call |
-//! | check | 2 | CRC-16/IBM-SDLC of all before it, low byte first |
+//! | control | 1 | kind in the high half: 0 data, 1 acknowledgement, 2 gap (send again from here), 3 call. Low half: bit 0 = from the station; bits 1 to 3: number of the master's last broadcast, cyclic from 1 to 7; from a station 0 if it did not receive it |
+//! | sequence | 1 | number in the high half, from 1 at a call, modulo 16; in the low half the number of the last frame accepted |
+//! | payload | 0 to 120 | in a call and its answer: the number of the call |
+//! | check | 2 | CRC-16/IBM-SDLC of all bytes before it, low byte first |
 //!
-//! Nothing here owns a port or a clock: time is an argument in microseconds (`u32`, wrapping; calls at most 2^31 us apart).
-//! On a half-duplex line [`rs485`](crate::rs485) drives the enable pin and takes out one's own echo, which is ignored here too.
+//! The link owns neither a port nor a clock. Time is an argument in microseconds (`u32`, wrapping;
+//! calls at most 2^31 us apart). On a half-duplex line, [`rs485`](crate::rs485) drives the enable
+//! pin and removes one's own echo. The link ignores an echo as well.
 //!
-//! **What is not seen.** The CRC finds up to three wrong bits in a frame and any burst of 16 (Koopman's tables: distance 4 up to
-//! 32 751 bits). A wrong code byte of COBS moves what follows, so of such frames one in 65 536 passes.
+//! # Undetected errors
 //!
-//! Sources: Cheshire and Baker, *Consistent Overhead Byte Stuffing*, SIGCOMM 1997; CRC-16/IBM-SDLC of ISO/IEC 13239; numbers and
-//! repeats as in the serial protocol of Klipper, with acknowledgements in both directions.
+//! The CRC detects up to three wrong bits in a frame and any burst of 16 (Koopman's tables:
+//! distance 4 up to 32 751 bits). A wrong code byte of COBS shifts the bytes after it. Of such
+//! frames, one in 65 536 passes.
+//!
+//! # Source
+//!
+//! Cheshire and Baker, *Consistent Overhead Byte Stuffing*, SIGCOMM 1997. CRC-16/IBM-SDLC of
+//! ISO/IEC 13239. Numbers and repetition as in the serial protocol of Klipper, with
+//! acknowledgements in both directions.
 
 mod conversation;
 mod frame;
@@ -53,17 +62,18 @@ pub const PAYLOAD_BYTES: usize = 120;
 /// The address of all stations.
 pub const BROADCAST: u8 = 0xFF;
 
-/// Most frames on the way at a time: half the numbers less one, so that a repeat is never taken for something new.
+/// Largest number of frames in flight: half the numbers less one, so that a repeated frame is never
+/// taken for a new one.
 pub const WINDOW_FRAMES: usize = 7;
 
 /// Why a link is down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Lost {
-    /// The other end did not answer, however often it was asked.
+    /// The other end answered none of the tries.
     NoAnswer,
     /// The other end has restarted since it was called.
     Restarted,
-    /// Nothing came for [`Timing::silence_us`].
+    /// Nothing was received for [`Timing::silence_us`].
     Silence,
 }

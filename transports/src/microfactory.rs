@@ -1,18 +1,21 @@
-//! One byte a command: the link of the desktop microfactory.
+//! The link of the desktop microfactory: one byte per command.
 //!
 //! ```text
-//! table      which byte is which command
+//! table      the byte of each command
 //! figure     moves on the line, and their check
-//! status     what a device tells when it is asked
+//! status     the answer of a device to a status request
 //! ```
 //!
-//! The original (9600 baud, no echo, no reply) states its modes but no byte values; the values here are ours and may be changed in the
-//! [`ByteTable`]. A count may be any byte from 1 to 255, letters among them, so what a byte means depends on the mode.
+//! The original (9600 baud, no echo, no reply) states its modes but no byte values. The values here
+//! are ours and may be changed in the [`ByteTable`]. A count may be any byte from 1 to 255, letters
+//! included, so the meaning of a byte depends on the mode.
 //!
-//! Its figure was built in. Ours may take others ([`Device::storing`]): `<`, then `3` and four bytes a move, then `6` with their number and a check.
-//! Only when that is right there is a figure again, so a damaged one is never cut. A controller of two machines ([`Device::of_two_machines`])
-//! obeys `o` and `t`: what follows is for machine one, or two. Five bytes [`ByteTable::stop`] bring the link out of
-//! any half command, as four at most of them are its data.
+//! The figure of the original is built in. A [`Device::storing`] accepts others: `<`, then `3` and
+//! four bytes per move, then `6` with the number of moves and a check. There is no figure again
+//! until this check is right, so a damaged figure is never cut. A controller of two machines
+//! ([`Device::of_two_machines`]) obeys `o` and `t`: the following commands are for machine one, or
+//! two. Five bytes [`ByteTable::stop`] end any half-received command, because at most four of them
+//! are taken as its data.
 
 mod figure;
 mod status;
@@ -24,20 +27,20 @@ pub use table::{ByteTable, MOTORS};
 
 use figure::{checked, move_of};
 
-/// What the bytes ask for.
+/// A command of the host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// Home X, Y and Z.
     Home,
-    /// Turn a motor until [`Order::Stop`]; said again while it turns, it is still wanted.
+    /// Turn a motor until [`Order::Stop`]. While it turns, the repeated command renews the jog.
     Jog {
         /// 0 to 2 for X, Y, Z; 3 for the spindle.
         motor: u8,
         /// Forward, or clockwise.
         forward: bool,
     },
-    /// Turn a motor by so many steps.
+    /// Turn a motor by a number of steps.
     Steps {
         /// 0 to 3.
         motor: u8,
@@ -50,34 +53,35 @@ pub enum Order {
     Figure,
     /// Stop what moves.
     Stop,
-    /// Stop at once, and nothing more until a reset.
+    /// Stop at once, and obey nothing until a reset.
     Emergency,
-    /// Another figure begins: the stored one is no more, and until [`Order::Keep`] there is none.
+    /// Another figure begins. The stored one is deleted; there is none until [`Order::Keep`].
     Clear,
-    /// A move of it: steps of X and Z.
+    /// A move of the new figure: steps of X and Z.
     Line([i16; 2]),
     /// The moves since [`Order::Clear`] are the figure; their number and check are right.
     Keep,
-    /// Tell: the bytes of a [`Status`] follow the answer.
+    /// Report: the bytes of a [`Status`] follow the answer.
     Ask,
 }
 
 impl Order {
-    /// Whether it begins or ends a motion: what the machine's controller takes or refuses. The others concern the stored figure, or ask.
+    /// Whether it begins or ends a motion, which the controller of the machine accepts or refuses.
+    /// The other orders concern the stored figure, or request a report.
     pub const fn is_a_motion(self) -> bool {
         !matches!(self, Self::Clear | Self::Line(_) | Self::Keep | Self::Ask)
     }
 }
 
-/// Where the reading of bytes stands.
+/// The state of the parser.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Mode {
-    /// No mode was chosen, or home or figure, which need no more bytes.
+    /// No mode is chosen, or it is home or figure, which take no more bytes.
     None,
-    /// The motor told last, and whether forward.
+    /// The motor of the last jog, and whether it is forward.
     Manual(Option<(u8, bool)>),
     Steps,
-    /// The next byte is a count, whatever it is.
+    /// The next byte is a count, whatever its value.
     Count(u8, bool),
     Ready {
         motor: u8,
@@ -85,7 +89,7 @@ enum Mode {
         count: u8,
     },
     Emergency,
-    /// Four bytes follow, whatever they are: of a move, or of the end of a figure.
+    /// Four bytes follow, whatever their values: of a move, or of the end of a figure.
     Data {
         is_end: bool,
         bytes: [u8; 4],
@@ -93,20 +97,22 @@ enum Mode {
     },
 }
 
-/// What to do after a byte.
+/// The result of a byte.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Received {
-    /// The command that is complete now.
+    /// The command that this byte completes.
     pub command: Option<Order>,
-    /// The byte to send back: none without acknowledgement.
+    /// The byte to send back; `None` without acknowledgement.
     pub reply: Option<u8>,
 }
 
-/// The device's side: bytes in, commands out.
+/// The device's end: bytes in, commands out.
 ///
-/// A mode is left only while nothing moves. With acknowledgement, which the original has not, every byte taken is sent back and every
-/// other one answered by `?`.
+/// A mode is left only while nothing moves. With acknowledgement, which the original does not have,
+/// every accepted byte is sent back and every other byte is answered by `?`.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_transports::microfactory::{Order, Device, ByteTable};
@@ -123,26 +129,26 @@ pub struct Device {
     table: ByteTable,
     mode: Mode,
     acknowledges: bool,
-    /// Moves that there is room for.
+    /// Largest number of moves of a figure.
     room: u16,
-    /// Whether there are two machines, and for which one commands are.
+    /// Whether there are two machines, and the one that commands are for.
     is_pair: bool,
     machine: u8,
     loading: Option<Loading>,
 }
 
-/// A figure that is coming in.
+/// A figure in transfer.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 struct Loading {
     moves: u16,
     check: u16,
 }
 
-/// Answer to a byte that is not taken.
+/// The answer to a byte that is not accepted.
 pub const REJECTED: u8 = b'?';
 
 impl Device {
-    /// No mode chosen, no acknowledgement.
+    /// A device with no mode chosen and without acknowledgement.
     pub const fn new(table: ByteTable) -> Self {
         Self {
             table,
@@ -155,47 +161,50 @@ impl Device {
         }
     }
 
-    /// The same with acknowledgement.
+    /// Adds acknowledgement.
     pub const fn acknowledging(mut self) -> Self {
         self.acknowledges = true;
         self
     }
 
-    /// The same with room for figures of so many moves.
+    /// Adds room for figures of up to `moves` moves.
     pub const fn storing(mut self, moves: u16) -> Self {
         self.room = moves;
         self
     }
 
-    /// The same of a controller of two machines: commands are for the first one until a byte of [`ByteTable::machines`] chooses.
+    /// Makes it the controller of two machines. Commands are for the first one until a byte of
+    /// [`ByteTable::machines`] chooses.
     pub const fn of_two_machines(mut self) -> Self {
         self.is_pair = true;
         self
     }
 
-    /// The machine that commands are for, 0 or 1; what [`receive`](Self::receive) is told of motion is of that one. An emergency stop is for
-    /// both.
+    /// The machine that commands are for, 0 or 1. The argument `is_moving` of
+    /// [`receive`](Self::receive) is that of this machine. An emergency stop is for both.
     pub const fn machine(&self) -> u8 {
         self.machine
     }
 
-    /// The state after power up or reset: the only way out of an emergency stop.
+    /// Sets the state after power-up or reset. This is the only way out of an emergency stop.
     pub const fn reset(&mut self) {
         self.mode = Mode::None;
         self.loading = None;
         self.machine = 0;
     }
 
-    /// A home switch has ended what moved: a mode has to be chosen anew, so that a host that has not seen it does not send the axis there again.
+    /// Leaves the mode after a home switch has ended a motion. The host has to choose a mode again,
+    /// so that a host that has not seen the switch does not send the axis there again.
     pub const fn leave_mode(&mut self) {
         if let Mode::Manual(_) | Mode::Steps | Mode::Count(..) | Mode::Ready { .. } = self.mode {
             self.mode = Mode::None;
         }
     }
 
-    /// A byte from the line; `is_moving`: a motor turns.
+    /// Takes a byte of the line. `is_moving`: a motor turns.
     ///
-    /// While one does, [`Order::Stop`], [`Order::Emergency`] and the same jog again are taken and nothing else.
+    /// While a motor turns, only [`Order::Stop`], [`Order::Emergency`] and the repeated jog are
+    /// accepted.
     pub fn receive(&mut self, byte: u8, is_moving: bool) -> Received {
         let taken = self.take(byte, is_moving);
         let answer = if taken.is_some() { byte } else { REJECTED };
@@ -205,10 +214,10 @@ impl Device {
         }
     }
 
-    /// `None`: not taken; `Some(None)`: taken, but there is more to come.
+    /// `None`: not accepted. `Some(None)`: accepted, and more bytes are needed.
     fn take(&mut self, byte: u8, is_moving: bool) -> Option<Option<Order>> {
         if let Mode::Count(motor, forward) = self.mode {
-            // Nothing moves while a count is expected: the motor was chosen standing.
+            // Nothing moves while a count is expected: a motor is chosen only at standstill.
             if byte == 0 {
                 self.mode = Mode::Steps;
                 return None;
@@ -229,14 +238,15 @@ impl Device {
             return self.data(is_end, bytes, count, byte);
         }
         let table = self.table;
-        // Without answers nothing could be told.
+        // Without acknowledgement there are no answers.
         if byte == table.ask && self.acknowledges {
             return Some(Some(Order::Ask));
         }
         if self.is_pair && table.machines.contains(&byte) {
             let [_, second] = table.machines;
             self.machine = u8::from(byte == second);
-            // The mode, and a figure that was coming in, were the other one's. An emergency stop is of both.
+            // The mode, and a figure in transfer, belonged to the other machine. An emergency stop
+            // holds for both.
             if self.mode != Mode::Emergency {
                 self.mode = Mode::None;
             }
@@ -286,7 +296,7 @@ impl Device {
         }
     }
 
-    /// A byte of a move, or of the end of a figure.
+    /// Takes a byte of a move, or of the end of a figure.
     fn data(
         &mut self,
         is_end: bool,
@@ -316,14 +326,14 @@ impl Device {
             return is_right.then_some(Some(Order::Keep));
         }
         self.loading = Some(Loading {
-            // There was room for one more.
+            // A move begins only where there is room for one more: no overflow.
             moves: loading.moves.wrapping_add(1),
             check: checked(loading.check, &bytes),
         });
         Some(Some(Order::Line(move_of(bytes))))
     }
 
-    /// A byte that chooses a mode.
+    /// Takes a byte that chooses a mode.
     fn choose(&mut self, byte: u8) -> Option<Option<Order>> {
         let data = |is_end| Mode::Data {
             is_end,
@@ -399,7 +409,7 @@ mod tests {
         }
         assert_eq!(link.receive(b'A', true).command, Some(Order::Stop));
         assert_eq!(link.receive(b'H', false).command, Some(Order::Home));
-        // Homing is no mode in which motors have letters.
+        // Homing is not a mode that has letters of motors.
         assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
     }
 
@@ -442,11 +452,11 @@ mod tests {
             .of_two_machines();
         link.receive(b'J', false);
         assert_eq!(link.receive(b'X', false).reply, Some(b'X'));
-        // While that one moves, too; the mode was its own.
+        // A machine may be chosen while the other one moves. The mode belonged to the other one.
         assert_eq!(link.receive(b't', true).reply, Some(b't'));
         assert_eq!(link.machine(), 1);
         assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
-        // As a count it is one.
+        // In the position of a count, the byte is a count.
         for byte in *b"NYo" {
             assert_eq!(link.receive(byte, false).reply, Some(byte));
         }

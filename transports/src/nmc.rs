@@ -3,12 +3,15 @@
 //! # Packets
 //!
 //! ```text
-//!  command  AA | address | (n << 4) + code | n data bytes, 0..=15 | sum        sum = all but AA, modulo 256
-//!  reply    status | items in force, in the order of their bits | sum         sum = all before, modulo 256
+//!  command  AA | address | (n << 4) + code | n data bytes, 0..=15 | sum
+//!  reply    status | items in force, in the order of their bits | sum
 //! ```
 //!
-//! 8 data bits, no parity, 1 stop bit, 19200 baud after power-up; integers low byte first; nothing stuffed. Two pairs of wires: the
-//! host always drives its own, a module drives the other while it replies. Any byte on the host's pair makes a module stop its reply.
+//! The sum of a command is that of all its bytes except AA, the sum of a reply that of all bytes
+//! before it, modulo 256. 8 data bits, no parity, 1 stop bit, 19200 baud after power-up; integers
+//! low byte first; no byte stuffing. There are two pairs of wires. The host always drives its own
+//! pair. A module drives the other pair while it replies. Any byte on the host's pair makes a
+//! module stop its reply.
 //!
 //! | code | command | data | | code | command | data |
 //! | --- | --- | --- | --- | --- | --- | --- |
@@ -21,24 +24,30 @@
 //! | 6 | Set Gain | 14 | | E | No Operation | - |
 //! | 7 | Stop Motor | 1 or 5 | | F | Hard Reset | - |
 //!
-//! Sources: the original machine's description of its KAE-T0V4 modules (version 4), corrected by the vendor's client library and
-//! by recorded traffic. Where the description is wrong or silent:
+//! # Source
+//!
+//! The original machine's description of its KAE-T0V4 modules (version 4), corrected by the
+//! vendor's client library and by recorded traffic. Corrections and additions to the description:
 //!
 //! | the description | here |
 //! | --- | --- |
 //! | individual addresses 0 to 255 | 0 to 127, 0 = not yet addressed; 128 to 255 are groups; anything else is refused |
 //! | the sum "from address to data" | of address, command and data, eight bits |
-//! | byte order, fraction, velocity's sign | low byte first; 16.16; the reported velocity is the negative of the motion |
-//! | a divisor by formula | a table, since clients differ by one |
-//! | unknown commands, wrong lengths | nothing is done, a reply is sent |
+//! | byte order, fraction, sign of the velocity: not stated | low byte first; 16.16; the reported velocity is the negative of the motion |
+//! | a divisor by formula | a table, because clients differ by one |
+//! | unknown commands, wrong lengths: not stated | nothing is executed, a reply is sent |
 //!
 //! # Faults
 //!
-//! An eight-bit sum sees every single wrong bit; a pair of them is missed at the rate of [`unseen_pairs_in_halves`]. A reply has neither
-//! address nor number, so a command whose reply is lost was executed or not. [`Command::repeat`] says which commands may simply be
-//! sent again; the others the [`Host`] repeats only where readings before and after show that nothing happened, and otherwise reports
-//! [`Failure::Uncertain`]. What is left to its user: read a touch twice ([`Step::ReadTwice`]); after a move compare the position with
-//! the goal, since a trajectory cannot be read back before it starts; after a group command ask each member.
+//! A sum of eight bits detects every single wrong bit. It misses pairs of wrong bits at the rate of
+//! [`unseen_pairs_in_halves`]. A reply has neither address nor number, so a lost reply leaves open
+//! whether its command was executed. [`Command::repeat`] says which commands may simply be sent
+//! again. The [`Host`] repeats the others only if readings before and after show that nothing
+//! happened. Otherwise it reports [`Failure::Uncertain`].
+//!
+//! The following remains to the caller. Read a touched position twice ([`Step::ReadTwice`]). After
+//! a move, compare the position with the goal, because a trajectory cannot be read back before it
+//! starts. After a group command, ask each member.
 
 mod baud;
 mod command;

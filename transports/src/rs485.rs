@@ -1,22 +1,26 @@
-//! Half-duplex lines: when to drive, when to let go, and what of the received bytes is one's own.
+//! Half-duplex lines: when to drive the line, when to release it, and which of the received bytes
+//! are one's own.
 //!
 //! ```text
-//!  received ──────██████                                        ██████   the request, the next request
-//!  turnaround           |◄──────►|                                       at least one character of silence
-//!  driver enable                 ┌──────────────────────┐                from the first start bit ...
-//!  sent                          │██████ ██████ ██████ █│                ... to the end of the last stop bit: TC
-//!  echo                           ██████ ██████ ██████ █                 heard back, compared, dropped
+//!  received ──────██████                               ██████  a request, the next request
+//!  turnaround           |◄──────►|                             at least one character of silence
+//!  driver enable                 ┌─────────────────────┐       first start bit to last stop bit (TC)
+//!  sent                          │██████ ██████ ██████ │
+//!  echo                           ██████ ██████ ██████         heard back, compared, dropped
 //! ```
 //!
-//! The driver is released on **transmission complete** (the shift register is empty), not when the buffer is: earlier cuts the last
-//! byte, and a character later collides with who answers. Nobody speaks unless asked; whoever hears a byte that differs from the one
-//! sent stops at once, and only the master tries again.
+//! The driver is released on **transmission complete** (the shift register is empty), not when the
+//! buffer is empty. An earlier release cuts the last byte. A release one character later collides
+//! with the answer. Only the master transmits unasked. An end that hears another byte than the one
+//! it sends stops at once, and only the master tries again.
 //!
-//! [`Turnaround`] and [`Echo`] own neither port nor clock. Behind features, `EnablePin` drives the pin, `NbPort` puts all of it on an
-//! `embedded-hal-nb` port and `IoPort` on an `embedded-io` one.
+//! [`Turnaround`] and [`Echo`] own neither a port nor a clock. With its feature, `EnablePin` drives
+//! the pin, `NbPort` is a complete port on `embedded-hal-nb`, and `IoPort` one on `embedded-io`.
 //!
-//! Sources: TIA-485 practice; `SER_RS485` of Linux; `XMT_EN` of the servo modules of [`nmc`](crate::nmc), which on two wires need a
-//! turnaround that their original does not have.
+//! # Source
+//!
+//! TIA-485 practice; `SER_RS485` of Linux; `XMT_EN` of the servo modules of [`nmc`](crate::nmc). On
+//! two wires, these modules need a turnaround that their original does not have.
 
 mod echo;
 #[cfg(feature = "embedded-io")]

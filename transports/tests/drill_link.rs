@@ -18,7 +18,8 @@ enum Fault {
     Lost,
     Doubled,
     Flipped(u8),
-    /// By more than the host waits for an echo, by less than it waits for a late one; and by more than that.
+    /// A delay longer than the wait for an echo and shorter than the wait for a late one, and a
+    /// delay longer than that.
     Late(u32),
 }
 
@@ -215,8 +216,8 @@ fn the_examples_of_the_protocol() {
     assert_eq!(bench.holes.len(), 2);
 }
 
-/// The memory of the original, a program of three times that: every hole once, in its place, records across both borders, and a byte
-/// `w` as data elsewhere.
+/// The memory of the original, and a program of three times its size: every hole once, in its
+/// position, with records across both borders, and a byte `w` as data elsewhere.
 #[test]
 fn a_long_program_is_done_in_parts() {
     for rules in [Rules::FAITHFUL, Rules::FIXED] {
@@ -282,7 +283,8 @@ fn the_manual_mode() {
     }
 }
 
-/// Teach-in, reading back, counting, the spindle and help: there in one kind of device, without an answer in the other.
+/// Teach-in, reading back, counting, the spindle and help: one kind of device has them, the other
+/// does not answer.
 #[test]
 fn extras_are_there_or_not() {
     let mut bench = Bench::<27>::fixed();
@@ -349,8 +351,9 @@ fn a_wrong_bit_in_a_record_is_seen() {
     }
 }
 
-/// A fault while an unknown device is brought to rest: it is at rest then, or the host says that it is not. A device that takes a program
-/// echoes whatever it is sent, so what it says to a test is no proof: one wrong bit makes a `b` of the first bytes.
+/// A fault while an unknown device is brought to rest. Afterwards the device is at rest, or the
+/// host reports that it is not. A device that takes a program echoes every byte, so its answer to a
+/// test is no proof: one wrong bit makes a `b` of the first bytes.
 #[test]
 fn a_device_that_echoes_everything_is_not_at_rest() {
     for rules in [Rules::FIXED, Rules::FAITHFUL] {
@@ -507,8 +510,8 @@ fn a_program_is_stopped() {
     assert_eq!(bench.holes, [[1, 2], [3, 4]]);
 }
 
-/// The holes of the short program. Its bytes have letters of commands among them: 42 is the word of a reset, 62 begins a program, 66
-/// ends one, 77 is the wait.
+/// The holes of the short program. Its bytes contain letters of commands: 42 is the letter of a
+/// reset, 62 begins a program, 66 ends one, 77 is the wait.
 const HOLES: [[u16; 2]; 4] = [
     [0x4262, 0x6501],
     [0x7263, 0x6666],
@@ -529,9 +532,10 @@ fn events() -> impl Iterator<Item = Event> {
         .chain([Event::Reset, Event::Unplugged])
 }
 
-/// Every event at every byte of a short program that crosses the border of a small memory three times: either all holes are drilled, each
-/// once and in its place, or an error is reported; what is reported as done is done, what is not reported as begun is not; and afterwards
-/// the operator brings the link up and goes on from where it stopped.
+/// Every event at every byte of a short program that crosses the border of a small memory three
+/// times. Either all holes are drilled, each once and in its position, or an error is reported.
+/// What is reported as done is done, and what is not reported as begun is not. Afterwards the
+/// operator brings the link up and continues at the position where it stopped.
 #[test]
 fn any_event_at_any_byte_is_survived_or_reported() {
     for rules in [Rules::FIXED, Rules::FAITHFUL] {
@@ -578,8 +582,8 @@ fn events_in_long_programs_are_survived_or_reported() {
     assert!(reported > 30, "{reported}");
 }
 
-/// Drills these holes; `false` where an error was reported. Then what was drilled is what the host says, and the rest is drilled after
-/// the link is up again.
+/// Drills these holes. `false` if an error was reported. Then the drilled holes are those that the
+/// host reports, and the rest is drilled after the link is up again.
 fn survives<const N: usize>(bench: &mut Bench<N>, holes: &[[u16; 2]], context: &str) -> bool {
     let program = drill(holes);
     if bench.program(&program).is_ok() {
@@ -626,7 +630,8 @@ fn survives<const N: usize>(bench: &mut Bench<N>, holes: &[[u16; 2]], context: &
     false
 }
 
-/// The original's host at its own rate: every byte is stored more than once. That is why it is no default.
+/// The host of the original at its own rate stores every byte more than once. That is why it is no
+/// default.
 #[test]
 fn blind_repetition_is_what_it_was() {
     let mut bench = Bench::<64>::new(Rules::FAITHFUL, Timing::original(2400, 60_000_000));
@@ -651,7 +656,8 @@ fn a_boot_byte_is_heard_at_any_time() {
     assert_eq!(bench.run(Step::Test), Ok(Outcome::Done));
 }
 
-/// A host that sends its next byte as soon as it has the echo: the device has been asked for nothing more in between.
+/// A host that sends its next byte as soon as it has the echo. In between the device was asked for
+/// nothing else.
 #[test]
 fn echoes_do_not_pile_up() {
     let mut device = Device::<64>::new(Rules::FIXED);

@@ -182,7 +182,8 @@ proptest! {
         prop_assert_eq!(read(&file), Ok(program));
     }
 
-    /// Any bytes are records or refused at a place inside; what is taken is written back, but for the numbers behind Z.
+    /// Any bytes are read as records, or refused with a position inside. What is read is written
+    /// back unchanged, except for the numbers after Z.
     #[test]
     fn any_bytes_are_read_or_refused(file in anything()) {
         let mut iterator = records(&file);
@@ -221,7 +222,8 @@ proptest! {
     }
 }
 
-/// A place in steps is what the records of a hole there say; a record is shown by its kind and its steps.
+/// A position in steps equals that of the record of a hole there. A record is printed with its kind
+/// and its steps.
 #[test]
 fn places_in_steps() {
     let table = Table::DRILL;

@@ -1,4 +1,4 @@
-//! The link of frames in virtual time: what is sent arrives once and in order, or the link goes down.
+//! The frame link in virtual time: payloads arrive once and in order, or the link goes down.
 
 use std::collections::VecDeque;
 
@@ -19,7 +19,8 @@ enum To {
     Station(usize),
 }
 
-/// A master and three stations on two wires; each station keeps what it got, and sends a count back for each payload.
+/// A master and three stations on two wires. Each station keeps its payloads and sends a count back
+/// for each.
 struct Shared {
     master: Master<3>,
     stations: [Station; 3],
@@ -129,7 +130,8 @@ impl Shared {
         }
     }
 
-    /// Sends these payloads to a station, one after another; stops where it goes down. How many were taken by the master's end.
+    /// Sends these payloads to a station in turn, and stops if it goes down. Returns how many the
+    /// master has taken.
     fn feed(&mut self, station: usize, payloads: &[Vec<u8>], fault: &mut Fault<'_>) -> usize {
         let mut begun = 0;
         for _ in 0..40_000 {
@@ -153,7 +155,8 @@ fn payloads(count: usize) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Every byte lost, doubled or with one wrong bit, for its receiver alone: all arrives once and in order, and the link stays up.
+/// Every byte lost, doubled, or with one wrong bit, for its receiver alone: all payloads arrive
+/// once and in order, and the link stays up.
 #[test]
 fn any_single_fault_is_mended() {
     let sent = payloads(3);
@@ -188,8 +191,9 @@ fn any_single_fault_is_mended() {
     }
 }
 
-/// A station that restarts at any moment takes nothing more until it is called, the master is told, and at most one payload is in
-/// doubt; the same for a cable that is unplugged and stays so.
+/// A station that restarts at any moment takes nothing more until it is called, the master reports
+/// it, and at most one payload is in doubt. The same holds for a cable that is unplugged and stays
+/// so.
 #[test]
 fn a_restart_or_an_unplugged_cable_at_any_moment_is_told() {
     let sent = payloads(3);
@@ -254,8 +258,8 @@ fn a_restart_or_an_unplugged_cable_at_any_moment_is_told() {
     }
 }
 
-/// Whichever byte of a broadcast a station misses, it is named, the others heard it once, and before the next one may be sent all
-/// were asked.
+/// Whichever byte of a broadcast a station misses, the station is named, the others heard the
+/// broadcast once, and all were asked before the next one may be sent.
 #[test]
 fn who_misses_a_broadcast_is_named() {
     for lost in 0..12 {
@@ -284,8 +288,9 @@ fn who_misses_a_broadcast_is_named() {
     }
 }
 
-/// On a bad line, for minutes: at every station what came is the beginning of what was sent since the last call, one payload at most
-/// is in doubt when it goes down, and broadcasts are heard at most once each, by all that were not named.
+/// On a bad line, for minutes. What arrived at a station is the beginning of what was sent since
+/// the last call. At most one payload is in doubt when it goes down. A station that is not named
+/// heard each broadcast once, the others at most once.
 #[test]
 fn minutes_of_noise_change_nothing() {
     let mut random = 0x2545_F491_4F6C_DD1D_u64;
@@ -379,7 +384,8 @@ fn who_misses_all_broadcasts_is_named_each_time() {
     );
 }
 
-/// Many broadcasts, each heard once by all, at the same byte of the line; nobody may send two at a time.
+/// Many broadcasts, each heard once by all stations, at the same byte of the line. Two stations
+/// never send at the same time.
 #[test]
 fn broadcasts_are_heard_by_all_at_once() {
     let mut line = Shared::up();
@@ -447,7 +453,8 @@ fn what_cannot_be_sent_is_refused() {
     assert_eq!(down.stations[0].send(b"x"), Err(Refused::NotUp));
 }
 
-/// Two peers, a delay in each direction; what was offered and what came, by the session of the called end.
+/// Two peers with a delay in each direction: payloads offered and payloads received, per session of
+/// the called end.
 struct Pair {
     ends: [Peer<7>; 2],
     wires: [VecDeque<Option<u8>>; 2],
@@ -512,7 +519,8 @@ impl Pair {
         }
     }
 
-    /// What came is the beginning of what was offered at the other end, and what is missing is not acknowledged.
+    /// The payloads received are the beginning of those offered at the other end, and the missing
+    /// ones are not acknowledged.
     fn check(&self) {
         for end in 0..2 {
             let (offered, got) = (&self.offered[end], &self.got[1 - end]);
@@ -523,7 +531,8 @@ impl Pair {
     }
 }
 
-/// Both directions full: nearly all of the line's bytes are payload, also with a delay of some frames.
+/// Both directions full: nearly all bytes of the line are payload, also with a delay of some
+/// frames.
 #[test]
 fn a_window_keeps_the_line_full() {
     for delay in [0, 40, 200] {
@@ -576,8 +585,9 @@ fn acts() -> impl Strategy<Value = Vec<Act>> {
 }
 
 proptest! {
-    /// Whatever the line does: what came is, without a gap and once, the beginning of what was offered since the link came up, and
-    /// what is missing is counted as not acknowledged; on a good line all of it comes in the end.
+    /// Whatever the line does: the payloads received are, without a gap and once, the beginning of
+    /// those offered since the link came up, and the missing ones count as not acknowledged. On a
+    /// good line all arrive in the end.
     #[test]
     fn nothing_comes_twice_or_out_of_order(acts in acts(), delay in 0usize..60) {
         let mut pair = Pair::new(delay);
@@ -627,7 +637,8 @@ proptest! {
         prop_assert_eq!(&pair.got[1], &pair.offered[0]);
     }
 
-    /// Frames are what the well-known crate makes of their bodies, and come back as they were, whatever stood on the line before.
+    /// Frames equal those that the well-known crate makes of their bodies, and are read back
+    /// unchanged after any bytes on the line.
     #[test]
     fn frames_come_back(
         (address, number, acknowledged, broadcast, from_station) in (any::<u8>(), 0u8..16, 0u8..16, 0u8..8, any::<bool>()),

@@ -1,4 +1,5 @@
-//! The micro mill's link: the strings of its description, both ends on one line, and that line with faults.
+//! The micro mill's link: the strings of its description, both ends on one line, and that line with
+//! faults.
 
 use husillo_transports::micromill::{
     Answer, Axis, Device, Host, HostTiming, Line, Order, Outcome, Point, Progress, Report,
@@ -230,7 +231,8 @@ fn one_step_in_so_many_is_told() {
     assert!(told(&mut device, 1000).is_empty());
 }
 
-/// A transmitter that stands still costs steps their time, not their report, and echoes and answers keep their room.
+/// A transmitter that stands still delays steps, but no report of a step is lost, and echoes and
+/// answers keep their room.
 #[test]
 fn steps_wait_for_room() {
     let mut device = ready();
@@ -251,7 +253,8 @@ fn steps_wait_for_room() {
     assert!(out.ends_with(b"A;\x8c"));
 }
 
-/// A host, a device and a machine that makes everything in ten steps of X; the bytes pass `fault`, which may drop, change or double them.
+/// A host, a device and a machine that makes every motion in ten steps of X. The bytes pass
+/// `fault`, which may drop, change or double them.
 struct Bench<F> {
     host: Host,
     device: Device<64>,
@@ -391,8 +394,8 @@ fn both_ends_agree() {
     assert_eq!(done.count() as u32, taken);
 }
 
-/// At every byte of the exchange, there and back: lost, doubled, or with any one bit wrong. The string is obeyed once and `Done`, or not at all
-/// and not `Done`; what is obeyed is what was meant.
+/// Each byte of the exchange, in both directions, lost, doubled, or with any one bit wrong. The
+/// string is obeyed once and `Done`, or not obeyed and not `Done`. What is obeyed is what was sent.
 #[test]
 fn one_fault_anywhere_obeys_nothing_wrong() {
     let orders = [
@@ -422,7 +425,8 @@ fn one_fault_anywhere_obeys_nothing_wrong() {
                 assert!(bench.obeyed.len() <= 1, "{what}");
                 match outcome {
                     Outcome::Done => assert_eq!(bench.obeyed, [order], "{what}"),
-                    // Its answer was lost, or something stopped it: the host knows that it does not know.
+                    // The answer was lost, or the motion was stopped: the host reports that it does
+                    // not know.
                     Outcome::Silent
                     | Outcome::Stopped
                     | Outcome::Refused
@@ -436,8 +440,8 @@ fn one_fault_anywhere_obeys_nothing_wrong() {
     }
 }
 
-/// A string that was spoilt twice is refused twice. The second refusal, and what was echoed with it, come while the next string could be on its way: it
-/// waits until the line is silent.
+/// A string that was spoilt twice is refused twice. The second refusal and its echo arrive when the
+/// next string could be under way, so the next string waits until the line is silent.
 #[test]
 fn what_was_refused_twice_does_not_spoil_what_follows() {
     let timing = HostTiming::of(9600);
@@ -555,8 +559,8 @@ proptest! {
         prop_assert_eq!(Order::read(string), Some(order));
     }
 
-    /// Whatever comes: the device echoes it, never has more to say than it has heard and one answer a string, and any string after it is
-    /// understood.
+    /// For any bytes: the device echoes them, never sends more than it has heard and one answer per
+    /// string, and understands any string after them.
     #[test]
     fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..300), moving in any::<[bool; 2]>(), order in any_order()) {
         let mut device = ready();

@@ -1,4 +1,5 @@
-//! Host and modules on a line that loses, flips and doubles bytes: nothing twice, nothing by half, nothing wrong in silence.
+//! Host and modules on a line that loses, flips and doubles bytes: nothing is executed twice or by
+//! half, and no error is silent.
 
 mod model;
 
@@ -63,8 +64,8 @@ fn a_chain_of_any_length_is_addressed_from_its_far_end() {
     );
 }
 
-/// One byte in a hundred is lost, flipped or doubled while the chain gets its addresses: every module has its own in the end, or the
-/// start says that something is in doubt.
+/// One byte in a hundred is lost, flipped or doubled while the chain gets its addresses. In the end
+/// every module has its own address, or the start reports a doubt.
 #[test]
 fn a_noisy_start_gives_no_address_twice() {
     let mut complete = 0;
@@ -127,7 +128,8 @@ fn delicate() -> Vec<Command> {
     ]
 }
 
-/// Any one fault at any place of any of these conversations: executed once, or not at all and reported.
+/// Any one fault at any position of any of these conversations: the command is executed once, or
+/// not at all and this is reported.
 #[test]
 fn any_single_fault_executes_nothing_twice() {
     for command in delicate() {
@@ -172,8 +174,9 @@ fn any_single_fault_executes_nothing_twice() {
     }
 }
 
-/// A byte lost and another doubled in one reply: where they are alike, its length and its sum are right and what it says is wrong. With a
-/// byte of the command lost as well, nothing is told as done that was not.
+/// A byte lost and another doubled in one reply. If they are equal, the length and the checksum are
+/// right and the content is wrong. With a byte of the command lost as well, nothing is reported as
+/// done that was not.
 #[test]
 fn a_reply_that_is_wrong_and_looks_right_proves_nothing() {
     for command in [
@@ -210,8 +213,9 @@ fn a_reply_that_is_wrong_and_looks_right_proves_nothing() {
     }
 }
 
-/// `AA 15 12 49 70` with a wrong bit in its length is `AA 15 32 49 70 f f`: right with any byte, and no command. A flush with 0 would make
-/// a reset to zero of its first byte, for the module that has no address yet.
+/// `AA 15 12 49 70` with a wrong bit in its length is `AA 15 32 49 70 f f`: valid with any byte,
+/// and no command. A flush with 0 would make a reset to zero of its first byte, for the module that
+/// has no address yet.
 #[test]
 fn a_flush_that_cannot_help_completing_completes_no_command() {
     let frame = Command::DefineStatus(Items(0x49)).frame(21);
@@ -262,7 +266,7 @@ fn check_once(line: &Line, command: Command, outcome: Outcome, place: &str) {
     }
 }
 
-/// A command whose reply is always lost ends once executed or reported; then the line is silent for good.
+/// A command whose reply is always lost ends executed once or reported. Then the line stays silent.
 #[test]
 fn without_replies_nothing_is_repeated() {
     for command in delicate() {
@@ -282,7 +286,8 @@ fn without_replies_nothing_is_repeated() {
     }
 }
 
-/// A touch stops the motor while the reply to the motion is lost. The motion must not be started again.
+/// A touch stops the motor while the reply to the motion is lost. The motion must not be started
+/// again.
 #[test]
 fn a_motion_that_a_contact_stopped_is_not_repeated() {
     let (mut line, mut host) = prepared();
@@ -442,7 +447,8 @@ fn what_no_module_may_get_is_refused() {
     );
 }
 
-/// Reading twice: one byte in thirty is damaged, in pairs of bits that the sum does not see; no wrong position comes through.
+/// Reading twice: one byte in thirty is damaged, in pairs of bits that the checksum does not
+/// detect. No wrong position is accepted.
 #[test]
 fn a_position_read_twice_is_right() {
     let (mut line, mut host) = started(1, 4);
@@ -489,7 +495,8 @@ fn a_position_read_twice_is_right() {
     );
 }
 
-/// Wrong bits at a known rate, far above any real one: as many wrong replies pass the sum as are computed.
+/// Wrong bits at a known rate, far above any real one: the number of wrong replies that pass the
+/// checksum is the computed one.
 #[test]
 fn the_residual_rate_is_as_computed() {
     let items = Items::POSITION;
@@ -533,7 +540,8 @@ fn the_residual_rate_is_as_computed() {
     );
 }
 
-/// A noisy line in virtual time: moves and readings are right or reported. One byte in `ONE_IN` is damaged by one fault.
+/// A noisy line in virtual time: moves and readings are right or reported. One byte in `ONE_IN` is
+/// damaged by one fault.
 #[test]
 fn hours_of_noise() {
     const ONE_IN: u32 = 300;
@@ -581,7 +589,8 @@ fn hours_of_noise() {
     assert!(line.modules[1].1.executed.is_empty());
 }
 
-/// 32 modules, position in every reply: the host reaches the limit of the protocol with what its guard and its steps cost.
+/// 32 modules, with the position in every reply: the host reaches the limit of the protocol, with
+/// the cost of its guard and its steps.
 #[test]
 fn thirty_two_modules_are_polled_at_the_limit() {
     let (mut line, mut host) = started(32, 4);
@@ -628,7 +637,8 @@ fn thirty_two_modules_are_polled_at_the_limit() {
             limit.round_us()
         );
         assert!(percent >= share, "{percent} %");
-        // A reply begins at the end of a cycle, so an exchange takes whole ones where the cycles are in step: two, without a guard.
+        // A reply begins at the end of a cycle, so with cycles in step an exchange takes whole
+        // cycles: two, without a guard.
         let in_step_us = 32 * 2 * CYCLE_US;
         assert!(
             guard_us > 0 || round_us < in_step_us + in_step_us / 50,

@@ -128,7 +128,8 @@ fn addressed(version: u8, address: u8) -> Module {
     module
 }
 
-/// The packets in a stream that follow the rules, found without the receiver's state machine: (address, code, data, sound).
+/// The packets in a stream that follow the rules, found without the state machine of the receiver:
+/// (address, code, data, valid).
 fn packets(stream: &[u8]) -> Vec<(u8, u8, Vec<u8>, bool)> {
     let mut found = Vec::new();
     let mut rest = stream;
@@ -153,7 +154,8 @@ fn packets(stream: &[u8]) -> Vec<(u8, u8, Vec<u8>, bool)> {
 }
 
 proptest! {
-    /// What is written is read as the same command, and its packet has the length its third byte says.
+    /// What is written is read as the same command, and its packet has the length that its third
+    /// byte states.
     #[test]
     fn commands_survive_the_line(command in command(), address: u8) {
         let frame = command.frame(address);
@@ -192,8 +194,9 @@ proptest! {
         }
     }
 
-    /// Any stream, taken at any moments: the orders are exactly those of its sound packets for this module, each once and in order. Of
-    /// packets that end before the last one was taken none is half taken.
+    /// Any stream, taken at any moments: the orders are exactly those of its valid packets for this
+    /// module, each once and in order. Of packets that end before the last one was taken, none is
+    /// half taken.
     #[test]
     fn every_order_has_a_sound_packet(
         stream in proptest::collection::vec(prop_oneof![Just(0xAA_u8), 0_u8..4, any::<u8>()], 0..400),
@@ -230,8 +233,8 @@ proptest! {
         prop_assert!(sound.starts_with(&taken), "{taken:?} of {sound:?}");
     }
 
-    /// One wrong bit anywhere in a packet makes no other command of it, where the host sends it at all; and the flush after it, or after a
-    /// lost, doubled or cut byte, completes none.
+    /// One wrong bit anywhere in a packet that the host sends makes no other command of it. The
+    /// flush after it, or after a lost, doubled or cut byte, completes none.
     #[test]
     fn no_single_fault_makes_another_command(command in command(), address in 1_u8..=32, place: prop::sample::Index, kind in 0_u8..11) {
         let frame = command.frame(address);
@@ -291,8 +294,8 @@ proptest! {
         prop_assert!(false, "the host hangs");
     }
 
-    /// Whatever is lost, flipped or doubled, up to one byte in ten: a command that must not be executed twice is not, and what the host
-    /// says of it is true.
+    /// Whatever is lost, flipped or doubled, up to one byte in ten: a command that must not be
+    /// executed twice is not, and the report of the host is true.
     #[test]
     fn retries_execute_nothing_twice(
         commands in proptest::collection::vec(
@@ -363,7 +366,8 @@ proptest! {
         }
     }
 
-    /// One's own bytes are dropped in order, whatever is in between comes through, and a wrong one is a collision.
+    /// Own bytes are dropped in order, other bytes in between come through, and a wrong one is a
+    /// collision.
     #[test]
     fn echoes_are_dropped(message in proptest::collection::vec(any::<u8>(), 1..40), wrong: Option<prop::sample::Index>) {
         let mut echo = Echo::<4>::new(true);

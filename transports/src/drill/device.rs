@@ -43,7 +43,8 @@ enum After {
     Begin,
 }
 
-/// The drill's controller on the line: bytes in, one [`Order`] after another, bytes out. `N` is its memory, 8192 in the original.
+/// The controller's end of the drill's line: bytes in, one [`Order`] after another, bytes out. `N`
+/// is its memory in bytes; the original has 8192.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -51,7 +52,8 @@ enum After {
 /// | the machine is free | [`take`](Device::take), and [`done`](Device::done) when that is carried out |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
-/// Bytes that arrive while it works are lost but for the first, which the receiver keeps, and for `E`: see [`Rules`].
+/// Bytes that arrive while the device works are lost. Two kinds are kept: the first byte, which
+/// stays in the receiver, and `E`; see [`Rules`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device<const N: usize> {
     rules: Rules,
@@ -151,8 +153,9 @@ impl<const N: usize> Device<N> {
         self.is_busy = false;
     }
 
-    /// A hole at the end of the program, at this place in steps: what [`Order::Teach`] wants before it is done. Where the memory has no
-    /// room for its nine bytes, the answer says so.
+    /// Adds a hole at this position, in steps, to the end of the program: the result of
+    /// [`Order::Teach`], to be given before its answer. If the memory has no room for the nine
+    /// bytes, the answer reports it.
     pub fn teach(&mut self, [x, y]: [u16; 2]) {
         let stored = self.memory.bytes().len();
         let is_whole = self.carried.bytes().is_empty() && stored.checked_rem(3) == Some(0);
@@ -164,15 +167,16 @@ impl<const N: usize> Device<N> {
         self.memory.extend(&hole);
     }
 
-    /// Not all of the order under way is done, which was given by hand: the answer to it says so, where the device has extras.
+    /// Reports that an order given by hand was not completed. A device with extras says so in its
+    /// answer.
     pub fn cut_short(&mut self) {
         if let (Work::Orders(orders, Some(_)), true) = (self.work, self.rules.has_extras) {
             self.work = Work::Orders(orders, Some(NOT_ALL));
         }
     }
 
-    /// The machine stands for a fault: what is under way is never answered. A device with extras says [`FAULT`] once, but where that
-    /// would be taken for an echo.
+    /// Reports that the machine stands because of a fault. The order under way is never answered. A
+    /// device with extras sends [`FAULT`] once, unless it would be taken for an echo.
     pub fn fail(&mut self) {
         let answer = match self.work {
             Work::None => None,

@@ -5,13 +5,15 @@ use super::{
     AT_WORK, END_OF_TEXT, FAULT, Failure, KEPT, NOT_ALL, Outcome, Progress, Refused, Step, Timing,
 };
 
-/// Bytes that bring any device to rest: four `f` close any record and meet the place where `f` ends a program, `Q` leaves the manual mode,
-/// and an idle device ignores all of them. `B` is the test, which a device that takes a program echoes as well - one wrong bit makes
-/// `b`, which begins one, of `f` -, so a last `Q` follows: only an idle device says nothing to it.
+/// Bytes that bring any device to rest. Four `f` complete any record and reach the position where
+/// `f` ends a program. `Q` leaves the manual mode. An idle device ignores all of them. `B` is the
+/// test, but a device that takes a program echoes it as well, and one wrong bit in an `f` makes a
+/// `b`, which begins a program. Therefore a last `Q` follows: only an idle device does not answer
+/// it.
 const RESYNC: [u8; 7] = [b'f', b'f', b'f', b'f', b'Q', b'B', b'Q'];
 
-/// Bytes that a device may hold beyond those that were echoed, when a failure is noticed and mended: one that came twice, one whose echo is
-/// missing, and the four of [`RESYNC`].
+/// The most bytes that a device can hold beyond the echoed ones when a failure is noticed: one that
+/// came twice, one whose echo is missing, and the four of [`RESYNC`].
 const BEYOND: u32 = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,8 +57,9 @@ enum Phase {
 /// | a byte arrives | [`push`](Host::push) |
 /// | after each of these and after the time it names | [`poll`](Host::poll) |
 ///
-/// What was done for certain is [`done_bytes`](Host::done_bytes), what may have been begun [`begun_bytes`](Host::begun_bytes): whoever goes
-/// on after a failure has to look at the board between these two. `now_us` wraps; calls may be up to 2^31 us apart.
+/// [`done_bytes`](Host::done_bytes) were done for certain, and [`begun_bytes`](Host::begun_bytes)
+/// may have been begun. After a failure the operator checks the board between these two. `now_us`
+/// wraps; calls may be up to 2^31 us apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Host {
     timing: Timing,
@@ -66,7 +69,7 @@ pub struct Host {
     phase: Phase,
     /// What the device has to say.
     answer: u8,
-    /// The next bytes of a step of several, and what the device says after them without being asked.
+    /// The next bytes of a step with several parts, and what the device sends after them unasked.
     then: [Option<u8>; 2],
     last: Option<u8>,
     /// The record that was read last.
@@ -95,7 +98,8 @@ pub struct Host {
 }
 
 impl Host {
-    /// Of a device in an unknown state with a memory of so many bytes, [`MEMORY_BYTES`](super::MEMORY_BYTES).
+    /// For a device in an unknown state with a memory of this many bytes;
+    /// [`MEMORY_BYTES`](super::MEMORY_BYTES) in the original.
     pub const fn new(timing: Timing, memory_bytes: u32) -> Host {
         Host {
             timing,
@@ -172,9 +176,9 @@ impl Host {
         Ok(())
     }
 
-    /// Asks the device to stop a program after the record that it is at; the step ends as stopped then. While a full memory is run only
-    /// a device of [`Rules::stops_at_border`](super::Rules::stops_at_border) hears it. The byte that is to be sent; `None` where nothing
-    /// runs.
+    /// Returns the byte that asks the device to stop a program after the present record. The step
+    /// then ends as stopped. `None` if nothing runs. While a full memory is run, only a device with
+    /// [`Rules::stops_at_border`](super::Rules::stops_at_border) hears it.
     pub fn stop(&mut self) -> Option<u8> {
         let runs = match self.phase {
             Phase::Answer(_) | Phase::Late => self.step == Step::Execute,
@@ -184,8 +188,9 @@ impl Host {
         runs.then_some(b'E')
     }
 
-    /// Asks a device with extras whether the program runs, which it says at once: see [`is_at_work`](Self::is_at_work). The byte that is to be
-    /// sent; `None` where none was begun, or it has ended.
+    /// Returns the byte that asks a device with extras whether the program runs. The device answers
+    /// at once: see [`is_at_work`](Self::is_at_work). `None` if no program was begun, or it has
+    /// ended.
     pub fn ask_at_work(&mut self) -> Option<u8> {
         let waits = matches!(self.phase, Phase::Answer(_) | Phase::Late);
         self.asks_at_work = waits && self.step == Step::Execute;
@@ -198,7 +203,7 @@ impl Host {
         self.is_at_work
     }
 
-    /// Waits for the step under way no longer: the device is in an unknown state, as after a failure.
+    /// Gives up the step under way. The device is then in an unknown state, as after a failure.
     pub fn give_up(&mut self) {
         if self.phase != Phase::Idle {
             self.lose();
@@ -206,7 +211,8 @@ impl Host {
         }
     }
 
-    /// The wait that is under way begins anew: for work that takes longer than 2^31 us, which a caller knows of.
+    /// Restarts the present wait. For work that takes longer than 2^31 us and that the caller knows
+    /// of.
     pub const fn wait_on(&mut self, now_us: u32) {
         self.since_us = now_us;
     }
@@ -328,12 +334,14 @@ impl Host {
         self.stored
     }
 
-    /// Bytes of the program that the device has done for certain since it was cleared: whole records.
+    /// Bytes of the program that the device has done for certain since it was cleared, in whole
+    /// records.
     pub const fn done_bytes(&self) -> u32 {
         self.done
     }
 
-    /// Bytes that it may have done: more than [`done_bytes`](Self::done_bytes) only while a program runs, and after a failure.
+    /// Bytes that the device may have done. They exceed [`done_bytes`](Self::done_bytes) only while
+    /// a program runs and after a failure.
     pub const fn begun_bytes(&self) -> u32 {
         self.begun
     }

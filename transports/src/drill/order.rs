@@ -22,12 +22,14 @@ pub enum Order {
     Zero,
     /// An axis, X or Y, to this place, steps from 0.
     Move(Axis, u16),
-    /// Down to the lower sensor and up to the upper one. The number is the Z word of the record, which the original does not look at:
-    /// a depth in steps, 0 for all of the way, where [`Rules::z_is_depth`](super::Rules::z_is_depth) says so.
+    /// Down to the lower sensor, then up to the upper one. The number is the Z word of the record.
+    /// The original ignores it. With [`Rules::z_is_depth`](super::Rules::z_is_depth) it is a depth
+    /// in steps, 0 for the whole stroke.
     Drill(u16),
     /// So many steps; X and Y end at 0. Z is positive downwards.
     Jog(Axis, i16),
-    /// The present place becomes a hole of the program: see [`Device::teach`](super::Device::teach).
+    /// The present position becomes a hole of the program: see
+    /// [`Device::teach`](super::Device::teach).
     Teach,
     /// The spindle's motor.
     Spindle(bool),

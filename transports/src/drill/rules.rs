@@ -2,17 +2,20 @@
 
 /// What the controller does where the original is flawed: `true` is mended.
 ///
-/// Sources: the original's assembly text, which its description contradicts in places; the text of the program wins.
+/// Sources: the assembly text of the original. Its description contradicts it in places; then the
+/// assembly text holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rules {
-    /// `b` while the memory is full: what is in it is run first, and `b` begins a program. The original stores the `b` as data as well, so
-    /// that every record after it is off by a byte.
+    /// `b` while the memory is full: the device runs what the memory holds, then `b` begins a
+    /// program. The original also stores the `b` as data, so every later record is off by one byte.
     pub begins_when_full: bool,
-    /// `f` directly behind `b` ends an empty program. The original takes it for the first byte of a record.
+    /// `f` directly after `b` ends an empty program. The original takes it as the first byte of a
+    /// record.
     pub ends_when_empty: bool,
-    /// `E` is heard while a full memory is run, and answered by `E` instead of the late echo; other bytes are ignored. The original
-    /// hears nothing and finds the first such byte afterwards, as data.
+    /// While a full memory is run, the device hears `E` and answers it with `E` instead of the late
+    /// echo. It ignores other bytes. The original hears nothing, and later takes the first such
+    /// byte as data.
     pub stops_at_border: bool,
     /// An advance of 0 steps is no move. The original makes 256 steps of it in Z.
     pub zero_is_no_move: bool,
@@ -22,9 +25,11 @@ pub struct Rules {
     /// one that is left to itself does not leave it turning. The original's controller stops it
     /// after each hole.
     pub stops_spindle: bool,
-    /// What the original reserved or lacked: teach-in by `T` in the manual mode, help by `?`, records read back and counted by `n`, the
-    /// spindle by `O` and `S` outside of the manual mode, which homes, the manual mode with the program kept by `M`, whether a program runs by
-    /// `p`; a fault and a jog that ends early are told. The original does not answer such bytes, or only echoes them.
+    /// Functions that the original reserved or lacked. `T` in the manual mode teaches a hole, `?`
+    /// prints help, `n` reads records back and counts them. Outside of the manual mode, which
+    /// homes, `O` and `S` switch the spindle. `M` enters the manual mode and keeps the program, `p`
+    /// asks whether the program runs. Faults and jogs that end early are reported. The original
+    /// does not answer these bytes, or only echoes them.
     pub has_extras: bool,
 }
 

@@ -6,8 +6,9 @@ use core::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// Bring a device in an unknown state to rest: ends any record, any program and the manual mode, and tests the link. Runs nothing, but
-    /// where a full memory waits for its next byte the device does what it holds.
+    /// Brings a device in an unknown state to rest: ends any record, any program and the manual
+    /// mode, and tests the link. It runs nothing, with one exception: a device whose full memory
+    /// waits for its next byte runs what it holds.
     Resync,
     /// The link test.
     Test,
@@ -31,16 +32,19 @@ pub enum Step {
     Key(u8),
     /// A new advance in the manual mode.
     Advance(u8),
-    /// The present place becomes a hole at the end of the program; in the manual mode of a device with extras.
+    /// Adds a hole at the present position to the end of the program; in the manual mode of a
+    /// device with extras.
     Teach,
     /// Leave the manual mode.
     Quit,
     /// Spindle on or off outside of the manual mode, on a device with extras.
     Spindle(bool),
-    /// Read the record of this number, from 0, of the program that a device with extras holds: [`Host::record`](super::Host::record).
-    /// [`COUNT`](super::COUNT) asks how many drillings were done.
+    /// Reads the record with this number, from 0, of the program in a device with extras:
+    /// [`Host::record`](super::Host::record). [`COUNT`](super::COUNT) asks how many holes were
+    /// drilled.
     Read(u16),
-    /// The text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT); it is the caller's to keep.
+    /// Reads the text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT). The
+    /// caller keeps it.
     Help,
     /// The device was reset by hand: wait for its `B`.
     AwaitBoot,
@@ -97,9 +101,11 @@ pub enum Failure {
     Unasked(u8),
     /// The device says that it was reset.
     Restarted,
-    /// The device says that it stands for a fault: a switch, a sensor, lost steps, a place off the table. Until a reset it does nothing.
+    /// The device stands because of a fault: a switch, a sensor, lost steps, or a position off the
+    /// table. Until a reset it does nothing.
     Fault,
-    /// The device's memory has no room for another hole; this and the next one alone leave it in a known state.
+    /// The memory of the device has no room for another hole. Only this outcome and the next one
+    /// leave the device in a known state.
     Full,
     /// The axis came to its end before all steps of a key were made.
     NotAll,

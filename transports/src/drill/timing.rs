@@ -12,10 +12,11 @@ pub struct Timing {
     pub late_us: u32,
     /// How often a byte is sent until it is echoed; at least 1.
     pub tries: u8,
-    /// Whether that holds for every byte, as in the original, where a late echo makes the device store a byte twice. Otherwise for `B` and
-    /// `c` alone, which may be done twice.
+    /// Whether this holds for every byte, as in the original, where a late echo makes the device
+    /// store a byte twice. Otherwise it holds for `B` and `c` only, which may be done twice.
     pub resends_anything: bool,
-    /// Silence after a byte that ends something, before it is believed: an echo more means a byte more.
+    /// The silence that must follow the last byte of an exchange before the exchange counts as
+    /// ended. An additional echo means an additional byte.
     pub guard_us: u32,
     /// Homing, and a reset with its homing.
     pub home_us: u32,
@@ -26,9 +27,11 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// For a line of so many baud: the echo may take two characters and 10 ms, and 100 ms more once; a minute for homing.
+    /// For a line at this rate in baud. An echo may take two characters and 10 ms, a late one 100
+    /// ms more; homing may take a minute.
     ///
-    /// `run_us` is the longest time of a program or of 8192 bytes of it, which is the caller's to know: one drilling takes up to 15 s.
+    /// `run_us` is the longest time of a program, or of 8192 bytes of it. The caller knows it: one
+    /// hole takes up to 15 s.
     pub const fn of(bits_per_s: u32, run_us: u32) -> Timing {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -47,8 +50,9 @@ impl Timing {
         }
     }
 
-    /// The original's: 10 ms, three times, whatever the byte. At 2400 baud no echo can be there in that time, so every byte is stored
-    /// more than once: for tests of the original's end only.
+    /// The timing of the original: 10 ms, three tries, for every byte. At 2400 baud no echo can
+    /// arrive in this time, so every byte is stored more than once. For tests of the original's end
+    /// only.
     pub const fn original(bits_per_s: u32, run_us: u32) -> Timing {
         Timing {
             echo_us: 10_000,

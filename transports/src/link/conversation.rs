@@ -94,7 +94,8 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         self.frames.get(place).map(|frame| (number, frame.bytes()))
     }
 
-    /// The other end has taken all up to this number: whether that is news. A number that was never sent says nothing.
+    /// Whether this acknowledges a new number. The other end has taken everything up to it. A
+    /// number that was never sent is ignored.
     pub(super) fn acknowledge(&mut self, number: u8) -> bool {
         let more = usize::from(number.wrapping_sub(self.first).wrapping_add(1) & 15);
         if more == 0 || more > self.queued {

@@ -29,7 +29,8 @@ pub enum Kind {
     Acknowledge,
     /// The same, and something was missing: send again from there.
     Gap,
-    /// A call and its answer: both begin to count anew. Without payload: the station has restarted and waits for a call.
+    /// A call and its answer: both ends restart their numbers. A call without payload means that
+    /// the station has restarted and waits for a call.
     Call,
 }
 
@@ -64,7 +65,8 @@ pub struct Frame<'a> {
     pub kind: Kind,
     /// A station speaks.
     pub from_station: bool,
-    /// Of a master, the number of its last broadcast, 1 to 7, 0 = none; of a station, the same if it heard that one, else 0.
+    /// From a master: the number of its last broadcast, 1 to 7, 0 for none. From a station: the
+    /// same number if it heard that broadcast, otherwise 0.
     pub broadcast: u8,
     /// Its number, 0 to 15; of a broadcast, 1 to 7; 0 where it is no data.
     pub number: u8,
@@ -75,7 +77,8 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// The frame as bytes of the line; `None` where the payload is too long. Numbers are taken modulo 16, the broadcast modulo 8.
+    /// The frame as bytes of the line. `None` if the payload is too long. Numbers are taken modulo
+    /// 16, that of the broadcast modulo 8.
     ///
     /// ```
     /// use husillo_transports::link::{Frame, Kind};
@@ -184,8 +187,8 @@ impl Receiver {
         }
     }
 
-    /// Takes a byte; the frame that ends with it, if there is one and its check is right. A wrong one is dropped without a word:
-    /// its address may be wrong, too.
+    /// Takes a byte and returns the frame that it completes, if the check of the frame is right. A
+    /// wrong frame is dropped silently, because its address may be wrong as well.
     pub fn push(&mut self, byte: u8) -> Option<Frame<'_>> {
         if self.state == State::Given {
             *self = Receiver::new();

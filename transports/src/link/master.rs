@@ -35,8 +35,8 @@ pub enum Event<'a> {
         /// Which.
         station: usize,
     },
-    /// Every station that is up has told whether it heard the last broadcast; who did not came before as [`Event::Missed`] or
-    /// [`Event::Down`].
+    /// Every station that is up has reported whether it heard the last broadcast. [`Event::Missed`]
+    /// or [`Event::Down`] came before for each one that did not.
     Checked,
 }
 
@@ -63,7 +63,8 @@ struct Line {
     has_missed: bool,
 }
 
-/// A master: asks its stations one after another, as often as there is something to say. 176 bytes a station, and 504.
+/// A master. It asks its stations in turn, as often as there is something to send. It takes 176
+/// bytes per station, and 504.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -117,7 +118,8 @@ impl<const STATIONS: usize> Master<STATIONS> {
         }
     }
 
-    /// Calls a station, whatever its state: both ends begin anew, and what was queued is gone; what was on the line may yet arrive before.
+    /// Calls a station in any state. Both ends restart, and queued payloads are dropped. A payload
+    /// on the line may still arrive before the call.
     ///
     /// # Errors
     /// [`Refused::NoStation`].
@@ -141,11 +143,12 @@ impl<const STATIONS: usize> Master<STATIONS> {
         line.conversation.queue(payload)
     }
 
-    /// Queues a payload for all stations at once. It is sent once, before anything else, as soon as the line is free, and then every
-    /// station that is up is asked whether it heard it.
+    /// Queues a payload for all stations. It is sent once, before anything else, when the line is
+    /// free. Then every station that is up is asked whether it heard it.
     ///
     /// # Errors
-    /// [`Refused::Full`] until the last one is [`Event::Checked`], [`Refused::NotUp`] where no station is up, [`Refused::TooLong`].
+    /// [`Refused::Full`] until the last broadcast is [`Event::Checked`], [`Refused::NotUp`] if no
+    /// station is up, [`Refused::TooLong`].
     pub fn broadcast(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if payload.len() > PAYLOAD_BYTES {
             return Err(Refused::TooLong);
@@ -260,7 +263,8 @@ impl<const STATIONS: usize> Master<STATIONS> {
             .is_some_and(|line| line.state == State::Up)
     }
 
-    /// Payloads that a station has not acknowledged: 0 or 1; also after it went down, until it is called again.
+    /// Payloads that a station has not acknowledged: 0 or 1. The number stays after the station
+    /// went down, until it is called again.
     pub fn unacknowledged(&self, station: usize) -> usize {
         self.lines
             .get(station)
@@ -311,7 +315,8 @@ impl<const STATIONS: usize> Master<STATIONS> {
             .find(|(_, line)| line.is_due(timing, now_us))?;
         (line.asked_us, line.is_talking) = (now_us, false);
         if line.state == State::Calling {
-            // Each try has its number: what follows the answer to an earlier one was said before this one.
+            // Each try has its own number. An answer with the number of an earlier try was sent
+            // before this one.
             line.call = line.call.wrapping_add(1);
         }
         let acknowledged = line.conversation.taken();

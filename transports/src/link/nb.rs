@@ -1,4 +1,5 @@
-//! For programs that wait with `nb::block!`: a payload is taken, or it would block until something was acknowledged.
+//! For programs that wait with `nb::block!`: takes a payload, or would block until a payload is
+//! acknowledged.
 
 use super::{Master, Peer, Refused, Station};
 

@@ -23,10 +23,10 @@ enum Answer {
     Down,
 }
 
-/// One end of a full-duplex line: both may speak at any time, up to `WINDOW` frames (1 to 7) before the first is acknowledged.
-/// 128 bytes a frame, and 384.
+/// One end of a full-duplex line. Both ends may send at any time, up to `WINDOW` frames (1 to 7)
+/// before the first is acknowledged. It takes 128 bytes per frame, and 384.
 ///
-/// One end calls, the other is called. They tell each other every [`Timing::ask_us`] that they are there.
+/// One end calls, the other end is called. Each sends a sign of life every [`Timing::ask_us`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Peer<const WINDOW: usize> {
     address: u8,
@@ -77,7 +77,9 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         peer
     }
 
-    /// Calls the other end, whatever the state: both begin anew, and what was queued is gone; what was on the line may yet arrive before. Nothing happens at the end that is called.
+    /// Calls the other end, in any state. Both ends restart, and queued payloads are dropped. A
+    /// payload on the line may still arrive before the call. At the end that is called this does
+    /// nothing.
     pub fn call(&mut self) {
         if self.calls {
             self.state = State::Calling;
@@ -177,7 +179,8 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         byte
     }
 
-    /// Whether the link has gone down since the last call. What was on its way then is [`unacknowledged`](Peer::unacknowledged).
+    /// Whether the link has gone down since the last call. The payloads under way at that time are
+    /// [`unacknowledged`](Peer::unacknowledged).
     pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
         if self
             .until_us
@@ -206,7 +209,8 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         self.state == State::Up
     }
 
-    /// Payloads that the other end has not acknowledged; after the link went down, those of which nobody knows whether they arrived.
+    /// Payloads that the other end has not acknowledged. After the link went down it is unknown
+    /// whether they arrived.
     pub const fn unacknowledged(&self) -> usize {
         self.conversation.unacknowledged()
     }
@@ -226,7 +230,8 @@ impl<const WINDOW: usize> Peer<WINDOW> {
                     return None;
                 }
                 self.until_us = Some(now_us.wrapping_add(self.timing.wait_us()));
-                // Each try has its number: what follows the answer to an earlier one was said before this one.
+                // Each try has its own number. An answer with the number of an earlier try was sent
+                // before this one.
                 self.call = self.call.wrapping_add(1);
                 call = [self.call];
                 (Kind::Call, 0, &call)

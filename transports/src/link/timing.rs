@@ -19,8 +19,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// For a line of so many baud, 8N1: two characters to turn round, 20 ms to answer, three tries, a question every 50 ms,
-    /// down after a second of silence.
+    /// For a line at this rate in baud, 8N1: two characters of turnaround, 20 ms to answer, three
+    /// tries, a question every 50 ms, down after a second of silence.
     pub const fn of(bits_per_s: u32) -> Timing {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -36,8 +36,8 @@ impl Timing {
         }
     }
 
-    /// How long an answer may take after the first byte of a question was handed to the port: both frames on the line at their
-    /// longest, the turnaround, and the other end's time.
+    /// The longest time of an answer, from the first byte of a question at the port: the longest
+    /// frame in each direction, the turnaround, and the time of the other end.
     pub const fn wait_us(&self) -> u32 {
         self.character_us
             .saturating_mul(2 * super::frame::WIRE_BYTES as u32)

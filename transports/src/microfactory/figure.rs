@@ -2,7 +2,8 @@
 
 use crc::{CRC_16_IBM_SDLC, Crc, Table};
 
-/// CRC-16/X-25, as on [`crate::link`]: of three wrong bits anywhere in 4092 bytes (1023 moves) none, of others one in 65536 passes.
+/// CRC-16/X-25, as on [`crate::link`]. It detects any three wrong bits in 4092 bytes (1023 moves).
+/// Of other errors it misses one in 65536.
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 
 /// The four bytes of a move: steps of X and Z, low bytes first.
@@ -24,7 +25,8 @@ pub(super) fn checked(before: u16, bytes: &[u8]) -> u16 {
     digest.finalize()
 }
 
-/// The check of a figure, which goes behind [`ByteTable::keep`](super::ByteTable::keep) and the number of its moves.
+/// The check of a figure. It follows [`ByteTable::keep`](super::ByteTable::keep) and the number of
+/// moves.
 pub fn figure_check(moves: &[[i16; 2]]) -> u16 {
     let grow = |check, way: &[i16; 2]| checked(check, &move_bytes(*way));
     moves.iter().fold(0, grow)

@@ -85,7 +85,8 @@ impl Report {
 
 /// Bytes of a [`Status`] on the line.
 pub const STATUS_BYTES: usize = 20;
-/// In the place of a report: nothing has happened since the last command that began something, or since the reset.
+/// Stands in place of a report: nothing has happened since the last command that began a motion, or
+/// since the reset.
 const NOTHING: u8 = b'-';
 
 /// Where a device is.

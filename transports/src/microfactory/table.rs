@@ -36,8 +36,9 @@ pub struct ByteTable {
 }
 
 impl ByteTable {
-    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and what the original has not: `< 3 6 5` and `o t`, one and two, of which no flipped bit makes
-    /// another command.
+    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and commands that the original lacks:
+    /// `< 3 6 5`, `o t`, one and two. A single wrong bit in one of the latter makes no other
+    /// command.
     pub const DEFAULT: ByteTable = ByteTable {
         home: b'H',
         manual: b'J',
@@ -82,7 +83,8 @@ impl ByteTable {
             second,
             super::REJECTED,
         ];
-        // A bit for each byte that was seen. Sorting more than 20 would bring a panic of the library's along.
+        // A bit per byte that was seen. Sorting more than 20 values would link a panic of the
+        // library.
         let mut seen = [0_u32; 8];
         bytes.iter().all(|byte| {
             let bit = 1_u32.wrapping_shl(u32::from(*byte)); // modulo 32

@@ -17,7 +17,8 @@ pub enum Answer {
     Ready,
     /// `89`: homing found no switch, or did not get off it. Where the axes are is not known.
     NoSwitch,
-    /// `8b`: a right string that cannot be obeyed: not homed yet, beyond the travel, an arc that is none, moving already.
+    /// `8b`: a correct string that cannot be obeyed. The mill is not homed, the target is beyond
+    /// the travel, the arc is impossible, or the mill is moving.
     Refused,
     /// `8c`: in the queue, or a mode of ours is confirmed.
     Taken,

@@ -6,7 +6,8 @@ use crate::buffer::Buffer;
 /// Room that echoes and answers keep beside the steps.
 const RESERVE: usize = 8;
 
-/// The mill's controller on the line: bytes in, [`Order`]s out; echoes, steps and answers out. `OUT` bytes wait for the transmitter.
+/// The controller's end of the mill's line: bytes in, [`Order`]s out; echoes, steps and answers
+/// out. `OUT` bytes wait for the transmitter.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -16,7 +17,8 @@ const RESERVE: usize = 8;
 /// | an order was obeyed, or refused | [`answer`](Device::answer) |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
-/// [`Order::Stream`] and [`Order::Every`] are the link's own: they are confirmed here. Memory: `OUT` and some 100 bytes.
+/// The link itself confirms [`Order::Stream`] and [`Order::Every`]. Memory: `OUT` and about 100
+/// bytes.
 #[derive(Debug, Clone)]
 pub struct Device<const OUT: usize> {
     string: Buffer<STRING_BYTES>,
@@ -61,10 +63,10 @@ impl<const OUT: usize> Device<OUT> {
         device
     }
 
-    /// Takes a byte of the line, and gives the order that it completes, or [`Order::Stop`] where it stops what moves. A stop while
-    /// nothing moves is the whole string `A;`.
+    /// Takes a byte of the line and returns the order that it completes, or [`Order::Stop`] if the
+    /// byte stops the motion. While nothing moves, a stop is the whole string `A;`.
     pub fn push(&mut self, byte: u8) -> Option<Order> {
-        // With bit 7 it would be an answer; it is in no string, and `?` is not what the host has sent either.
+        // With bit 7 set it would be an answer. `?` is in no string, and the host has not sent it.
         self.send(if byte < 0x80 { byte } else { b'?' });
         if self.is_streaming && byte == b'A' {
             self.string.clear();
@@ -129,7 +131,8 @@ impl<const OUT: usize> Device<OUT> {
         None
     }
 
-    /// Says what moves: nothing, a jog, or something else. While lines are streamed, the queue counts.
+    /// Sets what moves: nothing, a jog, or another motion. While lines are streamed, queued lines
+    /// count as motion.
     pub fn set_motion(&mut self, is_moving: bool, is_jog: bool) {
         self.motion = match (is_moving, is_jog) {
             (false, _) => Motion::None,
@@ -153,7 +156,8 @@ impl<const OUT: usize> Device<OUT> {
         self.is_streaming
     }
 
-    /// Whether so many steps can be told now, and echoes and answers beside them. Those that are queued for the motors will be told, too.
+    /// Whether this many steps can be reported now, with room left for echoes and answers. Steps
+    /// that are queued for the motors will be reported as well.
     pub const fn has_room(&self, steps: usize) -> bool {
         // At most OUT wait.
         steps.saturating_add(RESERVE) <= OUT.wrapping_sub(self.waiting)

@@ -8,7 +8,8 @@ use super::{Answer, Axis, Order, Text};
 pub struct HostTiming {
     /// From a byte to its echo.
     pub echo_us: u32,
-    /// From the last echo to the answer of what needs no motion; also how long a string whose `;` was not echoed may take to show itself.
+    /// The time from the last echo to the answer of an order without motion. Also the time after
+    /// which a string whose `;` was not echoed must have shown an effect.
     pub answer_us: u32,
     /// From the last echo to the answer of what moves; below 2^31.
     pub motion_us: u32,
@@ -21,8 +22,8 @@ pub struct HostTiming {
 }
 
 impl HostTiming {
-    /// For a line of so many baud: an echo may take two characters and 200 ms, an answer 500 ms more, a move half an hour;
-    /// three characters of silence are the guard.
+    /// For a line at this rate in baud. An echo may take two characters and 200 ms, an answer 500
+    /// ms more, a move half an hour. The guard is three characters of silence.
     pub const fn of(bits_per_s: u32) -> HostTiming {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -100,8 +101,9 @@ pub enum Progress {
     Over(Outcome),
 }
 
-/// A host of the mill: one string at a time. While one that moves waits for its answer, [`Order::Stop`] may be sent in its place, and
-/// [`Order::Faster`], [`Order::Slower`] and [`Order::Renew`] beside it.
+/// The host's end of the mill's line: one string at a time. While a string that moves waits for its
+/// answer, [`Order::Stop`] may be sent in its place, and [`Order::Faster`], [`Order::Slower`] and
+/// [`Order::Renew`] in addition.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -110,8 +112,10 @@ pub enum Progress {
 /// | a byte arrives | [`push`](Host::push) |
 /// | after each of these and after the time it names | [`poll`](Host::poll) |
 ///
-/// The `;` is sent when all before it was echoed as it was sent; otherwise the string is spoilt by a `!`, which no string has, and sent again.
-/// So a wrong bit obeys nothing wrong unless a second one undoes it on the way back. `now_us` wraps; calls may be up to 2^31 us apart.
+/// The host sends `;` only if the echo of all characters before it was right. Otherwise it spoils
+/// the string with a `!`, which no string contains, and sends it again. So a wrong bit never causes
+/// a wrong motion, unless a second one hides it in the echo. `now_us` wraps; calls may be up to
+/// 2^31 us apart.
 #[derive(Debug, Clone)]
 pub struct Host {
     timing: HostTiming,
@@ -127,7 +131,8 @@ pub struct Host {
     /// The string is one beside the order.
     is_aside: bool,
     is_streaming: bool,
-    /// Bytes that put off the end of [`Phase::Quiet`]: a controller that tells steps without a pause is not waited for.
+    /// The number of bytes that extend [`Phase::Quiet`]. A controller that reports steps without a
+    /// pause is not waited for longer.
     heard: u8,
     /// Streamed lines taken and not made.
     lines: u32,
@@ -142,7 +147,8 @@ enum Phase {
     Unsure,
     /// `!;`, then that there is no such string.
     Spoil,
-    /// That was said. More of the kind may be on its way, if it had to be asked for more than once: until the line is silent nothing is sent.
+    /// This answer was received. If it was asked for more than once, more of the same may follow,
+    /// so nothing is sent until the line is silent.
     Quiet,
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Text, reader::Reader};
 
-/// Coordinates of the part's frame in units of 10 nm, below 10^7 each; an axis without a word stays.
+/// Coordinates in the frame of the part, in units of 10 nm, below 10^7 each. An axis without a word
+/// keeps its position.
 pub type XyPoint = [Option<i32>; 2];
 
 /// Where a straight move goes: X and Y (one of them at least), or Z alone.
@@ -17,7 +18,8 @@ pub enum Point {
 
 /// One line.
 ///
-/// Words are `X` `Y` `Z` `I` `J`, a sign or none, one to five digits of micrometres and up to two decimals; feeds are tenths of mm/min.
+/// Words are `X` `Y` `Z` `I` `J`, an optional sign, one to five digits of micrometres and up to two
+/// decimals. Feeds are in tenths of mm/min.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Line {
@@ -25,7 +27,8 @@ pub enum Line {
     Rapid(Point),
     /// `G01X01000F08;`, `G01Z-00100F08;`: at a feed of two to four digits, not 0.
     Linear(Point, u16),
-    /// `G02X02969.00Y03400.00I03012.00J03040.00F08;`, `G03..`: an arc; the same point as the last one is a full turn.
+    /// `G02X02969.00Y03400.00I03012.00J03040.00F08;`, `G03..`: an arc. If it ends where it begins,
+    /// it is a full turn.
     Arc {
         /// G02.
         clockwise: bool,

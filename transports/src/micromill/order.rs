@@ -37,7 +37,8 @@ pub enum Order {
     Jog([i8; 3]),
     /// `PX+1000;`: so many steps of an axis, -9999 to 9999.
     Steps(Axis, i16),
-    /// `FX+250;`: an axis at so many steps per second, -999 to 999, not 0, until something stops it.
+    /// `FX+250;`: runs an axis at this many steps per second, -999 to 999, not 0, until it is
+    /// stopped.
     Run(Axis, i16),
     /// `BX200;`: the backlash of an axis in micrometres, 0 to 999.
     Backlash(Axis, u16),
@@ -55,7 +56,8 @@ pub enum Order {
     Line(Line),
     /// `S1;`, `S0;`: lines are streamed, or not.
     Stream(bool),
-    /// `L0500;`: a jog ends so many milliseconds after the last [`Order::Renew`], 1 to 9999; 0: never.
+    /// `L0500;`: a jog ends this many milliseconds after the last [`Order::Renew`], 1 to 9999. 0:
+    /// it does not end.
     Lease(u16),
     /// `L;`: the jog goes on.
     Renew,
@@ -64,7 +66,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// Reads a string without its `;`, blanks or ends of lines; `None` where there is no such string.
+    /// Reads a string without its `;`, blanks and line ends. `None` if no such string exists.
     #[inline(never)] // whoever takes strings may be optimized for speed: this need not
     pub fn read(string: &[u8]) -> Option<Order> {
         let mut reader = Reader(string);
@@ -113,7 +115,8 @@ impl Order {
         reader.is_empty().then_some(order)
     }
 
-    /// The string, with its `;`. Numbers beyond their digits lose the upper ones: what [`Order::read`] gives has none such.
+    /// The string with its `;`. Numbers with too many digits lose the upper ones; orders from
+    /// [`Order::read`] have none such.
     pub fn text(&self) -> Text {
         let mut text = Text::new();
         match *self {

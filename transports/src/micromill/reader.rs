@@ -33,7 +33,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number of at least `least` and at most `most` digits; `most` is below 10, so it is below 10^9.
+    /// A number of `least` to `most` digits. `most` is below 10, so the number is below 10^9.
     pub(super) fn digits(&mut self, least: u8, most: u8) -> Option<u32> {
         let (mut value, mut count) = (0_u32, 0_u8);
         while let Some((first, rest)) = self.0.split_first() {
@@ -48,7 +48,8 @@ impl Reader<'_> {
         (count >= least).then_some(value)
     }
 
-    /// The word of a letter, if it is next: a sign or none, one to five digits of micrometres and up to two decimals. In units of 10 nm.
+    /// The word with this letter, if it is next, in units of 10 nm: an optional sign, one to five
+    /// digits of micrometres and up to two decimals.
     pub(super) fn coordinate(&mut self, letter: u8) -> Option<Option<i32>> {
         if !self.takes(letter) {
             return Some(None);

@@ -1,6 +1,6 @@
 //! Which bytes stop.
 
-/// Bytes that stop what moves, for an interrupt that does not wait until they are taken in their turn.
+/// Bytes that stop the motion. For an interrupt that must act before the foreground takes the byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stops {
@@ -15,7 +15,8 @@ pub enum Stops {
 }
 
 impl Stops {
-    /// Whether it stops. In a jog the bytes of those strings do as well where they are out of place: that shows when they are taken.
+    /// Whether the byte stops the motion. In a jog the bytes of `W;`, `V;` and `L;` also stop it
+    /// where they are out of place; the foreground detects this.
     pub const fn takes(self, byte: u8) -> bool {
         match self {
             Stops::Nothing => false,

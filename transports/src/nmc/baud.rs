@@ -40,7 +40,8 @@ impl Baud {
 
     /// The rate of a divisor on a module of this version; `None` where the module keeps its rate.
     ///
-    /// A table and no formula, for clients disagree by one: 129 and 127, 63 and 64, 20 and 21 are all in use.
+    /// A table instead of a formula, because clients differ by one: 129 and 127, 63 and 64, 20 and
+    /// 21 are all in use.
     pub const fn from_divisor(divisor: u8, version: u8) -> Option<Baud> {
         match divisor {
             127 | 129 => Some(Baud::B9600),
@@ -63,7 +64,8 @@ impl Baud {
         }
     }
 
-    /// Time of `characters` of 10 bits (start, 8 data, stop) in microseconds, rounded up; 4.29e6 at most.
+    /// Time of `characters` of 10 bits (start, 8 data, stop) in microseconds, rounded up, at most
+    /// 4.29e6.
     pub const fn characters_us(self, characters: u16) -> u32 {
         // 65535 * 10^7 < 2^40, so the product fits 64 bits; the quotient is below 6.9e7.
         (characters as u64 * 10_000_000).div_ceil(self.bits_per_s() as u64) as u32

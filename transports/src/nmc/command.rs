@@ -49,7 +49,8 @@ pub enum Reset {
 pub enum Command {
     /// 0: counter and command position are set, without a jump. Not during a trapezoid.
     ResetPosition(Reset),
-    /// 1: the module takes an address of its own, 0 to 0x7F, and a group. The first time its ADDR_OUT falls.
+    /// 1: gives the module its own address, 0 to 0x7F, and a group. The first time, its ADDR_OUT
+    /// goes low.
     SetAddress {
         /// 1 to 32 are in use; 0 = not yet addressed.
         address: u8,
@@ -159,8 +160,9 @@ impl Command {
         Frame::new(address, code, data.bytes())
     }
 
-    /// The command of a packet's code and data for a module of `version`; `None` for what such a module does not know,
-    /// for any length but the right one, and for an address of groups as an individual one.
+    /// The command with this code and data for a module of `version`. `None` for a command that
+    /// such a module does not know, for a wrong length, and for a group address as an individual
+    /// address.
     pub fn decode(code: u8, data: &[u8], version: u8) -> Option<Command> {
         let mut fields = Fields(data);
         let command = match code {
@@ -201,8 +203,8 @@ impl Command {
         fields.0.is_empty().then_some(command)
     }
 
-    /// Whether every number is one that the data sheet allows for this version. The host sends nothing else; the module hands on
-    /// whatever came.
+    /// Whether every number is in the range of the data sheet for this version. The host sends
+    /// nothing else. The module passes on all values.
     pub fn is_in_range(&self, version: u8) -> bool {
         match self {
             Command::ResetPosition(reset) => {

@@ -6,15 +6,18 @@ use super::{Command, Frame, Receiver, Verdict};
 /// Bytes of a flush: the longest packet lacks 18 at most.
 pub const FLUSH_LENGTH: usize = 20;
 
-/// The byte to fill a module's half-received packet with after `request` may have been damaged: 0 nearly always.
+/// The byte that fills the rest of a half-received packet after `request` may have been damaged. It
+/// is nearly always 0.
 ///
-/// A module that missed a byte takes the flush for the rest of its packet. One time in 256 the sum of that is right, and then half
-/// a command would be executed. So the damages that leave a packet open are tried on a receiver here (any byte lost, any byte
-/// doubled, the rest lost from any byte on, a length with one wrong bit), and a byte is chosen that completes none of them. Where the sum
-/// of one with a wrong length comes right with any byte (the last one is added, and compared), that may be completed to what is no command
-/// of any version, but nothing else.
+/// A module that missed a byte takes the flush as the rest of its packet. Once in 256 cases the
+/// checksum is right, and half a command would be executed. This function therefore tries on a
+/// receiver every damage that leaves a packet open: any byte lost, any byte doubled, all bytes lost
+/// from any byte on, a length with one wrong bit. It chooses a byte that completes none of them. If
+/// a packet with a wrong length has a right checksum for any byte (the last byte is added and
+/// compared), the packet may only be completed to something that is no command in any version.
 ///
-/// Cost: 62 receptions of up to 40 bytes for each byte tried, on a line that is about to rest for a millisecond.
+/// Cost: 62 receptions of up to 40 bytes per byte tried, on a line that is about to rest for a
+/// millisecond.
 pub fn flush_byte(request: &Frame) -> u8 {
     let safe = |is_harmful: fn(&Receiver) -> bool| {
         (0..HEADER).find(|byte| is_safe(request.bytes(), *byte, is_harmful))
@@ -24,11 +27,13 @@ pub fn flush_byte(request: &Frame) -> u8 {
         .unwrap_or(0)
 }
 
-/// Whether one wrong bit makes a shorter command of this packet, one that a module of `version` would execute.
+/// Whether one wrong bit makes a shorter packet with a command that a module of `version` would
+/// execute.
 ///
-/// The sum shows any wrong bit but one in the length, which moves the place of the sum; the modules' strict lengths refuse what is left of
-/// nearly all packets. Not of Reset Position relative to home at address 1, `AA 01 10 01 12`: with its length gone it is `AA 01 00 01`,
-/// a reset to zero.
+/// The checksum detects any wrong bit except one in the length, which moves the position of the
+/// checksum. The strict lengths of the modules refuse nearly all such packets. The exception is
+/// Reset Position relative to home at address 1, `AA 01 10 01 12`: with a wrong length it is
+/// `AA 01 00 01`, a reset to zero.
 pub(super) fn is_fragile(request: &Frame, version: u8) -> bool {
     [0x10, 0x20, 0x40, 0x80].into_iter().any(|bit| {
         let mut receiver = Receiver::new();
@@ -65,7 +70,7 @@ enum Damage {
     Length { bit: u8 },
 }
 
-/// Whether a flush with `byte` makes a sound packet of what is left of the request, and a harmful one.
+/// Whether a flush with `byte` makes a valid and harmful packet of the rest of the request.
 fn completes(request: &[u8], damage: Damage, byte: u8, is_harmful: fn(&Receiver) -> bool) -> bool {
     let mut receiver = Receiver::new();
     for (place, sent) in (0..).zip(request) {

@@ -6,7 +6,8 @@
 pub struct Status(pub u8);
 
 impl Status {
-    /// Idle, finished or servo off; clear during a trapezoid, and in velocity mode until the goal velocity is reached.
+    /// Idle, finished or servo off. Clear during a trapezoid, and in velocity mode until the goal
+    /// velocity is reached.
     pub const MOVE_DONE: Status = Status(0x01);
     /// The packet just received was damaged and nothing was executed.
     pub const CHECKSUM_ERROR: Status = Status(0x02);
@@ -91,7 +92,8 @@ impl Items {
         Items(self.0 | other.0)
     }
 
-    /// What a module of this version sends of them: before version 5 the upper two bits mean nothing.
+    /// The flags that a module of this version sends. Before version 5 the upper two bits have no
+    /// meaning.
     pub const fn of_version(self, version: u8) -> Items {
         if version < 5 {
             Items(self.0 & 0x3F)

@@ -65,9 +65,11 @@ enum State {
     Sum,
 }
 
-/// Takes bytes, finds packets, whomever they are for: a module has to follow those of the others too.
+/// Takes bytes and finds packets for any address. A module must follow the packets for other
+/// modules, too.
 ///
-/// No time in here: a packet that lost a byte takes its successors' bytes until it is complete. The host's flush completes it.
+/// The receiver has no time limit: a packet that lost a byte takes bytes of the following packets
+/// until it is complete. The flush of the host completes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Receiver {
     state: State,
@@ -89,8 +91,8 @@ impl Receiver {
         }
     }
 
-    /// Takes a byte; `Some` when it completes a packet, which then is in [`address`](Self::address), [`code`](Self::code)
-    /// and [`data`](Self::data) until the next byte.
+    /// Takes a byte. `Some` if it completes a packet. [`address`](Self::address),
+    /// [`code`](Self::code) and [`data`](Self::data) describe the packet until the next byte.
     pub fn push(&mut self, byte: u8) -> Option<Verdict> {
         match self.state {
             State::Idle => {

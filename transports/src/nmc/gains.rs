@@ -18,7 +18,8 @@ pub struct Gains {
     pub integration_limit: u16,
     /// Bound of the PWM, 0 to 255.
     pub output_limit: u8,
-    /// Current limit; odd where the sense is proportional to the current, even where inversely, 0 = none.
+    /// Current limit. Odd: the sense is proportional to the current. Even: it is inversely
+    /// proportional. 0: none.
     pub current_limit: u8,
     /// Position error in counts above which the servo goes off, 0 to 0x3FFF (0x7FFF in version 10).
     pub error_limit: u16,

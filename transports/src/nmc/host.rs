@@ -57,10 +57,11 @@ enum Bad {
 /// | a byte arrives | [`push`](Host::push) |
 /// | after each of these and after the time it names | [`poll`](Host::poll) |
 ///
-/// A command that must not be executed twice is preceded by a reading; when its reply is lost the line is flushed, the reading
-/// taken again, and the command repeated only where the two show that nothing happened (see [`Command::repeat`]). Each of these is
-/// taken until two in a row agree, as a byte lost and an equal one doubled in the same reply leave its length and its sum right. So such
-/// a command takes three exchanges and a poll takes one.
+/// Before a command that must not be executed twice, the host takes a reading. If the reply is
+/// lost, it flushes the line and reads again. It repeats the command only if the two readings show
+/// that nothing happened (see [`Command::repeat`]). Each reading is repeated until two in a row
+/// agree, because one byte lost and an equal one doubled in a reply leave its length and checksum
+/// right. Such a command takes three exchanges, a poll takes one.
 ///
 /// `now_us` wraps; calls may be up to 2^31 us apart. 1.6 KB.
 #[derive(Debug, Clone)]
@@ -190,7 +191,8 @@ impl Host {
         Some(byte)
     }
 
-    /// Takes a byte of the status line. What comes before the request is sent, in a pause or after a flush is no reply.
+    /// Takes a byte of the status line. Bytes before the request, in a pause, or after a flush are
+    /// no reply.
     pub fn push(&mut self, byte: u8, now_us: u32) {
         let awaits = matches!(self.phase, Phase::Before | Phase::Command | Phase::After);
         if !awaits || self.deadline_us.is_none() {
@@ -268,7 +270,8 @@ impl Host {
         self.timing = timing;
     }
 
-    /// The modules in a group as bits: bit 0 is address 1. After a group command each has to be asked whether it heard it.
+    /// The modules in a group as bits; bit 0 is address 1. After a group command each must be asked
+    /// whether it heard the command.
     pub fn members_of(&self, group: u8) -> u32 {
         let mut bits = 0;
         for (bit, member) in (0..32_u32).zip(self.members.iter().skip(1)) {
@@ -279,7 +282,8 @@ impl Host {
         bits
     }
 
-    /// Takes over a module that was set up before: its address, 1 to 32, the items in force and its group.
+    /// Adopts a module that was set up before, with its address, 1 to 32, its status items and its
+    /// group.
     pub fn adopt(&mut self, address: u8, items: Items, group: Group) {
         if let Some(member) = self.member_mut(address) {
             *member = Member {

@@ -6,7 +6,8 @@ use super::command::is_group;
 use super::reply::LONGEST_REPLY;
 use super::{Baud, Command, Group, Items, Readings, Receiver, Reply, Status, Verdict};
 
-/// What the owner of a [`Module`] has to do. Addresses, groups and status items are not the owner's affair.
+/// What the owner of a [`Module`] must do. The module itself handles addresses, groups and status
+/// items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
@@ -14,8 +15,8 @@ pub enum Order {
     Servo(Command),
     /// The line goes on at this rate.
     Baud(Baud),
-    /// The state after power-up, with the byte of configuration of version 10; the line goes on at 19200. The module has
-    /// reset itself and ADDR_OUT is high again.
+    /// Return to the state after power-up, with the configuration byte of version 10. The line
+    /// continues at 19200 baud. The module has reset itself, and ADDR_OUT is high again.
     Reset(Option<u8>),
 }
 
@@ -28,7 +29,8 @@ enum Pending {
     Command(Command),
 }
 
-/// A servo module on the line: bytes in, at the end of each servo cycle one order, then the reply's bytes out.
+/// The module's end of the line: bytes in, one order at the end of each servo cycle, then the bytes
+/// of the reply out.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -37,8 +39,9 @@ enum Pending {
 /// | end of the servo cycle | [`take`](Module::take), execute, [`reply`](Module::reply) |
 /// | the transmitter is free | [`transmit`](Module::transmit); XMT_EN is [`is_sending`](Module::is_sending) until transmission is complete |
 ///
-/// An order is handed out once, and only of a packet whose sum was right. One command is kept: a packet that is complete before
-/// the last one was taken is dropped unanswered, so that the host finds out.
+/// An order is returned once, and only if the checksum of its packet was right. One command is
+/// kept. A packet that is complete before the last one was taken is dropped without a reply, so the
+/// host notices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Module {
     version: u8,
@@ -60,7 +63,8 @@ pub struct Module {
 }
 
 impl Module {
-    /// After power-up: deaf until ADDR_IN falls. `version` is 4 for the original's chip; 5 and 10 know more commands.
+    /// The state after power-up: deaf until ADDR_IN goes low. `version` is 4 for the chip of the
+    /// original; 5 and 10 know more commands.
     pub const fn new(version: u8) -> Module {
         Module {
             version,
@@ -121,7 +125,8 @@ impl Module {
         };
     }
 
-    /// Forgets a packet begun: for an owner that knows a pause on the line when it hears one. The original never does.
+    /// Drops an incomplete packet. For an owner that can detect a pause on the line; the original
+    /// does not.
     pub fn forget_partial(&mut self) {
         self.receiver.reset();
     }
@@ -165,8 +170,8 @@ impl Module {
         self.pending == Pending::Nothing && self.due.is_some()
     }
 
-    /// Makes the reply, where one is due, of the servo's status and readings after the order; the bit CHECKSUM_ERROR and the kind and
-    /// version are the module's own.
+    /// Makes the reply, if one is due, from the status and the readings of the servo after the
+    /// order. The module itself supplies the bit CHECKSUM_ERROR, the kind and the version.
     pub fn reply(&mut self, status: Status, readings: &Readings) {
         if !self.owes_reply() {
             return;

@@ -15,14 +15,16 @@ pub enum Step {
         /// What to send.
         command: Command,
     },
-    /// Read a standing axis until two readings in a row agree: with that, a wrong position has to pass the sum twice alike.
+    /// Reads a standing axis until two readings in a row agree. A wrong position must then pass the
+    /// checksum twice with the same value.
     ReadTwice {
         /// 0 to 32.
         address: u8,
         /// What to read.
         items: Items,
-        /// How far the two positions may be apart, in counts: the jitter of the servo. All else must be equal, the home position too;
-        /// velocity, current and position error are not compared.
+        /// The largest difference of the two positions, in counts: the jitter of the servo. All
+        /// other items must be equal, also the home position. Velocity, current and position error
+        /// are not compared.
         jitter_counts: u32,
     },
     /// Fill half-received packets and throw away what comes of it.
@@ -46,10 +48,11 @@ pub enum Refused {
     OutOfRange,
     /// Individual addresses end at 32 here.
     NoSuchAddress,
-    /// The reply to a change of the rate would come at another rate: only a group without leader can be told.
+    /// The reply to a change of the rate would come at another rate, so only a group without leader
+    /// can receive this command.
     WouldAnswer,
-    /// One wrong bit would make another command of the packet: Reset Position relative to home (version 10) at address 1. Set the
-    /// position instead.
+    /// One wrong bit would make another command of the packet: Reset Position relative to home
+    /// (version 10) at address 1. Set the position instead.
     Fragile,
 }
 
@@ -95,12 +98,14 @@ impl Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
-    /// Nothing was ever heard: a dead module, the end of the chain, a broken line. A command that may be repeated may have been executed.
+    /// No byte was received: a dead module, the end of the chain, or a broken line. A command that
+    /// may be repeated may have been executed.
     Silent,
-    /// Something was heard, never a sound reply: noise, two modules that answer, other items than those in force. A command that may
-    /// be repeated may have been executed.
+    /// Bytes were received, but no valid reply: noise, two modules that answer, or items other than
+    /// those set. A command that may be repeated may have been executed.
     Garbled,
-    /// The module received it damaged each time, or readings show that nothing happened: certainly not executed.
+    /// The module received the command damaged each time, or readings show that nothing happened.
+    /// The command was certainly not executed.
     NotExecuted,
     /// Executed once or not at all, and the readings do not tell; it was not sent again.
     Uncertain,

@@ -1,7 +1,9 @@
-//! Which commands may be sent again when no reply came, and how a reading tells whether they must not.
+//! Which commands may be sent again after a missing reply, and how readings show that they must
+//! not.
 //!
-//! A reply can get lost after the command was executed, and nothing in a packet tells a repetition from a new command. So what
-//! does harm when done twice is never repeated blindly: readings before and after decide.
+//! A reply can be lost after the command was executed, and a packet does not show whether it is a
+//! repetition. A command that does harm when executed twice is therefore never repeated blindly.
+//! Readings before and after it decide.
 
 use super::{Auxiliary, Command, Items, Mode, Reply, Reset, Status, Trajectory};
 
@@ -68,8 +70,9 @@ impl Command {
         }
     }
 
-    /// What readings of [`repeat`](Self::repeat)'s items before and after say. What Start Motion started is not known here, so
-    /// the worst is assumed; [`Host`](super::Host) knows what it loaded.
+    /// The conclusion from readings of the items of [`repeat`](Self::repeat) before and after. The
+    /// motion that Start Motion started is unknown here, so the worst is assumed;
+    /// [`Host`](super::Host) knows what it loaded.
     pub fn finding(&self, before: &Reply, after: &Reply) -> Finding {
         match self {
             Command::ResetPosition(Reset::Zero) => reset(0, before, after),
@@ -123,8 +126,8 @@ fn stands(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE) && reply.velocity().unwrap_or_default() == 0
 }
 
-/// What two readings in a row say together; `None` where one of them must be wrong, or something happened in between. What findings
-/// do not look at (switches, the index) may change.
+/// The conclusion from two readings in a row. `None` if one of them must be wrong, or something
+/// happened in between. Values that the conclusions do not use (switches, the index) may change.
 pub(super) fn agreement(first: &Reply, second: &Reply) -> Option<Reply> {
     const STATUS: u8 = Status::MOVE_DONE.0
         | Status::HOME_IN_PROGRESS.0
@@ -183,7 +186,8 @@ pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Rep
     let known = trajectory.filter(|known| !known.is_relative());
     match known {
         _ if began || moved => Finding::Executed,
-        // A trapezoid from standstill to where it stands already is no motion; a speed that is set already stays.
+        // A trapezoid from standstill to the present position is no motion. A speed that is already
+        // set stays.
         Some(known)
             if is_undisturbed(before, after)
                 && (known.mode != Mode::Trapezoid || (stands(before) && stands(after))) =>
@@ -204,7 +208,8 @@ fn homing(before: &Reply, after: &Reply) -> Finding {
     match (waits(before), waits(after)) {
         (false, true) => Finding::Executed,
         (false, false) if was != is => Finding::Executed,
-        // An event would have latched a position on the way; the old home position is none of these.
+        // An event would have latched a position on the path. The old home position is none of
+        // these.
         (false, false)
             if !is_near(was, from) && !is_near(was, to) && !is_between(was, from, to) =>
         {

@@ -21,7 +21,8 @@ pub struct Readings {
     pub position: i32,
     /// Of the converter.
     pub current: u8,
-    /// Counts a servo cycle without fraction; the original reports the **negative** of the motion, see [`reported_velocity`].
+    /// Counts per servo cycle without fraction. The original reports the **negative** of the
+    /// motion, see [`reported_velocity`].
     pub velocity: i16,
     /// Auxiliary status.
     pub auxiliary: Auxiliary,
@@ -37,7 +38,8 @@ pub struct Readings {
     pub version: u8,
 }
 
-/// A velocity in counts a cycle, 16.16, as the item VELOCITY carries it: negated, whole counts, saturated.
+/// A velocity in counts per cycle, 16.16, as the item VELOCITY has it: negated, whole counts,
+/// saturated.
 pub const fn reported_velocity(velocity: i32) -> i16 {
     // An i32 shifted by 16 fits i16; only the negation of the least one needs its bound.
     ((velocity >> 16) as i16).saturating_neg()

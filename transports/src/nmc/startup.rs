@@ -13,9 +13,11 @@ pub struct Chain {
     pub modules: u8,
     /// Kind and version of each, the first at 0; (0, 0) where it did not say.
     pub devices: [(u8, u8); LAST_ADDRESS as usize],
-    /// Bit i is set where address i + 1 did not answer at the end: change of the rate missed, or dead.
+    /// Bit i is set if address i + 1 did not answer at the end: it missed the change of the rate,
+    /// or it is dead.
     pub silent: u32,
-    /// Whether the chain ended in silence. Otherwise an address stayed in doubt: noise, or two modules that answer.
+    /// Whether the chain ended in silence. Otherwise an address is in doubt: noise, or two modules
+    /// that answer.
     pub is_complete: bool,
 }
 
@@ -62,10 +64,11 @@ enum Sweep {
     Reset,
 }
 
-/// The order in which every client starts the line: flush, hard reset, addresses from the far end until nobody answers, kind and
-/// version of each, the rate, a greeting of each.
+/// The order in which every client starts the line: flush, hard reset, addresses from the far end
+/// until no module answers, kind and version of each, the rate, a greeting of each.
 ///
-/// When nobody answers at all, modules may be at another rate from an earlier session: all are tried once.
+/// If no module answers, the modules may be at another rate from an earlier session. Then all rates
+/// are tried once.
 ///
 /// ```
 /// use husillo_transports::nmc::{Baud, Next, Startup, Step};
@@ -96,15 +99,18 @@ impl Startup {
         }
     }
 
-    /// Resets every individual address too, 32 times [`Timing::reset_us`](super::Timing::reset_us) more, the last one first: a reset makes all behind it deaf. A module that an earlier
-    /// session left in another group than 0xFF does not hear the reset of all; it keeps its address, and another one may get the same.
+    /// Also resets every individual address, the last one first, which takes 32 times
+    /// [`Timing::reset_us`](super::Timing::reset_us) more. A reset makes all modules behind it
+    /// deaf. A module that an earlier session left in a group other than 0xFF does not hear the
+    /// reset of all. It keeps its address, and another module may get the same one.
     #[must_use]
     pub const fn resetting_each(mut self) -> Startup {
         self.resets_each = true;
         self
     }
 
-    /// The next thing to do, after the outcome of the one before (`None` at first, and where the host refused).
+    /// The next action, after the outcome of the one before (`None` at first, and if the host
+    /// refused it).
     pub fn next(&mut self, outcome: Option<&Outcome>) -> Next {
         self.phase = self.after(outcome);
         match self.phase {

@@ -2,7 +2,8 @@
 
 use super::{Baud, Items};
 
-/// Longest time from the end of a command to its execution and reply: a servo cycle of the original, in microseconds.
+/// Longest time from the end of a command to its execution and reply: one servo cycle of the
+/// original, in microseconds.
 pub const CYCLE_US: u32 = 512;
 
 /// How long the host waits, in microseconds.
@@ -13,7 +14,8 @@ pub struct Timing {
     pub reply_us: u32,
     /// More of it for each byte of the reply.
     pub per_byte_us: u32,
-    /// Silence after a reply before it is believed: a byte more in this time means that one was doubled. 0 = none.
+    /// The silence after a reply before it is accepted. An additional byte in this time means that
+    /// a byte was doubled. 0: none.
     pub guard_us: u32,
     /// Silence after a flush.
     pub settle_us: u32,
@@ -26,7 +28,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Those of the vendor's library, for any adapter and operating system: 50 ms and 2 ms a byte, 100 ms after a flush.
+    /// The times of the vendor's library, for any adapter and operating system: 50 ms and 2 ms per
+    /// byte, 100 ms after a flush.
     pub const fn patient(baud: Baud) -> Timing {
         Timing {
             reply_us: 50_000,
@@ -39,8 +42,8 @@ impl Timing {
         }
     }
 
-    /// For a port that hands bytes over at once (a microcontroller, a simulated line): three servo cycles of `cycle_us` (512 times the
-    /// divisor), two characters a byte.
+    /// For a port that passes bytes on at once (a microcontroller, a simulated line): three servo
+    /// cycles of `cycle_us` (512 times the divisor), two characters per byte.
     pub const fn prompt(baud: Baud, cycle_us: u32) -> Timing {
         let cycles_us = cycle_us.saturating_mul(3);
         Timing {
@@ -65,18 +68,20 @@ pub struct Polling {
     pub baud: Baud,
     /// Items of every reply, set by Define Status, so that a No Operation of 4 bytes asks for them.
     pub items: Items,
-    /// From the end of a request to the start of its reply: 0 to [`CYCLE_US`], half of it on average.
+    /// From the end of a request to the start of its reply: 0 to [`CYCLE_US`], half of it on
+    /// average.
     pub latency_us: u32,
-    /// From the end of a reply to the start of the next request: 0 for the limit, [`Timing::guard_us`] for a host that waits it.
+    /// From the end of a reply to the start of the next request: 0 for the limit,
+    /// [`Timing::guard_us`] for a host that waits for the guard.
     pub guard_us: u32,
 }
 
 impl Polling {
-    /// Time of one module in microseconds, rounded up: 4 characters, latency, status and items and sum, guard. At 115200 baud with the
-    /// position 869 us and the latency.
+    /// Time per module in microseconds, rounded up: 4 characters, latency, status, items and
+    /// checksum, guard. With the position, 869 us and the latency at 115200 baud.
     ///
-    /// Nothing is faster: any byte on the command line cancels a reply, so the next request has to wait for it, and 4 bytes are the
-    /// shortest packet.
+    /// Nothing is faster. Any byte on the command line cancels a reply, so the next request must
+    /// wait for the reply, and the shortest packet has 4 bytes.
     pub fn module_us(&self) -> u32 {
         let characters = 6 + self.items.length() as u16; // 23 at most
         self.baud

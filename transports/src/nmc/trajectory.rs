@@ -38,7 +38,8 @@ pub struct Trajectory {
     pub pwm: Option<u8>,
     /// What the servo follows.
     pub mode: Mode,
-    /// Velocity and PWM modes: the negative direction. A trapezoid of version 10: relative to the last goal; of older versions: nothing.
+    /// Velocity and PWM modes: the negative direction. A trapezoid of version 10: relative to the
+    /// last goal. Of older versions: no effect.
     pub reverse: bool,
     /// Whether it starts at once and not at Start Motion.
     pub start_now: bool,
@@ -158,7 +159,8 @@ impl Stop {
         }
     }
 
-    /// `None` when the length does not suit. Only one of the bits should be set; of several the quickest stop wins.
+    /// `None` if the length is wrong. Only one of the bits should be set. Of several bits the
+    /// quickest stop takes effect.
     pub(super) fn read(data: &[u8]) -> Option<Stop> {
         let mut fields = Fields(data);
         let control = fields.u8()?;
@@ -184,7 +186,8 @@ impl Stop {
     }
 }
 
-/// Data of Add Path Points (version 5 and later): up to seven increments, or none to begin to follow them.
+/// Data of Add Path Points (version 5 and later): up to seven increments, or none to start the
+/// path.
 ///
 /// A point is |delta| times 4, 8 or 16 (30, 60, 120 Hz) with bit 0 = reverse and bit 1 = slow rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

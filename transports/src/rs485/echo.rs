@@ -6,16 +6,19 @@
 pub enum Heard {
     /// One's own: drop it.
     Echo,
-    /// Not what was sent: somebody else drives the line, or it is disturbed. Stop sending and let go; the bytes sent before are
-    /// forgotten, and what is heard until the line rests is worth nothing.
+    /// Not the byte that was sent: another station drives the line, or the line is disturbed. Stop
+    /// sending and release the line. The bytes sent before are forgotten, and bytes received until
+    /// the line rests are invalid.
     Collision,
     /// Somebody else's.
     Foreign(u8),
 }
 
-/// Up to `N` bytes that were sent and not yet heard back, for a receiver that hears its own transmitter.
+/// Up to `N` bytes that were sent and not yet heard back, for a receiver that hears its own
+/// transmitter.
 ///
-/// Where the receiver is off while the driver is on (/RE tied to DE), nothing is heard back: [`silence`](Echo::silence) finds that out.
+/// If the receiver is off while the driver is on (/RE tied to DE), no byte is heard back.
+/// [`silence`](Echo::silence) detects this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Echo<const N: usize> {
@@ -43,7 +46,8 @@ impl<const N: usize> Echo<N> {
         self.hears_itself
     }
 
-    /// Notes a byte that is being sent; `false` when `N` are under way already and this one must wait.
+    /// Notes a byte that is being sent. `false` if `N` are under way already and this one must
+    /// wait.
     #[must_use]
     pub fn sent(&mut self, byte: u8) -> bool {
         if !self.hears_itself {
@@ -82,16 +86,17 @@ impl<const N: usize> Echo<N> {
         Heard::Echo
     }
 
-    /// Four characters after transmission is complete: whether all was heard back. Bytes still missing are forgotten; they mean a broken
-    /// line, or a receiver that does not hear itself.
+    /// Four characters after transmission is complete: whether all bytes were heard back. Missing
+    /// bytes are forgotten. They mean a broken line, or a receiver that does not hear its
+    /// transmitter.
     pub fn silence(&mut self) -> bool {
         let all = self.length == 0;
         self.clear();
         all
     }
 
-    /// Learns from one harmless byte (0 is one for [`nmc`](crate::nmc)) whether the line returns what is sent: `heard` is what came within
-    /// four characters.
+    /// Learns from one harmless byte (0 for [`nmc`](crate::nmc)) whether the line returns the bytes
+    /// that are sent. `heard` is what came within four characters.
     pub fn learn(&mut self, sent: u8, heard: Option<u8>) {
         self.clear();
         self.hears_itself = heard == Some(sent);

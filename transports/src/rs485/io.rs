@@ -34,7 +34,8 @@ impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for IoError<S, P> {
 
 impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for IoError<S, P> {}
 
-/// A serial port behind a transceiver, for ports whose `flush` returns on transmission complete, as `embedded-io` asks.
+/// A serial port with a transceiver, for ports whose `flush` returns on transmission complete, as
+/// `embedded-io` requires.
 ///
 /// The turnaround is the caller's: ask [`Turnaround`](super::Turnaround) before a message.
 #[derive(Debug)]
@@ -49,7 +50,8 @@ where
     S: Read + Write + ReadReady,
     P: OutputPin,
 {
-    /// Takes the port, the pin and what is known of the echo. The pin is written with the first message; let the line go before.
+    /// Takes the port, the pin and the known behaviour of the echo. The pin is first written with
+    /// the first message, so release the line before.
     pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
         IoPort {
             serial,
@@ -58,8 +60,9 @@ where
         }
     }
 
-    /// Sends a message and lets the line go when its last stop bit is out, also after an error. Blocks so long. Bytes that are heard
-    /// back meanwhile are compared; a message longer than `N` needs a port that returns them in time.
+    /// Sends a message and releases the line after its last stop bit, also after an error. It
+    /// blocks until then. Bytes that are heard back meanwhile are compared. A message longer than
+    /// `N` needs a port that returns them in time.
     ///
     /// # Errors
     /// [`IoError`]; with a collision the rest of the message is not sent.
@@ -98,7 +101,8 @@ where
 
     fn write(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
         for byte in message {
-            // What came back so far makes room; a byte that is nobody's own is a collision while sending.
+            // Bytes that came back make room. A byte that was not sent is a collision while
+            // sending.
             while self.serial.read_ready().map_err(IoError::Serial)? {
                 if self.hear()? != Heard::Echo {
                     self.echo.silence();

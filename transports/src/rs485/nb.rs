@@ -48,7 +48,8 @@ where
     S: Read<u8> + Write<u8>,
     P: OutputPin,
 {
-    /// Takes the port, the pin and what is known of the echo. The pin is written with the first byte; let the line go before.
+    /// Takes the port, the pin and the known behaviour of the echo. The pin is first written with
+    /// the first byte, so release the line before.
     pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
         NbPort {
             serial,
@@ -77,8 +78,8 @@ where
         written.map_err(|error| error.map(NbError::Serial))
     }
 
-    /// Lets the line go once the last stop bit is out: to be called again until it is `Ok`, at once from the interrupt of
-    /// transmission complete.
+    /// Releases the line after the last stop bit. Call it again until it is `Ok`, or at once from
+    /// the interrupt of transmission complete.
     ///
     /// # Errors
     /// `WouldBlock` while bytes are on their way.
@@ -95,7 +96,8 @@ where
     /// Takes a byte of the line: `None` for one's own.
     ///
     /// # Errors
-    /// `WouldBlock` when there is none; [`NbError::Collision`] when it should have been one's own: the line is let go.
+    /// `WouldBlock` if there is no byte. [`NbError::Collision`] if the byte should have been an own
+    /// one; the line is released.
     pub fn receive(&mut self) -> nb::Result<Option<u8>, NbError<S::Error, P::Error>> {
         let byte = self
             .serial

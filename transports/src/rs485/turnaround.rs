@@ -22,8 +22,8 @@ pub struct Turnaround {
 }
 
 impl Turnaround {
-    /// `silence_us` of silence before the line is driven: one character or 100 us, whichever is longer, gives any other end the time to
-    /// let go. At most 2^31 - 1.
+    /// `silence_us` of silence before the line is driven. One character or 100 us, whichever is
+    /// longer, gives any other station the time to release it. At most 2^31 - 1.
     pub const fn new(silence_us: u32) -> Turnaround {
         Turnaround {
             silence_us,
@@ -37,7 +37,8 @@ impl Turnaround {
         self.busy_us = Some(now_us);
     }
 
-    /// Silence that is still missing, in microseconds; 0 when the line may be driven. To be asked at least every 2^31 us.
+    /// Silence that is still missing, in microseconds. 0: the line may be driven. Call it at least
+    /// every 2^31 us.
     pub fn wait_us(&mut self, now_us: u32) -> u32 {
         let Some(busy_us) = self.busy_us else {
             return 0;

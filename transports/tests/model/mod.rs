@@ -1,4 +1,5 @@
-//! A servo without dynamics, and a line of modules and a host that may lose, flip and double bytes. Virtual time.
+//! A servo without dynamics, and a line of modules and a host that may lose, flip and double bytes.
+//! Virtual time.
 #![allow(dead_code)]
 
 use husillo_transports::nmc::{
@@ -272,7 +273,8 @@ impl Line {
         std::iter::from_fn(|| self.tell()).collect()
     }
 
-    /// Runs a step to its outcome. `fault` is asked for each byte: is it on the status line, and its number.
+    /// Runs a step to its outcome. `fault` is called for each byte, with its number and whether it
+    /// is on the status line.
     pub fn run(
         &mut self,
         host: &mut Host,
