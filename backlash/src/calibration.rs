@@ -17,8 +17,14 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 ///     squareness: Squareness { xy_ppb: 100_000, ..Squareness::default() },
 /// };
 /// let flanks = [Flank::Positive; 3];
-/// assert_eq!(machine.position_nm([100_000_000, 10_000_000, 0], flanks), [100_006_000, 10_000_000, 0]);
-/// assert_eq!(machine.reading_nm([100_006_000, 10_000_000, 0], flanks), [100_000_000, 10_000_000, 0]);
+/// assert_eq!(
+///     machine.position_nm([100_000_000, 10_000_000, 0], flanks),
+///     [100_006_000, 10_000_000, 0],
+/// );
+/// assert_eq!(
+///     machine.reading_nm([100_006_000, 10_000_000, 0], flanks),
+///     [100_000_000, 10_000_000, 0],
+/// );
 /// # Ok::<(), husillo_backlash::TableError>(())
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]

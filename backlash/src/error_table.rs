@@ -79,7 +79,10 @@ impl core::error::Error for TableError {}
 ///
 /// // 50 um/m too short, 2 um of play in the middle.
 /// let knot = |reading_nm, positive_nm, negative_nm| Knot { reading_nm, positive_nm, negative_nm };
-/// let x = ErrorTable::new(50_000, [knot(0, 0, 0), knot(100_000_000, 1000, -1000), knot(200_000_000, 0, 0)])?;
+/// let x = ErrorTable::new(
+///     50_000,
+///     [knot(0, 0, 0), knot(100_000_000, 1000, -1000), knot(200_000_000, 0, 0)],
+/// )?;
 /// assert_eq!(x.position_nm(100_000_000, Flank::Positive), 100_006_000);
 /// assert_eq!(x.position_nm(100_000_000, Flank::Negative), 100_004_000);
 /// assert_eq!(x.reading_nm(100_006_000, Flank::Positive), 100_000_000);

@@ -50,7 +50,9 @@ impl Flank {
 /// }
 ///
 /// let mut axis = Worn { flank: Flank::Positive };
-/// let owed = [(1, 6000), (-1, 6000), (-1, 6000)].map(|(direction, y)| axis.take_up(0, direction, &[0, y]));
+/// let owed = [(1, 6000), (-1, 6000), (-1, 6000)].map(
+///     |(direction, y)| axis.take_up(0, direction, &[0, y])
+/// );
 /// assert_eq!(owed, [0, 14, 0]);
 /// ```
 pub trait Lash<const N: usize> {

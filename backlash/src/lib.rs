@@ -6,7 +6,9 @@
 //!                      │           steps owed because the lash under the nut is another one now
 //!                      ▼
 //!                    Lash          take_up when an axis turns round, follow after every event:
-//!                                  one value per axis (Backlash), a LashMap (MappedBacklash), or your own
+//!                                  one value per axis (Backlash), a LashMap (
+//!                                      MappedBacklash
+//!                                  ), or your own
 //!
 //!   screw tooth m ├────── lash ──────┤ m + lash
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches

@@ -2,8 +2,9 @@
 
 /// Motor and load of one axis in steps.
 ///
-/// The load is between `motor - lash` (its positive flank engaged) and `motor` (the negative one), so a step knows by itself whether it
-/// moves the load: a task may be cut short anywhere, in the middle of a take-up too.
+/// The load is between `motor - lash` (its positive flank engaged) and `motor` (its negative flank
+/// engaged). So each step shows whether it moves the load, and a task may end anywhere, also during
+/// a take-up.
 #[derive(Copy, Clone, Debug)]
 pub struct Play {
     lash: u16,

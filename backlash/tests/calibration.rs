@@ -90,7 +90,12 @@ proptest! {
 
     /// Farther by reading is never nearer in truth.
     #[test]
-    fn positions_rise_with_readings(table in table(), reading in place(), way in 1i64..100, flank in flank()) {
+    fn positions_rise_with_readings(
+        table in table(),
+        reading in place(),
+        way in 1i64..100,
+        flank in flank(),
+    ) {
         prop_assert!(table.position_nm(reading + way, flank) >= table.position_nm(reading, flank));
     }
 
@@ -111,7 +116,10 @@ proptest! {
                 let [from, to] = ends.map(f64::from);
                 let exact = scale + from + (to - from) * done as f64 / way as f64;
                 let given = table.correction_nm(reading, flank) as f64;
-                prop_assert!((given - exact).abs() <= 0.5 + 2.0 / 16.0 + 1e-4, "{given} for {exact}");
+                prop_assert!(
+                    (given - exact).abs() <= 0.5 + 2.0 / 16.0 + 1e-4,
+                    "{given} for {exact}",
+                );
             }
         }
     }
@@ -124,7 +132,13 @@ proptest! {
     ) {
         let knots: Vec<Knot> = knots
             .into_iter()
-            .map(|(reading_nm, positive_nm, negative_nm)| Knot { reading_nm, positive_nm, negative_nm })
+            .map(
+                |(reading_nm, positive_nm, negative_nm)| Knot {
+                    reading_nm,
+                    positive_nm,
+                    negative_nm,
+                }
+            )
             .collect();
         if let Ok(table) = ErrorTable::new(scale, knots) {
             let _ = table.position_nm(at, flank);
@@ -139,7 +153,11 @@ proptest! {
     /// Three axes together keep to 1 nm in every coordinate, both ways.
     #[test]
     fn three_axes_come_back(
-        axes in [table(), table(), table()], squareness in squareness(), flanks in [flank(), flank(), flank()],
+        axes in [
+            table(),
+            table(),
+            table(),
+        ], squareness in squareness(), flanks in [flank(), flank(), flank()],
         place in [place(), place(), place()],
     ) {
         let machine = Calibration { axes, squareness };

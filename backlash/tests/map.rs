@@ -87,7 +87,10 @@ proptest! {
     /// nearest edge.
     #[test]
     fn the_map_interpolates(
-        x in places(), y in places(), seed in proptest::collection::vec(0..MOST, 16), at in [-400i32..1000, -400i32..1000],
+        x in places(), y in places(), seed in proptest::collection::vec(0..MOST, 16), at in [
+            -400i32..1000,
+            -400i32..1000,
+        ],
     ) {
         let steps: Vec<u32> = seed.into_iter().cycle().take(x.len() * y.len()).collect();
         let map = LashMap::new([0, 1], [x.clone(), y.clone()], steps.clone()).unwrap();
@@ -106,7 +109,10 @@ proptest! {
             for axis in 0..2 {
                 motor[axis] += i32::from(delta[axis]) * owed[axis] as i32;
                 let before = nut[axis];
-                nut[axis] = nut[axis].clamp(motor[axis], motor[axis] + maps[axis].steps(load) as i32);
+                nut[axis] = nut[axis].clamp(
+                    motor[axis],
+                    motor[axis] + maps[axis].steps(load) as i32,
+                );
                 prop_assert_eq!(nut[axis], before, "take-up moves no nut");
             }
             let to = [0, 1].map(|axis| load[axis] + i32::from(delta[axis]));
@@ -119,7 +125,11 @@ proptest! {
                 prop_assert_eq!(nut[axis], to[axis]);
                 prop_assert_eq!(stage.lash()[axis].load_position(motor[axis]), to[axis]);
                 if stage.lash()[axis].flank() == Flank::Negative {
-                    prop_assert_eq!(motor[axis], to[axis] - play, "the negative flank stays engaged");
+                    prop_assert_eq!(
+                        motor[axis],
+                        to[axis] - play,
+                        "the negative flank stays engaged",
+                    );
                 } else {
                     prop_assert_eq!(motor[axis], to[axis]);
                 }
@@ -132,8 +142,12 @@ proptest! {
     #[test]
     fn a_flat_map_is_a_value(lash in [0u32..50, 0u32..50], walk in walk()) {
         let map = |lash| LashMap::new([0, 1], [vec![0], vec![0]], vec![lash]).unwrap();
-        let mut mapped = Compensator::new(lash.map(|lash| MappedBacklash::new(map(lash), Flank::Unknown)));
-        let mut flat = Compensator::new(lash.map(|lash| husillo_backlash::Backlash::new(lash, Flank::Unknown)));
+        let mut mapped = Compensator::new(
+            lash.map(|lash| MappedBacklash::new(map(lash), Flank::Unknown))
+        );
+        let mut flat = Compensator::new(
+            lash.map(|lash| husillo_backlash::Backlash::new(lash, Flank::Unknown))
+        );
         let mut load = [0; 2];
         for delta in walk {
             prop_assert_eq!(mapped.before(&delta, load), flat.before(&delta, load));

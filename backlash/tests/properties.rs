@@ -43,7 +43,10 @@ proptest! {
     /// lash.
     #[test]
     fn load_of_target_is_the_load(
-        lash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(any::<i32>(), 1..50),
+        lash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(
+            any::<i32>(),
+            1..50,
+        ),
     ) {
         let mut axis = Backlash::new(lash, flank);
         for load in loads {

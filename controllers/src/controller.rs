@@ -47,8 +47,8 @@ pub trait Controller {
     type Stops: StopBytes;
 
     /// How many events with a wait it gives before the oldest of them is made. 1: the caller asks
-    /// for the next event when the one before was made, so it is decided with the inputs as they are
-    /// then. A controller with more counts them, and gives no more.
+    /// for the next event when the one before was made, so each event is decided with the inputs as
+    /// they are then. A controller with more counts them, and gives no more.
     const AHEAD: usize = 1;
 
     /// How many machines it drives, each in its own time.

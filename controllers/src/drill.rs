@@ -17,7 +17,8 @@ use task::{Next, Task};
 /// Index of Z among the motors.
 const Z: usize = 2;
 
-/// The circuit-board drill's controller: bytes in, events and bytes out. `N` is its memory in bytes, 8192 in the original.
+/// The controller of the circuit-board drill: bytes in, events and bytes out. `N` is its memory in
+/// bytes; the original has 8192.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -26,11 +27,14 @@ const Z: usize = 2;
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
 /// | the button R is pressed, or power comes back | [`reset`](Drill::reset) |
 ///
-/// After a reset it homes Z, Y and X and says `B`. Places are steps from home; X moves, then Y, then Z drills from the upper sensor to the
-/// lower one and back. A switch that does not come on the longest way, comes too early, or is open at zero is a [`DrillFault`]: the
-/// spindle stops, the link says `!` where it has extras and is silent then, and nothing moves until a reset.
+/// After a reset it homes Z, Y and X and sends `B`. Positions are steps from home. X moves, then Y,
+/// then Z drills from the upper sensor to the lower one and back. It is a [`DrillFault`] if a
+/// switch does not close on the longest search, closes too early, or is open at zero. Then the
+/// spindle stops, nothing moves until a reset, and a link with extras sends `!` and is silent from
+/// then on.
 ///
-/// Cost: an event takes some comparisons; a record of the program two copies of bytes more. Its size is `N` + 0.1 kB.
+/// Cost: an event takes some comparisons; a record of the program takes two more copies of bytes.
+/// Its size is `N` + 0.1 kB.
 ///
 /// ```
 /// use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillInputs};
@@ -124,8 +128,8 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// The button R, which is the emergency stop as well: the step under way is the last one, the program is gone, the spindle stops, and
-    /// it homes anew.
+    /// The button R, which is also the emergency stop. The step under way is the last one, the
+    /// program is lost, the spindle stops, and the machine homes again.
     pub fn reset(&mut self) {
         self.link = Device::new(self.config.rules);
         self.task = Task::Idle;
@@ -403,7 +407,8 @@ impl<const N: usize> Drill<N> {
         self.step(index, if is_forward { 1 } else { -1 })
     }
 
-    /// A switch that closes a little later than ever is a switch; one that is farther away says that steps were lost. The place stays zero.
+    /// A switch that closes a little later than before is still good. One that closes much later
+    /// means that steps were lost. The position stays zero.
     fn look_beyond(&mut self, axis: u8, gone: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         if is_home(inputs, axis) {
             self.task = Task::Return { axis, left: gone };

@@ -35,17 +35,22 @@ enum Power {
 
 /// A microfactory's controller: commands in, events out.
 ///
-/// A task - homing, a jog, counted steps, a figure - begins when nothing else is under way. Positions are load steps from the
-/// place after homing; where an axis turns round, its lash is taken up first, and those steps count nowhere. `F` is where the
-/// figure is kept: moves in X and Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
+/// A task - homing, a jog, counted steps, a figure - begins only when no other task is under way.
+/// Positions are load steps from the position after homing. Where an axis reverses, its backlash is
+/// taken up first; these steps do not change the position. `F` keeps the figure: moves in X and Z,
+/// in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
 ///
-/// **Homing** leads to the same place from anywhere, on whichever flank of its lash an axis stands: a switch that is closed at the start is
-/// left first, then searched. Until all of it has gone well the machine is not homed.
+/// **Homing** ends at the same position from anywhere, on whichever flank an axis stands. A switch
+/// that is closed at the start is left first, then searched. The machine is homed only after all of
+/// this has succeeded.
 ///
-/// **Switches.** An axis whose home switch closes in a jog, in counted steps or in a figure stops, is reported, and goes
-/// back off it; the task ends. Away from a switch that is closed already it may go. An emergency stop acts on the next event, in every task, and stays until [`Microfactory::reset`].
+/// **Switches.** If the home switch of an axis closes in a jog, in counted steps or in a figure,
+/// the axis stops, this is reported, the axis backs off the switch, and the task ends. An axis may
+/// move away from a switch that is already closed. An emergency stop acts on the next event of
+/// every task, and lasts until [`Microfactory::reset`].
 ///
-/// Cost: an event takes some comparisons and two additions; a move of a figure a square root and a 64-bit division.
+/// Cost: an event takes some comparisons and two additions; a move of a figure takes a square root
+/// and a 64-bit division.
 ///
 /// ```
 /// use husillo_controllers::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
@@ -121,9 +126,10 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// A command from the link. Says whether it is carried out: a task is begun only while none is under way, except that the
-    /// jog under way may be said again, which keeps it alive where there is a dead-man's time. What concerns the stored figure
-    /// ([`Order::Clear`] and the like) is the owner's, for [`Microfactory::figure_mut`].
+    /// A command from the link. Returns whether it is carried out. A task begins only if no other
+    /// task is under way. The jog under way may be repeated, which renews it if there is a
+    /// dead-man's time. Commands for the stored figure ([`Order::Clear`] and the like) are carried
+    /// out by the owner, see [`Microfactory::figure_mut`].
     pub fn command(&mut self, command: Order) -> bool {
         if self.task == Task::Emergency {
             return false;
@@ -357,7 +363,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         None
     }
 
-    /// A step of one motor, and whether it moves the load; at a home switch the task turns into going back off it.
+    /// A step of one motor, and whether it moves the load. At a home switch the task becomes a
+    /// back-off.
     fn one_way(&mut self, way: Way, inputs: &MicrofactoryInputs) -> Option<(Due, bool)> {
         let direction: i8 = if way.forward { 1 } else { -1 };
         if self.stops_at(way, inputs) {
@@ -376,7 +383,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some((due, counts))
     }
 
-    /// Whether the switch of an axis is closed that moves towards it, or has closed on any way of a task; then it goes back.
+    /// Whether the switch of an axis that moves towards it is closed, or has closed in any motion
+    /// of a task. Then the axis backs off.
     fn stops_at(&mut self, way: Way, inputs: &MicrofactoryInputs) -> bool {
         let axis = way.motor;
         // Going off a switch, its contact may bounce.
@@ -423,7 +431,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         };
     }
 
-    /// Homing: off a switch that was closed at the start, so that it closes at the same place as ever.
+    /// Homing leaves a switch that was closed at the start, so that it always closes at the same
+    /// position.
     fn leave(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
         let Some(left) = left.checked_sub(1) else {
             if inputs.is_home(axis) {

@@ -46,12 +46,15 @@ struct Given {
 /// | events were made | [`made`](Micromill::made) |
 /// | the transmitter is free | [`transmit`](Micromill::transmit) |
 ///
-/// `QUEUE` lines wait for the one that is executed, `AHEAD` events may be given before they are made, `OUT` bytes wait for the transmitter: when
-/// they are too many, the steps wait. `QUEUE` and `AHEAD` are powers of two. A step is told when it was made, and a stop drops what was not.
+/// `QUEUE` lines wait for the one that is executed. `AHEAD` events may be given before they are
+/// made. `OUT` bytes wait for the transmitter; when there is no room, the steps wait. `QUEUE` and
+/// `AHEAD` are powers of two. A step is reported when it was made. A stop drops the events that
+/// were not made.
 ///
-/// Steps are those of [`Machine`](husillo_machine::Machine) for the same program. Homing, jogs and counted steps are decided one at a time, with the switches
-/// as they are then. Before homing the flanks are not known: lines that move are refused, lash is not taken up, and a jog ends at a switch;
-/// after it jogs end where the travel does.
+/// Steps are those of [`Machine`](husillo_machine::Machine) for the same program. Homing, jogs and
+/// counted steps are decided one at a time, with the present switches. Before homing the flanks are
+/// unknown: lines that move are refused, backlash is not taken up, and a jog ends at a switch.
+/// After homing a jog ends at the end of the travel.
 ///
 /// ```
 /// use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
@@ -139,7 +142,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// A controller that has been homed: it stands at machine zero, every axis engaged on its positive flank. For tests and simulations.
+    /// A homed controller at machine zero, every axis engaged on its positive flank. For tests and
+    /// simulations.
     pub fn homed(config: &'a MicromillConfig) -> Self {
         let mut mill = Micromill::new(config);
         for (play, lash) in mill.plays.iter_mut().zip(mill.lash) {
@@ -149,8 +153,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         mill
     }
 
-    /// Takes a byte of the line. `true`: stop the motors before the next event, say which events were [`made`](Micromill::made), drop the others,
-    /// and call [`halted`](Micromill::halted).
+    /// Takes a byte of the line. `true`: stop the motors before the next event, report the events
+    /// that were [`made`](Micromill::made), drop the others, and call
+    /// [`halted`](Micromill::halted).
     pub fn receive(&mut self, byte: u8) -> bool {
         match self.link.push(byte) {
             None => {}
@@ -161,13 +166,14 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         false
     }
 
-    /// Which bytes stop what moves now. Where the foreground may be late, the interrupt that hears one of them holds the events back at once;
-    /// when it is taken, [`receive`](Micromill::receive) says that it stops, or they go on.
+    /// The bytes that stop what moves now. If the foreground may be late, the interrupt that
+    /// receives such a byte holds the events. When the foreground takes the byte,
+    /// [`receive`](Micromill::receive) requests a stop, or the events continue.
     pub const fn stops(&self) -> Stops {
         self.link.stops()
     }
 
-    /// The motors have stopped: what was queued is dropped, and the events that were not made have not been.
+    /// The motors have stopped. The queue is dropped, and events that were not made are undone.
     pub fn halted(&mut self) {
         let answer = if self.is_moving() {
             Answer::Stopped
@@ -215,8 +221,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// Whether something is told when events that were given have been made, steps or that a line is done: then [`made`](Micromill::made) should be said of each at
-    /// once. Otherwise the foreground may wait until some have been made: saying so of several costs as much as of one.
+    /// Whether something is reported when given events have been made: steps, or the end of a line.
+    /// Then call [`made`](Micromill::made) for each event at once. Otherwise the foreground may
+    /// wait for several events: reporting several costs as much as reporting one.
     pub const fn reports_next(&self) -> bool {
         self.link.tells_steps() || self.ends_ahead > 0
     }
@@ -226,7 +233,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.transmit()
     }
 
-    /// What happens next, with the switches as they are now. `None`: nothing now; ask again when a byte has come, an event was made or a byte sent.
+    /// The next event, with the present switches. `None`: none now. Ask again after a byte has
+    /// come, an event was made or a byte was sent.
     #[inline]
     pub fn next_event(&mut self, inputs: &MicromillInputs) -> Option<MicromillEvent> {
         while !self.ahead.is_full() && self.has_room() {
@@ -264,7 +272,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.is_homed
     }
 
-    /// Load steps from machine zero after the events that were made; from where it was switched on before homing.
+    /// Load steps from machine zero after the events that were made. Before homing they count from
+    /// the position at power-on.
     pub fn position_steps(&self) -> [i32; 3] {
         let mut plays = self.plays;
         for given in self.ahead.iter() {

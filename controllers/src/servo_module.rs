@@ -1,4 +1,5 @@
-//! A servo module: the network's module and the axis behind it, as one thing with bytes on one side and a motor on the other.
+//! A servo module: the module of the network and its axis, with bytes on one side and a motor on
+//! the other.
 
 use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
@@ -24,8 +25,8 @@ pub struct ServoModuleOutput {
     pub baud: Option<Baud>,
 }
 
-/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins: bytes of the line and readings in,
-/// bytes and the drive of a motor out.
+/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins: bytes
+/// of the line and readings in, bytes and the drive of a motor out.
 ///
 /// ```text
 /// command line ──► receive ┐                      ┌──► transmit ──► status line
@@ -122,7 +123,8 @@ impl ServoModule {
             Command::SetHoming(homing) => self.search(homing),
             Command::ClearBits => self.axis.clear(),
             Command::SaveHome => self.axis.save_home(),
-            // Pins that are the owner's and a path mode (see the README); the others are the link's own.
+            // Pins of the owner, and a path mode (see the README). The link handles the others
+            // itself.
             _ => {}
         }
     }
@@ -162,8 +164,8 @@ impl ServoModule {
         }
     }
 
-    /// Version 4 begins a trapezoid from standstill only: one that comes while the axis is commanded to move waits in the buffer for
-    /// the next start.
+    /// Version 4 begins a trapezoid from standstill only. A trapezoid that comes while the axis
+    /// moves waits in the buffer for the next start.
     fn start(&mut self) {
         let waits = self.link.version() < 5
             && self.axis.is_moving()
@@ -280,7 +282,8 @@ fn bits(of: &[(u8, bool)]) -> u8 {
         .fold(0, |all, (bit, _)| all | bit)
 }
 
-/// The servo law of a module of this version with these gains: the divisor of version 10 and later makes only the derivative slower.
+/// The servo law of a module of this version with these gains. The divisor of version 10 and later
+/// applies to the derivative only.
 pub fn servo_law(gains: &Gains, version: u8) -> ServoLaw {
     let gains = ServoGains {
         proportional: gains.proportional,

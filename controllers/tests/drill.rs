@@ -35,8 +35,8 @@ fn byte() -> impl Strategy<Value = u8> {
 }
 
 proptest! {
-    /// One axis at a time, at its rate; Z never beyond a sensor that sees it; X and Y within the table once it is homed, and where the
-    /// steps have brought them.
+    /// One axis moves at a time, at its rate. Z never goes beyond a sensor that sees it. After
+    /// homing, X and Y stay within the table, at the positions that the steps give.
     #[test]
     fn moves_are_within_bounds(
         faithful in any::<bool>(),
@@ -45,7 +45,8 @@ proptest! {
         let config = config(if faithful { Rules::FAITHFUL } else { Rules::FIXED });
         let mut drill = Drill::<24>::new(config);
         let mut spindle = true;
-        // How far the axes are from where they are said to be: beyond zero, where a switch closes a little late.
+        // The distance of the axes from their reported positions: beyond zero, where a switch
+        // closes a little late.
         let mut beyond = [0; 2];
         for (byte, inputs) in course {
             if let Some(byte) = byte {
@@ -63,7 +64,9 @@ proptest! {
                     if was_homed {
                         let place = drill.position_steps();
                         for (axis, delta) in [(0, dx), (1, dy)] {
-                            beyond[axis] += i32::from(place[axis]) - i32::from(before[axis]) - i32::from(delta);
+                            beyond[axis] += i32::from(place[axis]) - i32::from(
+                                before[axis]
+                            ) - i32::from(delta);
                             prop_assert!((0..=3).contains(&beyond[axis]));
                         }
                         prop_assert!(place[0] <= 500 && place[1] <= 400);
@@ -96,7 +99,11 @@ proptest! {
         drill.reset();
         let mut place = [7, 5, 4];
         for _ in 0..200 {
-            let inputs = DrillInputs { home: [place[0] <= 0, place[1] <= 0], is_up: place[2] <= 0, is_down: place[2] >= 8 };
+            let inputs = DrillInputs {
+                home: [place[0] <= 0, place[1] <= 0],
+                is_up: place[2] <= 0,
+                is_down: place[2] >= 8,
+            };
             if let DrillEvent::Step(step) = drill.next_event(&inputs) {
                 for (place, delta) in place.iter_mut().zip(step.delta) {
                     *place += i32::from(delta);

@@ -1,4 +1,5 @@
-//! The desktop microfactory against a small model of its mechanics: screws with play, switches, a work piece.
+//! The desktop microfactory against a small model of its mechanics: screws with backlash, switches,
+//! a work piece.
 
 use husillo_controllers::{
     Controller, MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent,
@@ -432,8 +433,8 @@ fn command() -> impl Strategy<Value = Order> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever is commanded and whenever it is stopped: while it is homed, the position is where the load is, and no axis goes beyond
-    /// its switch.
+    /// Whatever is commanded and whenever it is stopped: while the machine is homed, its position
+    /// is that of the load, and no axis goes beyond its switch.
     #[test]
     fn positions_are_the_loads(
         commands in prop::collection::vec((command(), 0..3000_usize), 0..12),
@@ -463,7 +464,8 @@ proptest! {
         }
     }
 
-    /// Two machines of one controller do, each, what they would do alone, however their events are mixed; an emergency stop is for both.
+    /// Two machines of one controller each do what they would do alone, however their events are
+    /// mixed. An emergency stop applies to both.
     #[test]
     fn a_pair_is_two_machines(
         commands in [command(), command()],
@@ -485,7 +487,10 @@ proptest! {
             let machine = usize::from(turn);
             let inputs = models[machine].inputs();
             let event = pair.next_event(machine as u8, &inputs);
-            prop_assert_eq!(event.unwrap_or(MicrofactoryEvent::Idle), alone[machine].next_event(&inputs));
+            prop_assert_eq!(
+                event.unwrap_or(MicrofactoryEvent::Idle),
+                alone[machine].next_event(&inputs),
+            );
             match event.unwrap_or(MicrofactoryEvent::Idle) {
                 MicrofactoryEvent::Step(step) => models[machine].apply(step),
                 MicrofactoryEvent::Enable(on) => models[machine].has_current = on,
@@ -500,8 +505,9 @@ proptest! {
         prop_assert!(pair.machine(2).is_none() && !pair.command(2, Order::Home));
     }
 
-    /// A move of any slope: no step is more than half a step beside the line, all of them share the time that its length takes at the
-    /// rate of an axis, and it ends where it should. The original knew whole slopes only, each slower than the last.
+    /// A move of any slope: every step is within half a step of the line, all steps share the time
+    /// that its length takes at the rate of an axis, and it ends at its target. The original has
+    /// whole slopes only, each slower than the last.
     #[test]
     fn a_line_of_any_slope_is_straight_and_at_one_speed(x in any::<i16>(), z in any::<i16>()) {
         prop_assume!((x, z) != (0, 0));
@@ -532,8 +538,11 @@ proptest! {
                     prop_assert!(beside < 0.5 + 1e-9, "{beside}");
                     let ticks = (model.time_ticks - begins) as f64;
                     let expected = share * length / 400.0 * 1e6;
-                    // A 256th of a step in the length, rounded once for all of its events, and a tick.
-                    prop_assert!((ticks - expected).abs() <= 1.0 + share * (10.0 + events / 256.0), "{ticks} {expected}");
+                    // A 256th of a step in the length, rounded once for all its events, and a tick.
+                    prop_assert!(
+                        (ticks - expected).abs() <= 1.0 + share * (10.0 + events / 256.0),
+                        "{ticks} {expected}",
+                    );
                 }
                 _ => {}
             }
@@ -545,7 +554,11 @@ proptest! {
 
     /// An emergency stop acts on the next event, in every task, and holds until a reset.
     #[test]
-    fn an_emergency_stop_is_for_good(first in command(), events in 0..2000_usize, then in command()) {
+    fn an_emergency_stop_is_for_good(
+        first in command(),
+        events in 0..2000_usize,
+        then in command(),
+    ) {
         let (mut machine, mut model) = homed();
         model.face = model.nut[1] + 50;
         machine.command(first);

@@ -442,7 +442,8 @@ fn time_is_carried_over_lines_that_do_nothing() {
     assert_eq!(bench.steps, peer.2);
 }
 
-/// A line is done when its last step is made, also where that took the last place, and nothing stops it any more.
+/// A line is done when its last step is made, also if the step took the last slot, and no later
+/// byte stops it.
 #[test]
 fn a_line_ends_with_its_last_step() {
     let mut fills = 0;
@@ -468,7 +469,8 @@ fn a_line_ends_with_its_last_step() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Any program: each string is refused by both or by none, and all steps have the machine's directions and times.
+    /// Any program: each string is refused by both or by none, and all steps have the directions
+    /// and times of the machine.
     #[test]
     fn steps_are_those_of_the_machine(lines in prop::collection::vec(any_line(), 1..6)) {
         let mut bench = Bench::homed();
@@ -491,7 +493,23 @@ proptest! {
     #[test]
     fn hostile_bytes_stay_within_the_travel(strings in prop::collection::vec(prop_oneof![
         prop::collection::vec(any::<u8>(), 0..12),
-        prop::sample::select(vec![&b"JX-;"[..], b"&X-Y-;", b"JX+;", b"PX-9999;", b"PY+9999;", b"FY-390;", b"G00X10000Y07000;", b"G28X0Y0;", b"H;", b"S1;", b"G01X00100F99;", b"W;", b"A;"])
+        prop::sample::select(
+            vec![
+                &b"JX-;"[..],
+                b"&X-Y-;",
+                b"JX+;",
+                b"PX-9999;",
+                b"PY+9999;",
+                b"FY-390;",
+                b"G00X10000Y07000;",
+                b"G28X0Y0;",
+                b"H;",
+                b"S1;",
+                b"G01X00100F99;",
+                b"W;",
+                b"A;",
+            ]
+        )
             .prop_map(|string| string.to_vec()),
     ], 1..20), events in 0..3000_usize) {
         let mut bench = Bench::homed();
@@ -500,7 +518,12 @@ proptest! {
             for byte in string {
                 let stops = bench.mill.stops();
                 if bench.mill.receive(byte) {
-                    prop_assert!(stops.takes(byte) || b"WVL;".contains(&byte), "{:?} {}", stops, byte);
+                    prop_assert!(
+                        stops.takes(byte) || b"WVL;".contains(&byte),
+                        "{:?} {}",
+                        stops,
+                        byte,
+                    );
                     bench.mill.halted();
                 }
                 bench.hear();
@@ -511,7 +534,11 @@ proptest! {
                 }
                 let least = if bench.mill.is_homed() { 0 } else { -401 };
                 prop_assert!(bench.loads[0] >= least && bench.loads[1] >= least);
-                prop_assert!(bench.loads[0] <= 71_429 && bench.loads[1] <= 50_000, "{:?}", bench.loads);
+                prop_assert!(
+                    bench.loads[0] <= 71_429 && bench.loads[1] <= 50_000,
+                    "{:?}",
+                    bench.loads,
+                );
             }
         }
         bench.say("A;A;");
@@ -523,10 +550,15 @@ proptest! {
         prop_assert_eq!(bench.told, bench.motors);
     }
 
-    /// Eight events wait when a byte that stops comes. The interrupt that hears it holds them back, the foreground is late: none is made any more,
-    /// and where the loads are is what the mill says.
+    /// Eight events wait when a byte that stops arrives. The interrupt that receives it holds them,
+    /// and the foreground is late. No further event is made, and the mill reports the positions of
+    /// the loads.
     #[test]
-    fn a_stop_acts_before_the_next_event(is_streaming in any::<bool>(), made in 1..560_usize, late in 0..4_usize) {
+    fn a_stop_acts_before_the_next_event(
+        is_streaming in any::<bool>(),
+        made in 1..560_usize,
+        late in 0..4_usize,
+    ) {
         let mut bench = Bench::homed();
         if is_streaming {
             bench.does("S1;");
@@ -558,9 +590,14 @@ proptest! {
         prop_assert_eq!(bench.answers.last(), Some(&0x8d));
     }
 
-    /// Events followed together say what they say one by one, whatever steps are told, and leave the same place when the rest of them is stopped.
+    /// Events reported together give the same reports as events reported one by one, whichever
+    /// steps are reported, and the same position when the others are stopped.
     #[test]
-    fn events_are_followed_together(every in prop::sample::select(vec!["R000;", "R001;", "R003;"]), together in 2..9_usize, made in 0..2600_usize) {
+    fn events_are_followed_together(
+        every in prop::sample::select(vec!["R000;", "R001;", "R003;"]),
+        together in 2..9_usize,
+        made in 0..2600_usize,
+    ) {
         let [one_by_one, several] = [1, together].map(|together| {
             let mut mill: Micromill = Micromill::homed(&STATIC);
             let mut said = Vec::new();
@@ -573,7 +610,9 @@ proptest! {
             }
             let (mut waiting, mut left) = (0, made);
             loop {
-                while let Some(MicromillEvent::Step(_)) = mill.next_event(&MicromillInputs::default()) {
+                while let Some(MicromillEvent::Step(_)) = mill.next_event(
+                    &MicromillInputs::default()
+                ) {
                     waiting += 1;
                 }
                 let now = waiting.min(left).min(together);
@@ -590,7 +629,10 @@ proptest! {
             }
             said.extend(std::iter::from_fn(|| mill.transmit()));
             // A place in the queue is confirmed earlier where more events are given.
-            (said.into_iter().filter(|byte| *byte != 0x8c).collect::<Vec<_>>(), mill.position_steps())
+            (
+                said.into_iter().filter(|byte| *byte != 0x8c).collect::<Vec<_>>(),
+                mill.position_steps(),
+            )
         });
         prop_assert_eq!(one_by_one, several);
     }

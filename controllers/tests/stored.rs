@@ -1,4 +1,5 @@
-//! A controller without a host: lash, work zero and program come from its store at start-up, as the strings a host would say.
+//! A controller without a host: backlash, work zero and program come from its store at start-up, as
+//! the strings that a host would send.
 
 #[path = "../../store/tests/flash/mod.rs"]
 mod flash;
@@ -67,7 +68,8 @@ fn save(flash: &mut Flash<8>, strings: &[&str]) -> bool {
         && save.commit().is_ok()
 }
 
-/// The steps are those of a host that says the same; power that fails while another program is stored leaves all of the old one.
+/// The steps are those of a host that sends the same. Power that fails while another program is
+/// stored leaves all of the old one.
 #[test]
 fn a_program_runs_without_a_host() {
     let mut flash = Flash::<8>::new(4, 256);

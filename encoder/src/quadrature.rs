@@ -82,8 +82,9 @@ pub enum Direction {
 
 /// A decoder of quadrature signals: one sample of both levels in, its counts out.
 ///
-/// Samples must come at least once between any two edges. Two edges are reported ([`Skipped`]); three
-/// look like one the other way and four like none, which no decoder can see: only the index does.
+/// Take at least one sample between any two edges. Two edges are reported ([`Skipped`]). Three look
+/// like one in the opposite direction and four like none. No decoder can detect that; only the
+/// index does.
 ///
 /// The table has 16 states as in the usual hardware decoders (for instance Avago HCTL-2016, data
 /// sheet, "4x decode logic"). It is 32 bits long and stays in a register. 16 instructions a sample

@@ -106,7 +106,11 @@ proptest! {
         position in -1_i64 << 40..1 << 40,
         shares in vec(any::<i32>(), 0..300),
     ) {
-        fn check<const BITS: u32>(start: u32, position: i64, shares: &[i32]) -> Result<(), TestCaseError> {
+        fn check<const BITS: u32>(
+            start: u32,
+            position: i64,
+            shares: &[i32],
+        ) -> Result<(), TestCaseError> {
             let mut extended = Extended::<BITS>::new(start);
             extended.set_position(position);
             let mut truth = i64::from(start);
@@ -131,7 +135,11 @@ proptest! {
     /// A reading of a counter that runs is one of the values it had, that of the second low byte,
     /// for any interleaving.
     #[test]
-    fn running_counters_are_read_right(start: u16, gaps in proptest::array::uniform3(0_u16..43), backward: bool) {
+    fn running_counters_are_read_right(
+        start: u16,
+        gaps in proptest::array::uniform3(0_u16..43),
+        backward: bool,
+    ) {
         let mut values = Vec::from([start]);
         for gap in gaps {
             let step = if backward { gap.wrapping_neg() } else { gap };
@@ -189,7 +197,10 @@ proptest! {
 
     /// The velocity by count is exact in the mean of its window.
     #[test]
-    fn velocity_by_count_is_the_mean_of_the_window(start: i32, steps in vec(-30_000_i32..30_000, 10..200)) {
+    fn velocity_by_count_is_the_mean_of_the_window(
+        start: i32,
+        steps in vec(-30_000_i32..30_000, 10..200),
+    ) {
         let mut velocity = VelocityByCount::<10>::new(start);
         let mut position = start;
         for (number, step) in steps.iter().enumerate() {

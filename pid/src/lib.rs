@@ -6,7 +6,10 @@
 //!  measured ───┴──────────────►D ─► Filter ──────────────────┼┤            │
 //!  velocity, acceleration ─────────► FeedForward ────────────┼┘            │
 //!                                                            └─────────────┘
-//!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }           the module's own law
+//!  command, actual, current ─► ServoLaw ─► Drive {
+//!      pwm,
+//!      is_reverse,
+//!  }           the module's own law
 //! ```
 //!
 //! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with
@@ -17,11 +20,17 @@
 //! use fixed::types::{I16F16, I32F0};
 //! use husillo_pid::{Conditional, Gains, Integration, Limits, Pid, State};
 //!
-//! let gains = Gains { proportional: I16F16::lit("1.5"), integral: I16F16::lit("0.25"), ..Gains::default() };
+//! let gains = Gains {
+//!     proportional: I16F16::lit("1.5"),
+//!     integral: I16F16::lit("0.25"),
+//!     ..Gains::default()
+//! };
 //! let limits = Limits { low: I32F0::from_num(-255), high: I32F0::from_num(255) };
 //! let pid = Pid::new(gains, Integration::Backward, limits)?.with_anti_windup(Conditional);
 //! let mut axes = [State::default(); 3];
-//! let drives = axes.each_mut().map(|axis| pid.update(axis, I32F0::from_num(100), I32F0::from_num(60)));
+//! let drives = axes.each_mut().map(
+//!     |axis| pid.update(axis, I32F0::from_num(100), I32F0::from_num(60))
+//! );
 //! assert_eq!(drives, [70; 3]);
 //! # Ok::<(), husillo_pid::SettingsError>(())
 //! ```

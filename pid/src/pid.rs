@@ -18,7 +18,9 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 ///
 /// ```text
 /// e = target - measured
-/// u[k] = Kp e[k]  +  Ki T (e[0] + ... + e[k-1] + w e[k])  +  Kd/T (e[k] - e[k-1])        w = 0 forward, 1/2 bilinear, 1 backward
+/// u[k] = Kp e[k]  +  Ki T (
+///     e[0] + ... + e[k-1] + w e[k]
+/// )  +  Kd/T (e[k] - e[k-1])        w = 0 forward, 1/2 bilinear, 1 backward
 /// ```
 ///
 /// The sum is exact: it is kept as the whole number `Ki T * sum(e)`, in units of the last digits of
@@ -36,7 +38,11 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 /// use fixed::types::{I16F16, I24F8};
 /// use husillo_pid::{Gains, Integration, Limits, Pid, State};
 ///
-/// let gains = Gains { proportional: I16F16::lit("2"), integral: I16F16::lit("0.1"), derivative: I16F16::lit("5") };
+/// let gains = Gains {
+///     proportional: I16F16::lit("2"),
+///     integral: I16F16::lit("0.1"),
+///     derivative: I16F16::lit("5"),
+/// };
 /// let limits = Limits { low: I24F8::from_num(-255), high: I24F8::from_num(255) };
 /// let pid = Pid::new(gains, Integration::Bilinear, limits)?;
 /// let mut x = State::default();

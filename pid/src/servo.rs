@@ -76,7 +76,10 @@ impl Drive {
 /// e      = command - actual, saturated to 16 bits       |e| > EL: off, until turned on again
 /// total += e, within +-IL
 /// out    = Kp e + Kd (e - e before) + Ki (total / 256)             division towards 0
-/// pwm    = min(|out| / 256 + (DB if out is not 0), OL) - cut       cut: +1 a sample while the current is over CL, else -1
+/// pwm    = min(
+///     |out| / 256 + (DB if out is not 0),
+///     OL,
+/// ) - cut       cut: +1 a sample while the current is over CL, else -1
 /// ```
 ///
 /// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it; the
@@ -86,7 +89,13 @@ impl Drive {
 /// ```
 /// use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
 ///
-/// let gains = ServoGains { proportional: 100, derivative: 1000, output_limit: 255, error_limit: 4000, ..ServoGains::default() };
+/// let gains = ServoGains {
+///     proportional: 100,
+///     derivative: 1000,
+///     output_limit: 255,
+///     error_limit: 4000,
+///     ..ServoGains::default()
+/// };
 /// let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
 /// let mut axis = ServoState::on();
 /// assert_eq!(law.tick(&mut axis, 100, 0, 0), Drive { pwm: 255, is_reverse: false });

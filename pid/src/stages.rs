@@ -20,7 +20,10 @@ pub fn error<S: Number>(target: S, measured: S) -> S {
 /// use husillo_pid::DeadBand;
 ///
 /// let band = DeadBand::new(I32F0::from_num(2));
-/// assert_eq!([-5, -2, 1, 3].map(|error| band.apply(I32F0::from_num(error)).to_num::<i32>()), [-3, 0, 0, 1]);
+/// assert_eq!(
+///     [-5, -2, 1, 3].map(|error| band.apply(I32F0::from_num(error)).to_num::<i32>()),
+///     [-3, 0, 0, 1],
+/// );
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -102,7 +105,11 @@ impl<G: Number> FeedForward<G> {
 /// let gains = Gains { derivative: I16F16::from_num(8), ..Gains::default() };
 /// let limits = Limits { low: I16F16::MIN, high: I16F16::MAX };
 /// let pid = Pid::new(gains, Integration::Backward, limits)?;
-/// let (mut x, filter, mut y) = (State::default(), Filter::of_time_constant(1), FilterState::default());
+/// let (mut x, filter, mut y) = (
+///     State::default(),
+///     Filter::of_time_constant(1),
+///     FilterState::default(),
+/// );
 /// let outputs = [0, 1, 1, 1].map(|target| {
 ///     let error = error(I16F16::from_num(target), I16F16::ZERO);
 ///     let slope = pid.derivative(x.difference(error));

@@ -248,7 +248,11 @@ impl Gains<f64> {
     /// ```
     /// use husillo_pid::Gains;
     ///
-    /// let gains = Gains { proportional: 7.8125, integral: 0.003, derivative: 62.5 }.to_servo().unwrap();
+    /// let gains = Gains {
+    ///     proportional: 7.8125,
+    ///     integral: 0.003,
+    ///     derivative: 62.5,
+    /// }.to_servo().unwrap();
     /// assert_eq!((gains.proportional, gains.integral, gains.derivative), (2000, 197, 16000));
     /// ```
     pub fn to_servo(self) -> Option<ServoGains> {

@@ -97,7 +97,11 @@ fn exact(gains: &Gains<I16F16>, rule: Integration, errors: &[i32]) -> Vec<i128> 
 proptest! {
     /// As long as no limit is met, the output is the exact law rounded once, however long it runs.
     #[test]
-    fn output_is_the_law_rounded_once(gains in gains(), rule in rule(), errors in proptest::collection::vec(-1000i32..1000, 1..300)) {
+    fn output_is_the_law_rounded_once(
+        gains in gains(),
+        rule in rule(),
+        errors in proptest::collection::vec(-1000i32..1000, 1..300),
+    ) {
         let exact = exact(&gains, rule, &errors);
         prop_assume!(exact.iter().all(|output| output.abs() < 1 << 47));
         let pid = Law::new(gains, rule, WIDEST).unwrap();
@@ -108,7 +112,11 @@ proptest! {
 
     /// The sum is exact: any order of the same errors gives the same integral.
     #[test]
-    fn order_of_errors_does_not_matter(gains in gains(), mut errors in proptest::collection::vec(-30_000i32..30_000, 1..200), seed in any::<u64>()) {
+    fn order_of_errors_does_not_matter(
+        gains in gains(),
+        mut errors in proptest::collection::vec(-30_000i32..30_000, 1..200),
+        seed in any::<u64>(),
+    ) {
         let gains = Gains { integral: gains.integral / 4096, ..gains };
         let pid = Law::new(gains, Integration::Forward, WIDEST).unwrap();
         let integral = |errors: &[i32]| {
@@ -124,14 +132,21 @@ proptest! {
             errors.swap(k, (seed.wrapping_mul(k as u64 + 1) >> 20) as usize % length);
         }
         prop_assert_eq!(integral(&errors), one);
-        let back: Vec<i32> = errors.iter().chain(&errors.iter().map(|error| -error).collect::<Vec<_>>()).copied().collect();
+        let back: Vec<i32> = errors.iter().chain(
+            &errors.iter().map(|error| -error).collect::<Vec<_>>()
+        ).copied().collect();
         prop_assert_eq!(integral(&back), ZERO);
     }
 
     /// The bilinear rule is the mean of forward and backward, but for the three roundings.
     #[test]
-    fn bilinear_is_the_mean(gains in sane_gains(), errors in proptest::collection::vec(-1000i32..1000, 1..200)) {
-        let [forward, backward, bilinear] = RULES.map(|rule| run(&Law::new(gains, rule, WIDEST).unwrap(), &errors));
+    fn bilinear_is_the_mean(
+        gains in sane_gains(),
+        errors in proptest::collection::vec(-1000i32..1000, 1..200),
+    ) {
+        let [forward, backward, bilinear] = RULES.map(
+            |rule| run(&Law::new(gains, rule, WIDEST).unwrap(), &errors)
+        );
         for ((forward, backward), bilinear) in forward.into_iter().zip(backward).zip(bilinear) {
             prop_assert!((2 * bilinear - forward - backward).abs() <= 2);
         }
@@ -145,7 +160,10 @@ proptest! {
     ) {
         let pid = Law::new(gains, rule, limits).unwrap().with_integral_limits(inner).unwrap();
         let back = BackCalculation::new(I16F16::from_bits(lead)).unwrap();
-        let ahead = FeedForward::new(I16F16::from_bits(lead / 2), I16F16::from_bits(-lead / 2)).unwrap();
+        let ahead = FeedForward::new(
+            I16F16::from_bits(lead / 2),
+            I16F16::from_bits(-lead / 2),
+        ).unwrap();
         let mut states = [State::default(); 5];
         let mut filtered = FilterState::default();
         for (target, measured) in signals {
@@ -173,14 +191,23 @@ proptest! {
     /// However long the output was at its limit, it leaves it in the very sample in which the error
     /// changes sign, with every remedy.
     #[test]
-    fn leaves_the_limit_with_the_sign(gains in sane_gains(), rule in rule(), limit in 10i32..100_000, ticks in 1usize..2000, drive in 1i32..10_000, pull in 2i32..10_000) {
+    fn leaves_the_limit_with_the_sign(
+        gains in sane_gains(),
+        rule in rule(),
+        limit in 10i32..100_000,
+        ticks in 1usize..2000,
+        drive in 1i32..10_000,
+        pull in 2i32..10_000,
+    ) {
         let limits = Limits { low: counts(-limit), high: counts(limit) };
         let pid = Law::new(gains, rule, limits).unwrap();
         let back = BackCalculation::new(I16F16::lit("0.125")).unwrap();
         for sign in [1, -1] {
             let leaves = |outputs: Vec<i32>| {
                 // A pull of 2 is at least one count in every rule: Kp is 1/2 at least.
-                outputs.last().is_some_and(|output| output.abs() < limit || output.signum() == -sign)
+                outputs.last().is_some_and(
+                    |output| output.abs() < limit || output.signum() == -sign
+                )
             };
             let mut errors = vec![sign * drive; ticks];
             errors.push(-sign * pull);
@@ -193,10 +220,17 @@ proptest! {
     /// Conditional integration does not integrate while the output is cut off in the direction of
     /// the error.
     #[test]
-    fn conditional_holds_still(gains in sane_gains(), errors in proptest::collection::vec(-5000i32..5000, 1..100)) {
+    fn conditional_holds_still(
+        gains in sane_gains(),
+        errors in proptest::collection::vec(-5000i32..5000, 1..100),
+    ) {
         let gains = Gains { derivative: I16F16::ZERO, ..gains };
         let limits = Limits { low: counts(-1000), high: counts(1000) };
-        let pid = Law::new(gains, Integration::Forward, limits).unwrap().with_anti_windup(Conditional);
+        let pid = Law::new(
+            gains,
+            Integration::Forward,
+            limits,
+        ).unwrap().with_anti_windup(Conditional);
         let mut state = State::default();
         for error in errors {
             let before = pid.integral(&state);
@@ -229,7 +263,14 @@ proptest! {
     /// After `follow` the next output for the same signals is the one followed, to the last digit,
     /// as far as the integral can make it so.
     #[test]
-    fn following_is_bumpless(gains in sane_gains(), other in sane_gains(), rule in rule(), target in -1000i32..1000, measured in -1000i32..1000, manual in -9000i32..9000) {
+    fn following_is_bumpless(
+        gains in sane_gains(),
+        other in sane_gains(),
+        rule in rule(),
+        target in -1000i32..1000,
+        measured in -1000i32..1000,
+        manual in -9000i32..9000,
+    ) {
         let limits = Limits { low: counts(-10_000), high: counts(10_000) };
         let inner = Limits { low: counts(i32::MIN / 2), high: counts(i32::MAX / 2) };
         let (target, measured) = (counts(target), counts(measured));
@@ -253,25 +294,44 @@ proptest! {
     /// A change of the integral gain alone needs no more than the new settings: the sum stays what
     /// it was.
     #[test]
-    fn integral_gain_may_change(gains in sane_gains(), integral in 0x100i32..0x8_0000, errors in proptest::collection::vec(-1000i32..1000, 1..100)) {
+    fn integral_gain_may_change(
+        gains in sane_gains(),
+        integral in 0x100i32..0x8_0000,
+        errors in proptest::collection::vec(-1000i32..1000, 1..100),
+    ) {
         let pid = Law::new(gains, Integration::Forward, WIDEST).unwrap();
-        let next = Law::new(Gains { integral: I16F16::from_bits(integral), ..gains }, Integration::Forward, WIDEST).unwrap();
+        let next = Law::new(
+            Gains { integral: I16F16::from_bits(integral), ..gains },
+            Integration::Forward,
+            WIDEST,
+        ).unwrap();
         let mut state = State::default();
         for error in errors {
             pid.update(&mut state, counts(error), ZERO);
         }
         let (mut one, mut other) = (state, state);
-        prop_assert_eq!(pid.update(&mut one, counts(7), ZERO), next.update(&mut other, counts(7), ZERO));
+        prop_assert_eq!(
+            pid.update(&mut one, counts(7), ZERO),
+            next.update(&mut other, counts(7), ZERO),
+        );
     }
 
     /// A step of the target kicks the derivative of the error and not the one of the measurement; a
     /// step of the measurement both, alike.
     #[test]
-    fn measurement_does_not_kick(gains in sane_gains(), before in -1000i32..1000, after in -1000i32..1000) {
+    fn measurement_does_not_kick(
+        gains in sane_gains(),
+        before in -1000i32..1000,
+        after in -1000i32..1000,
+    ) {
         let gains = Gains { integral: I16F16::ZERO, ..gains };
         let of_error = Law::new(gains, Integration::Backward, WIDEST).unwrap();
         let of_measurement = of_error.with_derivative(OfMeasurement);
-        let p_alone = Law::new(Gains { derivative: I16F16::ZERO, ..gains }, Integration::Backward, WIDEST).unwrap();
+        let p_alone = Law::new(
+            Gains { derivative: I16F16::ZERO, ..gains },
+            Integration::Backward,
+            WIDEST,
+        ).unwrap();
         let (mut one, mut other) = (State::default(), State::default());
         of_error.update(&mut one, counts(before), counts(before));
         of_measurement.update(&mut other, counts(before), counts(before));
@@ -279,13 +339,23 @@ proptest! {
         let (mut kicked, mut calm) = (one, other);
         prop_assert_eq!(of_measurement.update(&mut calm, counts(after), counts(before)), p);
         let kick = of_error.update(&mut kicked, counts(after), counts(before));
-        prop_assert!(gains.derivative == 0 || (kick - p).to_bits().signum() * (after - before).signum() >= 0);
-        prop_assert_eq!(of_error.update(&mut one, counts(before), counts(after)), of_measurement.update(&mut other, counts(before), counts(after)));
+        prop_assert!(
+            gains.derivative == 0 || (kick - p).to_bits().signum() * (after - before).signum() >= 0
+        );
+        prop_assert_eq!(
+            of_error.update(&mut one, counts(before), counts(after)),
+            of_measurement.update(&mut other, counts(before), counts(after)),
+        );
     }
 
     /// The pieces put together are the whole: with nothing added they give what `update` gives.
     #[test]
-    fn pieces_make_the_whole(gains in gains(), rule in rule(), limits in limits(), signals in proptest::collection::vec((any_signal(), any_signal()), 1..50)) {
+    fn pieces_make_the_whole(
+        gains in gains(),
+        rule in rule(),
+        limits in limits(),
+        signals in proptest::collection::vec((any_signal(), any_signal()), 1..50),
+    ) {
         let pid = Law::new(gains, rule, limits).unwrap();
         let band = DeadBand::new(ZERO);
         let (mut whole, mut pieces) = (State::default(), State::default());
@@ -293,7 +363,10 @@ proptest! {
             let (target, measured) = (counts(target), counts(measured));
             let rest = band.apply(error(target, measured));
             let slope = pid.derivative(pieces.difference(rest));
-            prop_assert_eq!(pid.update_with(&mut pieces, rest, slope.plus(Term::constant(ZERO))), pid.update(&mut whole, target, measured));
+            prop_assert_eq!(
+                pid.update_with(&mut pieces, rest, slope.plus(Term::constant(ZERO))),
+                pid.update(&mut whole, target, measured),
+            );
         }
         prop_assert_eq!(whole, pieces);
     }
@@ -314,16 +387,27 @@ proptest! {
     /// its time constant, roughly.
     #[test]
     fn filter_goes_towards_its_input(samples in 1u16..500, input in 1i32..1_000_000) {
-        let (filter, mut state) = (Filter::of_time_constant(samples), FilterState::<I32F0, I16F16>::default());
+        let (filter, mut state) = (
+            Filter::of_time_constant(samples),
+            FilterState::<I32F0, I16F16>::default(),
+        );
         let pid = Law::new(of([I16F16::ZERO; 3]), Integration::Backward, WIDEST).unwrap();
         let mut last = 0;
         for k in 0..20 * u32::from(samples) {
-            let output = pid.update_with(&mut State::default(), ZERO, filter.apply(&mut state, Term::constant(counts(input)))).to_bits();
+            let output = pid.update_with(
+                &mut State::default(),
+                ZERO,
+                filter.apply(&mut state, Term::constant(counts(input))),
+            ).to_bits();
             prop_assert!(last <= output && output <= input);
             last = output;
             if k + 1 == u32::from(samples) {
                 let part = 1.0 - (1.0 - 1.0 / (f64::from(samples) + 1.0)).powi(samples.into());
-                prop_assert!((f64::from(output) - part * f64::from(input)).abs() <= 1.0 + f64::from(input) * 0.01);
+                prop_assert!(
+                    (
+                        f64::from(output) - part * f64::from(input)
+                    ).abs() <= 1.0 + f64::from(input) * 0.01
+                );
             }
         }
         prop_assert!(input - last <= 1 + input / 10_000);
@@ -331,25 +415,48 @@ proptest! {
 
     /// Feed-forward is its gains times its signals, rounded with the rest.
     #[test]
-    fn feed_forward_is_linear(gains in [-0x100_0000i32..0x100_0000, -0x100_0000..0x100_0000], velocity in -10_000i32..10_000, acceleration in -10_000i32..10_000) {
-        let ahead = FeedForward::new(I16F16::from_bits(gains[0]), I16F16::from_bits(gains[1])).unwrap();
+    fn feed_forward_is_linear(
+        gains in [-0x100_0000i32..0x100_0000, -0x100_0000..0x100_0000],
+        velocity in -10_000i32..10_000,
+        acceleration in -10_000i32..10_000,
+    ) {
+        let ahead = FeedForward::new(
+            I16F16::from_bits(gains[0]),
+            I16F16::from_bits(gains[1]),
+        ).unwrap();
         let pid = Law::new(of([I16F16::ZERO; 3]), Integration::Backward, WIDEST).unwrap();
-        let output = pid.update_with(&mut State::default(), ZERO, ahead.term(counts(velocity), counts(acceleration)));
-        let exact = i64::from(gains[0]) * i64::from(velocity) + i64::from(gains[1]) * i64::from(acceleration);
+        let output = pid.update_with(
+            &mut State::default(),
+            ZERO,
+            ahead.term(counts(velocity), counts(acceleration)),
+        );
+        let exact = i64::from(gains[0]) * i64::from(velocity) + i64::from(gains[1]) * i64::from(
+            acceleration
+        );
         prop_assert_eq!(i64::from(output.to_bits()), (exact + (1 << 15)) >> 16);
     }
 
     /// Narrow types saturate at their ends and otherwise agree with wide ones.
     #[test]
-    fn narrow_types_agree(gains in sane_gains(), signals in proptest::collection::vec((any::<i16>(), any::<i16>()), 1..50)) {
+    fn narrow_types_agree(
+        gains in sane_gains(),
+        signals in proptest::collection::vec((any::<i16>(), any::<i16>()), 1..50),
+    ) {
         let narrow = Limits { low: I16F0::MIN, high: I16F0::MAX };
         let wide = Limits { low: I32F0::from_num(i16::MIN), high: I32F0::from_num(i16::MAX) };
         let narrow = Pid::<I16F0, I16F16>::new(gains, Integration::Bilinear, narrow).unwrap();
         let wide = Law::new(gains, Integration::Bilinear, wide).unwrap();
         let (mut one, mut other) = (State::default(), State::default());
         for (target, measured) in signals {
-            let output = narrow.update(&mut one, I16F0::from_bits(target), I16F0::from_bits(measured));
-            prop_assert_eq!(i32::from(output.to_bits()), wide.update(&mut other, counts(target.into()), counts(measured.into())).to_bits());
+            let output = narrow.update(
+                &mut one,
+                I16F0::from_bits(target),
+                I16F0::from_bits(measured),
+            );
+            prop_assert_eq!(
+                i32::from(output.to_bits()),
+                wide.update(&mut other, counts(target.into()), counts(measured.into())).to_bits(),
+            );
         }
         prop_assert_eq!(error(I8F0::MAX, I8F0::MIN), I8F0::MAX);
         prop_assert_eq!(error(I16F0::MIN, I16F0::MAX), I16F0::MIN);
@@ -359,7 +466,11 @@ proptest! {
     #[test]
     fn broken_sensors_drive_nothing(signals in proptest::collection::vec(any::<f32>(), 1..50)) {
         let gains = Gains { proportional: 2.0_f32, integral: 0.1, derivative: 3.0 };
-        let pid = Pid::<f32>::new(gains, Integration::Bilinear, Limits { low: -10.0, high: 10.0 }).unwrap();
+        let pid = Pid::<f32>::new(
+            gains,
+            Integration::Bilinear,
+            Limits { low: -10.0, high: 10.0 },
+        ).unwrap();
         let mut state = State::default();
         for measured in signals {
             let output = pid.update(&mut state, 1.0, measured);

@@ -109,7 +109,11 @@ proptest! {
     fn divided_loop_is_the_loop_on_fewer_ticks(gains in gains(), errors in errors()) {
         let step = usize::from(gains.rate_divisor);
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
-        let every = ServoLaw::new(&ServoGains { rate_divisor: 1, ..gains }, RateRule::Loop, TotalLimit::BeforeScaling);
+        let every = ServoLaw::new(
+            &ServoGains { rate_divisor: 1, ..gains },
+            RateRule::Loop,
+            TotalLimit::BeforeScaling,
+        );
         let sampled = run(&every, errors.iter().copied().step_by(step));
         for (k, drive) in run(&law, errors.iter().copied()).into_iter().enumerate() {
             prop_assert_eq!(drive, sampled[k / step]);
@@ -135,14 +139,24 @@ proptest! {
     #[test]
     fn divided_derivative_leaves_p_and_i(gains in gains(), errors in errors()) {
         let gains = ServoGains { derivative: 0, ..gains };
-        let law = |rate_divisor| ServoLaw::new(&ServoGains { rate_divisor, ..gains }, RateRule::Derivative, TotalLimit::BeforeScaling);
+        let law = |rate_divisor| ServoLaw::new(
+            &ServoGains { rate_divisor, ..gains },
+            RateRule::Derivative,
+            TotalLimit::BeforeScaling,
+        );
         prop_assert_eq!(run(&law(gains.rate_divisor), errors.clone()), run(&law(1), errors));
     }
 
     /// The divided derivative is the difference over n ticks, held for n ticks.
     #[test]
     fn divided_derivative_is_held(rate_divisor in 1u8..40, errors in errors()) {
-        let gains = ServoGains { derivative: 100, rate_divisor, error_limit: 0x3fff, output_limit: 255, ..ServoGains::default() };
+        let gains = ServoGains {
+            derivative: 100,
+            rate_divisor,
+            error_limit: 0x3fff,
+            output_limit: 255,
+            ..ServoGains::default()
+        };
         let law = ServoLaw::new(&gains, RateRule::Derivative, TotalLimit::BeforeScaling);
         let mut axis = ServoState::on();
         let step = usize::from(rate_divisor);
@@ -159,10 +173,17 @@ proptest! {
     #[test]
     fn dead_band_lifts_what_is_not_zero(gains in gains(), errors in errors()) {
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
-        let bare = ServoLaw::new(&ServoGains { dead_band: 0, output_limit: 255, ..gains }, RateRule::Loop, TotalLimit::BeforeScaling);
+        let bare = ServoLaw::new(
+            &ServoGains { dead_band: 0, output_limit: 255, ..gains },
+            RateRule::Loop,
+            TotalLimit::BeforeScaling,
+        );
         let (mut axis, mut other) = (ServoState::on(), ServoState::on());
         for error in errors {
-            let (lifted, drive) = (law.tick(&mut axis, error, 0, 0), bare.tick(&mut other, error, 0, 0));
+            let (lifted, drive) = (
+                law.tick(&mut axis, error, 0, 0),
+                bare.tick(&mut other, error, 0, 0),
+            );
             prop_assert_eq!(lifted.is_reverse, drive.is_reverse);
             let lift = if axis.output() == 0 { 0 } else { gains.dead_band };
             prop_assert_eq!(lifted.pwm, drive.pwm.saturating_add(lift).min(gains.output_limit));
@@ -173,7 +194,13 @@ proptest! {
     /// each count.
     #[test]
     fn derivative_damps(before in 1i32..300, by in 1i32..300, kd in 1u16..1000) {
-        let gains = ServoGains { proportional: 100, derivative: kd, error_limit: 0x3fff, output_limit: 255, ..ServoGains::default() };
+        let gains = ServoGains {
+            proportional: 100,
+            derivative: kd,
+            error_limit: 0x3fff,
+            output_limit: 255,
+            ..ServoGains::default()
+        };
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
         let mut axis = ServoState::on();
         law.tick(&mut axis, before, 0, 0);
@@ -186,7 +213,11 @@ proptest! {
     /// The output is the formula, for every gain and any error, as far as 32 bits go; and the PWM
     /// is its 256th within the limit.
     #[test]
-    fn output_is_the_formula(gains in gains(), errors in proptest::collection::vec(-0x3fffi32..=0x3fff, 1..100), after in any::<bool>()) {
+    fn output_is_the_formula(
+        gains in gains(),
+        errors in proptest::collection::vec(-0x3fffi32..=0x3fff, 1..100),
+        after in any::<bool>(),
+    ) {
         let gains = ServoGains { rate_divisor: 1, dead_band: 0, ..gains };
         let limit = if after { TotalLimit::AfterScaling } else { TotalLimit::BeforeScaling };
         let law = ServoLaw::new(&gains, RateRule::Loop, limit);
@@ -196,7 +227,10 @@ proptest! {
             let error = i64::from(error);
             let bound = i64::from(gains.integral_limit) * if after { 256 } else { 1 };
             total = (total + error).clamp(-bound, bound);
-            let exact = i64::from(gains.proportional) * error + i64::from(gains.derivative) * (error - previous) + i64::from(gains.integral) * (total / 256);
+            let exact = i64::from(
+                gains.proportional
+            ) * error + i64::from(gains.derivative) * (error - previous) + i64::from(gains
+                .integral) * (total / 256);
             previous = error;
             prop_assert_eq!(drive.pwm, (exact.abs() / 256).min(gains.output_limit.into()) as u8);
             prop_assert_eq!(drive.is_reverse, exact < 0);
@@ -218,7 +252,9 @@ proptest! {
         for (command, actual, current) in inputs {
             let is_due = law.is_due(&axis);
             let drive = law.tick(&mut axis, command, actual, current);
-            is_on &= !is_due || command.wrapping_sub(actual).unsigned_abs() <= u32::from(error_limit.min(0x7fff));
+            is_on &= !is_due || command.wrapping_sub(actual).unsigned_abs() <= u32::from(
+                error_limit.min(0x7fff)
+            );
             prop_assert!(drive.pwm <= gains.output_limit);
             prop_assert_eq!(axis.is_on(), is_on);
             prop_assert!(is_on || drive.pwm == 0);
@@ -231,7 +267,8 @@ proptest! {
     fn current_limit_cuts_by_one(pwm in any::<u8>(), limit in 1u8.., ticks in 1usize..600) {
         let gains = ServoGains { current_limit: limit, ..ServoGains::default() };
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
-        let (over, under) = if limit % 2 == 1 { (limit.saturating_add(1), limit) } else { (limit - 1, limit) };
+        let (over, under) =
+            if limit % 2 == 1 { (limit.saturating_add(1), limit) } else { (limit - 1, limit) };
         // 255 is a limit that no reading is over.
         prop_assume!(limit != 255);
         let mut axis = ServoState::off();
@@ -244,7 +281,10 @@ proptest! {
         }
         while now < pwm {
             now += 1;
-            prop_assert_eq!(law.open_loop(&mut axis, drive, under), Drive { pwm: now, is_reverse: true });
+            prop_assert_eq!(
+                law.open_loop(&mut axis, drive, under),
+                Drive { pwm: now, is_reverse: true },
+            );
             prop_assert!(!axis.is_over_current());
         }
     }

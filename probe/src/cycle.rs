@@ -33,9 +33,17 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 /// let (mut x, mut target, mut step) = (-2_000_i64, -2_000_i64, 0);
 /// let result = loop {
 ///     x += (target - x).clamp(-step, step);
-///     let input = Input { position: [x, 0, 0], contact: x >= 4_321, latched: [x.min(4_321), 0, 0], still: x == target };
+///     let input = Input {
+///         position: [x, 0, 0],
+///         contact: x >= 4_321,
+///         latched: [x.min(4_321), 0, 0],
+///         still: x == target,
+///     };
 ///     match cycle.tick(&input) {
-///         Request::Move { target: [to, ..], speed } => (target, step) = (to, i64::from(speed) / 100),
+///         Request::Move { target: [to, ..], speed } => (target, step) = (
+///             to,
+///             i64::from(speed) / 100,
+///         ),
 ///         Request::Stop => target = x + step,
 ///         Request::Wait => {}
 ///         Request::Done(result) => break result,

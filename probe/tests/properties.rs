@@ -22,7 +22,10 @@ fn bits(direction: &UnitVector) -> [f64; 3] {
 proptest! {
     /// Edges alternate, and each comes with a run of equal samples, never without.
     #[test]
-    fn debounce_reports_runs(samples in 1_u8..9, pin in proptest::collection::vec(any::<bool>(), 0..300)) {
+    fn debounce_reports_runs(
+        samples in 1_u8..9,
+        pin in proptest::collection::vec(any::<bool>(), 0..300),
+    ) {
         let mut contact = Debounce::new(samples, false);
         let mut level = false;
         for (index, &closed) in pin.iter().enumerate() {
@@ -40,7 +43,11 @@ proptest! {
     /// The latched position is that of the first sample of the run, less the look back, for every
     /// debounce that fits.
     #[test]
-    fn latch_looks_back(samples in 1_u8..20, look_back in 0_u8..20, pin in proptest::collection::vec(any::<bool>(), 0..300)) {
+    fn latch_looks_back(
+        samples in 1_u8..20,
+        look_back in 0_u8..20,
+        pin in proptest::collection::vec(any::<bool>(), 0..300),
+    ) {
         let contact = Debounce::new(samples, false);
         let Ok(mut latch) = Latch::<i64, 24>::new(contact, look_back, 0) else {
             prop_assert!(usize::from(samples) + usize::from(look_back) > 24);
@@ -57,7 +64,11 @@ proptest! {
     /// Components are within the bound stated: 0.63 x 2^-30 of integers below 2^31, 2 x 2^-30 of
     /// any.
     #[test]
-    fn unit_vectors_keep_their_bound(v in vector(1 << 31), large in vector(i64::MAX), shrink in 0_u32..31) {
+    fn unit_vectors_keep_their_bound(
+        v in vector(1 << 31),
+        large in vector(i64::MAX),
+        shrink in 0_u32..31,
+    ) {
         for (vector, bound) in [(v.map(|c| c >> shrink), 0.63), (large, 2.0)] {
             let Some(unit) = UnitVector::new(vector) else {
                 prop_assert_eq!(vector, [0; 3]);
@@ -84,7 +95,9 @@ proptest! {
         let surface = tip.surface_nm(p, &d, &n);
         for axis in 0..3 {
             let scale = f64::from(1 << 30);
-            let exact = bits(&d)[axis] / scale * f64::from(nm) + bits(&n)[axis] / scale * f64::from(radius_nm);
+            let exact =
+                bits(&d)[axis] / scale * f64::from(nm)
+                    + bits(&n)[axis] / scale * f64::from(radius_nm);
             prop_assert!(((p[axis] - surface[axis]) as f64 - exact).abs() <= 1.0);
         }
         prop_assert_eq!(tip.position_nm(surface, &d, &n), p);
@@ -96,16 +109,23 @@ proptest! {
     fn pre_travel_is_within_its_table(
         entries in proptest::array::uniform6((vector(1000), any::<i32>())), d in direction(),
     ) {
-        let Some(directions) = entries.iter().map(|(v, _)| UnitVector::new(*v)).collect::<Option<Vec<_>>>() else {
+        let Some(directions) = entries.iter().map(
+            |(v, _)| UnitVector::new(*v)
+        ).collect::<Option<Vec<_>>>() else {
             return Ok(());
         };
         let table = [0, 1, 2, 3, 4, 5].map(|k| (directions[k], entries[k].1));
         let pre_travel = PreTravel::new(table);
-        let (low, high) = (table.iter().map(|e| e.1).min().unwrap(), table.iter().map(|e| e.1).max().unwrap());
+        let (low, high) = (
+            table.iter().map(|e| e.1).min().unwrap(),
+            table.iter().map(|e| e.1).max().unwrap(),
+        );
         prop_assert!((low..=high).contains(&pre_travel.along(&d)));
         for (direction, _) in &table {
             // The first of directions that are the same within rounding.
-            let first = table.iter().find(|(other, _)| other.cosine(direction).to_bits() >= (1 << 30) - 4);
+            let first = table.iter().find(
+                |(other, _)| other.cosine(direction).to_bits() >= (1 << 30) - 4
+            );
             prop_assert_eq!(Some(pre_travel.along(direction)), first.map(|e| e.1));
         }
         let mut turned = table;
@@ -115,7 +135,10 @@ proptest! {
 
     /// Statistics are those of the definition, wherever the readings lie.
     #[test]
-    fn statistics(base in any::<i64>(), readings in proptest::collection::vec(-5_000_i64..5_000, 1..50)) {
+    fn statistics(
+        base in any::<i64>(),
+        readings in proptest::collection::vec(-5_000_i64..5_000, 1..50),
+    ) {
         let base = base / 2;
         let statistics: Repeatability = readings.iter().map(|r| base + r).collect();
         let n = readings.len() as f64;
@@ -137,7 +160,10 @@ proptest! {
     #[test]
     fn cycles_end(
         touches in 0_u8..5, back_off in 0_u32..500, over_travel in 0_u32..500, until in any::<bool>(),
-        wall in -1500_i64..3000, noise in proptest::collection::vec(any::<(u8, bool)>(), 1..200), is_noisy in any::<bool>(),
+        wall in -1500_i64..3000, noise in proptest::collection::vec(
+            any::<(u8, bool)>(),
+            1..200,
+        ), is_noisy in any::<bool>(),
     ) {
         let plan = Plan {
             approach: [100, 0, 0], direction: UnitVector::X, search: 2000, over_travel, back_off, touches,
@@ -154,7 +180,12 @@ proptest! {
             x += (target - x).clamp(-step, step);
             let contact = (x >= wall) == until;
             let contact = if is_noisy && random < 20 { flips } else { contact };
-            let input = Input { position: [x, 0, 0], contact, latched: [x, 0, 0], still: x == target };
+            let input = Input {
+                position: [x, 0, 0],
+                contact,
+                latched: [x, 0, 0],
+                still: x == target,
+            };
             match cycle.tick(&input) {
                 Request::Move { target: to, speed } => {
                     prop_assert_eq!([to[1], to[2]], [0, 0]);
@@ -185,7 +216,11 @@ proptest! {
             Err(Failure::OverTravel) => prop_assert!(over_travel <= 20),
             Err(Failure::StuckContact) => prop_assert!(back_off < 20),
             // A search that saw the wall late looks for it within the over-travel of what it saw.
-            Err(failure @ (Failure::LostContact | Failure::NotLatched)) => prop_assert!(false, "{}", failure),
+            Err(failure @ (Failure::LostContact | Failure::NotLatched)) => prop_assert!(
+                false,
+                "{}",
+                failure,
+            ),
         }
     }
 
@@ -223,7 +258,11 @@ proptest! {
                 .map(|ray| { let r = ray.scaled(radius); [0, 1, 2].map(|i| centre[i] + r[i]) })
                 .collect::<Vec<_>>();
             if let Ok(circle) = Circle::fit(ring, &normal) {
-                prop_assert!((circle.radius_nm - radius).abs() <= 60, "{}", circle.radius_nm - radius);
+                prop_assert!(
+                    (circle.radius_nm - radius).abs() <= 60,
+                    "{}",
+                    circle.radius_nm - radius,
+                );
             }
         }
     }

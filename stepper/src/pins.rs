@@ -7,7 +7,8 @@ use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 
 use crate::{Levels, PulseNanoseconds};
 
-/// The inputs of one driver on `PINS` pins: bit i of the levels goes to pin i. Only pins whose level changes are written.
+/// The inputs of one driver on `PINS` pins: bit i of the levels is pin i. Only pins whose level
+/// changes are written.
 #[derive(Debug)]
 pub struct LevelPins<P, const PINS: usize> {
     pins: [P; PINS],

@@ -97,8 +97,8 @@ impl Sequencer {
     /// An enabled sequencer in the start state of `driver` for `mode`.
     ///
     /// # Errors
-    /// [`Unsupported`]: quarter steps need current levels (PBL3717A, A3988), the 20 % level is the PBL3717A's, and
-    /// `PhasePair` cannot turn a single phase off.
+    /// [`Unsupported`]: quarter steps need current levels (PBL3717A, A3988), only the PBL3717A has
+    /// the 20 % level, and `PhasePair` cannot turn a single phase off.
     pub const fn new(driver: Driver, mode: Mode) -> Result<Sequencer, Unsupported> {
         let cycle: &'static Cycle = match (driver, mode) {
             (Driver::Pbl3717a, Mode::QuarterLow) => &tables::PBL3717A_LOW,

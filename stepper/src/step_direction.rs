@@ -46,7 +46,9 @@ impl core::error::Error for Busy {}
 /// ```
 /// use husillo_stepper::{Levels, PulseTiming, StepDirection};
 ///
-/// let mut pulse = StepDirection::new(PulseTiming { setup_ticks: 5, hold_ticks: 2, high_ticks: 3, low_ticks: 4 });
+/// let mut pulse = StepDirection::new(
+///     PulseTiming { setup_ticks: 5, hold_ticks: 2, high_ticks: 3, low_ticks: 4 }
+/// );
 /// let mut present = pulse.start(-1)?;
 /// let mut seen = Vec::new();
 /// while let Some(now) = present {
@@ -108,7 +110,8 @@ impl StepDirection {
         }))
     }
 
-    /// The next levels of the step under way, after the ticks of the last ones; `None` when the step is complete.
+    /// The next levels of the step under way, after the ticks of the last ones. `None`: the step is
+    /// complete.
     pub fn advance(&mut self) -> Option<Present> {
         match self.state {
             State::Idle => None,
@@ -131,7 +134,8 @@ impl StepDirection {
         self.state == State::Idle
     }
 
-    /// The longest time one step takes, in ticks: the shortest safe step interval when the direction turns.
+    /// The longest time of one step, in ticks: the shortest safe step interval when the direction
+    /// reverses.
     #[must_use]
     pub fn longest_step_ticks(&self) -> u32 {
         let pulse = self.timing.high().saturating_add(self.timing.low());

@@ -130,12 +130,17 @@ proptest! {
         };
         let mut probe = motor;
         let from = angle(motor.driver(), probe.levels());
-        let sense = if (angle(motor.driver(), probe.step(1)) - from).rem_euclid(360.0) < 180.0 { 1.0 } else { -1.0 };
+        let sense = if (
+            angle(motor.driver(), probe.step(1)) - from
+        ).rem_euclid(360.0) < 180.0 { 1.0 } else { -1.0 };
         for delta in walk {
             let before = angle(motor.driver(), motor.levels());
             let turned = angle(motor.driver(), motor.step(delta)) - before;
             let turned = (turned * sense + 180.0).rem_euclid(360.0) - 180.0;
-            prop_assert!((turned - nominal * f64::from(delta)).abs() <= tolerance, "{turned} for {delta}");
+            prop_assert!(
+                (turned - nominal * f64::from(delta)).abs() <= tolerance,
+                "{turned} for {delta}",
+            );
         }
     }
 
@@ -214,7 +219,9 @@ proptest! {
     fn pulses_keep_their_times(
         walk in walk(), setup_ticks in 0u32..20, hold_ticks in 0u32..40, high_ticks in 0u32..20, low_ticks in 0u32..20,
     ) {
-        let mut pulse = StepDirection::new(PulseTiming { setup_ticks, hold_ticks, high_ticks, low_ticks });
+        let mut pulse = StepDirection::new(
+            PulseTiming { setup_ticks, hold_ticks, high_ticks, low_ticks }
+        );
         let (mut now, mut levels) = (1000u32, pulse.levels());
         let (mut rose, mut fell, mut turned) = (0, 0, 0);
         let mut count = 0;

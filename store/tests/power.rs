@@ -135,7 +135,10 @@ proptest! {
     /// or the one after it.
     #[test]
     fn rows_of_saves(
-        saves in proptest::collection::vec((proptest::collection::vec(any::<u8>(), 0..240), 0_usize..100, 1_u64..), 1..12),
+        saves in proptest::collection::vec(
+            (proptest::collection::vec(any::<u8>(), 0..240), 0_usize..100, 1_u64..),
+            1..12,
+        ),
     ) {
         let mut flash = Flash::<4>::new(2, 256);
         let mut last = None;
@@ -162,6 +165,10 @@ proptest! {
         flash.bytes[bit / 8] ^= 1 << (bit % 8);
         let newest = contents.iter().rev().take(2).cloned();
         let found = content(&mut flash);
-        prop_assert!(found.is_none() && contents.len() == 1 || newest.map(Some).any(|content| content == found));
+        prop_assert!(
+            found.is_none() && contents.len() == 1 || newest.map(Some).any(
+                |content| content == found
+            )
+        );
     }
 }

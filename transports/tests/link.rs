@@ -575,7 +575,9 @@ fn acts() -> impl Strategy<Value = Vec<Act>> {
         prop_oneof![
             6 => (0usize..2, payload).prop_map(|(end, payload)| Act::Offer(end, payload)),
             4 => (1usize..400).prop_map(Act::Run),
-            4 => (0usize..2, 0u8..10, 0usize..30).prop_map(|(end, kind, n)| Act::Fault(end, kind, n)),
+            4 => (0usize..2, 0u8..10, 0usize..30).prop_map(
+                |(end, kind, n)| Act::Fault(end, kind, n)
+            ),
             1 => Just(Act::Restart),
             1 => Just(Act::Call),
             1 => (1usize..3000).prop_map(Act::Unplug),
@@ -595,7 +597,9 @@ proptest! {
         for act in acts {
             match act {
                 Act::Offer(end, payload) => pair.offer(end, &payload),
-                Act::Run(characters) => (0..characters).for_each(|_| pair.character(&mut |_, byte| vec![byte])),
+                Act::Run(characters) => (0..characters).for_each(
+                    |_| pair.character(&mut |_, byte| vec![byte])
+                ),
                 Act::Fault(direction, kind, after) => {
                     let mut left = after as isize;
                     for _ in 0..200 {
@@ -611,14 +615,19 @@ proptest! {
                     }
                 }
                 Act::Restart => {
-                    pair.ends[1] = Peer::station(7, Timing { turnaround_us: 0, ..Timing::of(BITS_PER_S) });
+                    pair.ends[1] = Peer::station(
+                        7,
+                        Timing { turnaround_us: 0, ..Timing::of(BITS_PER_S) },
+                    );
                     let was_up = pair.ends[0].is_up();
                     (0..8_000).for_each(|_| pair.character(&mut |_, byte| vec![byte]));
                     prop_assert!(!(was_up && pair.ends[0].is_up()));
                     pair.ends[0].call();
                 }
                 Act::Call => pair.ends[0].call(),
-                Act::Unplug(characters) => (0..characters).for_each(|_| pair.character(&mut |_, _| vec![])),
+                Act::Unplug(characters) => (0..characters).for_each(
+                    |_| pair.character(&mut |_, _| vec![])
+                ),
             }
             if pair.ends.iter().all(Peer::is_up) && pair.ups[0] > 0 {
                 pair.check();
@@ -641,12 +650,26 @@ proptest! {
     /// unchanged after any bytes on the line.
     #[test]
     fn frames_come_back(
-        (address, number, acknowledged, broadcast, from_station) in (any::<u8>(), 0u8..16, 0u8..16, 0u8..8, any::<bool>()),
+        (
+            address,
+            number,
+            acknowledged,
+            broadcast,
+            from_station,
+        ) in (any::<u8>(), 0u8..16, 0u8..16, 0u8..8, any::<bool>()),
         kind in prop::sample::select(vec![Kind::Data, Kind::Acknowledge, Kind::Gap, Kind::Call]),
         payload in prop::collection::vec(prop_oneof![Just(0), any::<u8>()], 0..=PAYLOAD_BYTES),
         before in prop::collection::vec(any::<u8>(), 0..300),
     ) {
-        let frame = Frame { address, kind, from_station, broadcast, number, acknowledged, payload: &payload };
+        let frame = Frame {
+            address,
+            kind,
+            from_station,
+            broadcast,
+            number,
+            acknowledged,
+            payload: &payload,
+        };
         let sent = frame.encode().unwrap();
         let wire = sent.bytes();
         let (body, end) = (cobs::decode_vec(wire).unwrap(), wire.split_last().unwrap());

@@ -562,7 +562,11 @@ proptest! {
     /// For any bytes: the device echoes them, never sends more than it has heard and one answer per
     /// string, and understands any string after them.
     #[test]
-    fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..300), moving in any::<[bool; 2]>(), order in any_order()) {
+    fn any_bytes_are_survived(
+        bytes in prop::collection::vec(any::<u8>(), 0..300),
+        moving in any::<[bool; 2]>(),
+        order in any_order(),
+    ) {
         let mut device = ready();
         device.set_motion(moving[0], moving[1]);
         let (said, _) = hear(&mut device, &bytes);

@@ -166,9 +166,12 @@ fn any_single_fault_executes_nothing_twice() {
                 // The line is as good as before.
                 let after =
                     line.do_step(&mut host, request(1, Command::ReadStatus(Items::POSITION)));
-                assert!(
-                    matches!(after, Outcome::Answered(reply) if reply.position() == Some(line.modules[0].1.position))
-                );
+                assert!(matches!(
+                    after,
+                    Outcome::Answered(reply) if reply.position() == Some(
+                        line.modules[0].1.position
+                    ),
+                ));
             }
         }
     }

@@ -161,7 +161,9 @@ proptest! {
         let frame = command.frame(address);
         let mut receiver = Receiver::new();
         let mut verdicts = frame.bytes().iter().map(|byte| receiver.push(*byte));
-        prop_assert!(verdicts.by_ref().take(frame.bytes().len() - 1).all(|verdict| verdict.is_none()));
+        prop_assert!(
+            verdicts.by_ref().take(frame.bytes().len() - 1).all(|verdict| verdict.is_none())
+        );
         prop_assert_eq!(verdicts.next(), Some(Some(Verdict::Sound)));
         drop(verdicts);
         prop_assert_eq!(receiver.address(), address);
@@ -199,7 +201,10 @@ proptest! {
     /// half taken.
     #[test]
     fn every_order_has_a_sound_packet(
-        stream in proptest::collection::vec(prop_oneof![Just(0xAA_u8), 0_u8..4, any::<u8>()], 0..400),
+        stream in proptest::collection::vec(
+            prop_oneof![Just(0xAA_u8), 0_u8..4, any::<u8>()],
+            0..400,
+        ),
         commands in proptest::collection::vec((command(), any::<prop::sample::Index>()), 0..6),
     ) {
         let mut stream = stream;
@@ -236,7 +241,12 @@ proptest! {
     /// One wrong bit anywhere in a packet that the host sends makes no other command of it. The
     /// flush after it, or after a lost, doubled or cut byte, completes none.
     #[test]
-    fn no_single_fault_makes_another_command(command in command(), address in 1_u8..=32, place: prop::sample::Index, kind in 0_u8..11) {
+    fn no_single_fault_makes_another_command(
+        command in command(),
+        address in 1_u8..=32,
+        place: prop::sample::Index,
+        kind in 0_u8..11,
+    ) {
         let frame = command.frame(address);
         let place = place.index(frame.bytes().len());
         // A whole packet in the data, laid bare by a lost header: see the documentation.
@@ -260,8 +270,13 @@ proptest! {
                 let of_shorter = number < exact;
                 let heard = Command::decode(receiver.code(), receiver.data(), 10);
                 let refused = command.repeat(address) == Repeat::Free
-                    || Host::new(Timing::patient(Baud::B19200)).send_command(address, command, 0).is_err();
-                prop_assert!(heard.is_none() || (of_shorter && refused), "{heard:?} of {command:?}");
+                    || Host::new(
+                        Timing::patient(Baud::B19200)
+                    ).send_command(address, command, 0).is_err();
+                prop_assert!(
+                    heard.is_none() || (of_shorter && refused),
+                    "{heard:?} of {command:?}",
+                );
             }
         }
     }
@@ -285,7 +300,10 @@ proptest! {
                 return Ok(());
             }
             while host.transmit(now_us).is_some() {}
-            let (byte, later_us) = noise.next().map_or((None, 50_000), |(byte, later)| (Some(byte), later));
+            let (byte, later_us) = noise.next().map_or(
+                (None, 50_000),
+                |(byte, later)| (Some(byte), later),
+            );
             now_us = now_us.wrapping_add(later_us);
             if let Some(byte) = byte {
                 host.push(byte, now_us);
@@ -334,9 +352,12 @@ proptest! {
                 _ => false,
             };
             let before = line.modules[0].1.executed.len();
-            let outcome = line.run(&mut host, Step::Request { address: 1, command }, &mut |is_reply, number| {
+            let outcome =
+                line.run(&mut host, Step::Request { address: 1, command }, &mut |is_reply, number| {
                 let first = if is_reply { told } else { sent };
-                let kind = faults.iter().find(|(on_reply, place, _)| *on_reply == is_reply && *place + first == number)?.2;
+                let kind = faults.iter().find(
+                    |(on_reply, place, _)| *on_reply == is_reply && *place + first == number
+                )?.2;
                 Some(match kind {
                     0 => Fault::Lost,
                     1 => Fault::Flipped((number % 8) as u8),
@@ -369,7 +390,10 @@ proptest! {
     /// Own bytes are dropped in order, other bytes in between come through, and a wrong one is a
     /// collision.
     #[test]
-    fn echoes_are_dropped(message in proptest::collection::vec(any::<u8>(), 1..40), wrong: Option<prop::sample::Index>) {
+    fn echoes_are_dropped(
+        message in proptest::collection::vec(any::<u8>(), 1..40),
+        wrong: Option<prop::sample::Index>,
+    ) {
         let mut echo = Echo::<4>::new(true);
         let wrong = wrong.map(|index| index.index(message.len()));
         let mut heard = message.iter().enumerate();
@@ -378,7 +402,11 @@ proptest! {
                 let (place, own) = heard.next().expect("what is sent is heard");
                 if wrong == Some(place) {
                     prop_assert_eq!(echo.received(!own), Heard::Collision);
-                    prop_assert_eq!(echo.received(1), Heard::Foreign(1), "nothing is expected after it");
+                    prop_assert_eq!(
+                        echo.received(1),
+                        Heard::Foreign(1),
+                        "nothing is expected after it",
+                    );
                     return Ok(());
                 }
                 prop_assert_eq!(echo.received(*own), Heard::Echo);

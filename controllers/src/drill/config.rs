@@ -9,18 +9,22 @@ pub struct DrillConfig {
     pub timer_hz: u32,
     /// Steps a second of X, Y and Z; above 0.
     pub rate_hz: [u16; 3],
-    /// How far X or Y goes off its switch before it is searched, where it is closed at the start of homing.
+    /// The distance of X or Y off its switch before the search, if the switch is closed at the
+    /// start of homing.
     pub back_off_steps: u16,
     /// The longest way to a switch of X or Y, in steps.
     pub search_steps: u32,
     /// The longest way of Z from one sensor to the other, in steps.
     pub stroke_steps: u16,
-    /// The last step of X and Y: jogging ends there, and a record beyond it is a fault. `u16::MAX` is none, as in the original.
+    /// The last step of X and Y: jogging ends there, and a record beyond it is a fault. `u16::MAX`:
+    /// no limit, as in the original.
     pub travel_steps: [u16; 2],
-    /// A switch of X or Y that closes further than this from zero, on either side of it, or that is closed beyond, is a fault, as steps were
-    /// lost: nothing is drilled in a wrong place. `None` does not look, as in the original.
+    /// The largest distance from zero, in both directions, at which a switch of X or Y may close.
+    /// Beyond it, closing is a fault: steps were lost, and nothing is drilled in a wrong position.
+    /// `None`: not checked, as in the original.
     pub switch_play_steps: Option<u16>,
-    /// Z goes up to its sensor before a program moves X or Y: after it was jogged down, and not in the original.
+    /// Whether Z goes up to its sensor before a program moves X or Y, after it was jogged down. The
+    /// original does not do this.
     pub raises_first: bool,
     /// The spindle is switched on before each hole and off after it, and off before homing, as in
     /// the original. Without it the host switches it, and it turns from hole to hole.
@@ -32,8 +36,8 @@ pub struct DrillConfig {
 }
 
 impl DrillConfig {
-    /// The original's rate (about 247 Hz) and back-off on a timer of 1 MHz, and its link. The ways of search end at twice the table and the
-    /// sensors, where the original's do not end; 2 ms of rest are ours.
+    /// The original's rate (about 247 Hz), back-off and link, on a timer of 1 MHz. Searches end at
+    /// twice the table or the stroke; the original's do not end. The rest of 2 ms is ours.
     pub const ORIGINAL: DrillConfig = DrillConfig {
         timer_hz: 1_000_000,
         rate_hz: [247; 3],

@@ -18,22 +18,24 @@ pub struct MicrofactoryConfig {
     pub search_steps: u32,
     /// The longest way in Y until the tool touches the work piece, in load steps.
     pub approach_steps: u32,
-    /// Ticks after which a jog ends unless it is said again; `None`: it goes on until it is stopped.
+    /// Ticks after which a jog ends unless it is repeated. `None`: it continues until it is
+    /// stopped.
     pub dead_man_ticks: Option<u32>,
     /// Ticks of RESET low; the L297 wants 1 us.
     pub reset_ticks: u32,
     /// Ticks from RESET, or from the current, to the first step.
     pub settle_ticks: u32,
-    /// RESET before every move, as the original did: a rotor that stood in another state than 1 jumps by up to two full steps.
-    /// Otherwise only before the first move after power came on, when the phases are anywhere.
+    /// RESET before every move, as in the original. A rotor in a state other than 1 jumps by up to
+    /// two full steps. Otherwise RESET only before the first move after power-on, when the phases
+    /// are unknown.
     pub resets_before_moves: bool,
     /// The spindle turns while a figure is approached and cut.
     pub spindle_turns_in_figures: bool,
 }
 
 impl MicrofactoryConfig {
-    /// The original's rates, lash and back-off on a timer of 1 MHz; ways of search and approach and the settling of 10 ms are ours,
-    /// as nobody stated them.
+    /// The original's rates, backlash and back-off on a timer of 1 MHz. The distances of search and
+    /// approach and the settling time of 10 ms are ours, because no source states them.
     pub const ORIGINAL: MicrofactoryConfig = MicrofactoryConfig {
         timer_hz: 1_000_000,
         axis_rate_hz: 400,

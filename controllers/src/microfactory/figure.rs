@@ -17,10 +17,12 @@ pub(super) struct FigureMove {
 }
 
 impl FigureMove {
-    /// A move by so many steps: its n events share the time that its length takes at the rate of the axes.
+    /// A move by this many steps. Its n events share the time that its length takes at the rate of
+    /// the axes.
     pub(super) fn new(way: [i16; 2], config: &MicrofactoryConfig) -> Self {
         let mut line = Line::new(way.map(i32::from));
-        // At most 2^15 squared, twice: 2^31, times 2^16; its root is the length times 256, below 2^24.
+        // At most 2^15 squared, twice: 2^31, times 2^16. Its root is the length times 256, below
+        // 2^24.
         let [x, z] = way.map(|steps| u64::from(steps.unsigned_abs()));
         let square = x.wrapping_mul(x).wrapping_add(z.wrapping_mul(z));
         let length_q8 = (square << 16).isqrt();
@@ -37,7 +39,8 @@ impl FigureMove {
 
     /// The next step and the ticks before it.
     pub(super) fn peek(&self) -> Option<([i8; 2], u32)> {
-        // A move's time is below 2^48 ticks in 256ths; an event has at most sqrt(2) of an axis' interval, below 2^33.
+        // The time of a move is below 2^48 ticks in 256ths. An event takes at most sqrt(2)
+        // intervals of an axis, below 2^33.
         let wait = self.wait_q8.wrapping_add(self.rest_q8) >> 8;
         Some((self.next?, u32::try_from(wait).unwrap_or(u32::MAX)))
     }

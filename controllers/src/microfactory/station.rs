@@ -51,8 +51,8 @@ impl<const MOVES: usize> AsRef<[[i16; 2]]> for Figure<MOVES> {
 ///
 /// It drives one machine, or two: the original's controller has 20 to 24 lines for each. Each
 /// machine has its own motors, switches, figure and time. With two machines the link names one
-/// ([`Device::of_two_machines`]), and a command is for that one. Both may move at once. An emergency
-/// stop, and a reset, are for both.
+/// ([`Device::of_two_machines`]), and a command applies to it. Both may move at the same time. An
+/// emergency stop and a reset apply to both.
 ///
 /// Answers that find no room are lost: the host asks again. Its size is 4 bytes for each of `MOVES`
 /// moves and 0.2 kB, for each machine, and 0.1 kB.
@@ -92,8 +92,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         }
     }
 
-    /// Stores a figure, as the link does. `false`: it has more moves than there is room for, a figure
-    /// is being cut, or there is no such machine.
+    /// Stores a figure, as the link does. `false`: it has too many moves, a figure is being cut, or
+    /// the machine does not exist.
     pub fn store(&mut self, machine: u8, moves: &[[i16; 2]]) -> bool {
         let figure = self.machine_mut(machine).and_then(Microfactory::figure_mut);
         let Some(figure) = figure.filter(|_| moves.len() <= MOVES) else {

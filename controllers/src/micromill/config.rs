@@ -5,14 +5,15 @@ use husillo_machine::Config;
 /// What is fixed about a mill; a constant of its firmware.
 #[derive(Copy, Clone, Debug)]
 pub struct MicromillConfig {
-    /// Axes, timer and limits as for [`Machine`](husillo_machine::Machine), without ramps. Only steps below 65 536 of lash; positions
-    /// within 2.1 m of machine zero, the rest of the dialect is not looked at.
+    /// Axes, timer and limits as for [`Machine`](husillo_machine::Machine), without ramps. Backlash
+    /// must be below 65 536 steps, and positions within 2.1 m of machine zero. The rest of the
+    /// dialect is not used.
     pub machine: Config<3>,
     /// Step rate of jogs, counted steps and homing, steps per second.
     pub jog_hz: u16,
     /// By how much a jog goes faster or slower at a time, steps per second.
     pub jog_change_hz: u16,
-    /// The fastest jog and run at a frequency, steps per second: what the motors follow without a ramp.
+    /// The fastest jog and run, steps per second: the rate that the motors follow without a ramp.
     pub top_hz: u16,
     /// Load steps from the place where a home switch closes to machine zero.
     pub back_off_steps: u16,
@@ -21,7 +22,8 @@ pub struct MicromillConfig {
 }
 
 impl MicromillConfig {
-    /// The micro mill: 140 nm a step, 10 x 7 mm, lash 204 and 178 um, 170 steps a second, 390 at most; as `machines/micromill.toml` has it.
+    /// The micro mill: 140 nm per step, 10 x 7 mm, backlash 204 and 178 um, 170 steps per second,
+    /// 390 at most, as in `machines/micromill.toml`.
     pub const MICROMILL: MicromillConfig = MicromillConfig {
         machine: micromill(),
         jog_hz: 170,

@@ -12,7 +12,8 @@ pub(super) struct Course {
     pub(super) heading: Ways,
     /// A step of the path that something comes before, and its wait.
     pub(super) next: Option<(Ways, u64)>,
-    /// Whether an axis steps the other way than before, or for the first time: only then it can owe lash.
+    /// Whether an axis steps in the opposite direction to before, or for the first time. Only then
+    /// a take-up can be due.
     pub(super) may_owe: bool,
     /// Axes that have stepped forwards last, and in the upper byte those that have backwards.
     known: u16,

@@ -11,7 +11,7 @@ pub struct MicromillInputs {
     pub home: u8,
 }
 
-/// Wait, then step. An interrupt writes the masks to step and direction pins as they are; bit 0 is X.
+/// Wait, then step. An interrupt writes the masks to step and direction pins; bit 0 is X.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct MicromillStep {
     /// Timer ticks from the event before this one.
@@ -36,7 +36,7 @@ impl MicromillStep {
 /// One entry of the stream, in the order in which it must happen.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum MicromillEvent {
-    /// Wait, then step: [`Micromill::made`](crate::Micromill::made) is to be told when that has happened.
+    /// Wait, then step. Call [`Micromill::made`](crate::Micromill::made) when this has happened.
     Step(MicromillStep),
     /// The spindle, at once.
     Spindle {

@@ -22,7 +22,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         let Some(entry) = self.queue.first() else {
             return Next::Wait;
         };
-        // As the machine has it: what only changes coordinates does not wait for the moves before it.
+        // As in `machine`: a command that only changes coordinates does not wait for the moves
+        // before it.
         let is_nothing = entry.kind == Kind::Nothing;
         if !entry.moves() && !is_nothing && self.carried_ticks > 0 {
             self.task = Task::Idle;
@@ -52,7 +53,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             }
             Kind::Dwell => {
                 let ticks =
-                    u64::from(entry.value).wrapping_mul(u64::from(self.config.machine.timer_hz)); // below 2^48
+                    // below 2^48
+                    u64::from(entry.value).wrapping_mul(u64::from(self.config.machine.timer_hz));
                 self.task = Task::Dwell { left_ticks: ticks };
                 return Next::Again;
             }
@@ -85,7 +87,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
 
     /// Makes the path of a move; its ticks. Without a step of an axis there is none.
     ///
-    /// Apart from its caller and from what it calls: on a small chip the stack holds one path at a time.
+    /// A function of its own: on a small chip the stack holds one path at a time.
     #[inline(never)]
     fn set_out(&mut self, entry: &Entry) -> u64 {
         let start = self.plays.map(|play| play.load());

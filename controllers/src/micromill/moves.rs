@@ -10,8 +10,8 @@ use super::{
 use husillo_machine::MAX_WAIT_TICKS;
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
-    /// The next step of the move under way, or of the take-up before it, unless something else comes first: then that step is kept, and
-    /// [`look`](Micromill::look) decides.
+    /// The next step of the move under way, or of the take-up before it. If something else comes
+    /// first, the step is kept and [`look`](Micromill::look) decides.
     #[inline]
     pub(super) fn step_of_path(&mut self, inputs: &MicromillInputs) -> Option<MicromillStep> {
         let course = &mut self.course;
@@ -70,7 +70,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if course.may_owe {
             // At the first step of a move, too.
             wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
-            // A straight move takes up all its axes before it begins, an arc each where it turns round.
+            // A straight move takes up all its axes before it begins, an arc each axis where it
+            // reverses.
             let owed = first_owed(&self.plays, course.heading);
             if let Some((way, left)) = owed.or_else(|| first_owed(&self.plays, ways)) {
                 let config = &self.config.machine;

@@ -1,10 +1,12 @@
-//! What a mill's moves are made of: lines of three axes and arcs of the first two. Helices and arcs in other planes have no string.
+//! The moves of the mill: lines of three axes, and arcs of the first two. No string describes
+//! helices or arcs in other planes.
 
 use husillo_interp::{ArcError, ArcMove, Interpolator, Line, Moves, NarrowArc, Step};
 
-/// A line or a flat arc: the methods of [`husillo_interp::Path`], so its steps are the same, without helices and arcs whose state
-/// needs 64 bits. The latter are refused: in a mill's 2.1 m only spirals that change their radius by a lot in a few steps.
-/// On a Cortex-M0 that is 4 kB of code less and 390 bytes of stack.
+/// A line or a flat arc, by the methods of [`husillo_interp::Path`], so the steps are the same.
+/// Helices and arcs whose state needs 64 bits are left out. The latter are refused: within the
+/// mill's 2.1 m they are only spirals whose radius changes much in few steps. On a Cortex-M0 this
+/// saves 4 kB of code and 390 bytes of stack.
 #[derive(Clone, Debug)]
 // One of these lives in a mill, in place; a box would need an allocator.
 #[allow(clippy::large_enum_variant)]
@@ -61,7 +63,8 @@ impl Moves<3> for Flat {
         Flat::Line(Line::new(delta))
     }
 
-    /// The plane is that of the first two axes, and the third one stays: an arc's string says nothing else.
+    /// The plane is that of the first two axes. The third axis stays, because the string of an arc
+    /// does not name it.
     fn arc(arc: &ArcMove, _plane: [usize; 2], _along: [i32; 3]) -> Result<Self, ArcError> {
         Ok(Flat::Arc(NarrowArc::new(arc)?))
     }

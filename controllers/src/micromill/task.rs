@@ -178,7 +178,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    /// Whether an axis has come to the end of its way: the travel's where it is known, or the switch.
+    /// Whether an axis has reached its end: the end of the travel if it is known, otherwise the
+    /// switch.
     fn is_at_end(&self, ways: Ways, inputs: &MicromillInputs) -> bool {
         if ways.negative & inputs.home != 0 {
             return true;

@@ -3,7 +3,8 @@
 use husillo_interp::Step;
 use husillo_transports::micromill::Axis;
 
-/// Axes that step, and those of them that step backwards: bit 0 is X. Two bytes that travel in a register.
+/// Axes that step, and those of them that step backwards; bit 0 is X. Two bytes that fit a
+/// register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) struct Ways {
     pub(super) axes: u8,

@@ -5,7 +5,8 @@ use crate::buffer::Buffer;
 use super::{AT_WORK, Axis, COUNT, END_OF_TEXT, FAULT, KEPT, NOT_ALL, Order, Rules};
 
 /// What `?` says.
-const HELP: &[u8] = b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
+const HELP: &[u8] =
+    b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
     M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops a run\r\n\
     manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q quit\r\n";
 
@@ -149,7 +150,8 @@ impl<const N: usize> Device<N> {
     /// The order is carried out.
     pub fn done(&mut self) {
         let is_drilled = core::mem::take(&mut self.is_drilling);
-        self.drillings = self.drillings.wrapping_add(u16::from(is_drilled)); // modulo 2^16 by its meaning
+        // modulo 2^16 by its meaning
+        self.drillings = self.drillings.wrapping_add(u16::from(is_drilled));
         self.is_busy = false;
     }
 

@@ -371,7 +371,10 @@ impl Host {
             Step::Store(byte) => (byte, self.download()?),
             Step::End => (b'f', self.download()?),
         };
-        let is_at_end = matches!(self.mode, Mode::Download(count) if count > 0 && count.checked_rem(3) == Some(0));
+        let is_at_end = matches!(
+            self.mode,
+            Mode::Download(count) if count > 0 && count.checked_rem(3) == Some(0),
+        );
         match step {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.

@@ -20,8 +20,10 @@ impl Host {
             return Err(Refused::NoSuchAddress);
         }
         // Members of a group would all take one address.
-        if matches!(command, Command::SetAddress { address: new, .. } if new > LAST_ADDRESS || is_group(address))
-        {
+        if matches!(
+            command,
+            Command::SetAddress { address: new, .. } if new > LAST_ADDRESS || is_group(address),
+        ) {
             return Err(Refused::NoSuchAddress);
         }
         if !command.is_in_range(self.version(address)) {
@@ -146,7 +148,8 @@ impl Host {
         let items = if !is_rejected {
             self.expected()
         } else if matches!(self.command, Command::DefineStatus(_)) {
-            return None; // an earlier try may have changed what is in force: whatever it is, it is over at the deadline
+            // an earlier try may have changed what is in force: whatever it is, it is over at the deadline
+            return None;
         } else {
             self.in_force()
         };
