@@ -6,8 +6,9 @@
 //!                                               └──── how many were made
 //! ```
 //!
-//! All that belongs to a board is one file with clocks, pins, UART, timer, and in its lines with `//:` the memory map. Those here are chosen by
-//! the target; another is a copy of one of them, named by its path in the environment: `BOARD=my_board.rs`. It has
+//! Each board is one file with clocks, pins, UART, timer and, in its lines with `//:`, the memory
+//! map. The target chooses one of the files here. Another board is a copy of one of them, named by
+//! its path in the environment: `BOARD=my_board.rs`. It has
 //!
 //! | function | does |
 //! | --- | --- |
@@ -24,8 +25,9 @@
 //! | `drive(duty: u8)` | the PWM of a DC motor, where the board has one |
 //! | `counts(simulated: u16) -> u16` | the counter of its encoder |
 //!
-//! On ARM it has its part of the vector table, too, `__INTERRUPTS`. In its interrupts, all of one priority, it calls `on_time` when a wait is over and
-//! `heard` when a byte has come. A firmware has `on_time`, which calls `wait` or `stop`, and `on_byte`:
+//! On ARM it also has its part of the vector table, `__INTERRUPTS`. Its interrupts have one
+//! priority. They call `on_time` when a wait is over and `heard` when a byte has come. A firmware
+//! has `on_time`, which calls `wait` or `stop`, and `on_byte`:
 //!
 //! ```ignore
 //! #[unsafe(no_mangle)]
@@ -76,7 +78,8 @@ unsafe fn section() -> CriticalSection<'static> {
     unsafe { CriticalSection::new() }
 }
 
-/// A DC motor and its encoder are at the pins: without, `drive` and `counts` do nothing, and the firmware simulates them.
+/// Whether a DC motor and its encoder are at the pins. Without them `drive` and `counts` have no
+/// effect, and the firmware simulates them.
 pub const HAS_MOTOR: bool = cfg!(feature = "motor");
 
 /// Bytes of the line. A host has a few of them on the way at a time.

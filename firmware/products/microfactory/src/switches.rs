@@ -2,7 +2,8 @@
 
 use husillo_controllers::{MICROFACTORY_MOTORS, MicrofactoryInputs};
 
-/// Inputs of the board from bit 0: X, Y, Z, contact. A simulated machine's follow from where its loads are.
+/// Inputs of the board from bit 0: X, Y, Z, contact. Those of a simulated machine follow from the
+/// positions of its loads.
 pub struct Switches {
     /// Steps of the motors ahead of their loads, and of the loads from where they were at first.
     ahead: [i32; 3],

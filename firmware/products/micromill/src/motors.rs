@@ -10,7 +10,8 @@ pub struct Motors {
     levels: [u8; 64],
 }
 
-/// Of axes that step, and of those that do so backwards from bit 3 on: one forwards, or three for one backwards, in two bits each.
+/// Two bits per axis, for masks of the axes that step and, from bit 3, of those that step
+/// backwards: one for a step forwards, three for a step backwards.
 const STEPS: [u8; 64] = {
     let mut steps = [0; 64];
     let mut ways = 0;

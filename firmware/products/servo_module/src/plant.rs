@@ -1,9 +1,11 @@
 //! A motor with its encoder, where there is none at the pins.
 
-/// The prototype's motor as the simulator has it (`DcMotorModel::PROTOTYPE`), a servo period a step, in fixed point and without the inductance of its winding: that
-/// is over within a period.
+/// The motor of the prototype, as in the simulator (`DcMotorModel::PROTOTYPE`), one servo period
+/// per step, in fixed point and without the inductance of its winding, whose effect ends within a
+/// period.
 ///
-/// Source: `J dw/dt = k i - friction`, `i = (u - k w) / R`, with speeds in counts a period times 2^24.
+/// Source: `J dw/dt = k i - friction`, `i = (u - k w) / R`, with speeds in counts per period times
+/// 2^24.
 pub struct Plant {
     /// Counts times 2^24.
     position: i64,
@@ -11,15 +13,18 @@ pub struct Plant {
     speed: i32,
 }
 
-/// Gained in a period by one of 255 PWM: 0.525 N m over 4e-4 kg m^2, 63.66 counts a radian, 512 us, so 0.0219 counts a period.
+/// Speed gained per period by one of 255 PWM: 0.525 N m over 4e-4 kg m^2, 63.66 counts per radian,
+/// 512 us, so 0.0219 counts per period.
 const GAIN: i32 = 1441;
-/// Share of the speed lost in a period, times 2^16, to the voltage it makes and what grows with it: 0.0157125 N m s over the same.
+/// Share of the speed lost per period, times 2^16, to the induced voltage and to the friction that
+/// grows with the speed: 0.0157125 N m s over the same.
 const LOSS: i32 = 1318;
 /// Lost to friction in a period: 0.02 N m.
 const COULOMB: i32 = 13_997;
 /// What does not move it: 0.03 N m.
 const STICTION: i32 = 20_995;
-/// Current that a speed of a count a period takes away: 30.7 rad/s times 0.35 V s over 8 ohm, of 255 for 3 A.
+/// Current that a speed of one count per period takes away: 30.7 rad/s times 0.35 V s over 8 ohm,
+/// of 255 for 3 A.
 const BACK: i32 = 114;
 
 impl Plant {

@@ -13,13 +13,15 @@ const INDEX: u8 = 4;
 const ADDR_IN: u8 = 8;
 const SUPPLY: u8 = 16;
 
-/// Outputs: driver enable of the line, amplifier enable, direction, and ADDR_OUT, which is low once the module has its address.
+/// Outputs: driver enable of the line, amplifier enable, direction, and ADDR_OUT, which is low when
+/// the module has its address.
 const TRANSMIT: u8 = 1;
 const AMPLIFIER: u8 = 2;
 const REVERSE: u8 = 4;
 const ADDR_OUT: u8 = 8;
 
-/// Counts at which the probe before a simulated motor closes, up to the first and from the second on.
+/// Counts at which the probe of a simulated motor closes: up to the first value, and from the
+/// second value on.
 const FACES: [i32; 2] = [-1500, 1500];
 
 /// Counts between the index pulses of a simulated encoder.

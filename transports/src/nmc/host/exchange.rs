@@ -148,7 +148,8 @@ impl Host {
         let items = if !is_rejected {
             self.expected()
         } else if matches!(self.command, Command::DefineStatus(_)) {
-            // an earlier try may have changed what is in force: whatever it is, it is over at the deadline
+            // An earlier try may have changed the items in force. In any case they end at the
+            // deadline.
             return None;
         } else {
             self.in_force()
