@@ -24,7 +24,8 @@ pub enum What {
     /// Backlash by place, from lines cut in pairs
     #[command(after_help = BACKLASH_HELP)]
     Backlash(BacklashArgs),
-    /// What is left of the backlash at the ends of circles, beside what was measured on the original
+    /// What is left of the backlash at the ends of circles, next to the values measured on the
+    /// original
     Circles(CirclesArgs),
 }
 
@@ -41,7 +42,8 @@ pub struct BacklashArgs {
     /// Machine that cut the lines: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
-    /// Cut the lines on the simulated machine, with the play of the table simulated_lash, and measure them
+    /// Cut the lines on the simulated machine, with the backlash of the table simulated_lash, and
+    /// measure them
     #[arg(long)]
     pub simulate: bool,
     /// With --simulate: from one place to the next, at most

@@ -50,7 +50,8 @@ pub enum Command {
         husillo check part.nc -m micromill --format short\n  \
         husillo check - < part.nc")]
     Check(Check),
-    /// Write programs in one form, with nothing lost: capitals, one space between words, plain numbers
+    /// Write programs in one form, with nothing lost: capitals, one space between words, plain
+    /// numbers
     #[command(after_help = "Examples:\n  \
         husillo format part.nc\n  \
         husillo format part.nc -o part.nc\n  \
@@ -72,7 +73,8 @@ pub enum Command {
         husillo holes board.drl --as gcode --depth 1.8 --feed 120 -o board.nc\n  \
         husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
-    /// Translate a program or a drill file for a controller that has no interpreter: records of the circuit-board drill, strings of the micro mill
+    /// Translate a program or a drill file for a controller without an interpreter: records of the
+    /// circuit-board drill, strings of the micro mill
     #[command(after_help = "Examples:\n  \
         husillo compile board.drl -m drill -o board.cod\n  \
         husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
@@ -180,8 +182,8 @@ pub struct Target {
     /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
-    /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer [default: that of the machine, or rs274;
-    /// micromill for files ending in .mm]
+    /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer
+    /// [default: that of the machine, or rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
 }
@@ -210,13 +212,15 @@ pub struct Run {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// Simulate the screws with the play of the table simulated_lash, which is another at every place
+    /// Simulate the screws with the backlash of the table simulated_lash, which varies with the
+    /// position
     #[arg(long)]
     pub worn: bool,
     /// In which order closed contours are cut
     #[arg(long, value_enum, default_value = "file")]
     pub order: CuttingOrder,
-    /// Compare the left side of the work with the mirror image of its right side, about this machine position of X in mm
+    /// Compare the left side of the work with the mirror image of its right side, about this
+    /// machine position of X in mm
     #[arg(long, value_name = "X")]
     pub symmetry: Option<f64>,
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
@@ -229,7 +233,8 @@ pub struct Run {
 pub enum CuttingOrder {
     /// As they are written
     File,
-    /// As two halves from the same start point, so that both sides are cut on the same flank of the screw across
+    /// As two halves from the same start point, so that both sides are cut on the same flank of the
+    /// other axis' screw
     Mirrored,
 }
 
@@ -266,7 +271,8 @@ pub struct FormatArgs {
     /// File to write, which may be the program itself [default: standard output]
     #[arg(short, long, value_name = "FILE", conflicts_with = "check")]
     pub output: Option<String>,
-    /// Write nothing; print the programs that are not in this form, and exit with 1 if there are any
+    /// Write nothing; print the programs that are not in this form, and exit with 1 if there are
+    /// any
     #[arg(long)]
     pub check: bool,
     /// End lines with CR LF instead of LF
@@ -332,7 +338,8 @@ pub struct Steps {
     /// Leave the lash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// The inputs of the motors' drivers after each event, too: a number an axis, bit 0 is the first input
+    /// Also write the inputs of the motors' drivers after each event: a number per axis, bit 0 is
+    /// the first input
     #[arg(long)]
     pub levels: bool,
 }

@@ -169,7 +169,8 @@ fn again(arguments: impl Iterator<Item = String>) -> String {
 fn unreached(trouble: Trouble) -> String {
     match trouble {
         Trouble::Link(_) => format!(
-            "{}. Is it at work still? Otherwise press its button R, wait until it has homed, and try again",
+            "{}. Is it at work still? Otherwise press its button R, wait until it has homed, and \
+             try again",
             trouble.text()
         ),
         _ => trouble.text(),

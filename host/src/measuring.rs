@@ -201,8 +201,8 @@ fn measure_by(
     Ok(())
 }
 
-/// Actions as they are typed, a line at a time, until `end` or the end of the input: a line that is not understood, or fails, is told, and
-/// the next one comes. Whether there was one.
+/// Actions as they are typed, line by line, until `end` or the end of the input. A line that is not
+/// understood, or fails, is reported, and the next one is read. Returns whether there was one.
 ///
 /// # Errors
 ///
@@ -314,7 +314,8 @@ fn started(
 ) -> Result<Calibrated<Head<AnyPort>>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
-            "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the machine file, or -m cmm3",
+            "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the \
+             machine file, or -m cmm3",
             machine.title
         );
         return Err(Stopped::Usage(message));

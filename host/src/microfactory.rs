@@ -31,7 +31,8 @@ use std::sync::atomic::AtomicBool;
 
 /// Bits a second of the link.
 const BAUD: u32 = 9600;
-/// The figure of a device that was given none: the original's square with its diagonal, 1000 steps wide.
+/// The figure of a device without another one: the original's square with its diagonal, 1000 steps
+/// wide.
 const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
 /// How machines are reached.
@@ -65,7 +66,8 @@ impl Links<'_> {
         Ok(client.of_machine(place.number()))
     }
 
-    /// A machine a port, with its share of the actions. Two machines of one controller share its link.
+    /// A machine per port, with its share of the actions. Two machines of one controller share its
+    /// link.
     fn crew(&self, ports: &[String], shares: Vec<Vec<Action>>) -> Result<Vec<Worker>, String> {
         let places = ports.iter().map(|port| Place::parse(port));
         let places = places.collect::<Result<Vec<_>, _>>()?;

@@ -68,7 +68,11 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
 /// Gains of the file with what the command line says.
 fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
     if args.current.is_some_and(|current| current % 2 == 0) {
-        return Err("--current: the module takes even limits for a sense that shrinks with the current; give an odd one".into());
+        return Err(
+            "--current: the module takes even limits for a sense that shrinks with the \
+             current; give an odd one"
+                .into(),
+        );
     }
     let given = [args.p, args.i, args.d, args.integral_limit];
     if args.method != TuneMethod::Step && given.iter().any(Option::is_some) {
@@ -95,7 +99,8 @@ fn step_size(args: &Tune, file: &AxisSettings) -> Result<i32, String> {
     let [low, high] = file.travel;
     if size >= limit {
         return Err(format!(
-            "--size {size}: a step is a position error at once, and beyond {limit} counts (error_limit) the servo goes off"
+            "--size {size}: a step is a position error at once, and beyond {limit} counts \
+             (error_limit) the servo goes off"
         ));
     }
     if low > -2 * size || high < 2 * size {
@@ -154,10 +159,12 @@ fn message(failed: &Failed, outcome: &Outcome) -> String {
     });
     let help = match trouble {
         Trouble::PositionError { .. } => {
-            "\n  help: the servo is off now; lower --size, or raise --error-limit if the axis has the room"
+            "\n  help: the servo is off now; lower --size, or raise --error-limit if the axis has \
+             the room"
         }
         Trouble::OverCurrent { .. } => {
-            "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if the motor bears it"
+            "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if \
+             the motor bears it"
         }
         _ => "",
     };

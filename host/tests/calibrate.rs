@@ -91,7 +91,8 @@ fn what_is_wrong_is_said() {
         .stderr(contains("has no `count`"));
     calibrate("squareness", "x1,y1,x2,y2\n0,0,100,100\n", &[]).stderr(contains("both diagonals"));
     let cmm3 = std::fs::read_to_string("../machines/cmm3.toml").unwrap();
-    let steep = "[axis.x.calibration]\ntable = [[\"0 mm\", \"0 um\", \"0 um\"], [\"1 um\", \"1 um\", \"0 um\"]]\n";
+    let steep = "[axis.x.calibration]\ntable = [[\"0 mm\", \"0 um\", \"0 um\"], [\"1 um\", \"1 \
+         um\", \"0 um\"]]\n";
     let steep = written("steep.toml", &(cmm3 + steep));
     let args = ["measure", "-m", steep.to_str().unwrap(), "status"];
     husillo()

@@ -120,7 +120,8 @@ fn a_session_from_the_addresses_to_a_routine() {
 #[test]
 fn a_turned_part_measures_like_the_first() {
     let drawn = run(&["--piece", PIECE], "drawn.routine", ALIGNED);
-    let place = "[place]\nat = [\"1.5 mm\", \"-1 mm\", \"-0.5 mm\"]\nturn = \"3 deg\"\ntilt = \"0.5 deg\"\n";
+    let place = "[place]\nat = [\"1.5 mm\", \"-1 mm\", \"-0.5 mm\"]\nturn = \"3 deg\"\ntilt \
+         = \"0.5 deg\"\n";
     let text = std::fs::read_to_string(PIECE).unwrap();
     let turned = written("turned-part.toml", &format!("{text}\n{place}"));
     let Some(chain) = chain("turned-chain", turned.to_str().unwrap()) else {

@@ -83,7 +83,8 @@ fn errors_stop_a_run_before_anything_moves() {
         .assert()
         .code(1)
         .stderr(contains(
-            "error[E0401]: the part reaches X 5 to 10.25 mm, and micromill X 0 to 10 mm: move zero by at least X -0.25",
+            "error[E0401]: the part reaches X 5 to 10.25 mm, and micromill X 0 to 10 mm: move zero \
+             by at least X -0.25",
         ))
         .stderr(contains("limit set here"))
         .stderr(contains("nothing moves"));

@@ -14,7 +14,10 @@ fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
 fn run_losing(name: &str, on_loss: Option<&str>, losses: &[&str]) -> (i32, Value) {
     let mill = std::fs::read_to_string("../machines/micromill.toml").unwrap();
     let encoder = on_loss.map(|on_loss| {
-        format!("[axis.x.encoder]\ncounts_per_mm = 50000\ntolerance = \"4 steps\"\non_loss = \"{on_loss}\"\n")
+        format!(
+            "[axis.x.encoder]\ncounts_per_mm = 50000\ntolerance = \"4 steps\"\non_loss \
+             = \"{on_loss}\"\n"
+        )
     });
     let file = mill + &encoder.unwrap_or_default();
     let path = written(&format!("{name}.toml"), &file);

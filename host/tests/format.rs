@@ -18,7 +18,8 @@ fn scratch(name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
-const UNTIDY: &[u8] = b"%\r\nn10g01x+01.50y-.5(Cut; \xe9)f 1 00\r\n  #1=[ 2 ]\r\no1 while [#1 gt 0]\r\n/g0z5. ; up  \r\n\
+const UNTIDY: &[u8] = b"%\r\nn10g01x+01.50y-.5(Cut; \xe9)f 1 00\r\n  #1=[ 2 ]\r\no1 while [#1 gt \
+     0]\r\n/g0z5. ; up  \r\n\
 m30\r\nany text, 1 2 3";
 
 const TIDY: &[u8] =

@@ -211,7 +211,8 @@ fn contours_are_divided_where_they_can_be() {
 #[test]
 fn bands_are_read_from_a_table() {
     let path = scratch("bands.csv");
-    let readings = "axis;y;programmed;measured\nX;1.2;0.3;0.286\nX;3.5;0.3;0.297\nX;5.8;300 um;283 um\nX;5.8;-0.3;-0.317\n";
+    let readings = "axis;y;programmed;measured\nX;1.2;0.3;0.286\nX;3.5;0.3;0.297\nX;5.8;300 um;283 \
+         um\nX;5.8;-0.3;-0.317\n";
     std::fs::write(&path, readings).unwrap();
     let text = printed(&["calibrate", "backlash", path.to_str().unwrap()]);
     // 204 um in whole steps are 203.98 um.

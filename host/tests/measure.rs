@@ -79,7 +79,8 @@ fn a_touch_in_any_direction_latches_all_axes() {
         .assert()
         .code(1)
         .stderr(contains(
-            "no contact from X 0.0000 mm, Y 0.0000 mm, Z 0.0000 mm to X -200.0000 mm, Y -200.0000 mm, Z 0.0000 mm",
+            "no contact from X 0.0000 mm, Y 0.0000 mm, Z 0.0000 mm to X -200.0000 mm, Y -200.0000 \
+             mm, Z 0.0000 mm",
         ));
 }
 
@@ -209,14 +210,16 @@ fn cmm3_with(name: &str, lines: &str) -> String {
 fn a_table_of_errors_needs_a_home() {
     let machine = cmm3_with(
         "table.toml",
-        "[axis.x.calibration]\nscale = \"50 um/m\"\ntable = [[\"-200 mm\", \"0 um\", \"0 um\"], [\"0 mm\", \"100 um\", \"100 um\"], [\"200 mm\", \"0 um\", \"0 um\"]]\n",
+        "[axis.x.calibration]\nscale = \"50 um/m\"\ntable = [[\"-200 mm\", \"0 um\", \"0 um\"], \
+         [\"0 mm\", \"100 um\", \"100 um\"], [\"200 mm\", \"0 um\", \"0 um\"]]\n",
     );
     let on = |args: &[&str]| {
         let mut command = husillo();
         command.args(["measure", "-m", &machine]).args(args);
         command.assert()
     };
-    let not_homed = "error: X is not homed: its table of errors belongs to places, and counts begin anywhere\n  help: `home` it first";
+    let not_homed = "error: X is not homed: its table of errors belongs to places, and counts \
+         begin anywhere\n  help: `home` it first";
     for args in [
         &["goto", "Y1"][..],
         &["touch", "+x"],
@@ -560,7 +563,8 @@ fn failures_are_named() {
 #[test]
 fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
     let path = scratch("late.routine");
-    let text = "goto x 0 y 0 z 0\ntouch a +x within 10\ngoto x 0\ngoto x 0 y 20 z -5\ntouch b +x within 5\n";
+    let text = "goto x 0 y 0 z 0\ntouch a +x within 10\ngoto x 0\ngoto x 0 y 20 z -5\ntouch b +x \
+         within 5\n";
     std::fs::write(&path, text).unwrap();
     // b ends at 2500 counts.
     let mut latched = 0;

@@ -42,7 +42,8 @@ fn steps(name: &str, text: &str) -> String {
 
 #[test]
 fn units_increments_centres_radii_and_feeds() {
-    let program = "G21 G91\nG0 X1 Y0.5\nG1 Z-0.1 F1.25\nG2 X0.2 Y0 I0.1 J0 F0.8\nG90 G20\nG3 X0.04 Y0.03 R0.02 F0.03\nM8\nM30\n";
+    let program = "G21 G91\nG0 X1 Y0.5\nG1 Z-0.1 F1.25\nG2 X0.2 Y0 I0.1 J0 F0.8\nG90 G20\nG3 X0.04 \
+         Y0.03 R0.02 F0.03\nM8\nM30\n";
     let (strings, told) = compiled("words.nc", program);
     let lines: Vec<&str> = strings.lines().collect();
     assert_eq!(
@@ -62,7 +63,8 @@ fn units_increments_centres_radii_and_feeds() {
 /// What the mill can do itself is made with the very same steps, where centres are whole tens of nanometres as its words are.
 #[test]
 fn the_path_of_flat_programs_is_equal() {
-    let program = "G21 G90\nG0 X1 Y1\nG1 X1.2345671 Y0.7777777 F1.1\nG1 X1.23456 Y0.77777\nG3 X1.23456 Y0.77777 I-0.1 J0.05\nG0 Z0.2\nG0 X0 Y0\nM30\n";
+    let program = "G21 G90\nG0 X1 Y1\nG1 X1.2345671 Y0.7777777 F1.1\nG1 X1.23456 Y0.77777\nG3 \
+         X1.23456 Y0.77777 I-0.1 J0.05\nG0 Z0.2\nG0 X0 Y0\nM30\n";
     let (strings, _) = compiled("flat.nc", program);
     let deltas = |csv: &str| -> Vec<String> {
         let rows = csv.lines().skip(1);

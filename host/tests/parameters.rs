@@ -14,9 +14,12 @@ fn husillo(args: &[&str], program: &str) -> assert_cmd::assert::Assert {
 
 #[test]
 fn commands_come_in_the_order_of_execution() {
-    husillo(&["commands", "-m", "free", "-"], LOOP).success().stdout(
-        "     4  linear X0 Y0 Z0 F100\n     4  linear X2.5 Y1 Z0 F100\n     4  linear X5 Y2 Z0 F100\n     7  end\n",
-    );
+    husillo(&["commands", "-m", "free", "-"], LOOP)
+        .success()
+        .stdout(
+            "     4  linear X0 Y0 Z0 F100\n     4  linear X2.5 Y1 Z0 F100\n     4  linear X5 Y2 Z0 \
+         F100\n     7  end\n",
+        );
 }
 
 #[test]

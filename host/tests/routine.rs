@@ -224,7 +224,8 @@ fn mistakes_are_told_before_anything_moves() {
 #[test]
 fn recorded_and_run_again() {
     let routine = scratch("recorded.routine");
-    let typed = "jog z -1\ntouch -z within 10\njog z 1\njog z 0.5\ntouch corner +x within 10 x 5 +-0.01\n\
+    let typed = "jog z -1\ntouch -z within 10\njog z 1\njog z 0.5\ntouch corner +x within 10 x 5 \
+         +-0.01\n\
                  jog x -2\nedge E at x 4 y 3 z -1 towards +y\n";
     let first = measure()
         .arg("record")
@@ -295,8 +296,10 @@ fn what_is_known_of_the_axes_is_taken_off() {
 fn a_program_on_the_chain() {
     let program = written(
         "probe.nc",
-        "G21 G90 F24\nG38.2 Z-10\n#<top> = #5063\nG0 Z[#<top> + 3]\no<edge> call [5] [1] [#<top> + 1] [1] [0]\n\
-         o1 if [ABS[#<_edge_x> - 5] gt 0.005]\nG0 X900\no1 endif\nG38.3 Z[#<top> + 2]\no2 if [#5070 ne 0]\nG0 X900\no2 endif\nM2\n",
+        "G21 G90 F24\nG38.2 Z-10\n#<top> = #5063\nG0 Z[#<top> + 3]\no<edge> call [5] [1] [#<top> + \
+         1] [1] [0]\n\
+         o1 if [ABS[#<_edge_x> - 5] gt 0.005]\nG0 X900\no1 endif\nG38.3 Z[#<top> + 2]\no2 if \
+         [#5070 ne 0]\nG0 X900\no2 endif\nM2\n",
     );
     let run = measure().arg("run").arg(&program).assert().success();
     run.stdout(contains("edge edge-1").and(contains("1 feature")));
@@ -322,9 +325,11 @@ fn probing_there_and_away() {
     // Faces are sharp and counts 2 um; the head stands where it has braked, less than 20 um on.
     probe(
         "G38.2 Z-10\n\
-         o1 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 gt -4] or [#5422 lt -4.02]]\nG0 X900\no1 endif\n\
+         o1 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 gt -4] or [#5422 lt \
+         -4.02]]\nG0 X900\no1 endif\n\
          G38.4 Z-3 F6\n\
-         o2 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 lt -4.002]]\nG0 X900\no2 endif\n\
+         o2 if [[ABS[#5063 + 4] gt 0.003] or [#5070 ne 1] or [#5422 lt -4.002]]\nG0 X900\no2 \
+         endif\n\
          G20\nF1 G1 Z[-3.5/25.4]\nG38.3 Z[-5/25.4]\nG21\n\
          o3 if [ABS[#5063 + 4] gt 0.003]\nG0 X900\no3 endif\n\
          F24\nG38.5 X1\n\
@@ -356,8 +361,10 @@ fn both_ways_on_the_piece() {
     // Axially the stylus takes 1 um, 0.5 um of noise; counts of 2 um.
     let program = written(
         "both.nc",
-        "G21 G90 F24\nG0 Z-10\nG0 X16 Y16\nG38.2 Z-24\n#<made> = #5063\nG38.4 Z-18 F4.8\n#<broken> = #5063\n\
-         o1 if [[ABS[#<made> + 19] gt 0.0045] or [ABS[#<broken> + 19] gt 0.0045]]\nG0 X900\no1 endif\nM2\n",
+        "G21 G90 F24\nG0 Z-10\nG0 X16 Y16\nG38.2 Z-24\n#<made> = #5063\nG38.4 Z-18 F4.8\n#<broken> \
+         = #5063\n\
+         o1 if [[ABS[#<made> + 19] gt 0.0045] or [ABS[#<broken> + 19] gt 0.0045]]\nG0 X900\no1 \
+         endif\nM2\n",
     );
     let mut command = measure_piece(PIECE, "1 um");
     command.arg("run").arg(&program).assert().success();

@@ -73,7 +73,8 @@ fn pockets_and_missing_contours_are_shown_at_their_lines() {
 
 #[test]
 fn cycles_stand_beside_parameters() {
-    let program = "#1=1.5\nG0 X40 Z2\nF100\nG71 U#1 R[#1/3]\nG71 P1 Q2\nN1 G0 X36\nN2 G1 Z-5\nG70 P1 Q2\n#2=7\nG0 Z#2\n";
+    let program = "#1=1.5\nG0 X40 Z2\nF100\nG71 U#1 R[#1/3]\nG71 P1 Q2\nN1 G0 X36\nN2 G1 Z-5\nG70 \
+         P1 Q2\n#2=7\nG0 Z#2\n";
     let output = husillo()
         .args(["commands", "-m", "lathe", "--dialect", "lathe-a", "-"])
         .write_stdin(program)

@@ -33,7 +33,8 @@ impl Columns {
         Self::parse(&text, known).map_err(|why| format!("{path}: {why}"))
     }
 
-    /// Reads a text with commas, semicolons or tabs; empty lines and what begins with `#` are left out.
+    /// Reads a text with commas, semicolons or tabs. Empty lines and lines that begin with `#` are
+    /// left out.
     ///
     /// # Errors
     ///

@@ -64,7 +64,8 @@ pub struct Layout {
     /// Diameter of a tool, whatever the file says; may be repeated
     #[arg(long, value_name = "N=MM")]
     pub tool: Vec<String>,
-    /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour, 2-opt and Or-opt)
+    /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour,
+    /// 2-opt and Or-opt)
     #[arg(long, value_enum, default_value = "file")]
     pub order: DrillOrder,
     /// Only the holes and slots of this tool; may be repeated
@@ -83,7 +84,8 @@ pub struct Layout {
         value_parser = degrees
     )]
     pub turn: f64,
-    /// Place of a hole in the file, and where it was measured; two or more turn and move the board onto them (least squares)
+    /// Position of a hole in the file, and its measured position; two or more turn and shift the
+    /// board onto them (least squares)
     #[arg(long, value_name = "X,Y=X,Y", allow_hyphen_values = true)]
     pub reference: Vec<String>,
     /// Let --reference stretch the board as well, by the scale and the skew it finds
@@ -108,7 +110,8 @@ pub struct Compile {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// File to write; of a drill file with several tools NAME.T1.cod and so on, and of each drill file a manifest NAME.toml
+    /// File to write; for a drill file with several tools NAME.T1.cod and so on, and for each drill
+    /// file a manifest NAME.toml
     #[arg(short, long, value_name = "NAME.cod")]
     pub output: Option<String>,
     /// Page with a picture of the board: holes, order and travel
@@ -122,13 +125,15 @@ pub struct Compile {
 /// `husillo send`.
 #[derive(Debug, Args)]
 pub struct Send {
-    /// Program, drill file, records (NAME.cod), a manifest of them (NAME.toml), or a figure (NAME.fig); of figures one for each port
+    /// Program, drill file, records (NAME.cod), a manifest of them (NAME.toml), or a figure
+    /// (NAME.fig); of figures one per port
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at once, PORT#2 for the second one of a controller
+    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at
+    /// once, PORT#2 for the second machine of a controller
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
     /// Bits a second of the link [default: 2400, of the micro mill and the microfactory 9600]
@@ -137,7 +142,8 @@ pub struct Send {
     /// First hole to be drilled, counted through all tools
     #[arg(long, value_name = "HOLE", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub from: u32,
-    /// End when the start is confirmed, and let the drill go on by itself: one tool, up to 8192 bytes
+    /// End when the start is confirmed, and let the drill continue alone: one tool, up to 8192
+    /// bytes
     #[arg(long)]
     pub detach: bool,
     /// Do not ask for tools
@@ -149,7 +155,8 @@ pub struct Send {
     /// Micro mill: one step in so many is told; 0 for none
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=999))]
     pub every: u16,
-    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin where the axes are
+    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the
+    /// present positions
     #[arg(long)]
     pub no_home: bool,
     /// Microfactory: the device does not answer; what is sent is not confirmed
@@ -180,10 +187,12 @@ pub struct Drilling {
     /// What is made of the file.
     #[command(flatten)]
     pub layout: Layout,
-    /// Depths from Z words and G81 to G83, for a drill with its flaws mended: the program is RS-274 then
+    /// Depths from Z words and G81 to G83, for a drill with its flaws mended: the program is RS-274
+    /// then
     #[arg(long)]
     pub fixed: bool,
-    /// Depth of all holes of a drill file below the upper sensor, for a drill with its flaws mended [default: to the lower sensor]
+    /// Depth of all holes of a drill file below the upper sensor, for a drill with its flaws mended
+    /// [default: to the lower sensor]
     #[arg(long, value_name = "MM")]
     pub depth: Option<String>,
     /// Height of the upper sensor above Z 0 of the program, with --fixed

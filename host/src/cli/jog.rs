@@ -11,10 +11,12 @@ pub struct Jog {
     /// Machine: drill, micromill, microfactory, or the file of one like it
     #[arg(short, long, value_name = "NAME|FILE", default_value = "microfactory")]
     pub machine: String,
-    /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once; PORT#2 for the second machine of a controller
+    /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once; PORT#2
+    /// for the second machine of a controller
     #[arg(long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Figure of the simulated device: a G-code program of straight moves in X and Z, or a list of them (NAME.fig)
+    /// Figure of the simulated device: a G-code program of straight moves in X and Z, or a list of
+    /// them (NAME.fig)
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
     /// Bits a second of the link [default: 9600, of a drill 2400]

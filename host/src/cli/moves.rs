@@ -52,7 +52,8 @@ pub struct ArcShape {
     /// Fraction bits of the centre, 0 to 16
     #[arg(long, value_name = "F", default_value_t = 16)]
     pub centre_bits: u8,
-    /// Square of the radius, in units of 2^(-2F) steps^2: a circle of this radius instead of a spiral
+    /// Square of the radius, in units of 2^(-2F) steps^2: a circle of this radius instead of a
+    /// spiral
     #[arg(long, value_name = "R2")]
     pub radius_squared: Option<u128>,
     /// Complete extra turns

@@ -7,7 +7,8 @@ use std::ffi::OsString;
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are done in turn. As the last one: run FILE, record FILE, session
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are
+    /// done in turn. As the last one: run FILE, record FILE, session
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]
@@ -51,7 +52,8 @@ pub struct Measure {
     pub raw: bool,
 }
 
-/// The arguments, with directions of `measure` such as `-z` and `-1,0,0` written so that they are no options: `z-` and `(-1,0,0)`.
+/// The arguments, with directions of `measure` such as `-z` and `-1,0,0` written so that they are
+/// not taken as options: `z-` and `(-1,0,0)`.
 pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut args: Vec<_> = args.collect();
     if args.get(1).is_some_and(|command| command == "measure") {
@@ -82,7 +84,8 @@ pub struct Emulate {
     /// Machines that the controller of a microfactory drives
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub machines: u8,
-    /// As the original did: a microfactory that does not answer and has no dead-man's time, a drill with the flaws of its link
+    /// As the original: a microfactory that does not answer and has no dead-man's time, a drill
+    /// with the flaws of its link
     #[arg(long)]
     pub faithful: bool,
     /// Bits a second of the link of a micro mill, drill or microfactory [default: 9600, 2400, 9600]
@@ -97,7 +100,8 @@ pub struct Emulate {
     /// Address for clients to connect to, as tcp:HOST:PORT; port 0 chooses a free one
     #[arg(long, value_name = "IP:PORT", conflicts_with = "link")]
     pub listen: Option<std::net::SocketAddr>,
-    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
+    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT;
+    /// may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece: solids and a probe, as in examples/piece.toml
@@ -197,7 +201,8 @@ pub struct Tune {
     /// Axis to tune
     #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
     pub axis: char,
-    /// Serial device, tcp:HOST:PORT, line: simulated modules on a simulated line, or sim: the simulated axis itself, read in every servo period
+    /// Serial device, tcp:HOST:PORT, line: simulated modules on a simulated line, or sim: the
+    /// simulated axis itself, read in every servo period
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: String,
     /// What to do

@@ -98,7 +98,8 @@ impl Action {
     fn axis(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
-                "unknown action `{word}`: a drill has home, steps as in `x -25`, a jog as in `x+ 2s`, spindle on, spindle off, stop, teach, \
+                "unknown action `{word}`: a drill has home, steps as in `x -25`, a jog as in `x+ \
+                 2s`, spindle on, spindle off, stop, teach, \
                  save FILE, run, clear, test, help"
             )
         };
@@ -289,7 +290,8 @@ impl Hand {
     fn run(&mut self) -> Result<String, Failed> {
         if !self.client.has_extras() {
             return Err(Failed::Other(
-                "this drill is an original one, which does not say what it holds: its programs are run by `husillo send`".into(),
+                "this drill is an original one, which does not say what it holds: its programs are \
+                 run by `husillo send`".into(),
             ));
         }
         self.idle()?;
@@ -423,7 +425,9 @@ fn whole(program: &[[u8; 3]]) -> Result<usize, String> {
     };
     match records {
         Some(records) if records.is_empty() => Err(
-            "its memory holds no program (of one that is longer than its memory it holds the end alone)".into(),
+            "its memory holds no program (of one that is longer than its memory it holds the end \
+             alone)"
+                .into(),
         ),
         Some(records) if ends_well(&records) => {
             let is_drilling = |record: &&Record| matches!(record, Record::Drill(_));

@@ -11,12 +11,14 @@ use std::time::Duration;
 
 /// The longest the host waits at a stretch before it looks whether it has to stop.
 const LOOK: Duration = Duration::from_millis(20);
-/// What a device does not do in this, it does not do: `Host` is told to wait on until the caller's own limit.
+/// What a device has not done within this time it does not do: `Host` waits on until the limit of
+/// the caller.
 const RUN_US: u32 = 30_000_000;
 /// Within this a drill says that it is at work; asked so often.
 const AT_WORK: Duration = Duration::from_millis(400);
 const ASKED: usize = 4;
-/// A drill that runs a program is asked so often; one that has not answered so many times is not there any more.
+/// The interval of questions to a drill that runs a program, and the number of missing answers
+/// after which it counts as gone.
 const ASK: Duration = Duration::from_secs(1);
 const UNANSWERED: u32 = 5;
 /// A drill that is told to stop ends the record it is at: the way along the table, or a drilling.
@@ -55,11 +57,14 @@ impl Trouble {
                 "the drill was reset: it has homed, and its program is gone".into()
             }
             Trouble::Link(Failure::Fault) => {
-                "the drill stands for a fault, which its panel tells: steps were lost, a switch or a sensor does not work, or a place is off \
+                "the drill stands for a fault, which its panel tells: steps were lost, a switch or \
+                 a sensor does not work, or a place is off \
                  the table. Mend it, then press its button R"
                     .into()
             }
-            Trouble::Link(Failure::NotAll) => "the axis came to its end before all steps were made".into(),
+            Trouble::Link(Failure::NotAll) => {
+                "the axis came to its end before all steps were made".into()
+            }
             Trouble::Link(Failure::Full) => {
                 "the drill's memory has no room for another hole".into()
             }
@@ -157,7 +162,8 @@ impl Client {
         Err(last)
     }
 
-    /// Brings the device to rest after a failure; shorter than [`reach`](Self::reach), as it was there a moment ago.
+    /// Brings the device to rest after a failure. Shorter than [`reach`](Self::reach), because the
+    /// device was present a moment ago.
     ///
     /// # Errors
     ///
@@ -175,7 +181,8 @@ impl Client {
         last
     }
 
-    /// How many drillings the device has done since its memory was cleared; `None` where it cannot say: the original, or after a reset.
+    /// How many holes the device has drilled since its memory was cleared. `None` if it cannot
+    /// report this: the original, or after a reset.
     ///
     /// # Errors
     ///
@@ -229,7 +236,7 @@ impl Client {
         self.run_for(step, Duration::ZERO, |_| {})
     }
 
-    /// A step for which the device may need this long; meanwhile the time since its beginning is told.
+    /// A step that may take the device this long. Meanwhile the elapsed time is reported.
     ///
     /// # Errors
     ///
@@ -289,8 +296,8 @@ impl Client {
         }
     }
 
-    /// Starts the program and makes sure that it runs, without waiting for its end: it says so itself. `false` where the program is done
-    /// already: nothing is left to itself.
+    /// Starts the program and confirms that it runs, without waiting for its end, which the device
+    /// reports itself. `false` if the program is done already.
     ///
     /// # Errors
     ///

@@ -8,7 +8,7 @@ use husillo_controllers::DrillConfig;
 const SETTLE_S: f64 =
     DrillConfig::ORIGINAL.settle_ticks as f64 / DrillConfig::ORIGINAL.timer_hz as f64;
 
-/// Seconds that the machine takes for the drillings of a part, from a place on, one after the other.
+/// Seconds that the machine takes for the holes of a part in turn, from a start position.
 pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
     part.stops()
         .map(|stop| {

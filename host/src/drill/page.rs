@@ -12,7 +12,8 @@ const COLOURS: &str = "\
 :root{--t0:#0b5cad;--t1:#b3261e;--t2:#1b7f3b;--t3:#8a4fbf;--t4:#9a6700;--t5:#00767f}\
 @media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;--t4:#f0c419;--t5:#4dd0d8}}\
 .way{stroke-width:1;stroke-opacity:.55;stroke-linejoin:round}.hole{fill-opacity:.75;stroke:none}\
-.back{stroke-dasharray:1 3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
+.back{stroke-dasharray:1 \
+3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
 /// Diameter drawn where it is not known, mm.
 const UNKNOWN_MM: f64 = 0.8;
 /// Most numbers written beside holes.
@@ -38,7 +39,8 @@ pub fn html(board: &Board<'_>) -> String {
     page.push_str("<section><h2>Board</h2>\n");
     picture(&mut page, board);
     page.push_str(
-        "<p>The numbers are the order; a hole tells its place. The lines are the way, X before Y: of each tool from zero and, dotted, back there. \
+        "<p>The numbers are the order; a hole tells its place. The lines are the way, X before Y: \
+         of each tool from zero and, dotted, back there. \
          The frame of dashes is the board's extent, the red one the table.</p></section>\n",
     );
     table(&mut page, board);
@@ -113,7 +115,8 @@ fn routes(page: &mut String, board: &Board<'_>, y_of: impl Fn(u16) -> f64) {
         }
         let _ = writeln!(
             page,
-            "\"/>\n<path class=\"way back\" style=\"stroke:var(--t{})\" d=\"M{:.3} {:.3}H0V{:.3}\"/>",
+            "\"/>\n<path class=\"way back\" style=\"stroke:var(--t{})\" d=\"M{:.3} \
+             {:.3}H0V{:.3}\"/>",
             place % 6,
             to_mm(last[0]),
             y_of(last[1]),
@@ -139,7 +142,8 @@ fn holes(page: &mut String, board: &Board<'_>, y_of: impl Fn(u16) -> f64, size: 
             let ([x, y], [x_mm, y_mm]) = (stop.at, stop.at.map(millimetres));
             let _ = writeln!(
                 page,
-                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{number}: {x_mm}, {y_mm} mm, {}</title></circle>",
+                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.3}\"><title>{number}: {x_mm}, {y_mm} mm, \
+                 {}</title></circle>",
                 to_mm(x),
                 y_of(y),
                 diameter / 2.0,
@@ -171,7 +175,8 @@ fn picture(page: &mut String, board: &Board<'_>) {
     let y_of = |y: u16| up - to_mm(y);
     let _ = writeln!(
         page,
-        "<svg viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" role=\"img\" aria-label=\"holes and the way between them\">",
+        "<svg viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" role=\"img\" aria-label=\"holes and \
+         the way between them\">",
         -margin, -margin
     );
     if is_bounded {
@@ -198,7 +203,8 @@ fn picture(page: &mut String, board: &Board<'_>) {
     page.push_str("</svg>\n");
 }
 
-/// A bar of a round length below zero: width of the picture, place, height and size of the letters, mm.
+/// A bar of a round length below zero: width of the picture, position, height and size of the
+/// letters, mm.
 fn scale_bar(page: &mut String, [width, y, height, size]: [f64; 4]) {
     let mut length = 0.1;
     while 10.0 * length < 0.4 * width {
@@ -215,7 +221,8 @@ fn scale_bar(page: &mut String, [width, y, height, size]: [f64; 4]) {
 
 fn table(page: &mut String, board: &Board<'_>) {
     page.push_str(
-        "<section><h2>Tools</h2><div class=\"scroll\"><table><tr><th>Tool</th><th>Diameter</th><th>Holes</th><th>Bytes</th>\
+        "<section><h2>Tools</h2><div \
+         class=\"scroll\"><table><tr><th>Tool</th><th>Diameter</th><th>Holes</th><th>Bytes</th>\
          <th>Travel</th><th>Time</th></tr>\n",
     );
     for (place, part) in board.parts.iter().enumerate() {
@@ -224,7 +231,8 @@ fn table(page: &mut String, board: &Board<'_>) {
             .map_or("unknown".to_owned(), |nm| format!("{nm} mm"));
         let _ = writeln!(
             page,
-            "<tr><td><span class=\"swatch\" style=\"background:var(--t{})\"></span>T{}</td><td>{diameter}</td><td>{}</td><td>{}</td>\
+            "<tr><td><span class=\"swatch\" \
+             style=\"background:var(--t{})\"></span>T{}</td><td>{diameter}</td><td>{}</td><td>{}</td>\
              <td>{}</td><td>{}</td></tr>",
             place % 6,
             part.tool,

@@ -24,7 +24,8 @@ pub struct Stop {
 }
 
 impl Part {
-    /// How many holes: a drilling that goes deeper at the same place belongs to the hole of the one before.
+    /// How many holes. A record that drills deeper at the same position belongs to the hole of the
+    /// record before.
     pub fn holes(&self) -> usize {
         self.pecks().filter(|is_peck| !is_peck).count()
     }
@@ -109,7 +110,8 @@ impl Part {
     }
 }
 
-/// The same records without moves to where it is already, from home: they would cost three bytes each on a slow line.
+/// The same records without moves to the present position, from home. Such moves would cost three
+/// bytes each on a slow line.
 pub fn lean(records: &[Record]) -> Vec<Record> {
     let mut at = [0; 2];
     let moves = |record: &&Record| match **record {

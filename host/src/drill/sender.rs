@@ -12,7 +12,8 @@ pub trait Operator {
     /// Something to know.
     fn tell(&mut self, line: &str);
 
-    /// The spindle stands: the next tool, and what its diameter should be. What is in it now, mm; `None` ends.
+    /// The spindle stands: the next tool, and its nominal diameter. Returns the diameter of the
+    /// tool that is in it now, mm; `None` ends.
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
 
     /// How far it is: a share of all, and seconds that are left, as reckoned.
@@ -58,7 +59,8 @@ pub struct Sender<'a, O> {
 enum Ended {
     /// Drilled, or left to itself.
     Well { is_detached: bool },
-    /// Before the device's memory was cleared for it: nothing of it is done, and what the link counts is of the part before.
+    /// The memory of the device has not been cleared for the part yet: nothing of it is done, and
+    /// the counts of the link belong to the part before.
     Before(Trouble),
     /// Behind that.
     After(Trouble),
@@ -109,13 +111,15 @@ impl<O: Operator> Sender<'_, O> {
         if detach {
             let [load] = &loads[..] else {
                 return Err(format!(
-                    "--detach is for one tool, and this has {}: the drill waits for nobody to change it",
+                    "--detach is for one tool, and this has {}: the drill waits for nobody to \
+                     change it",
                     loads.len()
                 ));
             };
             if load.bytes.len() > MEMORY_BYTES {
                 return Err(format!(
-                    "--detach is for programs of up to {MEMORY_BYTES} bytes, which the drill holds; this one has {}",
+                    "--detach is for programs of up to {MEMORY_BYTES} bytes, which the drill \
+                     holds; this one has {}",
                     load.bytes.len()
                 ));
             }
@@ -138,13 +142,22 @@ impl<O: Operator> Sender<'_, O> {
         }
         if !self.client.has_extras() {
             if detach {
-                return Err("this drill is an original one: it does not say that it has started, so it cannot be left to itself".into());
+                return Err(
+                    "this drill is an original one: it does not say that it has started, so \
+                     it cannot be left to itself"
+                        .into(),
+                );
             }
             if self.has_depths() {
-                return Err("this drill is an original one: it knows no depths, and would drill each hole through".into());
+                return Err(
+                    "this drill is an original one: it knows no depths, and would drill \
+                     each hole through"
+                        .into(),
+                );
             }
             self.operator.tell(
-                "this drill is an original one: it switches its spindle for each hole, and cannot say how far it is",
+                "this drill is an original one: it switches its spindle for each hole, and cannot \
+                 say how far it is",
             );
         }
         if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
@@ -175,7 +188,8 @@ impl<O: Operator> Sender<'_, O> {
         Ok(End::Drilled)
     }
 
-    /// The parts that are left, each ending at home: so `c` leaves zero where it is, and steps that were lost are found at the switches.
+    /// The remaining parts, each ending at home. So `c` keeps zero, and the switches show steps
+    /// that were lost.
     fn loads(&self) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
@@ -293,7 +307,10 @@ impl<O: Operator> Sender<'_, O> {
         self.client.run_for(step, longest, |passed| {
             if !is_watched && passed.as_secs_f64() > overdue_s {
                 is_watched = true;
-                operator.tell("it takes longer than reckoned, and an original drill says nothing meanwhile: if it stands, press Ctrl-C");
+                operator.tell(
+                    "it takes longer than reckoned, and an original drill says nothing \
+                     meanwhile: if it stands, press Ctrl-C",
+                );
             }
             // Never more than was reckoned: the rest is told as it is.
             let passed_s = (passed.as_secs_f64() / seen.pace).min(run_s);
@@ -405,7 +422,8 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
                 format!("{done} of {all} holes are drilled")
             } else {
                 format!(
-                    "{done} of {all} holes are drilled for certain, and up to {begun} may be: look at the board"
+                    "{done} of {all} holes are drilled for certain, and up to {begun} may be: look \
+                     at the board"
                 )
             };
             let go_on = if *done == all {
@@ -416,7 +434,8 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
                 format!("go on with: {again} --from {next}")
             } else {
                 format!(
-                    "go on with --from and the number of the first hole that is not there, {next} or later"
+                    "go on with --from and the number of the first hole that is not there, {next} \
+                     or later"
                 )
             };
             format!("{why}\n{known}; {go_on}")

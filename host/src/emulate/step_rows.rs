@@ -10,7 +10,8 @@ pub struct StepRows {
 }
 
 impl StepRows {
-    /// Columns behind the number of the step event, its time and its wait: the ways of the motors, then states.
+    /// Columns after the number of the step event, its time and its wait: the steps of the motors,
+    /// then states.
     pub fn new(columns: &str) -> Self {
         Self {
             text: format!("event,t_us,wait_ticks,{columns}\n"),
@@ -18,8 +19,9 @@ impl StepRows {
         }
     }
 
-    /// At a time, after a wait, the motors step, each by -1, 0 or 1, and these are the states from then on. Where none steps the row shares the
-    /// number of the event before it; where that was longer ago than the wait the device stood.
+    /// At a time, after a wait, the motors step, each by -1, 0 or 1. These are the states from then
+    /// on. A row without steps has the number of the event before it. If that event was longer ago
+    /// than the wait, the device stood in between.
     pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
         self.events += u64::from(delta.iter().any(|way| *way != 0));
         let text = &mut self.text;

@@ -29,8 +29,8 @@ struct Pace {
 
 /// Runs a device behind the port that the options name, until Ctrl-C or for the time asked for.
 ///
-/// `name` opens what is printed first, `hint` is a command that connects, with `{port}` in the place
-/// of the port. What the device makes goes to `steps`.
+/// `name` opens the text that is printed first. `hint` is a command that connects, with `{port}` in
+/// place of the port. The events that the device makes go to `steps`.
 ///
 /// # Errors
 ///

@@ -179,7 +179,7 @@ impl Work {
         writeln!(out, "G80")
     }
 
-    /// Slots one after the other; where one begins at the end of the one before, the tool stays down.
+    /// Slots in turn. Where one begins at the end of the one before, the tool stays down.
     fn rout(&self, slots: &[&Slot], out: &mut impl Write) -> io::Result<()> {
         let (bottom, clearance) = (self.bottom, self.clearance);
         let mut down_at = None;

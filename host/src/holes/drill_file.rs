@@ -137,7 +137,8 @@ impl Compiler {
             [_, _, ..] if !self.chosen => {
                 let list: Vec<_> = tools.iter().map(described).collect();
                 return Err(format!(
-                    "{file} has {} tools: {}. One program is for one tool: choose with --only N (several: in their order, \
+                    "{file} has {} tools: {}. One program is for one tool: choose with --only N \
+                     (several: in their order, \
                      without a stop)",
                     tools.len(),
                     list.join(", ")

@@ -310,7 +310,8 @@ fn check_fit(scale: [f64; 2], residual_nm: f64) -> Result<(), String> {
     {
         let percent = scale.map(|scale| 100.0 * scale);
         return Err(format!(
-            "--reference: what was measured is {:.1} % as long as the file in X and {:.1} % in Y; are these the holes, and the unit?",
+            "--reference: what was measured is {:.1} % as long as the file in X and {:.1} % in Y; \
+             are these the holes, and the unit?",
             percent[0], percent[1]
         ));
     }
@@ -388,7 +389,8 @@ mod tests {
         }
     }
 
-    /// Four corners of a board that is 100 um/m too long in X, 50 too short in Y, 30 out of square, turned and moved.
+    /// Four corners of a board that is 100 um/m too long in X, 50 too short in Y, 30 out of square,
+    /// turned and shifted.
     #[test]
     fn a_fit_finds_scale_and_skew() {
         let skewed = Affine {
@@ -425,7 +427,8 @@ mod tests {
     }
 
     proptest! {
-        /// A board that was only turned and moved is found where it is, from two holes as from more.
+        /// A board that was only turned and shifted is found at its position, from two holes as
+        /// well as from more.
         #[test]
         fn a_stiff_board_is_found(
             degrees in -180.0..180.0_f64,

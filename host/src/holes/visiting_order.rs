@@ -1,7 +1,7 @@
 //! The order in which points are visited: nearest neighbour, then 2-opt and Or-opt.
 //!
-//! On 100 000 random points the path is 8 % above the expected best, 0.7124 sqrt(n area). Lengths are compared as floats;
-//! no coordinate is made of them.
+//! On 100 000 random points the path is 8 % above the expected best, 0.7124 sqrt(n area). Lengths
+//! are compared as floats. No coordinate is computed from them.
 
 /// Neighbours that are looked at, of each point.
 const NEIGHBOURS: usize = 8;
@@ -23,11 +23,13 @@ pub enum Metric {
     AxisByAxis,
 }
 
-/// Returns the indices of `points` in the order of a short path that begins at `start` and ends anywhere. Equal for
-/// equal input. Costs about n log n for points that are spread out; n^2 at worst.
+/// Returns the indices of `points` in the order of a short path that begins at `start` and ends
+/// anywhere. Equal for equal input. Costs about n log n for points that are spread out, n^2 at
+/// worst.
 pub fn shortest(points: &[[i64; 2]], start: [i64; 2], metric: Metric) -> Vec<usize> {
     let grid = Grid::new(points, start);
-    // Points that lie together have numbers that do, so that what is looked at together is near in memory, too.
+    // Points that are close together have close numbers, so that the data of neighbours is close in
+    // memory, too.
     let places: Vec<[f64; 2]> = grid.order.iter().map(|&point| grid.points[point]).collect();
     let mut tour = Tour::new(&grid, &places, metric);
     tour.improve();
@@ -277,7 +279,8 @@ impl<'a> Tour<'a> {
         nearest.1
     }
 
-    /// Turns pieces of the path round, and moves short ones elsewhere, while that makes it shorter; its first point stays.
+    /// Reverses pieces of the path, and moves short ones elsewhere, while that makes it shorter.
+    /// Its first point stays.
     fn improve(&mut self) {
         // Points whose surroundings have changed since they were looked at.
         let mut open: std::collections::VecDeque<u32> = self.path.iter().copied().collect();
@@ -306,7 +309,8 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// A piece `low..=high` of the path that is better turned round: one that brings `a` next to one of its neighbours.
+    /// A piece `low..=high` of the path that is better reversed: one that brings `a` next to one of
+    /// its neighbours.
     fn turn_of(&self, a: u32) -> Option<[(usize, usize); 3]> {
         let only = |low, high| Some([(low, high), (0, 0), (0, 0)]);
         let at = self.at[a as usize] as usize;
@@ -352,7 +356,8 @@ impl<'a> Tour<'a> {
         None
     }
 
-    /// A piece of up to three points with `a` at an end that is better next to a neighbour of `a`: as turns of the path.
+    /// A piece of up to three points with `a` at an end that is better next to a neighbour of `a`,
+    /// as reversals of the path.
     fn move_of(&self, a: u32) -> Option<[(usize, usize); 3]> {
         let at = self.at[a as usize] as usize;
         let point = |at: usize| self.path.get(at).copied();
@@ -382,7 +387,8 @@ impl<'a> Tour<'a> {
                     }
                     // Behind `c`, or before it.
                     for left in [place, place.wrapping_sub(1)] {
-                        // Between the points at `left` and behind it, which are not those beside the piece.
+                        // Between the point at `left` and the one after it, which are not next to
+                        // the piece.
                         if left == high || left.wrapping_add(1) == low || left >= self.path.len() {
                             continue;
                         }
@@ -407,7 +413,8 @@ impl<'a> Tour<'a> {
     }
 }
 
-/// The piece `low..=high` between the points at `left` and `left + 1`: turned round as it is or not, as three turns.
+/// The piece `low..=high` moved between the points at `left` and `left + 1`, reversed or not, as
+/// three reversals.
 fn moved(low: usize, high: usize, left: usize, is_turned: bool) -> [(usize, usize); 3] {
     let length = high + 1 - low;
     // All from the piece to its new place is turned, then what has changed places each by itself.

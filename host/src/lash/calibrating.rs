@@ -202,7 +202,8 @@ fn with_sections(text: &str, sections: &str) -> String {
     let mut is_lash = false;
     for line in text.lines() {
         if line.trim_start().starts_with('[') && !line.trim_start().starts_with("[[") {
-            // A list of lists goes on with `[`, but not at the beginning of a line that names a table.
+            // A list of lists continues with `[`, but not at the beginning of a line that names a
+            // table.
             let name = line.trim_start().trim_start_matches('[');
             if name.starts_with(|letter: char| letter.is_ascii_alphabetic()) {
                 is_lash = name.starts_with("lash.") || name.starts_with("lash]");
@@ -222,7 +223,8 @@ mod tests {
 
     #[test]
     fn a_map_takes_the_place_of_the_one_before() {
-        let text = "a = 1\n[lash.x]\num = [\n    [1, 2],\n]\n\n[idle]\npolicy = \"off\"\n[lash.y]\num = [3]\n";
+        let text = "a = 1\n[lash.x]\num = [\n    [1, 2],\n]\n\n[idle]\npolicy \
+             = \"off\"\n[lash.y]\num = [3]\n";
         let made = with_sections(text, "[lash.x]\num = [9]\n");
         assert_eq!(
             made,

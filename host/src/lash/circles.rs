@@ -1,4 +1,5 @@
-//! `husillo calibrate circles`: what is left at the ends of circles, beside what was measured on the original.
+//! `husillo calibrate circles`: what is left at the ends of circles, next to the values measured on
+//! the original.
 
 use super::bench::SimulatedBench;
 use crate::calibrating::CirclesArgs;
@@ -7,14 +8,16 @@ use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
 use std::io::Write;
 
-/// Radius in mm, and what was measured at the four ends of such a circle, um. Which end is which was not written down.
+/// Radius in mm, and the values measured at the four ends of such a circle, um. The source does not
+/// name the ends.
 const MEASURED: [(f64, [u32; 4]); 3] = [
     (3.0, [21, 51, 8, 30]),
     (2.0, [21, 25, 9, 13]),
     (1.0, [18, 12, 9, 3]),
 ];
 
-/// Cuts the circles with one value an axis, and with the file's map where it has one, and prints both beside the measured ones.
+/// Cuts the circles with one value per axis, and with the map of the file if it has one, and prints
+/// both next to the measured values.
 ///
 /// # Errors
 ///
@@ -39,7 +42,8 @@ pub fn print_circles(
     let ends = CIRCLE_ENDS.join("  ");
     writeln!(
         out,
-        "Left at the ends of circles around X{:.1} Y{:.1}, um; measured: in the order of the description, which does not name the ends\n\n\
+        "Left at the ends of circles around X{:.1} Y{:.1}, um; measured: in the order of the \
+         description, which does not name the ends\n\n\
          radius  screws                 {ends}   measured",
         centre[0], centre[1]
     )

@@ -16,7 +16,8 @@ pub struct Panel {
 }
 
 const PICTURE: &str = "\
-.pairs{display:grid;grid-template-columns:repeat(auto-fit,minmax(24rem,1fr));gap:1rem}.pairs figure{margin:0}\
+.pairs{display:grid;grid-template-columns:repeat(auto-fit,minmax(24rem,1fr));gap:1rem}.pairs \
+figure{margin:0}\
 .above{fill:#c2410c}.below{fill:#0b5cad}.frame{fill:none;stroke:var(--line)}\
 @media(prefers-color-scheme:dark){.above{fill:#ff9a4d}.below{fill:#5aa9ff}}\
 figcaption{color:var(--soft);font-size:.9rem}td,th{text-align:right}td:first-child,th:first-child{text-align:left}";
@@ -29,7 +30,8 @@ const MARGIN: f64 = 34.0;
 /// Writes the page.
 pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) -> String {
     let whence = if is_simulated {
-        "cut and measured on the simulated machine, then the axes sent to and fro over the work area"
+        "cut and measured on the simulated machine, then the axes sent to and fro over the work \
+         area"
     } else {
         "as measured, at the places that were measured"
     };
@@ -44,7 +46,8 @@ pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) 
         let [before, after] = panel.fields.each_ref().map(|field| field.span_um);
         let _ = writeln!(
             page,
-            "<tr><td>{}</td><td>{:.2} um</td><td>{:+.2} to {:+.2} um</td><td>{:+.2} to {:+.2} um</td></tr>",
+            "<tr><td>{}</td><td>{:.2} um</td><td>{:+.2} to {:+.2} um</td><td>{:+.2} to {:+.2} \
+             um</td></tr>",
             panel.letter, panel.value_um, before[0], before[1], after[0], after[1]
         );
     }
@@ -55,7 +58,8 @@ pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) 
         let full = spans.fold(0.1_f64, |full, um| full.max(um.abs()));
         let _ = writeln!(
             page,
-            "<section><h2>{}</h2><p>The strongest colour is {full:.1} um; orange: the tool is too far in the positive direction, blue: in the negative one.</p><div class=\"pairs\">",
+            "<section><h2>{}</h2><p>The strongest colour is {full:.1} um; orange: the tool is too \
+             far in the positive direction, blue: in the negative one.</p><div class=\"pairs\">",
             panel.letter
         );
         for (field, name) in panel.fields.iter().zip(["One value", "The map"]) {
@@ -84,7 +88,8 @@ fn picture(page: &mut String, field: &Field, full_um: f64, name: &str) {
     };
     let _ = writeln!(
         page,
-        "<figure><svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{name}: what is left over the work area\">"
+        "<figure><svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{name}: what \
+         is left over the work area\">"
     );
     let cells = up
         .windows(2)
@@ -94,7 +99,9 @@ fn picture(page: &mut String, field: &Field, full_um: f64, name: &str) {
         let class = if *um > 0.0 { "above" } else { "below" };
         let _ = writeln!(
             page,
-            "<rect class=\"{class}\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill-opacity=\"{:.3}\"><title>X {:.2} to {:.2}, Y {:.2} to {:.2} mm: {um:+.2} um</title></rect>",
+            "<rect class=\"{class}\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\" \
+             fill-opacity=\"{:.3}\"><title>X {:.2} to {:.2}, Y {:.2} to {:.2} mm: {um:+.2} \
+             um</title></rect>",
             x1 - x0,
             y1 - y0,
             um.abs() / full_um,
@@ -108,7 +115,8 @@ fn picture(page: &mut String, field: &Field, full_um: f64, name: &str) {
     let _ = writeln!(
         page,
         "<rect class=\"frame\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>\
-         <text x=\"{x0:.0}\" y=\"{2:.0}\">{left} mm</text><text x=\"{x1:.0}\" y=\"{2:.0}\" text-anchor=\"end\">{right} mm</text>\
+         <text x=\"{x0:.0}\" y=\"{2:.0}\">{left} mm</text><text x=\"{x1:.0}\" y=\"{2:.0}\" \
+         text-anchor=\"end\">{right} mm</text>\
          <text x=\"{x0:.0}\" y=\"{3:.0}\">{high} mm</text></svg>\
          <figcaption>{name}: {4:+.2} to {5:+.2} um</figcaption></figure>",
         x1 - x0,

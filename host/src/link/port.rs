@@ -117,9 +117,8 @@ impl heads::Port for Port {
         Timing::patient(baud)
     }
 
-    /// The vendor's 50 ms until a reply are enough for an adapter, but what hands the bytes on, this
-    /// computer or a simulated chain on it, may be held up for longer, and a reply that comes behind
-    /// its time costs a flush.
+    /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
+    /// simulated chain on it, may delay the bytes for longer, and a late reply costs a flush.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         Timing {
             reply_us: 250_000,

@@ -1,4 +1,5 @@
-//! A serial line to a simulated device: bytes take their time both ways, and the cable may be pulled.
+//! A serial line to a simulated device: bytes take their time in both directions, and the cable may
+//! be pulled.
 
 use std::collections::VecDeque;
 

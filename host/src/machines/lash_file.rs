@@ -40,7 +40,8 @@ pub fn section(table: &PlaceTable, letter: u8) -> String {
     text
 }
 
-/// Play of a simulated screw: `mean + swing sin(2 pi own / sine) cos(2 pi other / cosine)` over the positions of X and Y.
+/// Backlash of a simulated screw: `mean + swing sin(2 pi own / sine) cos(2 pi other / cosine)` over
+/// the positions of X and Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
     /// Micrometres.
@@ -192,7 +193,8 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
         _ => None,
     };
     if found.is_none() {
-        let form = "with places along one axis a list of them, along two a list of lists: one for every place of the second";
+        let form = "with places along one axis a list of them, along two a list of lists: one for \
+             every place of the second";
         table.wrong(
             span.clone(),
             "`um` has not one number for every place",

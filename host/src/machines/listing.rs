@@ -278,7 +278,8 @@ mod tests {
         assert!((pull_out / 524.8 - 1.0).abs() < 0.01, "{pull_out}");
     }
 
-    /// The formulas of the power stage, by hand: 0.69 * 56 k * 0.82 n, 0.083 * 5 / 1, a tenth of 10 mH, 4e-10 / 1 mH.
+    /// The formulas of the power stage, by hand: 0.69 * 56 k * 0.82 n, 0.083 * 5 / 1, a tenth of 10
+    /// mH, 4e-10 / 1 mH.
     #[test]
     fn chopper_and_filter_by_hand() {
         let machine = MachineFile::load("micromill").unwrap();

@@ -68,7 +68,8 @@ pub struct MachineFile {
     pub top_feed: Option<i64>,
     /// Largest |r_start - r_end| of an arc in nm; `None`: the rule of the arc verdict alone.
     pub arc_tolerance: Option<i64>,
-    /// How far beside a corner it may be taken, in nm; `None`: the axes' junction rates alone say how fast.
+    /// The largest distance of the path from a corner, in nm. `None`: only the junction rates of
+    /// the axes set the speed.
     pub corner_deviation: Option<i64>,
     /// Counts a turn of the spindle's encoder; `None`: it has none.
     pub spindle_counts: Option<u32>,
@@ -210,7 +211,8 @@ pub enum LoadError {
     Findings(Vec<Finding>),
 }
 
-/// The text of a file that is to be a machine of this kind; `built_in` names those that need no file.
+/// The text of a file that should be a machine of this kind. `built_in` names the machines that
+/// need no file.
 pub fn read_text(path: &str, kind: &str, built_in: &str) -> Result<String, LoadError> {
     crate::input::read_to_string(path).map_err(|error| {
         LoadError::File(format!(
@@ -491,7 +493,8 @@ fn read_driver_pulse(
     if let (Driver::StepDirection, Some((_, span))) = (driver, table.value("max_rate")) {
         if max_rate > highest {
             let message = format!(
-                "`max_rate` is {max_rate} Hz, and the pulses of the driver take at most {highest} Hz"
+                "`max_rate` is {max_rate} Hz, and the pulses of the driver take at most {highest} \
+                 Hz"
             );
             table.wrong(
                 span,

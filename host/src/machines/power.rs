@@ -3,7 +3,8 @@
 use crate::machines::table::Table;
 use husillo_sim::{Chopper, Rotor, Winding};
 
-/// Peak of the PBL3717A at full current: 0.083 of the reference voltage over the sense resistor (data sheet: 420 mV at 5 V).
+/// Peak of the PBL3717A at full current: 0.083 of the reference voltage over the sense resistor
+/// (data sheet: 420 mV at 5 V).
 const PEAK_OF_REFERENCE: f64 = 0.083;
 /// Ratio of the time off to R C of the PBL3717A's pulse time: ln 2.
 const OFF_OF_RC: f64 = 0.69;
@@ -48,7 +49,8 @@ impl Power {
         })
     }
 
-    /// The rate in full steps/s at which the motor falls out of step; `None` where it does not turn its load at all.
+    /// The rate in full steps/s at which the motor falls out of step. `None` if it does not turn
+    /// its load at all.
     pub fn pull_out_hz(&self) -> Option<f64> {
         let cycles = self.winding.pull_out_hz(&self.rotor, self.load_nm)?;
         Some(4.0 * cycles)

@@ -1,4 +1,5 @@
-//! A TOML table being read key by key: what is unknown, missing or of the wrong kind becomes a finding.
+//! A TOML table that is read key by key. Keys that are unknown, missing or of the wrong kind become
+//! findings.
 
 use crate::diagnostics::{Finding, Place};
 use husillo_metrology::quantity::{self, Quantity};

@@ -49,7 +49,8 @@ impl Action {
                     }
                     if goal == [None; 3] {
                         let text = words.next();
-                        let text = text.ok_or("`goto` where? As in `goto 1200` or `goto X10 Y-2.5`")?;
+                        let text =
+                            text.ok_or("`goto` where? As in `goto 1200` or `goto X10 Y-2.5`")?;
                         goal[axis] = Some(position(word, text, scale)?);
                     }
                     Self::GoTo(goal)
@@ -92,7 +93,9 @@ impl Action {
                 "status" => Self::Status(axes(&mut words)),
                 other => {
                     return Err(format!(
-                        "unknown action `{other}`: there are goto POSITION, zero, home, jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and as the last run FILE, record FILE, session"
+                        "unknown action `{other}`: there are goto POSITION, zero, home, jog \
+                         DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and as the \
+                         last run FILE, record FILE, session"
                     ));
                 }
             });
@@ -182,7 +185,10 @@ fn reference<'a>(
     };
     let words: Vec<&str> = words.take(4).collect();
     let (centre, radius) = place(&words).ok_or_else(|| {
-        format!("`calibrate {name}` where, and how large? As in `calibrate {name} X-25 Y25 Z-20 R10`: its centre and its radius")
+        format!(
+            "`calibrate {name}` where, and how large? As in `calibrate {name} X-25 Y25 Z-20 \
+             R10`: its centre and its radius"
+        )
     })?;
     Ok(ReferenceBody {
         body: body(name).unwrap_or(Body::Sphere),

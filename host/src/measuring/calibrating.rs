@@ -101,7 +101,8 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
     let whose = if given.is_some() { "" } else { " by itself" };
     writeln!(
         out,
-        "# {} places of a bar of {:.4} mm{whose}: off by {before:.2} um at most before, {after:.2} um after",
+        "# {} places of a bar of {:.4} mm{whose}: off by {before:.2} um at most before, {after:.2} \
+         um after",
         places.len(),
         fit.length / 1e6
     )

@@ -7,7 +7,8 @@ use husillo_metrology::quantity::{self, Quantity};
 use std::fmt::Write;
 
 const RATIO: &str = "as in \"50 um/m\", at most 10000 um/m";
-const ENTRY: &str = "expected [\"-200 mm\", \"0.3 um\", \"-0.1 um\"]: reading, and its correction after a positive and a negative way";
+const ENTRY: &str = "expected [\"-200 mm\", \"0.3 um\", \"-0.1 um\"]: reading, and its correction \
+     after a positive and a negative way";
 
 /// Reads `calibration` of an axis; without one there are no errors.
 pub fn read_axis(table: &mut Table<'_, '_>, scale: Scale) -> ErrorTable<Vec<Knot>> {

@@ -12,7 +12,8 @@ pub struct Towards {
 }
 
 impl Towards {
-    /// Reads `+`, `-` (along `axis`), `+x`, `x+`, `-z`, `z-`, or a vector as in `1,0,-0.5` or `(1,0,-0.5)`.
+    /// Reads `+`, `-` (along `axis`), `+x`, `x+`, `-z`, `z-`, or a vector as in `1,0,-0.5` or
+    /// `(1,0,-0.5)`.
     pub fn parse(word: &str, axis: usize) -> Option<Self> {
         let (sign, letter) = match word.strip_prefix(['+', '-']) {
             Some(letter) => (word.chars().next()?, letter),

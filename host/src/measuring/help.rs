@@ -8,7 +8,9 @@ use husillo_transports::nmc;
 pub const fn help(trouble: &Trouble) -> Option<&'static str> {
     Some(match trouble {
         Trouble::Link(nmc::Failure::Silent) | Trouble::NoModules => {
-            "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? Switching them off and on makes them hear again what all are told. --raw shows the bytes"
+            "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? \
+             Switching them off and on makes them hear again what all are told. --raw shows the \
+             bytes"
         }
         Trouble::NoModule { .. } => {
             "`module` of an axis in the machine file is its address; 1 is the far end"
@@ -18,19 +20,22 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
         Trouble::NoAxis { .. } => "the axes are those of the machine file",
         Trouble::Periods => "give all axes the same `rate_divisor`",
         Trouble::NotHomed { .. } => {
-            "`home` it first, on the index that the table was made from; scale and squareness need no home: `calibrate axis --no-table`"
+            "`home` it first, on the index that the table was made from; scale and squareness need \
+             no home: `calibrate axis --no-table`"
         }
         Trouble::NoIndex { .. } => "is the index of the encoder connected? A scale may have none",
         Trouble::NotTogether => "the line is disturbed: all axes have been stopped",
         Trouble::NotSeen { .. } => {
-            "the contact of the probe is to be wired to limit 1 of every module; all axes have been stopped"
+            "the contact of the probe is to be wired to limit 1 of every module; all axes have \
+             been stopped"
         }
         Trouble::PositionError { .. } => {
             "something blocks the axis, or `gains` and `rate` do not suit the motor"
         }
         Trouble::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
         Trouble::StillMoving { .. } => {
-            "`gains` do not suit the motor, or `acceleration` is more than it makes; all axes have been stopped"
+            "`gains` do not suit the motor, or `acceleration` is more than it makes; all axes have \
+             been stopped"
         }
         Trouble::PreTravel { .. } => {
             "is --reference the place of this face, and in the unit of the machine?"
@@ -39,10 +44,12 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
             "`gains` do not suit the motor: friction holds it, or it oscillates"
         }
         Trouble::NoContact { .. } => {
-            "is there a work piece in this direction, and the probe plugged in? In the simulation: --contact"
+            "is there a work piece in this direction, and the probe plugged in? In the simulation: \
+             --contact"
         }
         Trouble::Collision { .. } => {
-            "look at the stylus, go back the way it came (until the contact is open that is slow), and calibrate the probe again. `safe` in a routine leads over the part"
+            "look at the stylus, go back the way it came (until the contact is open that is slow), \
+             and calibrate the probe again. `safe` in a routine leads over the part"
         }
         Trouble::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
         Trouble::NotTouching => "first touch it: G38.2 stops at the contact and stays there",

@@ -18,7 +18,8 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Listens from now on. While nothing moves Ctrl-C ends the program at once; else [`is_asked`](Self::is_asked) says so.
+    /// Listens from now on. While nothing moves, Ctrl-C ends the program at once. Otherwise
+    /// [`is_asked`](Self::is_asked) reports it.
     ///
     /// # Errors
     ///

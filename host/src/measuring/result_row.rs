@@ -103,7 +103,8 @@ pub struct CalibrationFigures {
     pub centre: Numbers,
     /// Touches that were fitted.
     pub touches: u32,
-    /// The farthest of them less the nearest, with one pre-travel for all directions: what the table corrects.
+    /// The farthest distance minus the nearest, with one pre-travel for all directions: the error
+    /// that the table corrects.
     pub form: f64,
     /// Radius of the ball, as it was given.
     pub ball_radius: f64,
@@ -134,15 +135,20 @@ fn pre_travel(table: &[Entry], unit: &str) -> String {
 impl CalibrationFigures {
     /// For people, and for the machine file.
     fn text(&self, head: &str, unit: &str, places: usize) -> String {
-        // The half that is touched tells Z of the centre from what the stylus bends along Z by nothing.
+        // The touched half does not separate Z of the centre from the bending of the stylus along
+        // Z.
         let doubt = match self.body {
             "sphere" => {
-                "\n    its Z and pre-travel along Z cannot be told apart: `calibrate -z` on a face at a known height does"
+                "\n    its Z and pre-travel along Z cannot be told apart: `calibrate -z` on a face \
+                 at a known height does"
             }
             _ => "",
         };
         format!(
-            "{head} {}\n    centre     {:.places$} {unit}, effective radius {:.places$} {unit}\n    {} touches, {:.places$} {unit} apart before correction by direction{doubt}\n    for [probe] of the machine file:\n    ball_radius = \"{} {unit}\"\n    {}",
+            "{head} {}\n    centre     {:.places$} {unit}, effective radius {:.places$} \
+             {unit}\n    {} touches, {:.places$} {unit} apart before correction by \
+             direction{doubt}\n    for [probe] of the machine file:\n    ball_radius = \"{} \
+             {unit}\"\n    {}",
             self.body,
             self.centre,
             self.effective_radius,
@@ -203,7 +209,8 @@ impl ResultRow {
         if let Some(t) = &self.touch {
             let found = if let Some(table) = &t.table {
                 format!(
-                    "\n    pre-travel {}, and by direction for [probe] of the machine file:\n    {}",
+                    "\n    pre-travel {}, and by direction for [probe] of the machine file:\n    \
+                     {}",
                     of(t.pre_travel),
                     pre_travel(table, self.unit)
                 )
@@ -222,7 +229,8 @@ impl ResultRow {
             };
             let times = if t.touches == 1 { "touch" } else { "touches" };
             return format!(
-                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread {}, over-travel {} at most",
+                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread \
+                 {}, over-travel {} at most",
                 t.direction,
                 all(&t.trigger),
                 all(&t.corrected),
@@ -241,7 +249,8 @@ impl ResultRow {
                     bits => bits.join(", "),
                 };
                 format!(
-                    "{head}: at {}\n    held at    {}, position error {}\n    current    {} of 255\n    status     {}\n    auxiliary  {}\n    version    {}",
+                    "{head}: at {}\n    held at    {}, position error {}\n    current    {} of \
+                     255\n    status     {}\n    auxiliary  {}\n    version    {}",
                     all(&self.position),
                     of(status.held),
                     of(status.position_error),

@@ -124,7 +124,8 @@ impl Bench {
         })
     }
 
-    /// Makes a move of a program with every method, if all of them can: sums over different moves compare nothing.
+    /// Makes a move of a program with every method, if all of them can make it. Sums over different
+    /// moves cannot be compared.
     pub fn add_common(&mut self, one: &Move) {
         let unable = method::of(&one.shape)
             .iter()
@@ -229,8 +230,8 @@ fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
     }
 }
 
-/// A centre as `X,Y`, and its fractional bits. They are 0 for whole coordinates: the printed methods
-/// know no others.
+/// A centre as `X,Y`, and its fractional bits. They are 0 for whole coordinates, because the
+/// published methods have no others.
 fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
     let centre = text.split(',').map(|text| scaled(text, 16));
     let centre: [i64; 2] = centre
@@ -244,7 +245,7 @@ fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
     })
 }
 
-/// The move that `circle`, `arc` or `line` means, and what to call it; `None` for the name of a file.
+/// The move that `circle`, `arc` or `line` names, and its title. `None` for the name of a file.
 ///
 /// # Errors
 ///

@@ -16,13 +16,16 @@ const METHODS: &str = "\
 .m-direct-search,.m-direct-search-printed,.m-bresenham{stroke:var(--direct-search)}\
 .m-staircase,.m-dda,.m-direct-search,.m-bresenham{stroke-width:4.5;stroke-opacity:.55;stroke-linejoin:round}\
 .m-staircase-printed,.m-dda-printed,.m-direct-search-printed{stroke-width:1.6}\
-.m-staircase-printed{stroke-dasharray:7 3}.m-dda-printed{stroke-dasharray:2 3}.m-direct-search-printed{stroke-dasharray:9 3 2 3}\
+.m-staircase-printed{stroke-dasharray:7 3}.m-dda-printed{stroke-dasharray:2 \
+3}.m-direct-search-printed{stroke-dasharray:9 3 2 3}\
 .exact{stroke:var(--ink);stroke-width:1}\
 .zooms{display:grid;grid-template-columns:repeat(auto-fit,minmax(26rem,1fr));gap:1rem}\
 .zooms figure{margin:0}.zooms figure:first-child{grid-column:1/-1;max-width:52rem}\
 figcaption{color:var(--soft);font-size:.9rem}\
-.show label{display:inline-block;margin-right:1.2rem;white-space:nowrap}.show svg{display:inline;width:2.5rem;height:.5rem;border:0}\
-input[type=number]{width:4.5rem;font:inherit;color:inherit;background:var(--panel);border:1px solid var(--line);text-align:right}\
+.show label{display:inline-block;margin-right:1.2rem;white-space:nowrap}.show \
+svg{display:inline;width:2.5rem;height:.5rem;border:0}\
+input[type=number]{width:4.5rem;font:inherit;color:inherit;background:var(--panel);border:1px \
+solid var(--line);text-align:right}\
 .best{font-weight:700}table{margin:.6rem 0 1.2rem}";
 
 /// Totals of every matrix as its weights are.
@@ -30,8 +33,10 @@ const SCRIPT: &str = "\
 for(const table of document.querySelectorAll('table.matrix')){\
 const inputs=[...table.querySelectorAll('input')],rows=[...table.querySelectorAll('tr[data-points]')];\
 const sum=()=>{const w=inputs.map(i=>Math.max(0,+i.value||0)),all=w.reduce((a,b)=>a+b,0);\
-const totals=rows.map(r=>all?r.dataset.points.split(' ').reduce((a,p,i)=>a+p*w[i],0)/all:0),best=Math.max(...totals);\
-rows.forEach((r,i)=>{const c=r.lastElementChild;c.textContent=totals[i].toFixed(1);c.className=totals[i]===best?'best':''})};\
+const totals=rows.map(r=>all?r.dataset.points.split(' \
+').reduce((a,p,i)=>a+p*w[i],0)/all:0),best=Math.max(...totals);\
+rows.forEach((r,i)=>{const \
+c=r.lastElementChild;c.textContent=totals[i].toFixed(1);c.className=totals[i]===best?'best':''})};\
 inputs.forEach(i=>i.addEventListener('input',sum));sum()}";
 
 /// Writes the page.
@@ -116,9 +121,12 @@ fn figures(page: &mut String, rows: &[&Row]) {
 
 fn speeds(page: &mut String, rows: &[&Row]) {
     page.push_str(
-        "<section><h2>Speed</h2><p>Mean speed by the programmed feed, and the slowest and fastest of all windows of so many events \
-         against the mean, in per cent. Equal time: every pass takes the time of a BLU (idle passes of dda-printed take none). \
-         Vector feed: every event takes the time of its own path.</p><div class=\"scroll\"><table>\n",
+        "<section><h2>Speed</h2><p>Mean speed by the programmed feed, and the slowest and fastest \
+         of all windows of so many events \
+         against the mean, in per cent. Equal time: every pass takes the time of a BLU (idle \
+         passes of dda-printed take none). \
+         Vector feed: every event takes the time of its own path.</p><div \
+         class=\"scroll\"><table>\n",
     );
     let windows = WINDOWS.map(|events| match events {
         1 => "1 event".to_owned(),
@@ -152,9 +160,12 @@ fn speeds(page: &mut String, rows: &[&Row]) {
 
 fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
     page.push_str(
-        "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the best method's value by the \
-         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with vector feed where there is one, \
-         as printed with equal time. Change the weights.</p><div class=\"scroll\"><table class=\"matrix\">\n",
+        "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the \
+         best method's value by the \
+         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with \
+         vector feed where there is one, \
+         as printed with equal time. Change the weights.</p><div class=\"scroll\"><table \
+         class=\"matrix\">\n",
     );
     let mut columns = vec!["method"];
     columns.extend(CRITERIA);
@@ -164,7 +175,8 @@ fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
     for (name, weight) in CRITERIA.iter().zip(of.weights.0) {
         let _ = write!(
             page,
-            "<td><input type=\"number\" min=\"0\" step=\"any\" value=\"{weight}\" aria-label=\"weight of {name}\"></td>"
+            "<td><input type=\"number\" min=\"0\" step=\"any\" value=\"{weight}\" \
+             aria-label=\"weight of {name}\"></td>"
         );
     }
     page.push_str("<td></td></tr>\n");

@@ -82,13 +82,15 @@ impl Frame {
 pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     page.push_str(
         "<section><h2>The methods over the exact curve</h2>\n\
-         <p>The thin line is the exact curve, every grid line a step. Methods as printed are narrow and dashed, the others wide. \
+         <p>The thin line is the exact curve, every grid line a step. Methods as printed are \
+         narrow and dashed, the others wide. \
          Frames in the whole move are the places shown larger.</p>\n<p class=\"show\">",
     );
     for row in rows {
         let _ = write!(
             page,
-            "<label><input type=\"checkbox\" id=\"show-{0}\" checked> <svg viewBox=\"0 0 40 8\" aria-hidden=\"true\">\
+            "<label><input type=\"checkbox\" id=\"show-{0}\" checked> <svg viewBox=\"0 0 40 8\" \
+             aria-hidden=\"true\">\
              <path class=\"m-{0}\" d=\"M0 4H40\"/></svg> {0}</label> ",
             row.method
         );
@@ -100,7 +102,8 @@ pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     for (index, (title, frame)) in frames.iter().enumerate() {
         let _ = writeln!(
             page,
-            "<figure><figcaption>{title}</figcaption><svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"{title}\">",
+            "<figure><figcaption>{title}</figcaption><svg viewBox=\"0 0 {0} {0}\" role=\"img\" \
+             aria-label=\"{title}\">",
             frame.pixels
         );
         if frame.side < 100.0 {
@@ -122,7 +125,8 @@ pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
                 let side = (zoom.side * frame.pixels / frame.side).max(8.0);
                 let _ = writeln!(
                     page,
-                    "<rect class=\"area\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" height=\"{side:.1}\"/>"
+                    "<rect class=\"area\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side:.1}\" \
+                     height=\"{side:.1}\"/>"
                 );
             }
         }

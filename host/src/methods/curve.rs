@@ -42,7 +42,8 @@ impl Curve {
         }
     }
 
-    /// An arc; a full circle when `from` is `to`. `radius` instead of the band between those of the ends.
+    /// An arc; a full circle if `from` is `to`. `radius` replaces the band between the radii of the
+    /// ends.
     pub fn arc(
         [from, to, centre]: [[f64; 2]; 3],
         direction: Direction,

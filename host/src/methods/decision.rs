@@ -6,7 +6,8 @@ use serde::Serialize;
 /// Names of the criteria, in the order of the weights.
 pub const CRITERIA: [&str; 4] = ["error", "iterations", "evenness", "work"];
 /// What that machine's builders got, with criteria they did not pass on.
-pub const ORIGINAL: &str = "With the same weights and criteria of their own the micro mill's builders gave direct search 90.5, \
+pub const ORIGINAL: &str = "With the same weights and criteria of their own the micro mill's \
+     builders gave direct search 90.5, \
      DDA 84.4 and the staircase 72.1 points.";
 
 /// Weights of the criteria: none negative, some positive.
@@ -61,7 +62,8 @@ impl Points {
     }
 }
 
-/// Work of an event: instructions on a Cortex-M4F where all methods have a count, otherwise additions and tests.
+/// Work per event: instructions on a Cortex-M4F if all methods have a count, otherwise additions
+/// and tests.
 fn work(rows: &[Row]) -> Vec<f64> {
     let counted: Option<Vec<f64>> = rows.iter().map(|row| row.instructions.cortex_m4f).collect();
     counted.unwrap_or_else(|| {

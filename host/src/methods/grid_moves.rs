@@ -102,7 +102,8 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
         },
         ..one
     };
-    // Ends that the grid brings together or past each other: a whole turn more or less is another move.
+    // Ends that the grid merges, or moves past each other: a full turn more or less would be
+    // another move.
     let turned = |curve: &Curve| curve.length();
     for grid in [&one, &general] {
         if (turned(&Curve::of(grid, Some(radius))) - turned(&curve)).abs() > PI * radius {
@@ -116,7 +117,8 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
     }))
 }
 
-/// The whole-step centre that bends the arc least: near the exact one, and at much the same distance from both ends.
+/// The whole-step centre that bends the arc least: near the exact one, and at about the same
+/// distance from both ends.
 fn whole_centre(arc: &ArcMove, exact: [f64; 2], radius: f64) -> [i64; 2] {
     let near = exact.map(|at| at.round() as i64);
     let wrong = |centre: [i64; 2]| {

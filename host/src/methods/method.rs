@@ -24,8 +24,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether a pass without a step takes its time; those of the printed DDA do not.
     pub times_idle: bool,
-    /// Additions and subtractions, then sign tests, of one event at most, two axes, by the method itself: what the borders
-    /// of quadrants and the end of the move need comes on top.
+    /// Additions and subtractions, then sign tests, of one event at most, two axes, by the method
+    /// itself. The borders of quadrants and the end of the move cost more.
     pub operations: [u32; 2],
     /// Name of its kernel in the instruction counts.
     kernel: &'static str,
@@ -98,7 +98,8 @@ const PROCESSORS: [&str; 3] = ["thumbv6m", "thumbv7em", "rv32imac"];
 /// Instructions of an event, counted under QEMU for the firmware's own check.
 const GOLDEN: &str = include_str!("../../../firmware/proofs/counts/golden.txt");
 
-/// The events of a move, and the units of their sweep a BLU of path; `None` where every event is one BLU.
+/// The events of a move, and the units of their sweep per BLU of path. `None` if every event is one
+/// BLU.
 pub type Walk = (Box<dyn Iterator<Item = Step>>, Option<f64>);
 
 /// Every method of a shape.
@@ -196,8 +197,8 @@ impl Method {
         self.name == "direct-search"
     }
 
-    /// Instructions of one event on every processor of [`PROCESSORS`]; `None` where none are on record. Direct search
-    /// about a centre between the steps is another kernel.
+    /// Instructions of one event on every processor of [`PROCESSORS`]. `None` if none are on
+    /// record. Direct search about a centre between the steps is another kernel.
     pub fn instructions(&self, is_between: bool) -> [Option<f64>; PROCESSORS.len()] {
         let kernel = if is_between && self.takes_fractions() {
             "arc_32_bits"

@@ -45,7 +45,8 @@ impl Pace {
         self.ring[self.events % length] = [path, time];
     }
 
-    /// Lowest and highest speed of every window against the mean, in per cent; a move shorter than a window has none.
+    /// Lowest and highest speed of every window relative to the mean, in per cent. A move shorter
+    /// than a window has none.
     fn ripple(&self) -> [[f64; 2]; WINDOWS.len()] {
         let [path, time] = self.ring[self.events % self.ring.len()];
         let mean = path / time;
@@ -244,7 +245,8 @@ mod tests {
         tally
     }
 
-    /// Measured by an independent program: per cent of the mean over 1, 8, 32 and 128 events, R = 1000.
+    /// Measured by an independent program: per cent of the mean over 1, 8, 32 and 128 events, R =
+    /// 1000.
     #[test]
     fn ripple_as_measured_elsewhere() {
         let table = [

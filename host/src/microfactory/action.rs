@@ -37,7 +37,8 @@ pub enum Action {
     Emergency,
 }
 
-/// The actions of each of some machines: what comes after `2:` is for the second alone, after `all:` and at first for all.
+/// The actions of several machines: those after `2:` are for the second alone, those after `all:`
+/// and at the start for all.
 ///
 /// # Errors
 ///
@@ -67,7 +68,8 @@ pub fn shares(
             None if choice == "all:" => 0..machines,
             None => {
                 return Err(format!(
-                    "`{choice}`: there are `all:` and, for the machines by number, `1:` to `{machines}:`"
+                    "`{choice}`: there are `all:` and, for the machines by number, `1:` to \
+                     `{machines}:`"
                 ));
             }
         };
@@ -113,7 +115,8 @@ impl Action {
     fn motor(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
-                "unknown action `{word}`: there are home, load, figure, where, stop, emergency, steps as in `x -25`, a jog as in `x+ 2s`"
+                "unknown action `{word}`: there are home, load, figure, where, stop, emergency, \
+                 steps as in `x -25`, a jog as in `x+ 2s`"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);

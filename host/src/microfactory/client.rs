@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Longest wait for an answer of two bytes, 2.08 ms, and the silence after which nothing of one is on the way any more.
+/// Longest wait for an answer of two bytes, 2.08 ms, and the silence after which no byte of it is
+/// under way any more.
 const IN_SIMULATED_TIME: Waits = Waits {
     answer: Duration::from_millis(200),
     quiet: Duration::from_millis(60),
@@ -26,16 +27,19 @@ const ASK: Duration = Duration::from_millis(50);
 const AGAIN: Duration = Duration::from_millis(100);
 /// What a device that does not answer is given for homing.
 const HOMING: Duration = Duration::from_secs(120);
-/// Approach and figure of a device that does not answer and has its own figure: of 20 000 steps at most.
+/// Approach and figure of a device that does not answer and has its own figure, of at most 20 000
+/// steps.
 const FIGURE: Duration = Duration::from_secs(250);
 /// Stops that end any half command, and one.
 const STOPS: usize = 6;
-/// A question, a figure or bringing to rest is tried so often: done twice they do no more than once.
+/// The number of tries of a question, a figure, or bringing to rest. Doing these twice has no other
+/// effect than once.
 const TRIES: usize = 3;
 /// What comes without an end is noise.
 const NOISE: usize = 1000;
 
-/// Who has it has the link to a controller of two machines. Whether all was well there the last time.
+/// The holder of the lock has the link to a controller of two machines. The value: whether the last
+/// exchange succeeded.
 type Turn = Arc<Mutex<bool>>;
 
 /// The host's side.
@@ -143,7 +147,8 @@ impl Client {
         }
     }
 
-    /// Carries out an action and waits until it has ended: how it did. After trouble the device is brought to rest.
+    /// Carries out an action, waits until it has ended, and returns how it ended. After a failure
+    /// the device is brought to rest.
     ///
     /// # Errors
     ///
@@ -216,8 +221,10 @@ impl Client {
         }
     }
 
-    /// Has the link to itself while it talks, with its machine chosen: each time anew, as behind a reset the controller listens for the first
-    /// one. After trouble nobody knows what the device has understood, so whoever comes next brings the link to rest before.
+    /// Has the link to itself during an exchange, with its machine chosen. The machine is chosen
+    /// each time, because after a reset the controller listens for the first one. After a failure
+    /// it is unknown what the device has understood, so the next user first brings the link to
+    /// rest.
     fn talk<T>(
         &mut self,
         exchange: impl FnOnce(&mut Self) -> Result<T, String>,
@@ -302,8 +309,14 @@ impl Client {
             }
         }
         Err(match last {
-            None => "no answer: no device there, unplugged, or one that does not answer (then --without-answers)",
-            Some(_) => "only noise comes back: the line is bad, its rate is another one, or it is another device",
+            None => {
+                "no answer: no device there, unplugged, or one that does not answer (then \
+                 --without-answers)"
+            }
+            Some(_) => {
+                "only noise comes back: the line is bad, its rate is another one, or it is \
+                 another device"
+            }
         }
         .into())
     }
@@ -326,7 +339,8 @@ impl Client {
     }
 
     fn emergency(&mut self) -> Result<String, String> {
-        // More often than a half command has data, which the first ones would be. It waits for nobody's turn.
+        // More often than a half command has data bytes, because the first ones would be taken as
+        // data. This does not wait for the lock.
         for _ in 0..STOPS {
             self.put(self.table.emergency)?;
         }
@@ -347,7 +361,8 @@ impl Client {
         }
     }
 
-    /// Stores another figure; a link that fails in between is tried again, as a figure begins anew each time.
+    /// Stores another figure. If the link fails, it tries again, because a figure begins anew each
+    /// time.
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
@@ -516,7 +531,8 @@ impl Client {
         })
     }
 
-    /// Waits until nothing moves, and looks how it ended. A device that does not answer is given all of the time.
+    /// Waits until nothing moves, and checks how it ended. A device that does not answer gets the
+    /// whole time.
     fn finished(&mut self, longest: Duration, wanted: Report) -> Result<String, String> {
         if !self.answers {
             self.pause(longest)?;
@@ -592,11 +608,13 @@ impl Client {
         }
         match self.get(self.waits.answer)? {
             Some(answer) if answer == byte && byte != REJECTED => Ok(Answer::Taken),
-            // A raw byte may be the same as the answer to what is not taken: then it was taken, or the end is wrong.
+            // A raw byte may equal the answer to a command that is not taken. Then it was taken, or
+            // the end is wrong.
             Some(REJECTED) if byte == REJECTED => Ok(Answer::Taken),
             Some(REJECTED) => Ok(Answer::Rejected),
             Some(other) => Err(format!(
-                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or the device is another one"
+                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or the device is \
+                 another one"
             )),
             None => Err("no answer: unplugged, switched off, or a byte was lost".into()),
         }
@@ -605,7 +623,8 @@ impl Client {
     fn pause(&mut self, time: Duration) -> Result<(), String> {
         let end = self.wire.elapsed() + time;
         while self.wire.elapsed() < end && (self.answers || !self.stop.load(Ordering::Relaxed)) {
-            // A device that does not answer may be waited for long: Ctrl-C is looked for now and then.
+            // A device that does not answer may be waited for long. Ctrl-C is checked at this
+            // interval.
             let left = end.saturating_sub(self.wire.elapsed()).min(AGAIN);
             if self.turn.is_some() && !self.has_turn {
                 // What comes now is for the other client.

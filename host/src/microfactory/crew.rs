@@ -39,7 +39,8 @@ impl Share {
     }
 }
 
-/// Lets all machines do their actions; what happens is told to `out` as it does. A machine in trouble does not stop the others.
+/// Lets all machines do their actions, and reports to `out` as they go. A machine in trouble does
+/// not stop the others.
 ///
 /// # Errors
 ///

@@ -29,8 +29,8 @@ pub struct EmulatedMicrofactory {
 }
 
 impl Device {
-    /// Switched on, with a figure; one that answers has a dead-man's time as well, one that does not
-    /// is the original. Of two machines the second is like the first.
+    /// Switched on, with a figure. A device that answers also has a dead-man's time; one that does
+    /// not is the original. Of two machines the second is like the first.
     ///
     /// # Errors
     ///

@@ -105,8 +105,9 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// The whole session with a fault. Where nothing is reported everything is as asked; where something is, nothing turns any more but what a pulled
-/// cable left to itself, and the operator goes on after plugging in, a reset and homing. Whether it was reported.
+/// The whole session with a fault. If nothing is reported, everything is as asked. If something is
+/// reported, nothing turns any more, except what a pulled cable left running, and the operator
+/// continues after plugging in, a reset and homing. Returns whether it was reported.
 fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let context = format!("{fault:?} at byte {place} to machine {machine}");
     let mut client = client_of(machine);
@@ -152,7 +153,8 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     true
 }
 
-/// Every fault at every byte of a session, both ways; with a machine alone on its controller, and with the second one of two.
+/// Every fault at every byte of a session, in both directions, with a single machine on its
+/// controller and with the second one of two.
 #[test]
 fn any_fault_at_any_byte_is_survived_or_reported() {
     for machine in [0, 1] {
@@ -280,7 +282,8 @@ fn switch_reports(client: &mut Client) -> usize {
     hits.count()
 }
 
-/// A jog that ends at a switch is told and not begun again, however long it was to be; the axis goes all of the way back off it.
+/// A jog that ends at a switch is reported and not begun again, however long it should last. The
+/// axis backs off the switch completely.
 #[test]
 fn a_jog_into_a_switch_is_told_and_ends() {
     let mut client = client();
@@ -307,7 +310,7 @@ fn steps_into_a_switch_are_told_and_end() {
     assert_eq!(client.device().rig().tool()[2], ZERO[1], "back off it");
 }
 
-/// A letter that the controller does not carry out, as while it goes back off a switch, is answered so.
+/// The answer to a letter that the controller does not carry out, as while it backs off a switch.
 #[test]
 fn what_is_refused_is_not_acknowledged() {
     let settings = settings();
@@ -333,7 +336,8 @@ fn what_is_refused_is_not_acknowledged() {
     assert_eq!(say(&mut device, b'G'), b"?");
 }
 
-/// A controller of two machines: what is sent to one does not move the other, and each has its own figure and place.
+/// A controller of two machines: bytes for one do not move the other, and each has its own figure
+/// and position.
 #[test]
 fn two_machines_of_one_controller() {
     let settings = settings();
@@ -408,7 +412,8 @@ fn two_machines_move_at_once() {
     );
 }
 
-/// Behind a reset a controller of two listens for the first one: what is for the second does not move that.
+/// After a reset a controller of two machines listens for the first one. Commands for the second do
+/// not move it.
 #[test]
 fn a_reset_does_not_exchange_the_machines() {
     let settings = settings();

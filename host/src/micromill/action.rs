@@ -131,7 +131,8 @@ impl Action {
         }
         if word.is_empty() || !rest.is_empty() {
             return Err(format!(
-                "unknown action `{word}`: a mill has home, steps as in `x -25`, jogs as in `x+ 2s` or `x+y- 2s faster 1s slower 1s`, \
+                "unknown action `{word}`: a mill has home, steps as in `x -25`, jogs as in `x+ 2s` \
+                 or `x+y- 2s faster 1s slower 1s`, \
                  run x -250 2s, backlash x 204, zero, stop, where"
             ));
         }
@@ -200,7 +201,8 @@ mod tests {
             time: second * seconds,
         };
         let actions = parse(
-            "home x -12000 x+y-z+ 2s faster 1s slower 3s z- 1s run y -250 1s backlash x 204 zero stop where",
+            "home x -12000 x+y-z+ 2s faster 1s slower 3s z- 1s run y -250 1s backlash x 204 zero \
+             stop where",
         );
         let expected = [
             Action::Home,

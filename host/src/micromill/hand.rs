@@ -164,9 +164,11 @@ impl Hand {
 fn over(outcome: Option<Outcome>) -> Result<(), String> {
     match outcome {
         None => Ok(()),
-        Some(Outcome::Stopped) => {
-            Err("it stopped by itself: the end of the travel, a switch, or the host was not heard in time".into())
-        }
+        Some(Outcome::Stopped) => Err(
+            "it stopped by itself: the end of the travel, a switch, or the host was not heard \
+                 in time"
+                .into(),
+        ),
         Some(outcome) => Err(why(outcome).into()),
     }
 }

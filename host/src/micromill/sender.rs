@@ -29,7 +29,8 @@ pub struct Sent {
     pub lines: usize,
 }
 
-/// Sends lines and waits until they are made; `operator` is asked before a tool, and goes on with `true`.
+/// Sends lines and waits until they are made. `operator` is asked before a tool, and continues with
+/// `true`.
 ///
 /// # Errors
 ///
@@ -64,7 +65,8 @@ pub fn send(
             let about = if sending.every > 1 { "about " } else { "" };
             let lines = session.lines;
             Err(format!(
-                "{sentence}; {lines} lines made; motors at {about}x {x} y {y} z {z} steps from {from}"
+                "{sentence}; {lines} lines made; motors at {about}x {x} y {y} z {z} steps from \
+                 {from}"
             ))
         }
         Err(sentence) => Err(sentence),

@@ -90,7 +90,8 @@ impl Session {
         Ok(())
     }
 
-    /// Sends what may be sent, or takes what comes within some microseconds; the outcome of a string that ends.
+    /// Sends the bytes that may be sent, or takes those that come within some microseconds. Returns
+    /// the outcome of a string that ends.
     ///
     /// # Errors
     ///
@@ -195,7 +196,8 @@ fn gone(error: std::io::Error) -> String {
 
 fn unconfirmed(why: &str) -> String {
     format!(
-        "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch the mill off"
+        "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch the mill \
+         off"
     )
 }
 

@@ -210,7 +210,8 @@ impl Translator<'_> {
         self.straight(to, Some(feed));
     }
 
-    /// A curve on which Z moves with the others: Z steps where it is half a step off, and X and Y go on between, on lines or on an arc.
+    /// A curve on which Z moves with the other axes: Z steps where it is half a step off, and in
+    /// between X and Y move on lines or on an arc.
     fn flatten(
         &mut self,
         steps: f64,

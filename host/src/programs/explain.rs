@@ -63,7 +63,8 @@ impl At<'_> {
             .map(|word| word.at..word.end)
     }
 
-    /// Bytes of the block as bytes of the line as it is drawn, where what is no text takes more room.
+    /// Bytes of the block as bytes of the line as it is drawn, where bytes that are no text take
+    /// more room.
     fn drawn(&self, span: Range<usize>) -> Range<usize> {
         self.place(span).span()
     }
@@ -94,7 +95,7 @@ impl At<'_> {
         !matches!(next, Some(b',' | b'.' | b'+' | b'-'))
     }
 
-    /// Whether a comma stands behind the digits of a number, not of a parameter's, and not behind a bracket.
+    /// Whether a comma follows the digits of a number, not those of a parameter, and not a bracket.
     fn is_behind_digits(&self, comma: usize) -> bool {
         let before = self.text().get(..comma).unwrap_or_default();
         let mut others = before.iter().rev();
@@ -115,7 +116,8 @@ impl At<'_> {
     }
 }
 
-/// Turns an error of a block into a finding. No fix is offered on a line with a checksum: it would be wrong then.
+/// Turns an error of a block into a finding. It offers no fix on a line with a checksum, which
+/// would then be wrong.
 pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     let finding = described(error, at);
     let is_summed = at.dialect.framing().is_some() && at.bytes.contains(&b'*');
@@ -142,33 +144,67 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             finding.label(format!("this machine has no {} axis", char::from(letter)))
         }
         ErrorKind::UnknownWord(letter) => finding
-            .label(format!("no axis or parameter named `{}` here", char::from(letter)))
+            .label(format!(
+                "no axis or parameter named `{}` here",
+                char::from(letter)
+            ))
             .note("a grbl controller answers `error:20` here")
             .help("remove the word")
             .fix(at.removal(span), ""),
-        ErrorKind::NotALetter(_) => finding.label("a word is a letter and a number").note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
-        ErrorKind::MissingNumber(_) => finding.label("a number must follow the letter").note("grbl: `error:2`"),
-        ErrorKind::MalformedNumber => finding.label("the number goes wrong here").note("grbl reads the first part, then answers `error:1` at the rest"),
+        ErrorKind::NotALetter(_) => finding
+            .label("a word is a letter and a number")
+            .note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
+        ErrorKind::MissingNumber(_) => finding
+            .label("a number must follow the letter")
+            .note("grbl: `error:2`"),
+        ErrorKind::MalformedNumber => finding
+            .label("the number goes wrong here")
+            .note("grbl reads the first part, then answers `error:1` at the rest"),
         ErrorKind::Expression => finding
             .label("not of this dialect")
             .help("choose another with `--dialect`, or let the post-processor write plain numbers"),
         ErrorKind::Program(fault) => explain_flow::finding(fault, finding),
-        ErrorKind::NumberTooLarge => finding.label("too large").note("grbl keeps the first 8 digits and drops the rest without an error"),
+        ErrorKind::NumberTooLarge => finding
+            .label("too large")
+            .note("grbl keeps the first 8 digits and drops the rest without an error"),
         ErrorKind::TooManyDigits => finding.label("more digits than can be kept exactly"),
-        ErrorKind::BlockTooLong(limit) => finding.label(format!("the buffer of the controller ends after {limit} characters")),
-        ErrorKind::UnknownCode(letter, _) => finding.label("not in the list of codes").note(unknown_code(letter)),
-        ErrorKind::RepeatedWord(_) => finding.label("given a second time").note("grbl: `error:25`"),
-        ErrorKind::TwoCodesOfOneGroup => finding.label("only one of them can be in effect").note("grbl: `error:21`").help("write them on two lines"),
-        ErrorKind::TwoUsersOfWords => finding.label("the words can serve one code only").note("grbl: `error:24`").help("write them on two lines"),
-        ErrorKind::AxisWordsWithoutMotion => finding.label("what to do with it is not said").note("grbl: `error:31`").help("write G0 or G1 before the axis words"),
-        ErrorKind::NoAxisWords => finding.label("needs at least one axis").note("grbl: `error:26`; LinuxCNC: \"All axes missing with motion code\""),
+        ErrorKind::BlockTooLong(limit) => finding.label(format!(
+            "the buffer of the controller ends after {limit} characters"
+        )),
+        ErrorKind::UnknownCode(letter, _) => finding
+            .label("not in the list of codes")
+            .note(unknown_code(letter)),
+        ErrorKind::RepeatedWord(_) => finding
+            .label("given a second time")
+            .note("grbl: `error:25`"),
+        ErrorKind::TwoCodesOfOneGroup => finding
+            .label("only one of them can be in effect")
+            .note("grbl: `error:21`")
+            .help("write them on two lines"),
+        ErrorKind::TwoUsersOfWords => finding
+            .label("the words can serve one code only")
+            .note("grbl: `error:24`")
+            .help("write them on two lines"),
+        ErrorKind::AxisWordsWithoutMotion => finding
+            .label("what to do with it is not said")
+            .note("grbl: `error:31`")
+            .help("write G0 or G1 before the axis words"),
+        ErrorKind::NoAxisWords => finding
+            .label("needs at least one axis")
+            .note("grbl: `error:26`; LinuxCNC: \"All axes missing with motion code\""),
         ErrorKind::UnusedWord(_) => finding
             .label("nothing on this line uses it")
             .note("grbl: `error:36`")
             .help("remove the word")
             .fix(at.removal(span), ""),
-        ErrorKind::ZNotAlone => finding.label("this machine interpolates X and Y only").help("move Z in a string of its own, before or after"),
-        ErrorKind::NoCentre if at.find(|letter| matches!(letter, b'I' | b'J' | b'K')).is_some() => {
+        ErrorKind::ZNotAlone => finding
+            .label("this machine interpolates X and Y only")
+            .help("move Z in a string of its own, before or after"),
+        ErrorKind::NoCentre
+            if at
+                .find(|letter| matches!(letter, b'I' | b'J' | b'K'))
+                .is_some() =>
+        {
             finding.label("the centre given is the place where the arc starts")
         }
         ErrorKind::NoCentre => finding
@@ -177,19 +213,31 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .help("add the centre as `I` and `J`, relative to the start, or the radius as `R`"),
         ErrorKind::HalfCentre => finding
             .label("an absolute centre takes both words of its plane")
-            .note("G90.1 and the micromill dialect give the centre itself, not its distance from the start")
+            .note(
+                "G90.1 and the micromill dialect give the centre itself, not its distance from \
+                 the start",
+            )
             .help("add the other centre word, or G91.1 for distances"),
         ErrorKind::EndOffArc(_) => finding
             .label("start and end have different distances from the centre")
-            .note("an error from 0.5 mm on, or from 5 um and 0.1 % of the radius on: as grbl and LinuxCNC have it")
+            .note(
+                "an error from 0.5 mm on, or from 5 um and 0.1 % of the radius on: as grbl and \
+                 LinuxCNC have it",
+            )
             .help("check the centre words; absolute centres need G90.1"),
-        ErrorKind::RadiusAndCentre => finding.label("one of them is too much").note("grbl: `error:36`; LinuxCNC: \"Mixed radius ijk format for arc\""),
-        ErrorKind::RadiusTooSmall(_) => finding.label("does not reach the end").note("grbl: `error:34`; LinuxCNC: \"Arc radius too small to reach end point\""),
+        ErrorKind::RadiusAndCentre => finding
+            .label("one of them is too much")
+            .note("grbl: `error:36`; LinuxCNC: \"Mixed radius ijk format for arc\""),
+        ErrorKind::RadiusTooSmall(_) => finding
+            .label("does not reach the end")
+            .note("grbl: `error:34`; LinuxCNC: \"Arc radius too small to reach end point\""),
         ErrorKind::RadiusToSamePoint => finding
             .label("a radius does not say where the centre is")
             .note("grbl: `error:33`")
             .help("write a full circle with `I` and `J`"),
-        ErrorKind::NoEnd => finding.label("needs an end point in its plane").note("grbl: `error:32`"),
+        ErrorKind::NoEnd => finding
+            .label("needs an end point in its plane")
+            .note("grbl: `error:32`"),
         ErrorKind::NoFeed if at.find(|letter| letter == b'F').is_some() => finding
             .label("the feed rate is zero")
             .note("grbl: `error:22`; LinuxCNC: \"Cannot do g1 with zero feed rate\""),
@@ -199,9 +247,14 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .help("add a feed rate, as in `F100`"),
         ErrorKind::NoInverseTime => finding
             .label("no `F` on this line")
-            .note("under G93 an F is the inverse of the minutes of one move and is not kept for the next")
+            .note(
+                "under G93 an F is the inverse of the minutes of one move and is not kept for \
+                 the next",
+            )
             .help("add F, or G94 for feed rates that stay"),
-        ErrorKind::Negative(_) => finding.label("must not be negative").note("grbl: `error:4`"),
+        ErrorKind::Negative(_) => finding
+            .label("must not be negative")
+            .note("grbl: `error:4`"),
         ErrorKind::NotOfDialect(letter, tenths) => {
             let finding = finding.label("this dialect has no such code");
             // The languages of machines that can do nothing else.
@@ -278,29 +331,43 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .label("goes back here")
             .note("roughing cycles cut contours that rise all the way in both axes (type I)")
             .help("turn the pocket in a cycle of its own"),
-        ErrorKind::ThreadStart => finding
-            .label("start and end of the cycle lie on the same side of the crest, outside of it, and apart along it"),
-        ErrorKind::TooManyWaiting => finding
-            .label("four at most wait for the corner")
-            .help("move these commands before the compensation, or put a move in the plane between them"),
+        ErrorKind::ThreadStart => finding.label(
+            "start and end of the cycle lie on the same side of the crest, outside of it, \
+                 and apart along it",
+        ),
+        ErrorKind::TooManyWaiting => finding.label("four at most wait for the corner").help(
+            "move these commands before the compensation, or put a move in the plane between \
+                 them",
+        ),
         ErrorKind::ContourTooLong => finding.label("1024 moves at most"),
         ErrorKind::ContourStart => finding
-            .label("the first move of the contour goes down from the start of the cycle, its end lies along the cut")
+            .label(
+                "the first move of the contour goes down from the start of the cycle, its end \
+                 lies along the cut",
+            )
             .note("G71 goes down in X and cuts along Z, G72 the other way round"),
         ErrorKind::SplinePlane => finding.label("needs G17, and only X and Y"),
         ErrorKind::NoProbeMove => finding.label("ends where it starts"),
         ErrorKind::UnderCompensation => finding.help("end the compensation with G40 before"),
-        ErrorKind::CompensationEntry => finding.label("neither an arc nor a move along the third axis can be it"),
+        ErrorKind::CompensationEntry => {
+            finding.label("neither an arc nor a move along the third axis can be it")
+        }
         ErrorKind::EntryTooShort(_) => finding
             .label("the tool has no room to come to the contour")
-            .note("LinuxCNC: \"Length of cutter compensation entry move is not greater than the tool radius\""),
-        ErrorKind::Gouge => finding
-            .label("too narrow for the tool")
-            .note("LinuxCNC: \"Straight feed in concave corner cannot be reached by the tool without gouging\""),
+            .note(
+                "LinuxCNC: \"Length of cutter compensation entry move is not greater than the \
+                 tool radius\"",
+            ),
+        ErrorKind::Gouge => finding.label("too narrow for the tool").note(
+            "LinuxCNC: \"Straight feed in concave corner cannot be reached by the tool \
+                 without gouging\"",
+        ),
         ErrorKind::ArcSmallerThanTool(_) => finding
             .label("the tool does not fit into this arc")
             .note("LinuxCNC: \"Arc radius too small to reach end point\" with compensation"),
-        ErrorKind::NoDwellTime => finding.label("how long is not said").note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
+        ErrorKind::NoDwellTime => finding
+            .label("how long is not said")
+            .note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
         _ => finding,
     }
 }

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 ///
 /// # Errors
 ///
-/// Reading or writing fails, or the machine refuses a line: a check before makes sure that it does not.
+/// Reading or writing fails, or the machine refuses a line. A check before prevents the latter.
 pub fn feed(
     source: &mut Source,
     machine: &mut Micromill,
@@ -60,8 +60,8 @@ pub fn feed(
     Ok(())
 }
 
-/// Runs a program to its end, or to where the machine stops, on a machine with encoders; `each` gets every entry it gives, and returns the counts
-/// after it.
+/// Runs a program to its end, or until the machine stops, on a machine with encoders. `each` gets
+/// every entry and returns the counts after it.
 ///
 /// # Errors
 ///
@@ -141,7 +141,8 @@ fn pull(
     machine: &mut Micromill,
     each: &mut impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
-    // By reference: moving the event would read whole what was just written in parts, and wait for it.
+    // By reference: moving the event would read as a whole what was just written in parts, and wait
+    // for it.
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };

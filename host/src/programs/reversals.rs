@@ -86,7 +86,8 @@ impl Turns {
         }
     }
 
-    /// An arc: quarter by quarter, as an axis turns round where the arc passes from one to the next.
+    /// An arc, quadrant by quadrant, because an axis reverses where the arc passes from one to the
+    /// next.
     pub fn arc(&mut self, from: [Nm; 3], arc: &Arc<3>) {
         let [a, b] = arc.plane.axes();
         let across = 3 - a - b;
@@ -161,7 +162,8 @@ mod tests {
         assert_eq!(turns.reversals(), [2, 2, 0]);
     }
 
-    /// Lash that grows along X by a step in ten nanometres: each end of a circle takes up that of its own place.
+    /// Backlash that grows along X by a step in ten nanometres: each end of a circle takes up that
+    /// of its own position.
     #[test]
     fn what_is_taken_up_is_that_of_the_place() {
         let map: Map = LashMap::new(

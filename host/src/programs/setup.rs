@@ -75,7 +75,8 @@ pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Micromill {
     )
 }
 
-/// The language of a program: what was asked for, or what the name of the file says, or the machine's own.
+/// The language of a program: the requested one, or that of the name of the file, or that of the
+/// machine.
 ///
 /// # Errors
 ///

@@ -7,8 +7,8 @@ use std::io::{self, BufRead, BufReader};
 /// Longest line that is taken, in bytes; what follows on a longer line is skipped.
 pub const LONGEST_LINE: usize = 64 * 1024;
 
-/// Reads on to the end of a line, CR, LF or CR LF, and returns that end: empty where the input ends. `None` where `line` is full, at
-/// [`LONGEST_LINE`] bytes, before the line is over.
+/// Reads up to the end of a line, CR, LF or CR LF, and returns that end; it is empty where the
+/// input ends. `None` if `line` is full, at [`LONGEST_LINE`] bytes, before the line is over.
 ///
 /// # Errors
 ///
@@ -117,7 +117,8 @@ impl Source {
         }
     }
 
-    /// Returns the next line, or `None` at the end of the file. CR, LF and CR LF end a line, also none at the very end.
+    /// Returns the next line, or `None` at the end of the file. CR, LF and CR LF end a line. The
+    /// last line needs no end.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Events that wait for the spindle, as events that wait for the clock: the simulated spindle says when.
+//! Events that wait for the spindle become events that wait for the clock: the simulated spindle
+//! gives the time.
 
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, FollowEvent, MAX_WAIT_TICKS, Output, StepEvent};

@@ -1,4 +1,4 @@
-//! The path of the tool as strokes for a picture: bounded memory, whatever the length of the program.
+//! The path of the tool as strokes for a picture: bounded memory for a program of any length.
 
 /// What kind of move a stroke belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +11,8 @@ pub enum Class {
     Feed,
 }
 
-/// A point of the tool, and the point of the programmed path nearest to it; nm, in the axes of the picture.
+/// A point of the tool, and the nearest point of the programmed path; nm, in the axes of the
+/// picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Where the tool is.

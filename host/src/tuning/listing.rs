@@ -80,7 +80,8 @@ pub fn text(outcome: &Outcome) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "    {stage:<12} p {p:<5} i {i:<5} d {d:<5} limit {integral_limit:<5} rate 1/{rate_divisor:<2} {result}"
+            "    {stage:<12} p {p:<5} i {i:<5} d {d:<5} limit {integral_limit:<5} rate \
+             1/{rate_divisor:<2} {result}"
         );
     }
     for (name, value) in figures(outcome) {
@@ -100,7 +101,8 @@ pub fn text(outcome: &Outcome) -> String {
         } = rule;
         let _ = writeln!(
             text,
-            "    {rule:<22} Kp {kp:.2}, Ki {ki:.1}/s, Kd {kd:.4} s: p = {p}, i = {i}, d = {d}, integral_limit = {integral_limit}"
+            "    {rule:<22} Kp {kp:.2}, Ki {ki:.1}/s, Kd {kd:.4} s: p = {p}, i = {i}, d = {d}, \
+             integral_limit = {integral_limit}"
         );
     }
     for note in &outcome.notes {

@@ -108,8 +108,10 @@ fn section(page: &mut String, number: usize, trace: &Trace) {
     let _ = writeln!(page, "<section><h2>{}</h2>", escape(&trace.title));
     let _ = writeln!(
         page,
-        "<svg viewBox=\"0 0 1000 480\" role=\"img\" aria-labelledby=\"trace{number}-t trace{number}-d\">\
-         <title id=\"trace{number}-t\">{}</title><desc id=\"trace{number}-d\">Position between {low:.0} and {high:.0} counts over {:.0} ms</desc>",
+        "<svg viewBox=\"0 0 1000 480\" role=\"img\" aria-labelledby=\"trace{number}-t \
+         trace{number}-d\">\
+         <title id=\"trace{number}-t\">{}</title><desc id=\"trace{number}-d\">Position between \
+         {low:.0} and {high:.0} counts over {:.0} ms</desc>",
         escape(&trace.title),
         seconds * 1e3
     );
@@ -175,7 +177,8 @@ fn rules(page: &mut String, outcome: &Outcome) {
         return;
     }
     page.push_str(
-        "<section><h2>Gains by rule</h2><div class=\"scroll\"><table><tr><th>rule</th><th>Kp</th><th>Ki</th><th>Kd</th>\
+        "<section><h2>Gains by rule</h2><div \
+         class=\"scroll\"><table><tr><th>rule</th><th>Kp</th><th>Ki</th><th>Kd</th>\
          <th>p</th><th>i</th><th>d</th><th>integral_limit</th><th>source</th></tr>\n",
     );
     for row in &outcome.rules {
@@ -193,7 +196,10 @@ fn rules(page: &mut String, outcome: &Outcome) {
             escape(row.source)
         );
     }
-    page.push_str("</table></div><p>Kp in PWM a count, Ki the same a second, Kd in PWM a count/s.</p></section>\n");
+    page.push_str(
+        "</table></div><p>Kp in PWM a count, Ki the same a second, Kd in PWM a \
+         count/s.</p></section>\n",
+    );
 }
 
 fn trials(page: &mut String, outcome: &Outcome) {
@@ -201,7 +207,8 @@ fn trials(page: &mut String, outcome: &Outcome) {
         return;
     }
     page.push_str(
-        "<section><h2>Trials</h2><div class=\"scroll\"><table><tr><th>looked for</th><th>p</th><th>i</th><th>d</th>\
+        "<section><h2>Trials</h2><div class=\"scroll\"><table><tr><th>looked \
+         for</th><th>p</th><th>i</th><th>d</th>\
          <th>integral_limit</th><th>rate_divisor</th><th>result</th></tr>\n",
     );
     for trial in &outcome.trials {

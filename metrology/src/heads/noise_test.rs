@@ -227,8 +227,10 @@ fn show(plan: &Plan, tally: &Tally) {
     let damage = &tally.damage;
     let pairs = damage.pairs_in_halves as f64 / 2.0 * plan.noise.bit_errors.powi(2);
     println!(
-        "{} modules, {:?}: {:.2} h, {} sessions, {} moves, {} touches; {} wrong bits; {} replies, {} damaged, {} unseen ({pairs:.1} pairs \
-         computed), {} commands wrong and unseen; {} errors reported, {} moves and {} touches silently wrong",
+        "{} modules, {:?}: {:.2} h, {} sessions, {} moves, {} touches; {} wrong bits; {} replies, \
+         {} damaged, {} unseen ({pairs:.1} pairs \
+         computed), {} commands wrong and unseen; {} errors reported, {} moves and {} touches \
+         silently wrong",
         plan.modules,
         plan.noise,
         tally.seconds / 3600.0,

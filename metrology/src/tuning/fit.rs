@@ -118,7 +118,8 @@ mod tests {
         assert_eq!((gains.integral, gains.derivative), (336, 2500));
         assert_eq!(
             toml(&gains),
-            "gains = { p = 512, i = 336, d = 2500, integral_limit = 6241, output_limit = 255, error_limit = 400, rate_divisor = 2 }"
+            "gains = { p = 512, i = 336, d = 2500, integral_limit = 6241, output_limit = 255, \
+             error_limit = 400, rate_divisor = 2 }"
         );
     }
 

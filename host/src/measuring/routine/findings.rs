@@ -50,7 +50,10 @@ pub fn of_program(error: &ProgramError, file: &str) -> Finding {
                 .map_or_else(|| at.whole(), |span| at.place(span));
             Finding::error(code::MACHINE, error.fault.to_string(), place)
                 .label("nothing here can do it")
-                .help("there are G0, G1, G38.2 to G38.5, frames, M0, M2, M30, O-words, parameters and the measuring cycles")
+                .help(
+                    "there are G0, G1, G38.2 to G38.5, frames, M0, M2, M30, O-words, parameters \
+                     and the measuring cycles",
+                )
         }
         ProgramFault::Call { message, expected } => {
             let finding = Finding::error(code::MISSING, *message, at.whole());

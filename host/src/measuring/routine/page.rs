@@ -15,7 +15,8 @@ const LOOK: &str = "\
 circle{fill:none;vector-effect:non-scaling-stroke}circle.dot{fill:var(--ink);stroke:none}\
 .face{stroke-dasharray:7 4}.size{stroke:var(--soft);stroke-width:1;stroke-dasharray:2 3}\
 .off{stroke:var(--rapid);stroke-width:2.4}.bar{stroke:var(--rapid);stroke-width:5}\
-td.ok{color:var(--good)}td.out{color:var(--limit);font-weight:700}tr.first td{border-top:2px solid var(--line)}\
+td.ok{color:var(--good)}td.out{color:var(--limit);font-weight:700}tr.first td{border-top:2px solid \
+var(--line)}\
 td:nth-child(2),th:nth-child(2),td:nth-child(3),th:nth-child(3){text-align:left}\
 figure{margin:.8rem 0}figcaption{color:var(--soft);font-size:.9rem}\
 .verdict{font-size:1.15rem;font-weight:600}.verdict.ok{color:var(--good)}.verdict.out{color:var(--limit)}";
@@ -116,7 +117,9 @@ fn row(
     };
     let _ = writeln!(
         page,
-        "<tr{class}><td>{name}</td><td>{keyword}</td><td>{} {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"{colour}\">{result}</td></tr>",
+        "<tr{class}><td>{name}</td><td>{keyword}</td><td>{} \
+         {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td \
+         class=\"{colour}\">{result}</td></tr>",
         dimension.figure.name(),
         dimension.figure.unit(),
         nominal.unwrap_or_default(),
@@ -134,8 +137,10 @@ fn views(page: &mut String, features: &[Feature], site: &Site<'_>) {
     let factor = picture::factor(features, picture::size_nm(features, part));
     let _ = writeln!(
         page,
-        "<section><h2>Where they are</h2><p>In the frame at the end of the routine. Dots: points of the surface, corrected for \
-         tip and pre-travel. Thick strokes: how far they are from their feature, {factor:.0} times as large. Red: out of tolerance.</p>"
+        "<section><h2>Where they are</h2><p>In the frame at the end of the routine. Dots: points \
+         of the surface, corrected for \
+         tip and pre-travel. Thick strokes: how far they are from their feature, {factor:.0} times \
+         as large. Red: out of tolerance.</p>"
     );
     for plan in [ABOVE, FRONT] {
         let _ = writeln!(page, "<figure><figcaption>{} view</figcaption>", plan.name);
@@ -151,16 +156,22 @@ fn residuals(page: &mut String, features: &[Feature]) {
     if features.peek().is_none() {
         return;
     }
-    page.push_str("<section><h2>Residuals</h2><p>Each point's distance from its feature, in the order of touching; outside is up.</p>\n");
+    page.push_str(
+        "<section><h2>Residuals</h2><p>Each point's distance from its feature, in the \
+         order of touching; outside is up.</p>\n",
+    );
     features.for_each(|feature| picture::residuals(page, feature));
     page.push_str("</section>\n");
 }
 
 fn points(page: &mut String, features: &[Feature]) {
     page.push_str(
-        "<section><h2>Points</h2><details><summary>All points of the surface, mm, each in the frame it was measured in</summary>\
-         <div class=\"scroll\"><table><thead><tr><th scope=\"col\">feature</th><th scope=\"col\">point</th><th scope=\"col\">x</th>\
-         <th scope=\"col\">y</th><th scope=\"col\">z</th><th scope=\"col\">residual</th></tr></thead><tbody>\n",
+        "<section><h2>Points</h2><details><summary>All points of the surface, mm, each in the \
+         frame it was measured in</summary>\
+         <div class=\"scroll\"><table><thead><tr><th scope=\"col\">feature</th><th \
+         scope=\"col\">point</th><th scope=\"col\">x</th>\
+         <th scope=\"col\">y</th><th scope=\"col\">z</th><th \
+         scope=\"col\">residual</th></tr></thead><tbody>\n",
     );
     for feature in features {
         for (number, mark) in (1..).zip(&feature.marks) {

@@ -263,11 +263,13 @@ fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, 
 struct Labels(Vec<[f64; 3]>);
 
 impl Labels {
-    /// Width of a character and height of a line of the page's 12 pixels, so that most texts are narrower.
+    /// Width of a character and height of a line at the 12 pixels of the page, so that most texts
+    /// are narrower.
     const CHARACTER: f64 = 7.0;
     const LINE: f64 = 13.0;
 
-    /// Where a name at this place may begin without lying on another: above it, below it, then line by line farther up.
+    /// A position where a name can begin without covering another one: above the point, below it,
+    /// then line by line farther up.
     fn place(&mut self, text: &str, [x, y]: [f64; 2]) -> [f64; 2] {
         let left = x + 6.0;
         let right = left + text.chars().count() as f64 * Self::CHARACTER;
@@ -337,7 +339,8 @@ pub fn residuals(page: &mut String, feature: &Feature) {
     let step = (WIDTH - 160.0) / marks.len().max(1) as f64;
     let _ = writeln!(
         page,
-        "<figure><figcaption>{} {}: form {}</figcaption><svg viewBox=\"0 0 {WIDTH:.0} {HEIGHT:.0}\" role=\"img\" \
+        "<figure><figcaption>{} {}: form {}</figcaption><svg viewBox=\"0 0 {WIDTH:.0} \
+         {HEIGHT:.0}\" role=\"img\" \
          aria-label=\"Residuals of {}\"><path class=\"grid\" d=\"M130 {middle}H{WIDTH}\"/>",
         feature.keyword,
         escape(&feature.name),
@@ -347,7 +350,8 @@ pub fn residuals(page: &mut String, feature: &Feature) {
     for (value, y) in [(most, middle - most * unit), (-most, middle + most * unit)] {
         let _ = writeln!(
             page,
-            "<path class=\"grid\" d=\"M130 {y:.1}H{WIDTH}\"/><text x=\"122\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            "<path class=\"grid\" d=\"M130 {y:.1}H{WIDTH}\"/><text x=\"122\" y=\"{:.1}\" \
+             text-anchor=\"end\">{}</text>",
             y + 4.0,
             length(value)
         );
