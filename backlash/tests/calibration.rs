@@ -128,7 +128,10 @@ proptest! {
     #[test]
     fn nothing_is_too_much(
         scale in any::<i32>(), knots in proptest::collection::vec(any::<(i64, i32, i32)>(), 0..6),
-        at in any::<i64>(), flank in flank(), leans in any::<[i32; 3]>(), place in any::<[i64; 3]>(),
+        at in any::<i64>(),
+        flank in flank(),
+        leans in any::<[i32; 3]>(),
+        place in any::<[i64; 3]>(),
     ) {
         let knots: Vec<Knot> = knots
             .into_iter()

@@ -155,7 +155,12 @@ proptest! {
     /// Whatever gains, limits and signals: the output is within the limits.
     #[test]
     fn limits_hold(
-        gains in gains(), rule in rule(), limits in limits(), inner in limits(), lead in 0..(1 << 29), parts in any::<[i32; 2]>(),
+        gains in gains(),
+        rule in rule(),
+        limits in limits(),
+        inner in limits(),
+        lead in 0..(1 << 29),
+        parts in any::<[i32; 2]>(),
         signals in proptest::collection::vec((any_signal(), any_signal()), 1..50),
     ) {
         let pid = Law::new(gains, rule, limits).unwrap().with_integral_limits(inner).unwrap();

@@ -26,8 +26,17 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 /// use husillo_probe::{Cycle, Edge, Input, Plan, Request, UnitVector};
 ///
 /// let mut cycle = Cycle::new(&Plan {
-///     approach: [0; 3], direction: UnitVector::X, search: 10_000, over_travel: 500, back_off: 300, touches: 2,
-///     travel_speed: 9_000, probing_speed: 1_000, slow_speed: 100, back_off_speed: 1_000, until: Edge::Made,
+///     approach: [0; 3],
+///     direction: UnitVector::X,
+///     search: 10_000,
+///     over_travel: 500,
+///     back_off: 300,
+///     touches: 2,
+///     travel_speed: 9_000,
+///     probing_speed: 1_000,
+///     slow_speed: 100,
+///     back_off_speed: 1_000,
+///     until: Edge::Made,
 /// })?;
 /// // An axis with 100 counts a tick of way at most, and a wall at 4321.
 /// let (mut x, mut target, mut step) = (-2_000_i64, -2_000_i64, 0);

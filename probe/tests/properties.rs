@@ -159,14 +159,22 @@ proptest! {
     /// was told to.
     #[test]
     fn cycles_end(
-        touches in 0_u8..5, back_off in 0_u32..500, over_travel in 0_u32..500, until in any::<bool>(),
+        touches in 0_u8..5,
+        back_off in 0_u32..500,
+        over_travel in 0_u32..500,
+        until in any::<bool>(),
         wall in -1500_i64..3000, noise in proptest::collection::vec(
             any::<(u8, bool)>(),
             1..200,
         ), is_noisy in any::<bool>(),
     ) {
         let plan = Plan {
-            approach: [100, 0, 0], direction: UnitVector::X, search: 2000, over_travel, back_off, touches,
+            approach: [100, 0, 0],
+            direction: UnitVector::X,
+            search: 2000,
+            over_travel,
+            back_off,
+            touches,
             travel_speed: 90, probing_speed: 20, slow_speed: 3, back_off_speed: 50,
             until: if until { Edge::Made } else { Edge::Broken },
         };

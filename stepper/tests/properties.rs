@@ -217,7 +217,11 @@ proptest! {
     /// never takes longer than stated.
     #[test]
     fn pulses_keep_their_times(
-        walk in walk(), setup_ticks in 0u32..20, hold_ticks in 0u32..40, high_ticks in 0u32..20, low_ticks in 0u32..20,
+        walk in walk(),
+        setup_ticks in 0u32..20,
+        hold_ticks in 0u32..40,
+        high_ticks in 0u32..20,
+        low_ticks in 0u32..20,
     ) {
         let mut pulse = StepDirection::new(
             PulseTiming { setup_ticks, hold_ticks, high_ticks, low_ticks }

@@ -695,7 +695,13 @@ proptest! {
         bits in prop::collection::btree_set(0usize..40, 1..=3),
     ) {
         let frame = Frame {
-            address: 1, kind: Kind::Data, from_station: false, broadcast: 0, number: 3, acknowledged: 1, payload: &payload,
+            address: 1,
+            kind: Kind::Data,
+            from_station: false,
+            broadcast: 0,
+            number: 3,
+            acknowledged: 1,
+            payload: &payload,
         };
         let mut body = cobs::decode_vec(frame.encode().unwrap().bytes()).unwrap();
         for bit in bits {

@@ -140,7 +140,13 @@ pub struct Send {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// First hole to be drilled, counted through all tools
-    #[arg(long, value_name = "HOLE", default_value_t = 1, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_name = "HOLE",
+        default_value_t = 1,
+        hide_default_value = true,
+        value_parser = clap::value_parser!(u32).range(1..),
+    )]
     pub from: u32,
     /// End when the start is confirmed, and let the drill continue alone: one tool, up to 8192
     /// bytes
@@ -153,7 +159,12 @@ pub struct Send {
     #[arg(long)]
     pub stream: bool,
     /// Micro mill: one step in so many is told; 0 for none
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=999))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u16).range(0..=999),
+    )]
     pub every: u16,
     /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the
     /// present positions

@@ -30,7 +30,12 @@ pub struct Measure {
     #[arg(long, value_name = "POSITION", allow_negative_numbers = true)]
     pub reference: Option<String>,
     /// Slow touches to average
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u8).range(1..),
+    )]
     pub repeat: u8,
     /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
@@ -82,7 +87,12 @@ pub struct Emulate {
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
     /// Machines that the controller of a microfactory drives
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u8).range(1..=2),
+    )]
     pub machines: u8,
     /// As the original: a microfactory that does not answer and has no dead-man's time, a drill
     /// with the flaws of its link
@@ -230,10 +240,20 @@ pub struct Tune {
     #[arg(long, value_name = "N")]
     pub current: Option<u8>,
     /// Steps of step and stepwise
-    #[arg(long, value_name = "COUNTS", default_value_t = 100, value_parser = clap::value_parser!(i32).range(1..=0x3fff))]
+    #[arg(
+        long,
+        value_name = "COUNTS",
+        default_value_t = 100,
+        value_parser = clap::value_parser!(i32).range(1..=0x3fff),
+    )]
     pub size: i32,
     /// Output of the relay
-    #[arg(long, value_name = "PWM", default_value_t = 200, value_parser = clap::value_parser!(u8).range(1..))]
+    #[arg(
+        long,
+        value_name = "PWM",
+        default_value_t = 200,
+        value_parser = clap::value_parser!(u8).range(1..),
+    )]
     pub amplitude: u8,
     /// Error that the relay needs to turn over, counts on both sides [default: 0, on a line 1]
     #[arg(long, value_name = "COUNTS", value_parser = clap::value_parser!(u16).range(..=1000))]

@@ -10,10 +10,12 @@ use std::fmt::Write;
 /// Colours of tools, light and dark: six, then again.
 const COLOURS: &str = "\
 :root{--t0:#0b5cad;--t1:#b3261e;--t2:#1b7f3b;--t3:#8a4fbf;--t4:#9a6700;--t5:#00767f}\
-@media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;--t4:#f0c419;--t5:#4dd0d8}}\
+@media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;\
+--t4:#f0c419;--t5:#4dd0d8}}\
 .way{stroke-width:1;stroke-opacity:.55;stroke-linejoin:round}.hole{fill-opacity:.75;stroke:none}\
 .back{stroke-dasharray:1 \
-3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
+3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}\
+.board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
 /// Diameter drawn where it is not known, mm.
 const UNKNOWN_MM: f64 = 0.8;
 /// Most numbers written beside holes.
@@ -232,7 +234,8 @@ fn table(page: &mut String, board: &Board<'_>) {
         let _ = writeln!(
             page,
             "<tr><td><span class=\"swatch\" \
-             style=\"background:var(--t{})\"></span>T{}</td><td>{diameter}</td><td>{}</td><td>{}</td>\
+             style=\"background:var(--t{})\"></span>T{}</td><td>{diameter}</td><td>{}</td><td>{}\
+             </td>\
              <td>{}</td><td>{}</td></tr>",
             place % 6,
             part.tool,

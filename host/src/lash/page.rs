@@ -20,7 +20,8 @@ const PICTURE: &str = "\
 figure{margin:0}\
 .above{fill:#c2410c}.below{fill:#0b5cad}.frame{fill:none;stroke:var(--line)}\
 @media(prefers-color-scheme:dark){.above{fill:#ff9a4d}.below{fill:#5aa9ff}}\
-figcaption{color:var(--soft);font-size:.9rem}td,th{text-align:right}td:first-child,th:first-child{text-align:left}";
+figcaption{color:var(--soft);font-size:.9rem}td,th{text-align:right}td:first-child,\
+th:first-child{text-align:left}";
 
 /// Width of a picture.
 const WIDTH: f64 = 480.0;

@@ -161,7 +161,8 @@ impl CalibrationFigures {
 }
 
 /// The columns of [`ResultRow::csv`].
-pub const CSV_HEAD: &str = "action,axis,unit,position,direction,trigger,corrected,pre_travel,touches,spread,over_travel,held,position_error,current,bits,auxiliary";
+pub const CSV_HEAD: &str = "action,axis,unit,position,direction,trigger,corrected,pre_travel,\
+     touches,spread,over_travel,held,position_error,current,bits,auxiliary";
 
 impl ResultRow {
     /// A line of a table, without its end.

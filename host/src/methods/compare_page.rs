@@ -14,7 +14,8 @@ const METHODS: &str = "\
 @media(prefers-color-scheme:dark){:root{--staircase:#f0c419;--dda:#d795ee;--direct-search:#5aa9ff}}\
 .m-staircase,.m-staircase-printed{stroke:var(--staircase)}.m-dda,.m-dda-printed{stroke:var(--dda)}\
 .m-direct-search,.m-direct-search-printed,.m-bresenham{stroke:var(--direct-search)}\
-.m-staircase,.m-dda,.m-direct-search,.m-bresenham{stroke-width:4.5;stroke-opacity:.55;stroke-linejoin:round}\
+.m-staircase,.m-dda,.m-direct-search,.m-bresenham{stroke-width:4.5;stroke-opacity:.55;\
+stroke-linejoin:round}\
 .m-staircase-printed,.m-dda-printed,.m-direct-search-printed{stroke-width:1.6}\
 .m-staircase-printed{stroke-dasharray:7 3}.m-dda-printed{stroke-dasharray:2 \
 3}.m-direct-search-printed{stroke-dasharray:9 3 2 3}\
@@ -31,7 +32,8 @@ solid var(--line);text-align:right}\
 /// Totals of every matrix as its weights are.
 const SCRIPT: &str = "\
 for(const table of document.querySelectorAll('table.matrix')){\
-const inputs=[...table.querySelectorAll('input')],rows=[...table.querySelectorAll('tr[data-points]')];\
+const inputs=[...table.querySelectorAll('input')],\
+rows=[...table.querySelectorAll('tr[data-points]')];\
 const sum=()=>{const w=inputs.map(i=>Math.max(0,+i.value||0)),all=w.reduce((a,b)=>a+b,0);\
 const totals=rows.map(r=>all?r.dataset.points.split(' \
 ').reduce((a,p,i)=>a+p*w[i],0)/all:0),best=Math.max(...totals);\
@@ -105,7 +107,8 @@ fn figures(page: &mut String, rows: &[&Row]) {
     for row in rows {
         let _ = writeln!(
             page,
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{}\
+             </td><td>{}</td><td>{}</td></tr>",
             row.method,
             row.iterations,
             row.moving,

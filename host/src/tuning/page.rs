@@ -184,7 +184,8 @@ fn rules(page: &mut String, outcome: &Outcome) {
     for row in &outcome.rules {
         let _ = writeln!(
             page,
-            "<tr><td>{}</td><td>{:.2}</td><td>{:.1}</td><td>{:.4}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{:.2}</td><td>{:.1}</td><td>{:.4}</td><td>{}</td><td>{}</td><td>{}\
+             </td><td>{}</td><td>{}</td></tr>",
             row.rule,
             row.kp,
             row.ki,
@@ -214,7 +215,8 @@ fn trials(page: &mut String, outcome: &Outcome) {
     for trial in &outcome.trials {
         let _ = writeln!(
             page,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+             </tr>",
             trial.stage,
             trial.p,
             trial.i,

@@ -7,8 +7,10 @@ use super::{AT_WORK, Axis, COUNT, END_OF_TEXT, FAULT, KEPT, NOT_ALL, Order, Rule
 /// What `?` says.
 const HELP: &[u8] =
     b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
-    M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops a run\r\n\
-    manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q quit\r\n";
+    M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops \
+    a run\r\n\
+    manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q \
+    quit\r\n";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {

@@ -11,7 +11,8 @@ use std::fmt::Write;
 /// Green, red, and what only this page draws.
 const LOOK: &str = "\
 :root{--good:#116329}@media(prefers-color-scheme:dark){:root{--good:#56d364}}\
-.good{stroke:var(--feed);stroke-width:1.6}path.bad,circle.bad{stroke:var(--limit);stroke-width:2}text.bad{fill:var(--limit);font-weight:600}\
+.good{stroke:var(--feed);stroke-width:1.6}path.bad,circle.bad{stroke:var(--limit);stroke-width:2}\
+text.bad{fill:var(--limit);font-weight:600}\
 circle{fill:none;vector-effect:non-scaling-stroke}circle.dot{fill:var(--ink);stroke:none}\
 .face{stroke-dasharray:7 4}.size{stroke:var(--soft);stroke-width:1;stroke-dasharray:2 3}\
 .off{stroke:var(--rapid);stroke-width:2.4}.bar{stroke:var(--rapid);stroke-width:5}\
@@ -19,7 +20,8 @@ td.ok{color:var(--good)}td.out{color:var(--limit);font-weight:700}tr.first td{bo
 var(--line)}\
 td:nth-child(2),th:nth-child(2),td:nth-child(3),th:nth-child(3){text-align:left}\
 figure{margin:.8rem 0}figcaption{color:var(--soft);font-size:.9rem}\
-.verdict{font-size:1.15rem;font-weight:600}.verdict.ok{color:var(--good)}.verdict.out{color:var(--limit)}";
+.verdict{font-size:1.15rem;font-weight:600}.verdict.ok{color:var(--good)}\
+.verdict.out{color:var(--limit)}";
 
 /// Writes the page.
 pub fn html(
@@ -178,7 +180,8 @@ fn points(page: &mut String, features: &[Feature]) {
             let [x, y, z] = feature.frame.to_part(mark.surface_nm).map(decimal);
             let _ = writeln!(
                 page,
-                "<tr><td>{}</td><td>{number}</td><td>{x}</td><td>{y}</td><td>{z}</td><td>{}</td></tr>",
+                "<tr><td>{}</td><td>{number}</td><td>{x}</td><td>{y}</td><td>{z}</td><td>{}</td>\
+                 </tr>",
                 escape(&feature.name),
                 signed(mark.residual_nm)
             );
