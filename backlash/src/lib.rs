@@ -1,14 +1,13 @@
-//! Load position in, motor position out: the steps a screw owes before its nut follows it the other
-//! way.
+//! Turns load positions into motor positions: the steps of a screw before its nut follows in the
+//! opposite direction.
 //!
 //! ```text
-//!  delta, load ──► Compensator ──► take-up owed per axis, made before the event, X before Y before Z
-//!                      │           steps owed because the lash under the nut is another one now
+//!  delta, load ──► Compensator ──► take-up per axis, made before the event, X before Y before Z
+//!                      │           steps due because the local backlash has changed
 //!                      ▼
-//!                    Lash          take_up when an axis turns round, follow after every event:
-//!                                  one value per axis (Backlash), a LashMap (
-//!                                      MappedBacklash
-//!                                  ), or your own
+//!                    Lash          take_up when an axis reverses, follow after every event:
+//!                                  one value per axis (Backlash), a LashMap (MappedBacklash),
+//!                                  or your own
 //!
 //!   screw tooth m ├────── lash ──────┤ m + lash
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
@@ -18,8 +17,10 @@
 //! measured or gone to:
 //!
 //! ```text
-//!  readings ──► ErrorTable, one an axis ──► Squareness ──► true position      Calibration: all of it, and back
-//!               scale, pitch, direction     three angles
+//!  readings ──► ErrorTable, one per axis ──► Squareness ──► true position
+//!               scale, pitch, direction      three angles
+//!
+//!  Calibration: all of these, in both directions
 //! ```
 //!
 //! ```

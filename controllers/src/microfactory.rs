@@ -53,7 +53,9 @@ enum Power {
 /// and a 64-bit division.
 ///
 /// ```
-/// use husillo_controllers::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs};
+/// use husillo_controllers::{
+///     Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInputs,
+/// };
 /// use husillo_transports::microfactory::Order;
 ///
 /// let mut machine = Microfactory::new(MicrofactoryConfig::ORIGINAL, [[100, 50]]);

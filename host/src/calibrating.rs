@@ -100,45 +100,53 @@ pub struct SquarenessArgs {
 }
 
 const AXIS_HELP: &str = "\
-READINGS.csv has a heading and one reading a line: nominal, reading, and if it matters direction, + or -, in which the
-place was reached; in mm, or with a unit. The nominal lengths are those of a step gauge, of gauge blocks or of a laser, the readings what
-`husillo measure` printed with this machine file: what the file has of a calibration already is taken off first, so that
-the result replaces it. Several passes are averaged, each direction by itself (as in ISO 230-2). Where the length begins does
-not matter, but a table belongs to the place of the travel: it needs an axis that is at the same place at every reset.
+READINGS.csv has a heading and one reading per line: nominal, reading and, if it matters, the
+direction, + or -, in which the position was reached; in mm, or with a unit. The nominal lengths are
+those of a step gauge, of gauge blocks or of a laser. The readings are those that `husillo measure`
+prints with this machine file. A calibration in the file is subtracted first, so the result replaces
+it. Several passes are averaged, each direction separately (as in ISO 230-2). The start of the
+length does not matter. A table is valid for one part of the travel, so the axis must be at the same
+position after every reset.
 
-The result are lines for the machine file, on standard output:
-  scale   what the true way is longer than the reading
-  table   what is left then: reading, and its correction after a positive and after a negative way; left out where the readings
-          are not better than that
+The result is lines for the machine file, on standard output:
+  scale   true distance less reading, per distance
+  table   what is left then: reading, and its correction after motion in the positive and in the
+          negative direction; omitted if the readings are not better than that
 
 Example:
   husillo calibrate axis -m cmm3 --axis x gauge.csv >> mine.toml";
 
 const BACKLASH_HELP: &str = "\
-The two-line test: cut a short line across an axis with the axis coming from below, and one beside it with the axis coming from
-above. What lies between them, measured under a microscope, less what was programmed, is what is left of the lash at the second
-line. READINGS.csv has a heading and a pair of lines a row:
+The two-line test: cut a short line across an axis with the axis coming from below, and a second one
+next to it with the axis coming from above. The distance between them, measured under a microscope,
+less the programmed distance, is the backlash that is left at the second line. READINGS.csv has a
+heading and a pair of lines per row:
   axis        X or Y
-  x, y        where the second line was cut (machine position); leave one out, or empty, for bands along that axis
-  programmed  from the line reached from below to the one reached from above, along the axis, with its sign
-  measured    the same as measured
-in mm, or with a unit. Places that were measured several times are averaged; every column of places needs every row.
+  x, y        position of the second line (machine position); omit one, or leave it empty, for bands
+              along that axis
+  programmed  from the line reached from below to the one reached from above, along the axis, with
+              its sign
+  measured    the same, measured
+in mm, or with a unit. Several measurements of a position are averaged. Every column of positions
+needs every row.
 
-The result are the sections [lash.x] and [lash.y] for the machine file, on standard output. The controller interpolates between
-the places, looks the lash up as the tool moves, and keeps to it where it changes on the way.
+The result is the sections [lash.x] and [lash.y] for the machine file, on standard output. The
+controller interpolates between the positions, and corrects the backlash as the tool moves.
 
 Example:
   husillo calibrate backlash --simulate -o mine.toml --report out/backlash.html
   husillo run part.nc -m mine.toml --worn";
 
 const SQUARENESS_HELP: &str = "\
-ENDS.csv has a heading and a place of the bar a line: x1,y1,z1,x2,y2,z2, the centres of its two balls in mm (of two axes
-x1,y1,x2,y2). Lay the same bar along both diagonals of each plane, as long as the travel allows, more often for less noise: were
-the axes square, it would be equally long everywhere (ball bar of ASME B89.4.1, diagonals of ISO 230-6). Calibrate the
-axes first: the readings are what `husillo measure` prints with this machine file; a squareness it has already is taken
-off first.
+ENDS.csv has a heading and a position of the bar per line: x1,y1,z1,x2,y2,z2, the centres of its two
+balls in mm (for two axes x1,y1,x2,y2). Lay the same bar along both diagonals of each plane, as long
+as the travel allows; more often for less noise. If the axes were square, it would have the same
+length everywhere (ball bar of ASME B89.4.1, diagonals of ISO 230-6). Calibrate the axes first: the
+readings are those that `husillo measure` prints with this machine file. A squareness in the file is
+subtracted first.
 
-The result are lines for the machine file: by how much X grows for a way along Y (xy) and along Z (xz), and Y along Z (yz).
+The result is lines for the machine file: by how much X grows per distance along Y (xy) and along Z
+(xz), and Y along Z (yz).
 
 Example:
   husillo calibrate squareness -m mine.toml bar.csv >> mine.toml";

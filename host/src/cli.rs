@@ -89,14 +89,19 @@ pub enum Command {
         husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
         husillo send board.cod -m drill --port /dev/ttyUSB0 --detach\n  \
         husillo send board.drl -m drill --from 37\n\n\
-        It pauses between tools, spindle off, and asks for the diameter of the next one; Ctrl-C stops behind the hole that is being\n\
-        drilled. After a fault it says which hole is next: --from goes on there.\n\n  \
+        It pauses between tools with the spindle off, and asks for the diameter of the next one.\n\
+        Ctrl-C stops after the present hole. After a fault it reports the next hole: --from\n\
+        continues there.\n\n  \
         husillo send part.nc -m micromill --port /dev/ttyUSB0\n  \
         husillo send examples/circles.nc -m micromill --port tcp:127.0.0.1:7000\n\n\
-        The micro mill homes first; the steps that its controller tells are compared with the simulator's: exit status 1 where they differ.\n\n  \
+        The micro mill homes first. The steps that its controller reports are compared with those\n\
+        of the simulator. If they differ, the exit status is 1.\n\n  \
         husillo send examples/microfactory/square.nc -m microfactory --port /dev/ttyUSB0\n  \
-        husillo send square.nc triangle.fig -m microfactory --port /dev/ttyUSB0 --port /dev/ttyUSB1\n\n\
-        A microfactory homes, stores the figure and cuts it; several do at once, with one report about all of them at the end.")]
+        husillo send square.nc triangle.fig -m microfactory \\\n    \
+        --port /dev/ttyUSB0 --port /dev/ttyUSB1\n\n\
+        A microfactory homes, stores the figure and cuts it. Several work at once, with one \
+        report\n\
+        about all of them at the end.")]
     Send(Send),
     /// Walk one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
@@ -121,16 +126,17 @@ pub enum Command {
     #[command(after_help = "Actions, done in turn:\n  \
         home         X, Y and Z to their switches and 200 steps back\n  \
         x -25        steps of a motor: x, y, z, or c for the spindle\n  \
-        y+ 1.5s      turn a motor for a while\n  \
-        load FILE    store another figure: straight moves of a program in X and Z, or a list of them (NAME.fig)\n  \
+        y+ 1.5s      turn a motor for a time\n  \
+        load FILE    store another figure: straight moves of a program in X and Z, or a list\n  \
+        \x20            of them (NAME.fig)\n  \
         figure       feed Y until the tool touches, then cut the stored figure\n  \
-        where        tell where the axes are\n  \
+        where        report the positions of the axes\n  \
         stop, emergency\n  \
         2: ACTION..  for the second --port alone; all: for all again\n\n\
         The micro mill (-m micromill) has home, where, steps, and\n  \
-        x+y- 2s      jog one axis or several; it ends by itself within half a second when the host is gone\n  \
-        faster 1s    go on with the jog by 10 steps a second faster; slower 1s\n  \
-        run x -250 2s  an axis at so many steps a second\n  \
+        x+y- 2s      jog one axis or several; without a host the jog ends within half a second\n  \
+        faster 1s    continue the jog, 10 steps per second faster; slower 1s\n  \
+        run x -250 2s  an axis at this many steps per second\n  \
         backlash x 204, zero\n\n\
         Examples:\n  \
         husillo jog home x 400 figure\n  \
@@ -139,34 +145,51 @@ pub enum Command {
     Jog(Jog),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
-        goto POSITION         straight to X10 Y-2.5 Z0; in mm where the machine file has a `count`, otherwise in counts\n  \
-        zero [x y z]          call the present place of these axes 0\n  \
-        home [x|y|z]          search the index of the encoder and call it 0\n  \
-        jog DIRECTION TIME    run for a time as 2s at the speed of moves, or with `slow` of a search\n  \
+        goto POSITION         straight to X10 Y-2.5 Z0; in mm if the machine file has a \
+        `count`,\n  \
+        \x20                     otherwise in counts\n  \
+        zero [x y z]          make the present position of these axes 0\n  \
+        home [x|y|z]          search the index of the encoder and make it 0\n  \
+        jog DIRECTION TIME    run for a time such as 2s, at the speed of moves; with `slow` at \
+        that\n  \
+        \x20                     of a search\n  \
         touch DIRECTION       search the work piece, touch it slowly, correct for pre-travel\n  \
         calibrate DIRECTION   touch a face that is at --reference: its pre-travel\n  \
-        calibrate sphere|ring X.. Y.. Z.. R..  touch a body of this radius with about this centre: pre-travel by direction\n  \
-        run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit status 1 out of tolerance
-                        (routines: programs have none), 3 in trouble\n  \
-        status [x y z]        of these axes or all: position, position error (held less actual), current, status and auxiliary bits, version\n  \
-        record FILE           statements from the standard input are carried out and written as a routine\n  \
-        session               actions from the standard input, a line at a time, until `end`; a line that fails is told (exit status 3)\n\n\
+        calibrate sphere|ring X.. Y.. Z.. R..\n  \
+        \x20                     touch a body of this radius with about this centre: pre-travel \
+        by\n  \
+        \x20                     direction\n  \
+        run FILE              a measuring routine, or a G-code program (.nc, .ngc, ...); exit \
+        status\n  \
+        \x20                     1: out of tolerance (routines only), 3: failed\n  \
+        status [x y z]        of these axes or all: position, position error (held less \
+        actual),\n  \
+        \x20                     current, status and auxiliary bits, version\n  \
+        record FILE           carry out statements of the standard input, write them as a \
+        routine\n  \
+        session               actions from the standard input, line by line, until `end`; a line \
+        that\n  \
+        \x20                     fails is reported (exit status 3)\n\n\
         `run`, `record` and `session` are the last action: `home x home y run part.routine`.\n\
-        A DIRECTION is +x, -z, a vector as 1,0,-1, or + or - of --axis; a POSITION without a letter is one of --axis.\n\
-        The modules are reset first, so positions count from where the axes are.\n\
+        A DIRECTION is +x, -z, a vector such as 1,0,-1, or + or - of --axis. A POSITION without a\n\
+        letter is one of --axis. The modules are reset first, so positions count from the present\n\
+        positions.\n\
         Ctrl-C stops all axes smoothly: exit status 130.\n\n\
         Examples:\n  \
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \
-        husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 --contact 1:2000 --contact 3:..-2000\n  \
+        husillo measure -m cmm3 goto X1 Y2 Z-3 touch -z touch 1,1,0 \\\n    \
+        --contact 1:2000 --contact 3:..-2000\n  \
         husillo measure -m cmm3 --piece examples/piece.toml goto X20 Y20 Z-15 touch -z\n  \
-        husillo measure -m cmm3 --piece examples/piece.toml --ball 1 --pretravel \"8 um\" run examples/piece.routine -o piece.html\n  \
+        husillo measure -m cmm3 --piece examples/piece.toml --ball 1 --pretravel \"8 um\" \\\n    \
+        run examples/piece.routine -o piece.html\n  \
         husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
         husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
     Measure(Measure),
     /// Simulated modules behind a pseudo-terminal, for any client of their protocol
     #[command(after_help = "Examples:\n  \
         husillo emulate cmm --link ./cmm\n  \
-        husillo emulate cmm --modules servo:4,servo:4 --link ./cmm --contact 1:3000 --contact 1:..-3000\n  \
+        husillo emulate cmm --modules servo:4,servo:4 --link ./cmm \\\n    \
+        --contact 1:3000 --contact 1:..-3000\n  \
         husillo emulate cmm3 --link ./cmm --piece examples/piece.toml")]
     Emulate(Emulate),
     /// Find the gains of a servo

@@ -1,9 +1,9 @@
 //! The desktop microfactory: `husillo jog`, `husillo send` and `husillo emulate microfactory`.
 //!
 //! ```text
-//! actions, figures ─► crew ─┬► client ─► wire ─┬─► device          simulated time
-//!                           ├► client ...      └─► serial, socket ─► device ◄─ terminal     real time
-//!                           └► client ...
+//! actions, figures ─► crew ─┬► client ─► wire ─┬─► device           simulated time
+//!                           ├► client ...      └─► serial, socket   real time
+//!                           └► client ...              └─► device ◄─ terminal
 //! ```
 
 mod action;

@@ -1,5 +1,5 @@
-//! A whole session with an emulated chain behind a pseudo-terminal: addresses, gains, home on the index, trapezoids, a jog, touches
-//! both ways, a routine in three axes.
+//! A whole session with an emulated chain behind a pseudo-terminal: addresses, gains, home on the
+//! index, trapezoids, a jog, touches in both directions, a routine in three axes.
 
 mod common;
 mod emulated;
@@ -49,7 +49,8 @@ fn an_interruption_stops_the_axes() {
     }
 }
 
-/// The top, the bore and the width of the block of `examples/piece.toml`; the web is touched both ways.
+/// The top, the bore and the width of the block of `examples/piece.toml`; the web is touched on
+/// both sides.
 const ROUTINE: &str = "safe z -10
 clearance 3
 search 4

@@ -256,7 +256,8 @@ fn steps_as_csv() {
     );
     // The lash of X is taken up, then one step is made.
     assert_eq!(rows.len(), 4 + 1457 + 1);
-    // With the inputs of the drivers, PH of phase A in bit 0, of B in bit 3: X goes on by a quarter of its cycle a step.
+    // With the inputs of the drivers, PH of phase A in bit 0, of B in bit 3: X advances by a
+    // quarter of its cycle per step.
     let output = husillo()
         .arg("steps")
         .arg(&program)

@@ -73,8 +73,8 @@ fn the_same_over_a_pseudo_terminal() {
     );
 }
 
-/// A switch that does not close, power that goes, a cable that is pulled, the button: each is told in a sentence, and the button
-/// brings it back.
+/// A switch that does not close, a power failure, a pulled cable, the button: each is reported in a
+/// sentence, and the button brings the drill back.
 #[test]
 fn faults_at_the_panel() {
     let Some(mut device) = device("drill-panel", &[]) else {
@@ -135,7 +135,8 @@ fn lost_steps_are_told() {
     let _ = std::fs::remove_file(file);
 }
 
-/// Holes are taught in one session and in the next; a third one runs them, with the spindle on, and stops it.
+/// Holes are taught in one session and in the next. A third session runs them with the spindle on,
+/// and stops the program.
 #[test]
 fn teaching_goes_on_in_another_session() {
     let Some(mut device) = device("drill-teach", &[]) else {

@@ -5,7 +5,8 @@ mod common;
 use common::{husillo, written};
 use serde_json::Value;
 
-/// Exit status and results of the circles on a micro mill whose X has an encoder that does `on_loss`, with one loss.
+/// Exit status and results of the circles on a micro mill whose X has an encoder with `on_loss` and
+/// one loss.
 fn run(name: &str, on_loss: Option<&str>) -> (i32, Value) {
     run_losing(name, on_loss, &["x:20000:-8"])
 }

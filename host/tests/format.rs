@@ -171,7 +171,8 @@ fn apply(program: &str, fix: &Value) -> String {
     lines.join("\n")
 }
 
-/// Whether a finding of this code is at this line and column or before it in the line: where it would be if it were the same.
+/// Whether a finding of this code is at this line, and at this column or before it: the position
+/// that it has if it is the same.
 fn is_there(findings: &[Value], code: &Value, line: &Value, column: u64) -> bool {
     findings.iter().any(|finding| {
         finding["code"] == *code

@@ -393,7 +393,8 @@ fn a_short_order_saves_a_quarter(file: &str) {
     assert!(saved.parse::<u32>().unwrap() >= 25, "{said}");
 }
 
-/// `check -m drill` counts the holes that the other readers have off the table, and says whether moving the board would help.
+/// `check -m drill` counts the holes that are off the table like the other readers, and reports
+/// whether a shift of the board would help.
 fn check_says_whether_it_fits(file: &str, holes: &[[f64; 3]], has_slots: bool) {
     let args = ["check", file, "--dialect", "excellon", "-m", "drill"];
     let output = husillo().args(args).output().unwrap();
@@ -464,7 +465,8 @@ fn drilled(program: &[u8]) -> Vec<[u16; 2]> {
 fn records_of_one_tool() {
     let board = "../examples/board.drl";
     let program = bytes(&[board, "--as", "drill", "--only", "2"]);
-    // 5 mm are 535 steps; 12.54 mm are 1341.78, 15.08 mm 1613.56, 34.5 mm 3691.5 and away from zero.
+    // 5 mm are 535 steps; 12.54 mm are 1341.78, 15.08 mm 1613.56, 34.5 mm 3691.5, rounded away from
+    // zero.
     assert_eq!(
         drilled(&program),
         [[535, 1342], [535, 1614], [3692, 1614], [3692, 1342]]
@@ -732,7 +734,8 @@ fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
         holes(&["--mirror", "x", "--turn", "-90", "--shift", "corner"]),
         [[0.0, 0.0], [0.0, 50.0], [20.0, 50.0]]
     );
-    // Measured 0.1 mm higher at 50 mm, and 0.05 mm too long: the board turns about the middle of the two and is not stretched.
+    // Measured 0.1 mm higher at 50 mm, and 0.05 mm too long: the board turns about the middle of
+    // the two and is not stretched.
     let measured = ["--reference", "10,5=12,5", "--reference", "60,5=62.05,5.1"];
     let placed = holes(&measured);
     assert!((placed[0][0] - 12.025).abs() < 1e-4 && (placed[1][1] - 5.1).abs() < 1e-3);

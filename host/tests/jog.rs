@@ -43,7 +43,8 @@ fn the_same_over_a_pseudo_terminal() {
         "{place}"
     );
     assert!(place.contains("from home; 0 lost"), "{place}");
-    // Current and RESET come before the first step of the first move, and the spindle goes last but one.
+    // Current and RESET come before the first step of the first move, and the spindle moves in the
+    // last event but one.
     let text = std::fs::read_to_string(&made).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(
@@ -212,7 +213,8 @@ fn one_host_drives_both_machines_of_a_controller() {
         .stderr(contains("named twice"));
 }
 
-/// Ctrl-C, a request to end and a closed terminal stop what moves; Ctrl-C twice is an emergency stop.
+/// Ctrl-C, a request to end and a closed terminal stop all motion. A second Ctrl-C is an emergency
+/// stop.
 #[cfg(unix)]
 #[test]
 fn an_interruption_stops_what_moves() {
@@ -297,7 +299,7 @@ fn the_original_does_not_answer() {
     assert!(place.contains(" z 7 "), "{place}");
 }
 
-/// A switch that closes on the way ends the action; the device is off it again by 200 steps, and says so.
+/// A switch that closes during an action ends it. The device backs off by 200 steps and reports it.
 #[test]
 fn a_switch_on_the_way_is_told_over_the_link() {
     let Some(mut device) = device("switch", &[]) else {
@@ -314,7 +316,8 @@ fn a_switch_on_the_way_is_told_over_the_link() {
     );
 }
 
-/// Two machines, each with its own figure, one as a program and one as a list; then one is unplugged on the way.
+/// Two machines, each with its own figure, one as a program and one as a list. Then one is
+/// unplugged during its figure.
 #[test]
 fn figures_are_sent_to_two_machines_at_once() {
     let (Some(mut first), Some(mut second)) = (device("left", &[]), device("right", &[])) else {

@@ -31,8 +31,8 @@ fn span(line: &str, behind: &str) -> [f64; 2] {
     [numbers.next().unwrap(), numbers.next().unwrap()]
 }
 
-/// Two-line tests on the simulated machine make a map that leaves less than 2 um of what one value leaves: 33 and 27 um. The
-/// program then lies where it should.
+/// Two-line tests on the simulated machine make a map that leaves less than 2 um, where one value
+/// leaves 33 and 27 um. The program is then in its correct position.
 #[test]
 fn a_map_leaves_less_than_two_micrometres() {
     let (machine, report) = (scratch("mapped.toml"), scratch("backlash.html"));
@@ -135,7 +135,8 @@ fn mirrored_order_makes_the_sides_alike() {
     }
 }
 
-/// Contours of lines, arcs and whole circles are divided; what has no second crossing, or no height, is cut as it is.
+/// Contours of lines, arcs and whole circles are divided. A contour without a second crossing, or
+/// without a height, is cut unchanged.
 #[test]
 fn contours_are_divided_where_they_can_be() {
     let cut = |name: &str, program: &str| -> Value {
@@ -162,7 +163,8 @@ fn contours_are_divided_where_they_can_be() {
     assert_eq!(results["order"]["mirrored"], 2);
     let [x, y] = [0, 1].map(|axis| &results["max_nm"][axis]);
     assert_eq!([x, y], [6_000_000, 9_000_000]);
-    // It touches the vertical through its start nowhere else; and a contour that is reached along the surface.
+    // It touches the vertical through its start nowhere else; and a contour that is approached
+    // along the surface.
     let results = cut(
         "side.nc",
         "G0 Z1\nG0 X6 Y5\nG1 Z0 F100\nG3 I-1 J0 F100\nM30\n",
@@ -171,7 +173,8 @@ fn contours_are_divided_where_they_can_be() {
         (&results["order"]["mirrored"], &results["order"]["whole"]),
         (&0.into(), &1.into())
     );
-    // Two passes without a lift: between the halves of the second it goes above the work all the same.
+    // Two passes without a lift: between the halves of the second pass the tool moves above the
+    // work.
     let passes = "G0 Z1\nG0 X5 Y6\nG1 Z-0.5 F100\nG3 I0 J-1 F100\nG1 Z-1\nG3 I0 J-1\nG0 Z1\nM30\n";
     let path = scratch("passes.nc");
     let trace = scratch("passes.csv");
@@ -256,7 +259,8 @@ fn bands_are_read_from_a_table() {
     );
 }
 
-/// What is told of a machine, and what turning round costs on it, is by place where its file has a map.
+/// The listing of a machine, and the cost of reversals on it, are by position if its file has a
+/// map.
 #[test]
 fn maps_are_shown_and_counted() {
     let text = std::fs::read_to_string("../machines/micromill.toml").unwrap();
@@ -273,7 +277,8 @@ fn maps_are_shown_and_counted() {
     let shown = printed(&["machines", "show", machine, "--format", "json"]);
     let shown: Value = serde_json::from_str(&shown).unwrap();
     assert_eq!(shown["axes"][0]["lash_map"]["most_um"], 280.0);
-    // X turns round at 5 mm, where its lash is 210 um or 1500 steps, and at 0, 140 um or 1000: at 170 a second 7.4 s each.
+    // X reverses at 5 mm, where its backlash is 210 um or 1500 steps, and at 0, with 140 um or 1000
+    // steps: 7.4 s each time at 170 per second.
     let program = scratch("to-and-fro.nc");
     std::fs::write(&program, "G21 G90 G1 F8\nX5\nX0\nX5\nM2\n").unwrap();
     let said = printed(&["check", program.to_str().unwrap(), "-m", machine]);

@@ -243,7 +243,7 @@ fn a_table_of_errors_needs_a_home() {
         "0",
     ];
     on(&run).code(3).stderr(contains("X is not homed"));
-    // The index of the simulated encoder is where it starts: at 0 the table has 100 um, at 5 mm 97.5.
+    // The index of the simulated encoder is at its start: at 0 the table has 100 um, at 5 mm 97.5.
     let rows = measured(&["-m", &machine, "home", "x", "goto", "X5"]);
     near(&rows[1]["position"], 5.0, 0.002);
     let before = on(&[&["home", "x", "goto", "X1"], &run[..]].concat()).success();
@@ -335,7 +335,8 @@ fn a_simulated_piece_is_touched_by_a_ball_on_a_stylus_that_bends() {
         "1,-1,0",
     ];
     let rows = measured(&[&piece[..], &down[..], &across[..]].concat());
-    // The ball has 1 mm, the stylus bends 1 um along Z, 10 and 6 um along X; a count are 2 um, noise is 0.5 um.
+    // The ball has 1 mm, the stylus bends 1 um along Z, 10 and 6 um along X; one count is 2 um,
+    // noise is 0.5 um.
     near(&rows[1]["trigger"], -20.0 + 1.0 - 0.001, 0.004);
     near(&rows[5]["trigger"], 38.0 - 1.0 + 0.010, 0.004);
     near(&rows[6]["trigger"], 22.0 + 1.0 - 0.006, 0.004);
@@ -455,7 +456,8 @@ fn a_ring_calibrates_the_probe_and_what_it_prints_is_read() {
     assert!((right - left - 16.0).abs() < 0.004, "{left} {right}");
 }
 
-/// The top of the block lies at -20 mm; a sphere tells its place along Z only with what the stylus bends along it.
+/// The top of the block is at -20 mm. A sphere gives its position along Z only together with the
+/// bending of the stylus along Z.
 #[test]
 fn a_face_tells_what_a_sphere_cannot() {
     let piece = ["-m", "cmm3", "--piece", "../examples/piece.toml"];
@@ -559,7 +561,8 @@ fn failures_are_named() {
         .stderr(contains("see `husillo measure`"));
 }
 
-/// A contact that closes as the axes come to rest is none that the modules have latched: what they have is of the touch before.
+/// A contact that closes as the axes come to rest was not latched by the modules: their latch is of
+/// the touch before.
 #[test]
 fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
     let path = scratch("late.routine");

@@ -27,7 +27,8 @@ fn short_segments_run_without_a_stop() {
         .into_iter()
         .filter(|(.., kind)| kind == "feed")
         .collect();
-    // From half a second after the plunge on: never slower than 1500 mm/min over 20 ms, where 2400 are programmed.
+    // From half a second after the plunge on: never slower than 1500 mm/min over 20 ms, with 2400
+    // programmed.
     let first = feed
         .iter()
         .position(|(_, at, _)| at[2] < -499_000.0)
@@ -53,7 +54,8 @@ fn short_segments_run_without_a_stop() {
 #[test]
 fn threads_are_where_they_were() {
     let rows = trace("../examples/thread.nc", "lathe");
-    // 600 turns a minute of 1.5 mm: Z makes 15 mm/s in every pass, all passes begin at the same angle.
+    // 600 turns per minute of 1.5 mm: Z makes 15 mm/s in every pass, and all passes begin at the
+    // same angle.
     let mut starts = Vec::new();
     let mut last_z = 0.0;
     for (time, at, kind) in &rows {

@@ -1,4 +1,5 @@
-//! `husillo measure run` and `record`, as a user calls them: on the simulated chain, whose work piece is three faces.
+//! `husillo measure run` and `record`, as a user calls them, on the simulated chain, whose work
+//! piece has three faces.
 
 mod common;
 
@@ -258,7 +259,8 @@ fn recorded_and_run_again() {
     );
 }
 
-/// Scales that read 2 mm/m short: the same counts are 0.2 % more, in routines, recordings and programs.
+/// Scales that read 2 mm/m short: the same counts are 0.2 % more, in routines, recordings and
+/// programs.
 #[test]
 fn what_is_known_of_the_axes_is_taken_off() {
     let machines = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../machines");
@@ -355,7 +357,8 @@ fn probing_there_and_away() {
         .stderr(contains("not on a measuring machine"));
 }
 
-/// The ball of the example on its piece: the face is where it is drawn, whichever way the contact is crossed.
+/// The ball of the example on its piece: the face is where it is drawn, in whichever direction the
+/// contact is crossed.
 #[test]
 fn both_ways_on_the_piece() {
     // Axially the stylus takes 1 um, 0.5 um of noise; counts of 2 um.
@@ -378,7 +381,8 @@ fn judged(result: &Value) -> Vec<f64> {
     judged.map(|figure| number(&figure["actual"])).collect()
 }
 
-/// Shifted along all axes, turned by 2 degrees and tilted by half of one: the frame of the routine follows.
+/// Shifted along all axes, turned by 2 degrees and tilted by half a degree: the frame of the
+/// routine follows.
 #[test]
 fn the_example_and_the_same_part_elsewhere() {
     let place = "[place]\nat = [\"1.25 mm\", \"-2 mm\", \"-1.5 mm\"]\n";

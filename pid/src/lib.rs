@@ -1,15 +1,13 @@
 //! Target and measurement in, drive out: PID in fixed point, and the servo law of a motion module.
 //!
 //! ```text
-//!  target ──►(-)─► DeadBand ─► P ─────────────────────────────┐
-//!              ▲               I  exact sum ◄── AntiWindup ◄─┐├─(+)─► limits ─► rounded once ─► drive ─► PwmDirection
-//!  measured ───┴──────────────►D ─► Filter ──────────────────┼┤            │
-//!  velocity, acceleration ─────────► FeedForward ────────────┼┘            │
-//!                                                            └─────────────┘
-//!  command, actual, current ─► ServoLaw ─► Drive {
-//!      pwm,
-//!      is_reverse,
-//!  }           the module's own law
+//!  target ──►(-)─► DeadBand ─► P ───────────────────────────┐
+//!              ▲               I, exact sum ◄─ AntiWindup ◄┐├(+)─► limits ─► rounded once ─► drive
+//!  measured ───┴─────────────► D ─► Filter ────────────────┼┤          │
+//!  velocity, acceleration ────────► FeedForward ───────────┼┘          │
+//!                                                          └───────────┘
+//!  drive ─► PwmDirection
+//!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }     the law of the module
 //! ```
 //!
 //! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with

@@ -18,9 +18,8 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 ///
 /// ```text
 /// e = target - measured
-/// u[k] = Kp e[k]  +  Ki T (
-///     e[0] + ... + e[k-1] + w e[k]
-/// )  +  Kd/T (e[k] - e[k-1])        w = 0 forward, 1/2 bilinear, 1 backward
+/// u[k] = Kp e[k]  +  Ki T (e[0] + ... + e[k-1] + w e[k])  +  Kd/T (e[k] - e[k-1])
+/// w = 0 forward, 1/2 bilinear, 1 backward
 /// ```
 ///
 /// The sum is exact: it is kept as the whole number `Ki T * sum(e)`, in units of the last digits of

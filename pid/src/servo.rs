@@ -76,10 +76,8 @@ impl Drive {
 /// e      = command - actual, saturated to 16 bits       |e| > EL: off, until turned on again
 /// total += e, within +-IL
 /// out    = Kp e + Kd (e - e before) + Ki (total / 256)             division towards 0
-/// pwm    = min(
-///     |out| / 256 + (DB if out is not 0),
-///     OL,
-/// ) - cut       cut: +1 a sample while the current is over CL, else -1
+/// pwm    = min(|out| / 256 + (DB if out is not 0), OL) - cut
+/// cut    : +1 per sample while the current is over CL, else -1
 /// ```
 ///
 /// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it; the

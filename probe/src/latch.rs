@@ -38,8 +38,8 @@ impl core::error::Error for TooFarBack {}
 /// pin       . . . # . # # # # #       samples = 3
 /// sample    0 1 2 3 4 5 6 7 8 9
 ///                     ^   ^ reported
-///                     +---- latched; with look_back_samples =
-///                         2 sample 3, the first touch of the bounce
+///                     +---- latched; with look_back_samples = 2 sample 3,
+///                           the first touch of the bounce
 /// ```
 ///
 /// What is left is the way travelled in one sample period.

@@ -2,8 +2,7 @@
 //!
 //! ```text
 //!  delta ──► Sequencer ────► Levels  PH I0 I1 | A B C D INH1 INH2 | nibble ──► Driver::currents
-//!  -1 0 +1 ► StepDirection ► Levels
-//!      + ticks   STEP DIR: a pulse with set-up, hold, high and low times
+//!  -1 0 +1 ► StepDirection ► Levels + ticks   STEP DIR: a pulse with set-up, hold, high, low times
 //!       │                        │
 //!       ├──► StepToggle ─► Levels│ STEP DIR for drivers that count both edges
 //!       │                        └──► L297 ─► Levels  the chip behind CLOCK and CW/CCW, as a model

@@ -44,7 +44,7 @@ impl<const PER_FULL: u16> Microstep<PER_FULL> {
 
     /// The currents of coils A and B after `delta` microsteps.
     pub fn step(&mut self, delta: i8) -> [i16; 2] {
-        // |delta| * 256 <= 32768, and it is taken modulo 1024, which divides 65536: wrapping loses nothing.
+        // |delta| * 256 <= 32768, taken modulo 1024. That divides 65536, so wrapping loses nothing.
         let turn = i16::from(delta).wrapping_mul(Self::STRIDE);
         self.angle = self.angle.wrapping_add_signed(turn) & 1023;
         self.currents()

@@ -4,7 +4,7 @@
 //! ```text
 //!  received ──────██████                               ██████  a request, the next request
 //!  turnaround           |◄──────►|                             at least one character of silence
-//!  driver enable                 ┌─────────────────────┐       first start bit to last stop bit (TC)
+//!  driver enable                 ┌─────────────────────┐       start bit to stop bit (TC)
 //!  sent                          │██████ ██████ ██████ │
 //!  echo                           ██████ ██████ ██████         heard back, compared, dropped
 //! ```

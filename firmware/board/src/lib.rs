@@ -1,9 +1,9 @@
-//! What the firmwares have in common: a board, and what is the same on all of them.
+//! A board, and what is the same on all boards.
 //!
 //! ```text
-//! UART interrupt ──► on_byte, received ──► foreground ──push──► Steps ──► on_time, the step interrupt ──► pins
-//!                                               ▲                 │
-//!                                               └──── how many were made
+//! UART interrupt ─► on_byte, received ─► foreground ─push─► Steps ─► on_time ─► pins
+//!                                            ▲                │
+//!                                            └─ how many were made
 //! ```
 //!
 //! Each board is one file with clocks, pins, UART, timer and, in its lines with `//:`, the memory
@@ -34,7 +34,7 @@
 //! fn on_time(section: CriticalSection<'_>) { /* a wait is over */ }
 //!
 //! #[unsafe(no_mangle)]
-//! fn on_byte(byte: u8, section: CriticalSection<'_>) { /* what cannot wait until the foreground asks for it */ }
+//! fn on_byte(byte: u8, section: CriticalSection<'_>) { /* what cannot wait for the foreground */ }
 //! ```
 #![no_std]
 

@@ -117,34 +117,38 @@ Methods:
   arcs   direct-search, dda, staircase and, as their literature prints them,
          direct-search-printed, dda-printed, staircase-printed
 
-Figures (1 BLU = one motor step; JSON: a list with one object a method):
+Figures (1 BLU = one motor step; JSON: a list with one object per method):
   iterations      passes of the method's loop
-  moving          those that step an axis; the others are idle
-  max_error_blu   largest distance of the tool from the exact curve after a pass: square to a line, radially
-                  to an arc, outside of the band between the radii of a spiral
+  moving          passes that step an axis; the others are idle
+  max_error_blu   largest distance of the tool from the exact curve after a pass: square to a line,
+                  radially to an arc, from the band between the radii of a spiral
   rms_error_blu   root mean square of that distance over all passes
-  mean_speed      length of the curve by the time of the move, 1 = the programmed feed, when passes come at one
-                  rate of one BLU of programmed feed each (equal time; the idle passes of dda-printed take none)
-  ripple_percent  the larger deviation of the speed from the mean, in per cent, over any 32 timed passes in a
-                  row, speed being the progress along the exact curve by time; a move of fewer passes has 0
+  mean_speed      length of the curve per time of the move, 1 = the programmed feed, with passes at
+                  the constant rate of one BLU of programmed feed each (equal time; the idle passes
+                  of dda-printed take no time)
+  ripple_percent  the larger deviation of the speed from the mean, in per cent, over any 32 timed
+                  passes in a row; speed is the progress along the exact curve per time; a move of
+                  fewer passes has 0
   ripple_percent_windows
-                  slowest (low) and fastest (high) against the mean over 1, 8, 32 and 128 passes
-  vector_feed     the same three when every event takes the time of its own path, timed to 1/1000 of the time of
-                  a BLU; null for methods whose passes are a BLU each
+                  slowest (low) and fastest (high) relative to the mean over 1, 8, 32 and 128 passes
+  vector_feed     the same three if every event takes the time of its own path, timed to 1/1000 of
+                  the time of a BLU; null for methods whose passes are a BLU each
   additions, tests
-                  of one pass at most, two axes, by the method itself: what the borders of quadrants and the end
-                  of the move need comes on top
+                  of one pass at most, two axes, by the method itself, without the borders of
+                  quadrants and the end of the move
   instructions    of one event, two axes, on Cortex-M0, Cortex-M4F and RISC-V under QEMU, from
-                  firmware/proofs/counts/golden.txt; direct-search as the kernel for whole-step centres where they are
-  points          decision matrix, 0 to 100: error, iterations and work are the best method's value by the
-                  method's own, in per cent (work: Cortex-M4F instructions, or additions and tests where not all
-                  methods have a count); evenness is 100 less the ripple over 32 events, slowest to fastest, with
-                  vector feed where there is one, as printed with equal time; total is the mean by --weights
+                  firmware/proofs/counts/golden.txt; direct-search as the kernel for whole-step
+                  centres, if the centres are whole
+  points          decision matrix, 0 to 100: error, iterations and work are the best method's value
+                  divided by the method's own, in per cent (work: Cortex-M4F instructions, or
+                  additions and tests if not all methods have a count); evenness is 100 less the
+                  ripple over 32 events, slowest to fastest, with vector feed if available, as
+                  printed with equal time; total is the mean by --weights
 
-Of a program every G1, G2 and G3 is made on the machine's grid, rapids and what a helix does across its plane are
-not; iterations are sums, errors and ripples the worst of any move, moves counts them. Methods other than
-direct-search know whole-step centres only: theirs are rounded, and arcs that one of them cannot make at all are
-left out and counted.
+Of a program, every G1, G2 and G3 is made on the machine's grid, without rapids and without the
+motion of helices across their plane. Iterations are sums, errors and ripples the worst of any move,
+moves counts them. Methods other than direct-search have whole-step centres only: their centres are
+rounded, and arcs that one of them cannot make at all are left out and counted.
 
 Examples:
   husillo compare circle --radius 30

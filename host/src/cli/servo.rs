@@ -313,12 +313,15 @@ pub enum TuneRule {
 pub(super) const TUNE_HELP: &str = "\
 Methods:
   step      a step of --size counts with the gains of the machine file, or those given
-  ultimate  the proportional gain is raised until the axis swings for ever: Ku, Tu, and gains by --rule
-  relay     a relay in the place of the controller finds the same point in one experiment
-  stepwise  as by hand: derivative up to vibration, proportional, integral with its limit at 16000, the limit down
+  ultimate  raises the proportional gain until the axis oscillates steadily: Ku, Tu, and gains by
+            --rule
+  relay     a relay in place of the controller finds the same point in one experiment
+  stepwise  as by hand: raises the derivative gain up to vibration, then the proportional gain, then
+            the integral gain with its limit at 16000, then lowers the limit
 
-The axis moves by itself, within its travel: by --size counts, and in the moves that check the gains by up to 1000 to each side.
-A position error or a current beyond its limit ends it with the motor off.
+The axis moves automatically, within its travel: by --size counts, and in the moves that check the
+gains by up to 1000 counts in each direction. A position error or a current beyond its limit ends
+the experiment with the motor off.
 
 Examples:
   husillo tune -m cmm --method step --p 100 --i 0 --d 10000 -o step.html

@@ -60,8 +60,8 @@ pub fn written(name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// Sends a signal to a program: `INT` as Ctrl-C does, `TERM` as a request to end, `HUP` as a terminal
-/// that is closed.
+/// Sends a signal to a program: `INT` like Ctrl-C, `TERM` like a request to end, `HUP` like a
+/// terminal that is closed.
 #[cfg(unix)]
 pub fn signal(child: &std::process::Child, name: &str) {
     let sent = std::process::Command::new("kill")
