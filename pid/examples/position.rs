@@ -1,4 +1,4 @@
-//! A geared DC motor on a simple plant, brought to a position and held against a load.
+//! Moves a geared DC motor, in a simple model, to a position and holds it against a load.
 
 use fixed::types::{I16F16, I32F0};
 use husillo_pid::{Conditional, Gains, Integration, Limits, OfMeasurement, Pid, State};
@@ -18,8 +18,8 @@ fn main() -> Result<(), husillo_pid::SettingsError> {
         .with_derivative(OfMeasurement);
     let mut axis = State::default();
 
-    // 1/1024 counts a sample, and the position in the same unit: the motor turns with its drive,
-    // after a while.
+    // Velocity in 1/1024 counts per sample, position in 1/1024 counts. The velocity follows the
+    // drive with a lag.
     let (mut velocity, mut position) = (0_i32, 0_i32);
     let target = I32F0::from_num(400);
     println!("sample  position  drive");

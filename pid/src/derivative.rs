@@ -1,21 +1,21 @@
-//! What the derivative is taken of.
+//! The signal of the derivative.
 
 use crate::number::Word;
 
-/// The signal whose difference of two samples is the derivative. Implemented by [`OfError`] and
-/// [`OfMeasurement`].
+/// The signal of the derivative: the derivative is the difference of its last two samples.
+/// Implemented by [`OfError`] and [`OfMeasurement`].
 pub trait Derivative {
     /// The signal.
     #[doc(hidden)]
     fn source<W: Word>(error: W, measured: W) -> W;
 }
 
-/// The derivative is of the error: a step of the target kicks.
+/// Derivative of the error. A step of the target causes a kick of the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OfError;
 
-/// The derivative is of the measurement, negated: a step of the target does not kick.
+/// Derivative of the negated measurement. A step of the target causes no kick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OfMeasurement;

@@ -1,19 +1,22 @@
-//! Target and measurement in, drive out: PID in fixed point, and the servo law of a motion module.
+//! Fixed-point PID controller and the servo law of a motion module: target and measurement in,
+//! drive out.
 //!
 //! ```text
-//!  target ──►(-)─► DeadBand ─► P ───────────────────────────┐
-//!              ▲               I, exact sum ◄─ AntiWindup ◄┐├(+)─► limits ─► rounded once ─► drive
-//!  measured ───┴─────────────► D ─► Filter ────────────────┼┤          │
-//!  velocity, acceleration ────────► FeedForward ───────────┼┘          │
-//!                                                          └───────────┘
+//!  target ─►(-)─► DeadBand ─► P ────────────────────────────┐
+//!            ▲                I  exact sum ◄─ AntiWindup ◄─┐├(+)─► limits ─► rounding ─► drive
+//!  measured ─┴──────────────► D ─► Filter ─────────────────┼┤         │
+//!  velocity, acceleration ───────► FeedForward ────────────┼┘         │
+//!                                                          └──────────┘
 //!  drive ─► PwmDirection
-//!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }     the law of the module
+//!
+//!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }      the law of the module
 //! ```
 //!
-//! Settings and state are apart: one [`Pid`] or [`ServoLaw`] serves any number of axes, each with
-//! its [`State`] or [`ServoState`]. Time does not occur: the caller samples at a fixed rate, and
-//! gains are per sample.
+//! Settings and state are separate. One [`Pid`] or [`ServoLaw`] serves any number of axes; each
+//! axis has its own [`State`] or [`ServoState`]. The crate has no clock: the caller samples at a
+//! fixed rate, and gains are per sample.
 //!
+//! # Examples
 //! ```
 //! use fixed::types::{I16F16, I32F0};
 //! use husillo_pid::{Conditional, Gains, Integration, Limits, Pid, State};
@@ -71,7 +74,7 @@ pub use sign_magnitude::sign_magnitude;
 pub use stages::{DeadBand, FeedForward, Filter, FilterState, error};
 pub use windup::{AntiWindup, BackCalculation, Clamp, Conditional};
 
-/// The README's example, as a doctest.
+/// Runs the README's example as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! The numbers a controller computes with.
+//! Number types of signals and gains.
 
 use core::fmt::Debug;
 
@@ -7,65 +7,68 @@ use fixed::{FixedI8, FixedI16, FixedI32};
 
 /// A type of signals or gains: the signed fixed-point types of up to 32 bits, and `f32`.
 ///
-/// Fixed-point numbers are computed with as whole numbers of their last digit, so sums are exact.
-/// `f32` rounds at every operation.
+/// The controller computes with a fixed-point number as an integer in units of its last digit, so
+/// sums are exact. `f32` rounds at every operation.
 pub trait Number: Copy + Debug + Default + PartialEq + sealed::Sealed {
-    /// The register it is computed in.
+    /// The register type of the computation.
     type Word: Word;
-    /// Bits behind the point.
+    /// Number of fractional bits.
     const FRACTION_BITS: u32;
-    /// The number in its register, in units of its last digit.
+    /// Converts the number to its register, in units of its last digit.
     fn to_word(self) -> Self::Word;
-    /// The number of a register, saturating.
+    /// Converts a register to the number, saturating.
     fn from_word(word: Self::Word) -> Self;
 }
 
-/// A register and the double-width one its products go into. Implemented for `i32` and `f32`, for
-/// the use of this crate.
+/// A register type and the double-width type of its products. Implemented for `i32` and `f32`, for
+/// internal use.
 pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed {
-    /// Sums of products.
+    /// Type of products and their sums.
     type Wide: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// From a lowest to a highest wide number.
+    /// Range from a lowest to a highest wide number.
     type Span: Copy + Debug + PartialEq;
-    /// The difference, saturating; for `f32`, 0 where it is not finite, so that a broken sensor
-    /// drives nothing.
+    /// Returns the difference, saturating. For `f32` a difference that is not finite becomes 0, so
+    /// that a broken sensor causes no drive.
     fn minus(self, other: Self) -> Self;
-    /// Gains as they are kept: doubled, so that half of one is exact (not so `f32`). `None` where
-    /// their magnitudes add up to more than 2^29, or are not finite.
+    /// Converts gains to the stored form. Integers are doubled, so that half of a gain is exact;
+    /// `f32` stays as it is. Returns `None` if the magnitudes of the integers add up to more than
+    /// 2^29, or if an `f32` is not finite.
     fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]>;
-    /// Half of a kept gain.
+    /// Returns half of a stored gain.
     fn half(self) -> Self;
-    /// The sum of two kept gains.
+    /// Returns the sum of two stored gains.
     fn and(self, other: Self) -> Self;
-    /// The exact product (`f32`: rounded).
+    /// Returns the product: exact, for `f32` rounded.
     fn times(self, other: Self) -> Self::Wide;
-    /// The sum; the bounds stated in [`Pid`](crate::Pid) keep it in range.
+    /// Returns the sum. The bounds stated in [`Pid`](crate::Pid) keep it in range.
     fn plus(one: Self::Wide, other: Self::Wide) -> Self::Wide;
-    /// The difference, saturating.
+    /// Returns the difference, saturating.
     fn less(one: Self::Wide, other: Self::Wide) -> Self::Wide;
-    /// The sum, held within what a [`Term`](crate::Term) may be.
+    /// Returns the sum, limited to the range of a [`Term`](crate::Term).
     fn term(one: Self::Wide, other: Self::Wide) -> Self::Wide;
-    /// From `low` to `high`, times 2^bits; `None` where they are crossed or not numbers.
+    /// Returns the range from `low` to `high`, times 2^bits. Returns `None` if `low` is above
+    /// `high` or one is not a number.
     fn span(low: Self, high: Self, bits: u32) -> Option<Self::Span>;
-    /// The number, held within both ends. A number within is the quicker one.
+    /// Limits the number to the range. A number within the range is the faster case.
     fn within(wide: Self::Wide, span: &Self::Span) -> Self::Wide;
-    /// The word, times 2^bits.
+    /// Returns the word times 2^bits.
     fn widened(self, bits: u32) -> Self::Wide;
-    /// The wide number divided by 2^bits, to the nearest, ties upwards; saturating.
+    /// Returns the wide number divided by 2^bits, rounded to the nearest integer, ties upwards,
+    /// saturating.
     fn rounded(wide: Self::Wide, bits: u32) -> Self;
-    /// As [`rounded`](Self::rounded) where the result is known to fit: no test.
+    /// Same as [`rounded`](Self::rounded) for a result that is known to fit: no range test.
     fn rounded_within(wide: Self::Wide, bits: u32) -> Self;
-    /// `wide` x `weight` / 65536, downwards.
+    /// Returns `wide` x `weight` / 65536, rounded downwards.
     fn weighted(wide: Self::Wide, weight: u16) -> Self::Wide;
 }
 
-/// Where this is called, the compiler expects not to be.
+/// Marks the branch that calls it as unlikely for the compiler.
 #[cold]
 #[inline]
 fn seldom() {}
 
-/// Bound of a term that is added to the law, 2^61: with the integral and the products, each within
-/// 2^61 as well, the sum is below 2^63.
+/// Bound of a term that is added to the law, 2^61. The integral and the products are within 2^61 as
+/// well, so the sum is below 2^63.
 const TERM: i64 = 1 << 61;
 /// The largest sum of magnitudes of gains, in units of their last digit.
 const GAINS: u32 = 1 << 29;
@@ -123,7 +126,7 @@ impl Word for i32 {
 
     #[inline(always)]
     fn within(wide: i64, span: &Span) -> i64 {
-        // One comparison for both ends: what is below wraps to more than any width.
+        // One comparison tests both ends: a number below `low` wraps to more than any width.
         let above = wide.wrapping_sub(span.low) as u64;
         if above <= span.width {
             wide
@@ -153,14 +156,14 @@ impl Word for i32 {
 
     fn weighted(wide: i64, weight: u16) -> i64 {
         let weight = i64::from(weight);
-        // 48 bits and 16 bits, times 16 bits.
+        // The halves have 48 and 16 bits, the weight has 16.
         let (high, low) = (wide >> 16, wide & 0xffff);
         high.wrapping_mul(weight)
             .wrapping_add(low.wrapping_mul(weight) >> 16)
     }
 }
 
-/// From `low` to `low + width`. Both ends are within 2^61.
+/// Range from `low` to `low + width`. Both ends are within 2^61.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Span {
@@ -168,11 +171,11 @@ pub struct Span {
     width: u64,
 }
 
-/// The exact product.
+/// Returns the exact product.
 #[inline(always)]
 fn product(one: i32, other: i32) -> i64 {
-    // ARMv6-M, the only one of our targets without these atomics, multiplies 32 bits to 32; the
-    // library's 64-bit product takes twice as long there.
+    // ARMv6-M, the only supported target without these atomics, multiplies 32 bits to 32. The
+    // 64-bit product of the library takes twice as long there.
     if cfg!(all(target_arch = "arm", not(target_has_atomic = "32"))) {
         product_of_halves(one, other)
     } else {
@@ -181,13 +184,13 @@ fn product(one: i32, other: i32) -> i64 {
     }
 }
 
-/// The exact product from products of 16 bits. Source: Warren, *Hacker's Delight*, 2nd ed., 8-2,
-/// `mulhs`.
+/// Computes the exact product from products of 16 bits. Source: Warren, *Hacker's Delight*, 2nd
+/// ed., 8-2, `mulhs`.
 #[inline(always)]
 fn product_of_halves(one: i32, other: i32) -> i64 {
     let [(low_a, high_a), (low_b, high_b)] = [one, other].map(|word| (word & 0xffff, word >> 16));
-    // Unsigned halves are below 2^16, signed ones within 2^15: mixed products are within 2^31 -
-    // 2^15, so 2^16 - 1 may be added.
+    // Unsigned halves are below 2^16, signed ones within 2^15. Mixed products are within 2^31 -
+    // 2^15, so adding 2^16 - 1 cannot overflow.
     let low = low_a.wrapping_mul(low_b) as u32 >> 16;
     let middle = high_a.wrapping_mul(low_b).wrapping_add(low as i32);
     let other_middle = low_a.wrapping_mul(high_b).wrapping_add(middle & 0xffff);
@@ -198,7 +201,7 @@ fn product_of_halves(one: i32, other: i32) -> i64 {
     i64::from(high) << 32 | i64::from(one.wrapping_mul(other) as u32)
 }
 
-/// Half of 2^bits; bits are 1 to 30.
+/// Returns half of 2^bits. `bits` is 1 to 30.
 #[inline(always)]
 fn half(bits: u32) -> i64 {
     1_i64.wrapping_shl(bits) >> 1
@@ -255,7 +258,7 @@ impl Word for f32 {
 
     #[inline(always)]
     fn within(wide: f32, &[low, high]: &[f32; 2]) -> f32 {
-        // Not `clamp`, which panics.
+        // `clamp` is not used because it can panic.
         if wide < low {
             low
         } else if wide > high {

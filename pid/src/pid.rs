@@ -1,4 +1,4 @@
-//! The controller.
+//! The PID controller.
 
 use core::marker::PhantomData;
 
@@ -10,29 +10,32 @@ use crate::windup::{AntiWindup, Clamp, Sum};
 type Wide<S> = <<S as Number>::Word as Word>::Wide;
 type Span<S> = <<S as Number>::Word as Word>::Span;
 
-/// A PID controller in the parallel form: its settings, which any number of channels share. What a
-/// channel remembers is its [`State`].
+/// The settings of a PID controller in the parallel form. Any number of channels share them; each
+/// channel has its own [`State`].
 ///
-/// Target, measurement and output are of type `S`, gains of type `G` (see [`Number`]); `A` is the
-/// remedy against windup.
+/// Target, measurement and output have type `S`, gains have type `G` (see [`Number`]). `A` is the
+/// anti-windup method.
 ///
 /// ```text
 /// e = target - measured
-/// u[k] = Kp e[k]  +  Ki T (e[0] + ... + e[k-1] + w e[k])  +  Kd/T (e[k] - e[k-1])
+/// u[k] = Kp e[k] + Ki T (e[0] + ... + e[k-1] + w e[k]) + Kd/T (e[k] - e[k-1])
 /// w = 0 forward, 1/2 bilinear, 1 backward
 /// ```
 ///
-/// The sum is exact: it is kept as the whole number `Ki T * sum(e)`, in units of the last digits of
-/// gain and signal together, to which each sample adds the whole number `Ki T * e`. Nothing is lost
-/// however long it runs, equal and opposite errors cancel to nothing, and a change of the integral
-/// gain does not touch what has been summed. The output is rounded once, at the end, to the nearest
-/// (ties upwards): its error is at most half of its last digit, plus what the gains lost when they
-/// were rounded to their type, `(|e| + |sum e| + |de|) / 2` last digits of the gain.
+/// The sum is exact. It is stored as the integer `Ki T * sum(e)`, in units of the last digit of the
+/// gain times the last digit of the signal. Each sample adds the integer `Ki T * e`. No error
+/// accumulates over time, and errors of opposite sign cancel exactly. A change of the integral gain
+/// does not affect the sum so far.
 ///
-/// Bounds that make the arithmetic safe: with all gains together at most 2^29 last digits (so
-/// `I16F16` gains may add up to 8192), doubled, the products are at most 2^61; the integral is
-/// within limits of at most 2^61; a [`Term`] is at most 2^61.
+/// The output is rounded once, at the end, to the nearest digit (ties upwards). Its error is at
+/// most half of its last digit, plus the rounding of the gains to their type:
+/// `(|e| + |sum e| + |de|) / 2` last digits of the gain.
 ///
+/// These bounds make the arithmetic safe. All gains together are at most 2^29 last digits (`I16F16`
+/// gains may add up to 8192). They are stored doubled, so the products are at most 2^61. The limits
+/// of the integral and each [`Term`] are at most 2^61.
+///
+/// # Examples
 /// ```
 /// use fixed::types::{I16F16, I24F8};
 /// use husillo_pid::{Gains, Integration, Limits, Pid, State};
@@ -53,7 +56,7 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pid<S: Number, G: Number<Word = S::Word> = S, A = Clamp, D = OfError> {
-    /// What the error is multiplied by in the same sample: Kp + w Ki T, doubled, as are the others.
+    /// Gain of the error in the same sample: Kp + w Ki T, doubled as the other gains are.
     at_once: S::Word,
     integral: S::Word,
     derivative: S::Word,
@@ -63,17 +66,17 @@ pub struct Pid<S: Number, G: Number<Word = S::Word> = S, A = Clamp, D = OfError>
     kind: PhantomData<(G, D)>,
 }
 
-/// What one channel remembers from sample to sample.
+/// The state of one channel from sample to sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct State<S: Number> {
     /// `2 Ki T * sum(e)`.
     sum: Wide<S>,
-    /// The signal of the derivative, a sample ago.
+    /// The signal of the derivative in the previous sample.
     previous: S::Word,
 }
 
-/// Something added to the output before its limits and its only rounding: a derivative, a
+/// A term that is added to the output before its limits and its only rounding: a derivative or a
 /// feed-forward. At most 2^61 of its last digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -90,29 +93,29 @@ impl<S: Number, G: Number<Word = S::Word>> Term<S, G> {
         }
     }
 
-    /// A constant share of the output, such as the weight of an axis.
+    /// Creates a constant share of the output, for example against the weight of an axis.
     pub fn constant(share: S) -> Self {
         Self::new(share.to_word().widened(bits::<G>()))
     }
 
-    /// Both together, saturating.
+    /// Returns the sum of both terms, saturating.
     pub fn plus(self, other: Self) -> Self {
         Self::new(S::Word::term(self.wide, other.wide))
     }
 }
 
 impl<S: Number, G: Number<Word = S::Word>> Pid<S, G> {
-    /// A controller whose integral has the limits of the output, and whose derivative is of the
-    /// error.
+    /// Creates a controller. Its integral has the limits of the output, and its derivative is that
+    /// of the error.
     ///
     /// # Errors
-    /// Gains or limits that a [`SettingsError`] names.
+    /// Fails if gains or limits are out of range; [`SettingsError`] lists the cases.
     pub fn new(
         gains: Gains<G>,
         integration: Integration,
         limits: Limits<S>,
     ) -> Result<Self, SettingsError> {
-        // So a limit is at most 2^31 * 2^30.
+        // A limit is therefore at most 2^31 * 2^30.
         if G::FRACTION_BITS > 29 {
             return Err(SettingsError::FractionTooFine);
         }
@@ -142,7 +145,7 @@ fn span<S: Number, G: Number<Word = S::Word>>(limits: Limits<S>) -> Result<Span<
     S::Word::span(low, high, bits::<G>()).ok_or(SettingsError::LimitsCrossed)
 }
 
-/// Bits behind the point of a sum of products, with one for the doubling.
+/// Fractional bits of a sum of products, with one bit for the doubling.
 const fn bits<G: Number>() -> u32 {
     G::FRACTION_BITS.wrapping_add(1)
 }
@@ -154,7 +157,7 @@ where
     A: AntiWindup<S::Word>,
     D: Derivative,
 {
-    /// The same with another remedy against windup.
+    /// Replaces the anti-windup method.
     pub fn with_anti_windup<B: AntiWindup<S::Word>>(self, anti_windup: B) -> Pid<S, G, B, D> {
         Pid {
             at_once: self.at_once,
@@ -167,7 +170,7 @@ where
         }
     }
 
-    /// The same with the derivative taken of something else: `OfError`, `OfMeasurement`.
+    /// Replaces the signal of the derivative: `OfError` or `OfMeasurement`.
     pub fn with_derivative<E: Derivative>(self, _of: E) -> Pid<S, G, A, E> {
         Pid {
             at_once: self.at_once,
@@ -180,20 +183,20 @@ where
         }
     }
 
-    /// The same with limits of the integral's share in the output that are not those of the output:
-    /// narrower ones against overshoot, wider ones where the integral has to work against a
-    /// feed-forward. With wider ones the output may stay at its limit for some samples after a
-    /// change of sign.
+    /// Sets limits for the integral's share in the output. Without this call they are the limits of
+    /// the output. Narrower limits reduce overshoot. Wider limits let the integral work against a
+    /// feed-forward; the output may then stay at its limit for some samples after the error changes
+    /// sign.
     ///
     /// # Errors
-    /// [`SettingsError::LimitsCrossed`].
+    /// Fails with [`SettingsError::LimitsCrossed`] if `low` is above `high` or one is not a number.
     pub fn with_integral_limits(self, limits: Limits<S>) -> Result<Self, SettingsError> {
         let sum_limits = span::<S, G>(limits)?;
         Ok(Self { sum_limits, ..self })
     }
 
-    /// One sample: the output for `target` and `measured`, within the limits. An error beyond 32
-    /// bits saturates.
+    /// Computes one sample: the output for `target` and `measured`, within the limits. An error
+    /// beyond 32 bits saturates.
     #[inline]
     pub fn update(&self, state: &mut State<S>, target: S, measured: S) -> S {
         let (target, measured) = (target.to_word(), measured.to_word());
@@ -204,15 +207,15 @@ where
         self.law(state, error, derivative)
     }
 
-    /// One sample of P and I of an error, with the other terms as the caller has made them: see
-    /// [`derivative`](Self::derivative), [`Filter`](crate::Filter),
+    /// Computes one sample of P and I of `error` and adds the caller's other terms: see
+    /// [`derivative`](Self::derivative), [`Filter`](crate::Filter) and
     /// [`FeedForward`](crate::FeedForward).
     #[inline]
     pub fn update_with(&self, state: &mut State<S>, error: S, added: Term<S, G>) -> S {
         self.law(state, error.to_word(), added.wide)
     }
 
-    /// The derivative term of a difference of two samples ([`State::difference`]).
+    /// Returns the derivative term for a difference of two samples ([`State::difference`]).
     #[inline]
     pub fn derivative(&self, difference: S) -> Term<S, G> {
         Term::new(self.derivative.times(difference.to_word()))
@@ -221,7 +224,7 @@ where
     #[inline(always)]
     fn law(&self, state: &mut State<S>, error: S::Word, added: Wide<S>) -> S {
         let before = state.sum;
-        // Each of the three is at most 2^61, see the type.
+        // Each of the three terms is at most 2^61, see the type.
         let wanted = S::Word::plus(S::Word::plus(before, self.at_once.times(error)), added);
         let given = S::Word::within(wanted, &self.limits);
         let sum = Sum {
@@ -232,17 +235,20 @@ where
             given,
         };
         state.sum = self.anti_windup.next(&sum, bits::<G>());
-        // The limits are of type S, so what lies between them is as well.
+        // The limits have type S, so every number between them fits S.
         S::from_word(S::Word::rounded_within(given, bits::<G>()))
     }
 
-    /// Makes the next [`update`](Self::update) with the same target and measurement give `output`,
-    /// to its last digit: for a start, for the change to other gains (called on the new controller
-    /// with the last output), and, called every sample in manual mode with the output set by hand,
-    /// for the change to automatic.
+    /// Sets the state so that the next [`update`](Self::update) with the same target and
+    /// measurement returns `output`, exact to the last digit. Call it:
     ///
-    /// The integral is what is adapted, within its limits: where the proportional part alone is
-    /// farther from `output` than they allow, a bump remains.
+    /// - at the start;
+    /// - on a change of gains, on the new controller with the last output;
+    /// - in manual mode, in every sample with the manual output, to prepare the change to
+    ///   automatic.
+    ///
+    /// The function adapts the integral within its limits. If the proportional part alone differs
+    /// from `output` by more than these limits, a bump remains.
     pub fn follow(&self, state: &mut State<S>, target: S, measured: S, output: S) {
         let (target, measured) = (target.to_word(), measured.to_word());
         let error = target.minus(measured);
@@ -254,15 +260,15 @@ where
         state.sum = S::Word::within(sum, &self.sum_limits);
     }
 
-    /// The integral's share in the output, rounded.
+    /// Returns the integral's share in the output, rounded.
     pub fn integral(&self, state: &State<S>) -> S {
         S::from_word(S::Word::rounded_within(state.sum, bits::<G>()))
     }
 }
 
 impl<S: Number> State<S> {
-    /// `source` less its value a sample ago (saturating), for a derivative of one's own; remembers
-    /// it.
+    /// Returns `source` minus its value in the previous sample (saturating) and stores `source`.
+    /// For a derivative that the caller computes.
     #[inline]
     pub fn difference(&mut self, source: S) -> S {
         S::from_word(self.slope(source.to_word()))

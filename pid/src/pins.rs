@@ -7,10 +7,10 @@ use embedded_hal::pwm::SetDutyCycle;
 
 use crate::sign_magnitude::sign_magnitude;
 
-/// A bridge with a PWM and a direction input.
+/// A motor bridge with a PWM input and a direction input.
 ///
-/// Before the direction changes the duty goes to 0, so that no pulse of the old duty drives the
-/// other way.
+/// The duty is set to 0 before the direction changes. No pulse of the old duty then drives the
+/// motor in the new direction.
 #[derive(Debug)]
 pub struct PwmDirection<P, D> {
     pwm: P,
@@ -41,8 +41,8 @@ impl<P: fmt::Debug, D: fmt::Debug> fmt::Display for DriveError<P, D> {
 impl<P: fmt::Debug, D: fmt::Debug> core::error::Error for DriveError<P, D> {}
 
 impl<P: SetDutyCycle, D: OutputPin> PwmDirection<P, D> {
-    /// A bridge whose full duty is a drive of `full_drive`, 255 for a module. Nothing is written
-    /// yet.
+    /// Creates a bridge with full duty at a drive of `full_drive`, which is 255 for a module.
+    /// Writes nothing yet.
     pub const fn new(pwm: P, direction: D, full_drive: u16) -> Self {
         Self {
             pwm,
@@ -52,16 +52,16 @@ impl<P: SetDutyCycle, D: OutputPin> PwmDirection<P, D> {
         }
     }
 
-    /// Drives: sign to the direction pin (high is negative), magnitude to the PWM.
+    /// Sets the drive: its sign on the direction pin (high is negative), its magnitude on the PWM.
     ///
     /// # Errors
-    /// What pin or channel report. The duty was then not set, or was set to 0.
+    /// Fails if the pin or the channel reports an error. The duty is then unchanged or 0.
     pub fn set(&mut self, drive: i32) -> Result<(), DriveError<P::Error, D::Error>> {
         let (is_reverse, duty) = sign_magnitude(drive, self.full_drive, self.pwm.max_duty_cycle());
-        // At 0 the direction stays.
+        // At duty 0 the direction does not change.
         if duty != 0 && self.is_reverse != Some(is_reverse) {
             self.pwm.set_duty_cycle(0).map_err(DriveError::Pwm)?;
-            // Unknown until the pin has taken it.
+            // The direction is unknown until the pin call succeeds.
             self.is_reverse = None;
             self.direction
                 .set_state(is_reverse.into())
@@ -71,7 +71,7 @@ impl<P: SetDutyCycle, D: OutputPin> PwmDirection<P, D> {
         self.pwm.set_duty_cycle(duty).map_err(DriveError::Pwm)
     }
 
-    /// Gives channel and pin back.
+    /// Returns the channel and the pin.
     pub fn release(self) -> (P, D) {
         (self.pwm, self.direction)
     }

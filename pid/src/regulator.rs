@@ -1,4 +1,4 @@
-//! The seam of an axis to its law.
+//! The interface between an axis and its control law.
 
 use core::fmt::Debug;
 
@@ -6,12 +6,13 @@ use fixed::types::I32F0;
 
 use crate::{AntiWindup, Derivative, Drive, Number, Pid, ServoLaw, ServoState, State};
 
-/// A law that holds an axis at its set point: positions in, drive out, once a servo period.
+/// A control law that holds an axis at its set point: positions in, drive out, once per servo
+/// period.
 ///
-/// The law is its settings; what an axis remembers is its [`State`](Regulator::State).
+/// The implementing type holds the settings; [`State`](Regulator::State) is the state of one axis.
 ///
 /// # Examples
-/// A law that pushes with all its force:
+/// A law that always drives with full force:
 /// ```
 /// use husillo_pid::{Drive, Regulator};
 ///
@@ -33,19 +34,19 @@ use crate::{AntiWindup, Derivative, Drive, Number, Pid, ServoLaw, ServoState, St
 /// assert_eq!(BangBang.regulate(&mut (), 3, 5, 0).signed(), -255);
 /// ```
 pub trait Regulator {
-    /// What an axis remembers from one period to the next.
+    /// The state of one axis between two periods.
     type State: Copy + Debug + PartialEq;
 
-    /// The state of an axis whose servo is switched on, or off, just now: nothing is remembered.
+    /// Returns the initial state, for an axis whose servo is just switched on or off.
     fn begin(&self) -> Self::State;
 
-    /// Whether the next period takes a sample: only then the set point has to move on.
+    /// Whether the next period takes a sample. The set point advances only in such a period.
     fn is_due(&self, _state: &Self::State) -> bool {
         true
     }
 
-    /// One servo period: the drive for an axis that is to be at `set_point` and is at `measured`,
-    /// in counts modulo 2^32, with a reading of its motor's current.
+    /// Computes one servo period: the drive for an axis with its set point and measured position,
+    /// in counts modulo 2^32. `current` is a reading of the motor current.
     fn regulate(
         &self,
         state: &mut Self::State,
@@ -54,25 +55,25 @@ pub trait Regulator {
         current: u8,
     ) -> Drive;
 
-    /// One servo period without the law: the drive that was asked for, or less where the law limits
+    /// Computes one servo period without the loop: the requested drive, or less if the law limits
     /// the current.
     fn open_loop(&self, _state: &mut Self::State, drive: Drive, _current: u8) -> Drive {
         drive
     }
 
-    /// Whether the law has given up, as where an error is beyond its limit: the servo has to be
-    /// switched off.
+    /// Whether the law has stopped, for example because the error exceeds its limit. The servo must
+    /// then be switched off.
     fn has_given_up(&self, _state: &Self::State) -> bool {
         false
     }
 
-    /// Whether the current was beyond its limit in the last period.
+    /// Whether the current exceeded its limit in the last period.
     fn is_over_current(&self, _state: &Self::State) -> bool {
         false
     }
 }
 
-/// The law of a motion module, as it is.
+/// The unchanged law of a motion module.
 impl Regulator for ServoLaw {
     type State = ServoState;
 
@@ -110,10 +111,10 @@ impl Regulator for ServoLaw {
     }
 }
 
-/// A PID controller of whole counts, whose output is the PWM with its sign; beyond 255 it is cut.
+/// A PID controller in whole counts. Its output is the PWM with its sign, limited to 255.
 ///
-/// It knows no limit of the error or the current. Between two positions more than 2^31 counts
-/// apart, the error is the short way round.
+/// It limits neither the error nor the current. For positions more than 2^31 counts apart, the
+/// error is the shorter distance modulo 2^32.
 impl<G, A, D> Regulator for Pid<I32F0, G, A, D>
 where
     G: Number<Word = i32>,

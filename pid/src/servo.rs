@@ -1,6 +1,6 @@
-//! The servo law of a motion module, in its integers.
+//! The servo law of a motion module, in the module's integers.
 
-/// The gains and limits of a module, as its Set Gain command gives them.
+/// Gains and limits of a module, as in its Set Gain command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoGains {
@@ -8,39 +8,40 @@ pub struct ServoGains {
     pub proportional: u16,
     /// Kd, 0 to 0x7FFF.
     pub derivative: u16,
-    /// Ki, 0 to 0x7FFF. Without an integration limit it does nothing.
+    /// Ki, 0 to 0x7FFF. Has no effect without an integration limit.
     pub integral: u16,
-    /// IL, 0 to 0x7FFF: bound of the running total of errors. 0 empties the total.
+    /// IL, 0 to 0x7FFF: bound of the running total of errors. 0 clears the total.
     pub integral_limit: u16,
     /// OL: bound of the PWM.
     pub output_limit: u8,
-    /// CL: bound of the measured current. Odd: the reading grows with the current; even: it
-    /// shrinks; 0: no limit.
+    /// CL: bound of the measured current. Odd: the reading increases with the current. Even: it
+    /// decreases. 0: no limit.
     pub current_limit: u8,
-    /// EL, 0 to 0x3FFF counts (later versions 0x7FFF): a larger position error turns the servo off.
+    /// EL, 0 to 0x3FFF counts (0x7FFF in later versions). A larger position error switches the
+    /// servo off.
     pub error_limit: u16,
-    /// SR: servo ticks a sample, see [`RateRule`]. 0 counts as 1.
+    /// SR: servo ticks per sample, see [`RateRule`]. 0 counts as 1.
     pub rate_divisor: u8,
-    /// DB: added to a PWM that is not 0, to overcome stiction.
+    /// DB: added to every PWM other than 0, to overcome stiction.
     pub dead_band: u8,
 }
 
-/// What the servo-rate divisor divides.
+/// What the servo-rate divisor applies to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RateRule {
-    /// The whole loop, profile included: a module of version 4.
+    /// The whole loop with its profile: a module of version 4.
     #[default]
     Loop,
-    /// Only the sampling of the derivative, whose value is held in between: version 10.
+    /// Only the sampling of the derivative: version 10. The derivative is held between two samples.
     Derivative,
 }
 
-/// Where the integration limit bounds the total.
+/// The value that the integration limit bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TotalLimit {
-    /// The total itself, as the description says.
+    /// The total itself, as in the description.
     #[default]
     BeforeScaling,
     /// The total divided by 256.
@@ -53,12 +54,13 @@ pub enum TotalLimit {
 pub struct Drive {
     /// The duty, 0 to 255.
     pub pwm: u8,
-    /// The direction output: the drive is negative. Low at 0, where the description leaves it open.
+    /// The direction output: high for a negative drive. Low at 0, which the description leaves
+    /// open.
     pub is_reverse: bool,
 }
 
 impl Drive {
-    /// The drive as a number, -255 to 255.
+    /// Returns the drive as a signed number, -255 to 255.
     pub const fn signed(self) -> i16 {
         let pwm = self.pwm as i16;
         if self.is_reverse {
@@ -69,21 +71,24 @@ impl Drive {
     }
 }
 
-/// The law of the PIC-SERVO module (tick 0.512 ms), its settings; what an axis remembers is its
+/// The settings of the servo law of the PIC-SERVO module (tick 0.512 ms). Each axis has its own
 /// [`ServoState`].
 ///
 /// ```text
-/// e      = command - actual, saturated to 16 bits       |e| > EL: off, until turned on again
+/// e      = command - actual, saturated to 16 bits       |e| > EL: off, until switched on again
 /// total += e, within +-IL
-/// out    = Kp e + Kd (e - e before) + Ki (total / 256)             division towards 0
+/// out    = Kp e + Kd (e - e before) + Ki (total / 256)                     division towards 0
 /// pwm    = min(|out| / 256 + (DB if out is not 0), OL) - cut
-/// cut    : +1 per sample while the current is over CL, else -1
+/// cut    : +1 per sample while the current exceeds CL, else -1
 /// ```
 ///
-/// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it; the
-/// data sheet subtracts the other way round, and so does this. Source: PIC-SERVO data sheet (J. R.
-/// Kerr), with the corrections that the README lists.
+/// The description prints `- Kd (e - e before)`, which feeds oscillation instead of damping it.
+/// This law has the sign of the data sheet, `+ Kd (e - e before)`.
 ///
+/// # Source
+/// PIC-SERVO data sheet (J. R. Kerr), with the corrections that the README lists.
+///
+/// # Examples
 /// ```
 /// use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
 ///
@@ -114,13 +119,13 @@ pub struct ServoLaw {
     rate_rule: RateRule,
 }
 
-/// What an axis remembers from tick to tick.
+/// The state of one axis from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoState {
     is_on: bool,
     is_over_current: bool,
-    /// Ticks before the next sample.
+    /// Ticks until the next sample.
     wait_ticks: u8,
     cut: u8,
     error: i16,
@@ -132,7 +137,7 @@ pub struct ServoState {
 }
 
 impl ServoLaw {
-    /// The law with these gains; values beyond their range count as its end.
+    /// Creates the law with these gains. Values out of range are limited to their range.
     pub const fn new(gains: &ServoGains, rate_rule: RateRule, limit: TotalLimit) -> Self {
         let integral_limit = fifteen_bits(gains.integral_limit);
         Self {
@@ -153,14 +158,14 @@ impl ServoLaw {
         }
     }
 
-    /// Whether the next tick is a sample of the loop: only then the profile moves on. Always so
-    /// unless the divisor divides the whole loop.
+    /// Whether the next tick is a sample of the loop. The profile advances only in such a tick.
+    /// Always true unless the divisor applies to the whole loop.
     pub const fn is_due(&self, state: &ServoState) -> bool {
         matches!(self.rate_rule, RateRule::Derivative) || state.wait_ticks == 0
     }
 
-    /// One servo tick in which the axis is to be at `command` and is at `actual`, in counts (their
-    /// difference may wrap), with a reading of the motor current.
+    /// Computes one servo tick. `command` and `actual` are in counts; their difference may wrap.
+    /// `current` is a reading of the motor current.
     pub fn tick(&self, state: &mut ServoState, command: i32, actual: i32, current: u8) -> Drive {
         let is_sample = state.wait_ticks == 0;
         state.wait_ticks = if is_sample {
@@ -170,7 +175,7 @@ impl ServoLaw {
         };
         if is_sample || self.rate_rule == RateRule::Derivative {
             let error = command.wrapping_sub(actual);
-            // The whole error, as 16 bits can be saturated and still within a limit of 0x7FFF.
+            // Tests the whole error: saturated to 16 bits it could be within a limit of 0x7FFF.
             if error.unsigned_abs() > self.error_limit {
                 state.is_on = false;
             }
@@ -196,8 +201,8 @@ impl ServoLaw {
             state.slope = error.wrapping_sub(i32::from(state.sampled_error));
             state.sampled_error = state.error;
         }
-        // Gains are below 2^15: products within 2^30, 2^31 - 2^16 and 2^30. Where the sum saturates
-        // it is far beyond 255 * 256 with and without.
+        // Gains are below 2^15, so the products are within 2^30, 2^31 - 2^16 and 2^30. A sum that
+        // saturates is far beyond 255 * 256 with or without saturation.
         let output = self
             .proportional
             .wrapping_mul(error)
@@ -216,7 +221,7 @@ impl ServoLaw {
         self.open_loop(state, drive, current)
     }
 
-    /// A drive without the loop (the module's PWM mode), under the current limit: one sample of it.
+    /// Computes one sample without the loop (the PWM mode of the module), under the current limit.
     pub fn open_loop(&self, state: &mut ServoState, drive: Drive, current: u8) -> Drive {
         state.is_over_current = match self.current_limit {
             0 => false,
@@ -234,13 +239,13 @@ impl ServoLaw {
     }
 }
 
-/// A value of 0 to 0x7FFF.
+/// Limits a value to 0..=0x7FFF.
 const fn fifteen_bits(value: u16) -> i32 {
     if value > 0x7fff { 0x7fff } else { value as i32 }
 }
 
 impl ServoState {
-    /// The servo turned on, with nothing remembered. The command should be where the axis is.
+    /// The state of a servo that is just switched on. The command should equal the actual position.
     pub const fn on() -> Self {
         Self {
             is_on: true,
@@ -248,7 +253,7 @@ impl ServoState {
         }
     }
 
-    /// The servo turned off: the state after power-up, and after loss of motor power.
+    /// The state of a servo that is switched off, as after power-up and after loss of motor power.
     pub const fn off() -> Self {
         Self {
             is_on: false,
@@ -267,27 +272,27 @@ impl ServoState {
         }
     }
 
-    /// Whether the servo is on; a position error beyond its limit has turned it off.
+    /// Whether the servo is on. A position error beyond its limit switches it off.
     pub const fn is_on(&self) -> bool {
         self.is_on
     }
 
-    /// Whether the current was over its limit in the last sample.
+    /// Whether the current exceeded its limit in the last sample.
     pub const fn is_over_current(&self) -> bool {
         self.is_over_current
     }
 
-    /// The position error of the last sample, in counts, saturated.
+    /// Returns the position error of the last sample, in counts, saturated.
     pub const fn error_counts(&self) -> i16 {
         self.error
     }
 
-    /// The running total of errors, in counts.
+    /// Returns the running total of errors, in counts.
     pub const fn total_counts(&self) -> i32 {
         self.total
     }
 
-    /// The output of the last sample before it was scaled and limited, saturated to 32 bits.
+    /// Returns the output of the last sample before scaling and limits, saturated to 32 bits.
     pub const fn output(&self) -> i32 {
         self.output
     }

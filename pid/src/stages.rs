@@ -1,20 +1,21 @@
-//! Pieces beside the controller: each is used or left out, and costs nothing when left out.
+//! Optional parts around the controller. A part that is not used costs nothing.
 
 use crate::number::{Number, Word};
 use crate::pid::Term;
 
-/// The error, `target - measured`; beyond the type it saturates.
+/// Returns the error, `target - measured`, saturating.
 ///
-/// [`Pid::update`](crate::Pid::update) does this itself; it is for errors that go through a
-/// [`DeadBand`] first.
+/// [`Pid::update`](crate::Pid::update) computes the error internally. This function is for errors
+/// that go through a [`DeadBand`] first.
 #[inline]
 pub fn error<S: Number>(target: S, measured: S) -> S {
     S::from_word(target.to_word().minus(measured.to_word()))
 }
 
-/// Errors too small to act on: within the width they are 0, beyond it they are shorter by the
-/// width, so that there is no jump at its edge.
+/// A dead band for errors. An error within the width becomes 0. A larger error is reduced by the
+/// width, so there is no jump at the edge.
 ///
+/// # Examples
 /// ```
 /// use fixed::types::I32F0;
 /// use husillo_pid::DeadBand;
@@ -32,7 +33,7 @@ pub struct DeadBand<S: Number> {
 }
 
 impl<S: Number> DeadBand<S> {
-    /// A band of `width` to either side of 0; the sign is ignored.
+    /// Creates a band of `width` on either side of 0. The sign of `width` is ignored.
     pub fn new(width: S) -> Self {
         let (none, width) = (S::Word::default(), width.to_word());
         let width = if width < none {
@@ -43,7 +44,7 @@ impl<S: Number> DeadBand<S> {
         Self { width }
     }
 
-    /// What is left of `error`.
+    /// Returns the rest of `error` outside the band.
     #[inline]
     pub fn apply(&self, error: S) -> S {
         let (none, error) = (S::Word::default(), error.to_word());
@@ -58,9 +59,9 @@ impl<S: Number> DeadBand<S> {
     }
 }
 
-/// What the motion asks for anyhow, added to the output: it need not wait for an error.
+/// Feed-forward of velocity and acceleration, added to the output without waiting for an error.
 ///
-/// Gains are per sample as all gains are: output per digit of velocity (counts per sample) and of
+/// Gains are per sample: output per last digit of the velocity (counts per sample) and of the
 /// acceleration (counts per sample^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -70,8 +71,8 @@ pub struct FeedForward<G: Number> {
 }
 
 impl<G: Number> FeedForward<G> {
-    /// Gains of velocity and acceleration; `None` where their magnitudes add up to more than 2^29
-    /// last digits.
+    /// Creates a feed-forward with these gains. Returns `None` if their magnitudes add up to more
+    /// than 2^29 last digits.
     pub fn new(velocity: G, acceleration: G) -> Option<Self> {
         let [velocity, acceleration] =
             G::Word::gains([velocity.to_word(), acceleration.to_word()])?;
@@ -81,10 +82,10 @@ impl<G: Number> FeedForward<G> {
         })
     }
 
-    /// The term of a velocity and an acceleration.
+    /// Returns the term for a velocity and an acceleration.
     #[inline]
     pub fn term<S: Number<Word = G::Word>>(&self, velocity: S, acceleration: S) -> Term<S, G> {
-        // Within 2^61 together, as the gains are within 2^30.
+        // The sum is within 2^61 because the gains together are within 2^30.
         Term::new(G::Word::plus(
             self.velocity.times(velocity.to_word()),
             self.acceleration.times(acceleration.to_word()),
@@ -92,12 +93,16 @@ impl<G: Number> FeedForward<G> {
     }
 }
 
-/// A low-pass of first order for the derivative, `y[k] = y[k-1] + a (x[k] - y[k-1])`: Td s / (1 +
-/// Tf s) with the backward difference, `a = T / (Tf + T)`.
+/// A first-order low-pass for the derivative, `y[k] = y[k-1] + a (x[k] - y[k-1])`. This is Td s /
+/// (1 + Tf s) with the backward difference and `a = T / (Tf + T)`.
 ///
-/// Its state has all the digits of the products, so it ends within `1/a` of their last digits of
-/// its input. Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.3.
+/// Its state has all digits of the products, so for a constant input it settles within `1/a` of
+/// their last digits of the input.
 ///
+/// # Source
+/// Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.3.
+///
+/// # Examples
 /// ```
 /// use fixed::types::I16F16;
 /// use husillo_pid::{error, Filter, FilterState, Gains, Integration, Limits, Pid, State};
@@ -124,7 +129,7 @@ pub struct Filter {
     weight: u16,
 }
 
-/// What a [`Filter`] remembers.
+/// The state of a [`Filter`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FilterState<S: Number, G: Number<Word = S::Word> = S> {
@@ -132,14 +137,15 @@ pub struct FilterState<S: Number, G: Number<Word = S::Word> = S> {
 }
 
 impl Filter {
-    /// A filter with `a = weight / 65536`.
+    /// Creates a filter with `a = weight / 65536`.
     pub const fn new(weight: u16) -> Self {
         Self { weight }
     }
 
-    /// A filter with a time constant of so many samples, Tf / T.
+    /// Creates a filter with a time constant of `samples` sample periods, Tf / T.
     pub const fn of_time_constant(samples: u16) -> Self {
-        // At least 2, so the quotient is below 2^16; none is not to be told from 65535.
+        // A divisor of 2 or more gives a quotient below 2^16. For a divisor of 1, `a` = 65535/65536
+        // is practically no filter.
         let divisor = samples as u32 + 1;
         let weight = if divisor < 2 {
             0xffff
@@ -151,16 +157,16 @@ impl Filter {
         }
     }
 
-    /// The filtered term.
+    /// Returns the filtered term.
     #[inline]
     pub fn apply<S: Number, G: Number<Word = S::Word>>(
         &self,
         state: &mut FilterState<S, G>,
         term: Term<S, G>,
     ) -> Term<S, G> {
-        // Both within 2^61; the result lies between them.
-        let way = S::Word::less(term.wide, state.output.wide);
-        let wide = S::Word::plus(state.output.wide, S::Word::weighted(way, self.weight));
+        // Both terms are within 2^61, and the result lies between them.
+        let change = S::Word::less(term.wide, state.output.wide);
+        let wide = S::Word::plus(state.output.wide, S::Word::weighted(change, self.weight));
         state.output = Term::new(wide);
         state.output
     }

@@ -1,30 +1,34 @@
-//! Figures of experiments, and gains from them. For a host or a start-up routine: in floating
-//! point, not for the interrupt.
+//! Figures of tuning experiments, and gains computed from them. In floating point, for a host or a
+//! start-up routine, not for the interrupt.
 
 use fixed::traits::Fixed;
 
 use crate::servo::ServoGains;
 use crate::settings::Gains;
 
-/// What a step response looks like.
+/// Figures of a step response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepResponse {
     /// Time from 10 % to 90 % of the step, in seconds.
     pub rise_s: f64,
-    /// How far the peak goes beyond the target, as a part of the step; 0 without overshoot.
+    /// Overshoot of the peak beyond the target, as a fraction of the step. 0 without overshoot.
     pub overshoot: f64,
     /// Time after which the response stays within the band around the target, in seconds.
     pub settling_s: f64,
 }
 
-/// The figures of `samples` taken every `period_s` seconds from the step on, from `start` to
-/// `target`; `band` is the part of the step within which it counts as settled, 0.02 or 0.05 as a
-/// rule. `None` where the response never rises to 90 %, does not settle, or there is no step.
+/// Returns the figures of a step from `start` to `target`. `samples` begin at the step and are
+/// `period_s` seconds apart. `band` is the fraction of the step within which the response counts as
+/// settled, usually 0.02 or 0.05.
 ///
+/// Returns `None` if the response never rises to 90 %, if it does not settle, or if the step is 0.
+///
+/// # Source
 /// Definitions: Franklin, Powell, Emami-Naeini, *Feedback Control of Dynamic Systems*, 6th ed.,
 /// 3.4.
 ///
+/// # Examples
 /// ```
 /// use husillo_pid::tuning::step_response;
 ///
@@ -70,11 +74,12 @@ pub fn step_response(
     })
 }
 
-/// A relay in the place of the controller: its output makes the axis oscillate at its ultimate
+/// A relay in place of the controller. Its output makes the axis oscillate at its ultimate
 /// frequency.
 ///
-/// Source: Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase
-/// and amplitude margins*, Automatica 20 (1984).
+/// # Source
+/// Astrom and Hagglund, *Automatic tuning of simple regulators with specifications on phase and
+/// amplitude margins*, Automatica 20 (1984).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Relay {
@@ -84,8 +89,8 @@ pub struct Relay {
 }
 
 impl Relay {
-    /// A relay of outputs `amplitude` and `-amplitude` that turns over when the error is beyond
-    /// `hysteresis` of the other sign. Both are positive.
+    /// Creates a relay with the outputs `amplitude` and `-amplitude`. It switches when the error
+    /// exceeds `hysteresis` with the opposite sign. Both values are positive.
     pub const fn new(amplitude: f64, hysteresis: f64) -> Self {
         Self {
             amplitude,
@@ -94,7 +99,7 @@ impl Relay {
         }
     }
 
-    /// The output for an error.
+    /// Returns the output for an error.
     pub fn update(&mut self, error: f64) -> f64 {
         if error > self.hysteresis {
             self.is_high = true;
@@ -108,8 +113,9 @@ impl Relay {
         }
     }
 
-    /// The ultimate point of an axis that oscillates like this, by the describing function: `Ku = 4
-    /// d / (pi sqrt(a^2 - h^2))`. `None` where the oscillation is within the hysteresis.
+    /// Returns the ultimate point of an axis with this oscillation, by the describing function:
+    /// `Ku = 4 d / (pi sqrt(a^2 - h^2))`. Returns `None` if the oscillation is within the
+    /// hysteresis.
     pub fn ultimate(&self, oscillation: &Oscillation) -> Option<Ultimate> {
         let (a, h) = (oscillation.amplitude, self.hysteresis);
         let square = a * a - h * h;
@@ -120,9 +126,9 @@ impl Relay {
     }
 }
 
-/// Newton's method; `core` has no square root. `square` is positive.
+/// Computes a square root by Newton's method, because `core` has none. `square` is positive.
 fn square_root(square: f64) -> f64 {
-    // From above it falls; a start 2^500 off is halved 500 times.
+    // The iteration falls from above the root. A start 2^500 too large is halved 500 times.
     let mut root = if square > 1.0 { square } else { 1.0 };
     for _ in 0..1100 {
         let next = 0.5 * (root + square / root);
@@ -142,16 +148,17 @@ pub struct Oscillation {
     pub amplitude: f64,
     /// The mean period, in seconds.
     pub period_s: f64,
-    /// Whole periods it was taken from.
+    /// Number of whole periods measured.
     pub periods: u32,
 }
 
-/// The oscillation in `samples` taken every `period_s` seconds, about `middle`: leave out the
-/// start. `None` without a whole period.
+/// Returns the oscillation of `samples` about `middle`. `samples` are `period_s` seconds apart and
+/// should not include the start of the experiment. Returns `None` without a whole period.
 ///
-/// Periods are counted between upward passages, interpolated between samples, so that the mean is
-/// exact to a small part of a sample.
+/// Periods are counted between upward zero crossings. The crossings are interpolated between
+/// samples, so the mean period is exact to a small fraction of a sample.
 ///
+/// # Examples
 /// ```
 /// use husillo_pid::tuning::oscillation;
 ///
@@ -182,7 +189,7 @@ pub fn oscillation(samples: &[f64], period_s: f64, middle: f64) -> Option<Oscill
     })
 }
 
-/// Where an axis under proportional control alone oscillates for ever.
+/// The ultimate point: an axis under proportional control alone oscillates steadily there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ultimate {
@@ -192,7 +199,7 @@ pub struct Ultimate {
     pub period_s: f64,
 }
 
-/// A rule that makes gains of an ultimate point.
+/// A rule that computes gains from an ultimate point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
@@ -212,7 +219,7 @@ pub enum Rule {
 }
 
 impl Ultimate {
-    /// The gains of a rule, per second: Kp, Ki = Kp / Ti, Kd = Kp Td.
+    /// Returns the gains of a rule, per second: Kp, Ki = Kp / Ti, Kd = Kp Td.
     pub fn gains(&self, rule: Rule) -> Gains<f64> {
         // Kp / Ku, Tu / Ti, Td / Tu
         let [gain, integral, derivative] = match rule {
@@ -232,7 +239,7 @@ impl Ultimate {
 }
 
 impl Gains<f64> {
-    /// Gains per second as gains per sample: `Ki T`, `Kd / T`.
+    /// Converts gains per second to gains per sample: `Ki T`, `Kd / T`.
     pub fn per_sample(self, period_s: f64) -> Self {
         Self {
             integral: self.integral * period_s,
@@ -241,10 +248,12 @@ impl Gains<f64> {
         }
     }
 
-    /// Gains per sample, in PWM a count, as the integers of the servo law: `256 Kp`, `256 Kd` and,
-    /// as its total is divided by 256 before, `65536 Ki`, to the nearest; limits are left at 0.
-    /// `None` where one is negative, beyond 0x7FFF or not finite.
+    /// Converts gains per sample, in PWM per count, to the integers of the servo law: `256 Kp`,
+    /// `256 Kd` and `65536 Ki`, rounded to the nearest. The law divides its total by 256, hence the
+    /// larger factor of Ki. Limits stay 0. Returns `None` if a gain is negative, above 0x7FFF or
+    /// not finite.
     ///
+    /// # Examples
     /// ```
     /// use husillo_pid::Gains;
     ///
@@ -258,7 +267,7 @@ impl Gains<f64> {
     pub fn to_servo(self) -> Option<ServoGains> {
         let whole = |gain: f64, unit: f64| {
             let scaled = gain * unit + 0.5;
-            // Not for NaN either; the cast drops what is behind the point.
+            // Also false for NaN. The cast drops the fraction.
             (gain >= 0.0 && scaled < 32_768.0).then_some(scaled as u16)
         };
         Some(ServoGains {
@@ -269,7 +278,8 @@ impl Gains<f64> {
         })
     }
 
-    /// The nearest gains of a fixed-point type; `None` where one does not fit or is not finite.
+    /// Converts to the nearest gains of a fixed-point type. Returns `None` if one does not fit or
+    /// is not finite.
     pub fn to_fixed<G: Fixed>(self) -> Option<Gains<G>> {
         let fixed = |gain: f64| gain.is_finite().then(|| G::checked_from_num(gain))?;
         Some(Gains {

@@ -1,17 +1,17 @@
-//! What the integral does while the output is at a limit.
+//! Anti-windup: the integral while the output is at a limit.
 
 use crate::number::{Number, Word};
 
-/// A remedy against windup: how the integral goes on, given what the output would have been.
+/// An anti-windup method: computes the next integral from the unlimited and the limited output.
 /// Implemented by [`Clamp`], [`Conditional`] and [`BackCalculation`].
 ///
-/// All of them keep the integral within its limits, so that the output leaves its limit in the very
-/// sample in which the rest of the law pulls it away by half a last digit or more, that is when the
-/// error changes sign; without a part that acts at once, as `Forward` without a proportional gain,
-/// in the sample behind it.
+/// All methods keep the integral within its limits. The output therefore leaves its limit in the
+/// sample in which the error changes sign, if the immediate parts of the law pull it away by half a
+/// last digit or more. Without an immediate part (`Forward` without a proportional gain) it leaves
+/// in the next sample.
 pub trait AntiWindup<W: Word> {
-    /// The next integral. `wanted` is the output before its limits, `given` the one after; `bits`
-    /// are behind the point of all wide numbers.
+    /// Returns the next integral. `sum` holds the output before its limits (`wanted`) and after
+    /// them (`given`). All wide numbers have `bits` fractional bits.
     #[doc(hidden)]
     fn next(&self, sum: &Sum<W>, bits: u32) -> W::Wide;
 }
@@ -31,12 +31,12 @@ pub struct Sum<W: Word> {
 impl<W: Word> Sum<W> {
     #[inline(always)]
     fn limited(&self, step: W::Wide) -> W::Wide {
-        // Limits within 2^61, steps within 2^62.
+        // Limits are within 2^61, steps within 2^62.
         W::within(W::plus(self.before, step), &self.limits)
     }
 }
 
-/// The integral stops at its limits. The cheapest.
+/// The integral stops at its limits. The cheapest method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Clamp;
@@ -48,10 +48,11 @@ impl<W: Word> AntiWindup<W> for Clamp {
     }
 }
 
-/// As [`Clamp`], and the integral holds still while the output is at a limit and the error would
-/// drive it further.
+/// Same as [`Clamp`]. In addition the integral holds while the output is at a limit and the error
+/// would drive it further.
 ///
-/// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, conditional integration.
+/// # Source
+/// Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, conditional integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Conditional;
@@ -65,20 +66,23 @@ impl<W: Word> AntiWindup<W> for Conditional {
     }
 }
 
-/// As [`Clamp`], and what the limit cuts off the output is led back to the integral, times a gain.
+/// Same as [`Clamp`]. In addition the part of the output that the limit cuts off is fed back to the
+/// integral, times a gain.
 ///
-/// Source: Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, back-calculation and tracking; the
-/// gain is T/Tt, with Tt the tracking time.
+/// # Source
+/// Astrom and Hagglund, *PID Controllers*, 2nd ed., 3.5, back-calculation and tracking. The gain is
+/// T/Tt, with Tt the tracking time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BackCalculation<W: Word = i32> {
-    /// Doubled, as all gains.
+    /// Stored doubled, as all gains are.
     gain: W,
 }
 
 impl<W: Word> BackCalculation<W> {
-    /// Leads back the part `gain` of what is cut off, 0 to 1 as a rule, in the type of the
-    /// controller's gains. `None` if it has more than 29 bits.
+    /// Feeds back the part `gain` of the cut, usually 0 to 1, in the type of the controller's
+    /// gains. Returns `None` if the magnitude of `gain` is more than 2^29 last digits (`f32`: if it
+    /// is not finite).
     pub fn new<G: Number<Word = W>>(gain: G) -> Option<Self> {
         let [gain] = W::gains([gain.to_word()])?;
         Some(Self { gain })
@@ -92,7 +96,7 @@ impl<W: Word> AntiWindup<W> for BackCalculation<W> {
             return sum.limited(sum.step);
         }
         let cut = W::rounded(W::less(sum.given, sum.wanted), bits);
-        // A gain within 2^30 times 2^31, and a step within 2^61.
+        // The product is at most 2^30 * 2^31, and the step is within 2^61.
         sum.limited(W::plus(sum.step, self.gain.times(cut)))
     }
 }

@@ -1,11 +1,11 @@
-//! The exact responses of the three rules of integration.
+//! Tests of the three integration rules against exact responses.
 
 use fixed::traits::Fixed;
 use fixed::types::{I10F22, I16F16, I24F8, I32F0};
 use husillo_pid::{Gains, Integration, Limits, Number, Pid, State};
 use serde_json::Value;
 
-/// A rational number as the file has it, `-7/3`.
+/// A rational number as in the file, `-7/3`.
 #[derive(Clone, Copy)]
 struct Ratio(i128, i128);
 
@@ -89,7 +89,7 @@ fn cases() -> Vec<Case> {
         .collect()
 }
 
-/// Runs the cases whose gains fit; returns how many.
+/// Runs the cases whose gains fit their type and returns the number of these cases.
 fn within_one_digit<S: Fixed + Number<Word = i32>, G: Fixed + Number<Word = i32>>(
     scale: i32,
 ) -> usize {
@@ -136,7 +136,7 @@ fn whole_counts() {
 
 #[test]
 fn fractions() {
-    // Of the nine sets of gains, seven are below 2^29 last digits of so fine a type.
+    // Seven of the nine sets of gains are below 2^29 last digits of this fine type.
     assert_eq!(within_one_digit::<I24F8, I10F22>(1), 84);
 }
 

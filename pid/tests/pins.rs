@@ -1,4 +1,4 @@
-//! The bridge adapter, on a channel and a pin that write down what they are told.
+//! Tests of the bridge adapter on a PWM channel and a pin that record what is written to them.
 #![cfg(feature = "embedded-hal")]
 
 use std::cell::RefCell;

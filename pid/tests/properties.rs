@@ -1,4 +1,4 @@
-//! What holds for all gains and all signals.
+//! Properties for all gains and all signals.
 
 use fixed::types::{I8F0, I12F4, I16F0, I16F16, I24F8, I32F0};
 use husillo_pid::{
@@ -25,7 +25,7 @@ fn counts(count: i32) -> I32F0 {
     I32F0::from_bits(count)
 }
 
-/// Any gains that a controller takes.
+/// Any gains that a controller accepts.
 fn gains() -> impl Strategy<Value = Gains<I16F16>> {
     let third = (1 << 29) / 3;
     prop_oneof![
@@ -35,7 +35,7 @@ fn gains() -> impl Strategy<Value = Gains<I16F16>> {
     .prop_map(|bits| of(bits.map(I16F16::from_bits)))
 }
 
-/// Gains of a controller that works: all of one sign, the first two not 0.
+/// Gains of a useful controller: all of one sign, the first two not 0.
 fn sane_gains() -> impl Strategy<Value = Gains<I16F16>> {
     (0x8000..0x80_0000, 0x100..0x8_0000, 0..0x80_0000)
         .prop_map(|(p, i, d)| of([p, i, d].map(I16F16::from_bits)))
@@ -72,7 +72,7 @@ fn run<A: AntiWindup<i32>, D: Derivative>(pid: &Law<A, D>, errors: &[i32]) -> Ve
         .collect()
 }
 
-/// The law in 128 bits: numerators over 2^17.
+/// The law in 128 bits, as numerators over 2^17.
 fn exact(gains: &Gains<I16F16>, rule: Integration, errors: &[i32]) -> Vec<i128> {
     let [p, i, d] = [gains.proportional, gains.integral, gains.derivative]
         .map(|gain| i128::from(gain.to_bits()));
@@ -95,7 +95,8 @@ fn exact(gains: &Gains<I16F16>, rule: Integration, errors: &[i32]) -> Vec<i128> 
 }
 
 proptest! {
-    /// As long as no limit is met, the output is the exact law rounded once, however long it runs.
+    /// While no limit is reached, the output is the exact law rounded once, for any number of
+    /// samples.
     #[test]
     fn output_is_the_law_rounded_once(
         gains in gains(),
@@ -138,7 +139,7 @@ proptest! {
         prop_assert_eq!(integral(&back), ZERO);
     }
 
-    /// The bilinear rule is the mean of forward and backward, but for the three roundings.
+    /// The bilinear rule is the mean of forward and backward, except for the three roundings.
     #[test]
     fn bilinear_is_the_mean(
         gains in sane_gains(),
@@ -152,7 +153,7 @@ proptest! {
         }
     }
 
-    /// Whatever gains, limits and signals: the output is within the limits.
+    /// The output is within the limits for all gains, limits and signals.
     #[test]
     fn limits_hold(
         gains in gains(),
@@ -193,8 +194,8 @@ proptest! {
         }
     }
 
-    /// However long the output was at its limit, it leaves it in the very sample in which the error
-    /// changes sign, with every remedy.
+    /// The output leaves its limit in the sample in which the error changes sign, however long it
+    /// was there, with every anti-windup method.
     #[test]
     fn leaves_the_limit_with_the_sign(
         gains in sane_gains(),
@@ -209,7 +210,8 @@ proptest! {
         let back = BackCalculation::new(I16F16::lit("0.125")).unwrap();
         for sign in [1, -1] {
             let leaves = |outputs: Vec<i32>| {
-                // A pull of 2 is at least one count in every rule: Kp is 1/2 at least.
+                // An error of 2 pulls by at least one count in every rule, because Kp is at least
+                // 1/2.
                 outputs.last().is_some_and(
                     |output| output.abs() < limit || output.signum() == -sign
                 )
@@ -241,7 +243,7 @@ proptest! {
             let before = pid.integral(&state);
             let output = pid.update(&mut state, counts(error), ZERO);
             let p = (i64::from(gains.proportional.to_bits()) * i64::from(error)) >> 16;
-            // What is wanted is the integral before and P, with room for the roundings.
+            // The unlimited output is the previous integral plus P, with room for the roundings.
             if i64::from(before.to_bits()) + p > 1002 && error > 0 {
                 prop_assert_eq!(output, 1000);
                 prop_assert_eq!(pid.integral(&state), before);
@@ -249,7 +251,7 @@ proptest! {
         }
     }
 
-    /// Back-calculation brings the integral to where the output is just cut off by step / gain.
+    /// Back-calculation moves the integral until exactly step / gain of the output is cut off.
     #[test]
     fn back_calculation_settles(error in 25i32..2000) {
         let gains = of([I16F16::ONE, I16F16::lit("0.01"), I16F16::ZERO]);
@@ -265,8 +267,8 @@ proptest! {
         prop_assert!(!integral_is_free || (wanted - 1000 - error / 25).abs() <= 2, "{}", wanted);
     }
 
-    /// After `follow` the next output for the same signals is the one followed, to the last digit,
-    /// as far as the integral can make it so.
+    /// After `follow` the next output for the same signals equals the followed output to the last
+    /// digit, as far as the limits of the integral allow.
     #[test]
     fn following_is_bumpless(
         gains in sane_gains(),
@@ -286,7 +288,7 @@ proptest! {
         pid.follow(&mut state, target, measured, counts(manual));
         let automatic = pid.update(&mut state, target, measured);
         prop_assert_eq!(automatic, manual);
-        // Change of gains: with the output there was.
+        // Change of gains with the last output.
         next.follow(&mut state, target, measured, automatic);
         prop_assert_eq!(next.update(&mut state, target, measured), automatic);
         // The same with the derivative of the measurement.
@@ -296,8 +298,7 @@ proptest! {
         prop_assert_eq!(pid.update(&mut state, target, measured), manual);
     }
 
-    /// A change of the integral gain alone needs no more than the new settings: the sum stays what
-    /// it was.
+    /// A change of the integral gain alone needs only the new settings: the sum is unchanged.
     #[test]
     fn integral_gain_may_change(
         gains in sane_gains(),
@@ -321,8 +322,8 @@ proptest! {
         );
     }
 
-    /// A step of the target kicks the derivative of the error and not the one of the measurement; a
-    /// step of the measurement both, alike.
+    /// A step of the target causes a kick of the derivative of the error and none of the derivative
+    /// of the measurement. A step of the measurement causes the same kick of both.
     #[test]
     fn measurement_does_not_kick(
         gains in sane_gains(),
@@ -353,7 +354,8 @@ proptest! {
         );
     }
 
-    /// The pieces put together are the whole: with nothing added they give what `update` gives.
+    /// The separate parts together equal the whole: without added terms they return what `update`
+    /// returns.
     #[test]
     fn pieces_make_the_whole(
         gains in gains(),
@@ -376,8 +378,8 @@ proptest! {
         prop_assert_eq!(whole, pieces);
     }
 
-    /// What a dead band leaves is never farther from 0 nor of the other sign, and grows with the
-    /// error by as much.
+    /// The rest outside a dead band is never farther from 0 than the error and never has the other
+    /// sign. It grows by as much as the error.
     #[test]
     fn dead_band_shortens(width in any::<i32>(), one in any::<i32>(), other in any::<i32>()) {
         let band = DeadBand::new(counts(width));
@@ -388,8 +390,8 @@ proptest! {
         prop_assert_eq!(left(one) == 0, i64::from(one).abs() <= width);
     }
 
-    /// A filter goes towards its input, never past it, and has gone the part e^-1 of the way after
-    /// its time constant, roughly.
+    /// A filter approaches its input and never overshoots. After its time constant roughly e^-1 of
+    /// the step remains.
     #[test]
     fn filter_goes_towards_its_input(samples in 1u16..500, input in 1i32..1_000_000) {
         let (filter, mut state) = (
@@ -418,7 +420,7 @@ proptest! {
         prop_assert!(input - last <= 1 + input / 10_000);
     }
 
-    /// Feed-forward is its gains times its signals, rounded with the rest.
+    /// Feed-forward equals its gains times its signals, rounded together with the other terms.
     #[test]
     fn feed_forward_is_linear(
         gains in [-0x100_0000i32..0x100_0000, -0x100_0000..0x100_0000],
@@ -441,7 +443,7 @@ proptest! {
         prop_assert_eq!(i64::from(output.to_bits()), (exact + (1 << 15)) >> 16);
     }
 
-    /// Narrow types saturate at their ends and otherwise agree with wide ones.
+    /// Narrow types saturate at the ends of their range and agree with wide types elsewhere.
     #[test]
     fn narrow_types_agree(
         gains in sane_gains(),
@@ -467,7 +469,7 @@ proptest! {
         prop_assert_eq!(error(I16F0::MIN, I16F0::MAX), I16F0::MIN);
     }
 
-    /// Floats: outputs stay within the limits and finite, whatever the sensor says.
+    /// With floats the outputs stay finite and within the limits for any sensor value.
     #[test]
     fn broken_sensors_drive_nothing(signals in proptest::collection::vec(any::<f32>(), 1..50)) {
         let gains = Gains { proportional: 2.0_f32, integral: 0.1, derivative: 3.0 };

@@ -1,4 +1,4 @@
-//! The law of the module: its traces bit by bit, the rest by property.
+//! Tests of the law of the module: traces bit by bit, other behaviour by properties.
 
 use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
 use proptest::prelude::*;
@@ -20,8 +20,8 @@ fn traces() {
     assert_eq!(cases.len(), 8);
     for case in cases {
         let number = |key: &str| case[key].as_u64().unwrap() as u16;
-        // The file means a reading that grows with the current; by the module's rule that is an odd
-        // limit.
+        // The file assumes a reading that increases with the current. By the rule of the module
+        // this is an odd limit.
         let current_limit = match number("CL") {
             0 => 0,
             limit => limit as u8 | 1,
@@ -104,7 +104,8 @@ fn run(law: &ServoLaw, errors: impl IntoIterator<Item = i32>) -> Vec<Drive> {
 }
 
 proptest! {
-    /// A loop divided by n is the undivided loop on every n-th tick, its drive held in between.
+    /// A loop divided by n equals the undivided loop on every n-th tick. The drive is held in
+    /// between.
     #[test]
     fn divided_loop_is_the_loop_on_fewer_ticks(gains in gains(), errors in errors()) {
         let step = usize::from(gains.rate_divisor);
@@ -120,8 +121,8 @@ proptest! {
         }
     }
 
-    /// The loop is due on the first tick and on every n-th after it, and always where only the
-    /// derivative is divided.
+    /// The loop is due on the first tick and on every n-th tick after it. It is always due if only
+    /// the derivative is divided.
     #[test]
     fn due_every_nth_tick(gains in gains(), ticks in 1usize..200) {
         for rule in [RateRule::Loop, RateRule::Derivative] {
@@ -135,7 +136,7 @@ proptest! {
         }
     }
 
-    /// Where only the derivative is divided, P and I are as without the divisor.
+    /// If only the derivative is divided, P and I are the same as without the divisor.
     #[test]
     fn divided_derivative_leaves_p_and_i(gains in gains(), errors in errors()) {
         let gains = ServoGains { derivative: 0, ..gains };
@@ -168,8 +169,8 @@ proptest! {
         }
     }
 
-    /// The dead band lifts every drive that is not 0 by its value, up to the output limit, and no
-    /// other; it leaves the direction.
+    /// The dead band adds its value to every drive that is not 0, up to the output limit. It does
+    /// not change a drive of 0 or the direction.
     #[test]
     fn dead_band_lifts_what_is_not_zero(gains in gains(), errors in errors()) {
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
@@ -190,7 +191,7 @@ proptest! {
         }
     }
 
-    /// The derivative damps: an error that shrinks is driven less than a constant one, by Kd for
+    /// The derivative damps: a shrinking error causes less drive than a constant one, by Kd for
     /// each count.
     #[test]
     fn derivative_damps(before in 1i32..300, by in 1i32..300, kd in 1u16..1000) {
@@ -210,8 +211,8 @@ proptest! {
         prop_assert_eq!(axis.output(), still - 100 * by - i32::from(kd) * by);
     }
 
-    /// The output is the formula, for every gain and any error, as far as 32 bits go; and the PWM
-    /// is its 256th within the limit.
+    /// The output equals the formula within 32 bits, for all gains and errors. The PWM is 1/256 of
+    /// it, within the limit.
     #[test]
     fn output_is_the_formula(
         gains in gains(),
@@ -238,8 +239,8 @@ proptest! {
         }
     }
 
-    /// Whatever it is given: no drive beyond the limit, none while off, off for good once the error
-    /// was too large.
+    /// For any input the drive is within the limit, it is 0 while off, and the servo stays off
+    /// after an error beyond its limit.
     #[test]
     fn limits_hold(
         gains in gains(), error_limit in any::<u16>(), current_limit in any::<u8>(),
@@ -261,15 +262,15 @@ proptest! {
         }
     }
 
-    /// Under a lasting overcurrent the drive goes down by one a sample to nothing, and comes back
-    /// by one a sample.
+    /// Under a lasting overcurrent the drive decreases by one per sample to 0. Afterwards it
+    /// returns by one per sample.
     #[test]
     fn current_limit_cuts_by_one(pwm in any::<u8>(), limit in 1u8.., ticks in 1usize..600) {
         let gains = ServoGains { current_limit: limit, ..ServoGains::default() };
         let law = ServoLaw::new(&gains, RateRule::Loop, TotalLimit::BeforeScaling);
         let (over, under) =
             if limit % 2 == 1 { (limit.saturating_add(1), limit) } else { (limit - 1, limit) };
-        // 255 is a limit that no reading is over.
+        // No reading exceeds a limit of 255.
         prop_assume!(limit != 255);
         let mut axis = ServoState::off();
         let drive = Drive { pwm, is_reverse: true };

@@ -1,4 +1,4 @@
-//! Experiments on axes whose answers are known.
+//! Tuning experiments on axes with known results.
 
 use fixed::types::{I16F16, I32F0};
 use husillo_pid::tuning::{Oscillation, Relay, Rule, Ultimate, oscillation, step_response};
@@ -45,8 +45,7 @@ fn relay_finds_the_ultimate_point() {
     assert!((found.period_s / period_s - 1.0).abs() < 0.04, "{found:?}");
 }
 
-/// The gains so found, in fixed point, hold the axis; Tyreus-Luyben overshoots less than
-/// Ziegler-Nichols.
+/// These gains, in fixed point, hold the axis. Tyreus-Luyben overshoots less than Ziegler-Nichols.
 #[test]
 fn gains_hold_the_axis() {
     let overshoots = [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid].map(|rule| {
@@ -118,8 +117,8 @@ fn rules_as_published() {
     );
 }
 
-/// A law with the integers drives as the gains say: PWM a count, a count of change, and a count and
-/// sample.
+/// The law with these integers has the gains in PWM per count, per count of change, and per count
+/// and sample.
 #[test]
 fn integers_of_the_servo_law() {
     let gains = Gains {
@@ -135,12 +134,12 @@ fn integers_of_the_servo_law() {
     };
     let law = ServoLaw::new(&servo, RateRule::Loop, TotalLimit::BeforeScaling);
     let mut axis = ServoState::on();
-    // 3.5 * 4 + 40 * 4, then without the change.
+    // 3.5 * 4 + 40 * 4 in the first tick, then without the derivative.
     assert_eq!(law.tick(&mut axis, 4, 0, 0).pwm, 174);
     for _ in 1..320 {
         law.tick(&mut axis, 4, 0, 0);
     }
-    // 14 and 0.05 * 4 * 320.
+    // 14 plus 0.05 * 4 * 320.
     let pwm = law.tick(&mut axis, 4, 0, 0).pwm;
     assert!((77..=79).contains(&pwm), "{pwm}");
     for derivative in [128.0, -1.0, f64::NAN, f64::INFINITY] {

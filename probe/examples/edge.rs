@@ -1,12 +1,12 @@
-//! Touches an edge obliquely with a simulated axis and prints where it is.
+//! Touches an edge obliquely with a simulated axis and prints its position.
 
 use husillo_probe::{
     Cycle, Debounce, Edge, Input, Latch, Plan, PreTravel, Request, Tip, UnitVector,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // An edge whose normal is turned by atan(3/4), 20 mm from the origin, and a probe that comes
-    // along X.
+    // An edge with its normal turned by atan(3/4), 20 mm from the origin. The probe travels along
+    // X.
     let normal = UnitVector::new([-4, 3, 0]).ok_or("no direction")?;
     let edge_nm = -20_000_000;
     let tip = Tip {
@@ -28,11 +28,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let mut latch: Latch<[i64; 3], 8> = Latch::new(Debounce::new(4, false), 0, [0; 3])?;
     let mut latched = [0; 3];
-    // 10 000 ticks a second; this axis starts and stops at once.
+    // 10 000 ticks per second. This axis starts and stops immediately.
     let (mut x, mut target, mut step) = (0_i64, 0_i64, 0_i64);
     let result = loop {
         x += (target - x).clamp(-step, step);
-        // The probe switches when the ball has been pressed in by the pre-travel.
+        // The probe switches when it has travelled the pre-travel beyond the touch.
         let ball = [x - 5_000, 0, 0];
         let closed = normal.length_along(ball) - i64::from(tip.radius_nm) <= edge_nm;
         if let Some(edge) = latch.sample(closed, [x, 0, 0]) {

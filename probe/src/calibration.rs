@@ -1,11 +1,11 @@
-//! Tip radius and pre-travel from a reference.
+//! Calibration of tip radius and pre-travel on a reference.
 
 use crate::features::{
     Round, Tally, add, difference, dot, fit_round, length, outer, projected, solve, to_nm, unit,
 };
 use crate::{FitError, PreTravel, Residuals, Tip, Touch, UnitVector};
 
-/// A body of known size.
+/// A reference body of known size.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reference {
@@ -23,38 +23,42 @@ pub enum Reference {
     },
 }
 
-/// A calibrated probe, and how the reference was found.
+/// A calibrated probe and the quality of its calibration.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration<const K: usize> {
-    /// Radius and pre-travel, ready for use.
+    /// Radius and pre-travel of the probe.
     pub tip: Tip<K>,
-    /// Where the centre of the reference is, in nm.
+    /// Centre of the reference, in nm.
     pub centre_nm: [i64; 3],
-    /// What is left of the touches after both are corrected.
+    /// Residuals of the touches after correction by radius and pre-travel.
     pub residuals: Residuals,
 }
 
 impl<const K: usize> Calibration<K> {
-    /// Calibrates a probe from latched touches of a reference whose place is not known. At least
-    /// one touch more than there are unknowns; several in each direction average the noise.
+    /// Calibrates a probe from latched touches of a reference at an unknown position. It needs at
+    /// least one touch more than there are unknowns. Several touches in each direction average the
+    /// noise.
     ///
-    /// A touch is `p = c + (R +- r) n + ed d`: centre, radii of reference and tip (+ a sphere, - a
-    /// ring), outward normal of the ball's centre, pre-travel. Gauss-Newton finds the `c`, the mean
-    /// `ed` and, without `tip_radius_nm`, the `r` for which the distances `|p - ed d - c|` are `R
-    /// +- r` with the least squares. The entries of the table, one for each of `directions`, follow
-    /// from what is left of the touches nearest to it (the mean where there are none).
+    /// A touch is `p = c + (R +- r) n + ed d`: centre, radii of reference and tip, outward normal
+    /// of the ball's centre, pre-travel. The sum of the radii is for a sphere, the difference for a
+    /// ring. Gauss-Newton finds `c`, the mean `ed` and, without `tip_radius_nm`, `r`. It minimises
+    /// the squares of the differences between the distances `|p - ed d - c|` and `R +- r`. The
+    /// table gets one entry for each of `directions`. The entry follows from the residuals of the
+    /// touches nearest to it; without such touches it is the mean.
     ///
-    /// What a reference cannot tell: with every approach along the normal only `r - ed` counts (the
-    /// effective radius), so state the tip radius or touch obliquely too; and a pre-travel that is
-    /// larger by `v.d` in every direction is the same as a reference displaced by `v`, so that part
-    /// stays in the centre, where it moves all measurements alike.
+    /// A reference does not determine everything:
+    ///
+    /// - If every approach is along the normal, only the effective radius `r - ed` is known. State
+    ///   the tip radius or touch obliquely too.
+    /// - A pre-travel that is larger by `v.d` in every direction equals a reference displaced by
+    ///   `v`. This part stays in the centre and shifts all measurements equally.
     ///
     /// # Errors
-    ///
-    /// [`FitError::TooFewPoints`], [`FitError::Undetermined`], [`FitError::NoFit`];
-    /// [`FitError::Inseparable`] without `tip_radius_nm` and oblique approaches (the cosines
-    /// between travel and normal must spread by 0.01 or more).
+    /// - [`FitError::TooFewPoints`], [`FitError::Undetermined`] and [`FitError::NoFit`]: no fit is
+    ///   possible.
+    /// - [`FitError::Inseparable`]: `tip_radius_nm` is missing and no approach is oblique. The
+    ///   cosines between travel and normal must spread by 0.01 or more.
     pub fn fit<I>(
         touches: I,
         reference: &Reference,
@@ -77,8 +81,8 @@ impl<const K: usize> Calibration<K> {
         );
         model.fit(touches.clone(), tip_radius_nm.is_some())?;
 
-        // Per entry: sum of g f and of g g, for the correction f / g of touches f off with cosine
-        // g.
+        // Sums of g f and of g g per entry. The correction is f / g for a touch with residual f and
+        // cosine g.
         let mut sums = [(0.0, 0.0); K];
         for touch in touches.clone() {
             let (_, cosine, off) = model.ray(&touch);
@@ -117,18 +121,18 @@ impl<const K: usize> Calibration<K> {
     }
 }
 
-/// The unknowns.
+/// Unknowns of the fit.
 struct Model {
     origin: [i64; 3],
     axis: Option<[f64; 3]>,
-    /// From the origin.
+    /// Relative to the origin.
     centre: [f64; 3],
     pre_travel: f64,
-    /// Of the sphere on which the ball's centre moves.
+    /// Radius of the sphere on which the ball's centre moves.
     radius: f64,
 }
 
-/// Below this, relative to the number of touches, unknowns cannot be told apart: a spread of
+/// Below this value per touch the unknowns cannot be separated. It corresponds to a spread of
 /// cosines of 0.01.
 const APART: f64 = 1e-4;
 
@@ -138,14 +142,14 @@ impl Model {
             origin: start.centroid.origin,
             axis: axis.map(unit),
             centre: add(start.centroid.mean, 1.0, start.centre),
-            // Found in the first step, and linear along the normal.
+            // The first step finds it, because it is linear along the normal.
             pre_travel: 0.0,
             radius: radius.unwrap_or(start.radius),
         }
     }
 
-    /// The direction from the centre to the ball, its cosine to the travel, and how far the ball is
-    /// outside the radius.
+    /// Returns the direction from the centre to the ball, its cosine to the travel, and the
+    /// distance of the ball outside the radius.
     fn ray(&self, touch: &Touch) -> ([f64; 3], f64, f64) {
         let travel = touch.direction.to_floats();
         let ball = add(
@@ -159,7 +163,7 @@ impl Model {
         (ray, dot(ray, travel), distance - self.radius)
     }
 
-    /// Gauss-Newton: `u.shift + (u.d) change + growth = off` for each touch.
+    /// One Gauss-Newton step: `u.shift + (u.d) change + growth = off` for each touch.
     fn fit(
         &mut self,
         touches: impl Iterator<Item = Touch> + Clone,
@@ -175,7 +179,7 @@ impl Model {
                 right = add(right, off, row);
                 count += 1.0;
             }
-            // What is not asked for stays.
+            // A parameter that is not fitted stays unchanged.
             if let Some([x, y, z]) = self.axis {
                 let axis = [x, y, z, 0.0, 0.0];
                 outer(&mut matrix, count, axis, axis);
@@ -202,7 +206,7 @@ impl Model {
     }
 }
 
-/// The entry nearest to a direction, the first of equals.
+/// Returns the entry nearest to a direction, the first if several are equal.
 fn nearest<const K: usize>(directions: &[UnitVector; K], direction: &UnitVector) -> Option<usize> {
     let mut best = None;
     for (entry, candidate) in (0..K).zip(directions) {

@@ -4,11 +4,11 @@ use crate::repeatability::Repeatability;
 use crate::unit_vector::{minus, plus};
 use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 
-/// A probing cycle as a state machine: asked once a tick, it answers what the axes shall do.
+/// A probing cycle as a state machine. The caller ticks it, and each tick returns a request for the
+/// axes.
 ///
-/// It knows no axes, no clock and no speeds of its own, so that stepping axes, servo axes and
-/// modules at the end of a line serve it alike: the machine reports where it is and carries out the
-/// last [`Request`].
+/// The cycle has no axes, no clock and no speeds. It therefore works with stepping axes, servo axes
+/// and modules on a line: the machine reports its position and carries out the last [`Request`].
 ///
 /// ```text
 ///  Start ─► Approach ─► Search ─► Brake ─► BackOff ─► Touch ─► Brake ─► BackOff ─► ... ─► Done
@@ -18,10 +18,13 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 ///    └─► Failed ◄──── Retreat ◄──── Yield (brake) ◄──── each failure
 /// ```
 ///
-/// The position that counts is the latched one, so neither the speed nor the braking is in the
-/// result. Additions, and three multiplications while it brakes; the request is said once,
-/// [`Request::Wait`] from then on.
+/// The result is the latched position, so it does not depend on speed or braking. Each request is
+/// returned once, and [`Request::Wait`] after it.
 ///
+/// # Cost
+/// Additions only, and three multiplications while the axes brake.
+///
+/// # Examples
 /// ```
 /// use husillo_probe::{Cycle, Edge, Input, Plan, Request, UnitVector};
 ///
@@ -38,7 +41,7 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 ///     back_off_speed: 1_000,
 ///     until: Edge::Made,
 /// })?;
-/// // An axis with 100 counts a tick of way at most, and a wall at 4321.
+/// // An axis that moves at most 100 counts per tick, and a wall at 4321.
 /// let (mut x, mut target, mut step) = (-2_000_i64, -2_000_i64, 0);
 /// let result = loop {
 ///     x += (target - x).clamp(-step, step);
@@ -66,35 +69,35 @@ use crate::{Failure, Input, Measurement, Plan, PlanError, Request, Touch};
 pub struct Cycle {
     plan: Plan,
     state: State,
-    /// The contact the search found; the slow touches are kept as differences to it.
+    /// The contact of the search. Slow touches are stored as differences to it.
     contact: [i64; 3],
-    /// Sum of the slow touches less `contact`.
+    /// Sum of the slow touches, relative to `contact`.
     sum: [i64; 3],
-    /// The slow touches along the direction, from `contact`.
+    /// Slow touches along the direction, relative to `contact`.
     along: Repeatability,
     over_travel: i64,
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 enum State {
-    /// Nothing requested yet.
+    /// No request yet.
     Start,
-    /// To the approach point, from `start`.
+    /// Moves from `start` to the approach point.
     Approach { start: [i64; 3] },
-    /// At probing speed to the end of the search.
+    /// Moves at probing speed to the end of the search.
     Search,
-    /// Beyond the contact latched at `latched`, coming to a stand.
+    /// Brakes beyond the contact latched at `latched`.
     Brake {
         latched: [i64; 3],
         trouble: Option<Failure>,
     },
-    /// Away from the contact.
+    /// Moves away from the contact.
     BackOff,
-    /// Slowly to the contact again.
+    /// Moves slowly to the contact again.
     Touch,
-    /// Coming to a stand before going `to` a safe place and failing.
+    /// Brakes before it moves to the safe position `to` and fails.
     Yield { failure: Failure, to: [i64; 3] },
-    /// To a safe place.
+    /// Moves to a safe position.
     Retreat { failure: Failure },
     /// Over.
     Done(Measurement),
@@ -103,11 +106,10 @@ enum State {
 }
 
 impl Cycle {
-    /// A cycle that carries out `plan`.
+    /// Creates a cycle that carries out `plan`.
     ///
     /// # Errors
-    ///
-    /// [`PlanError`] where the plan cannot be carried out.
+    /// Fails with a [`PlanError`] if the plan cannot be carried out.
     pub const fn new(plan: &Plan) -> Result<Cycle, PlanError> {
         if let Err(error) = plan.check() {
             return Err(error);
@@ -122,7 +124,7 @@ impl Cycle {
         })
     }
 
-    /// Takes what the machine reports and returns what it shall do.
+    /// Takes the state of the machine and returns the request for it.
     pub fn tick(&mut self, input: &Input) -> Request {
         let touching = input.contact == self.plan.until.level();
         match self.state {
@@ -184,14 +186,14 @@ impl Cycle {
         matches!(self.state, State::Done(_) | State::Failed(_))
     }
 
-    /// The plan.
+    /// Returns the plan.
     #[must_use]
     pub const fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Brakes; with a latch that cannot be of this contact it fails then, and backs off from where
-    /// the axes are.
+    /// Brakes. If the latched position cannot belong to this contact, the cycle then backs off from
+    /// the present position and fails.
     fn brake(&mut self, input: &Input) -> Request {
         let is_on_the_way = self.is_on_the_way(input);
         self.state = State::Brake {
@@ -205,20 +207,20 @@ impl Cycle {
         Request::Stop
     }
 
-    /// Whether the contact can have been latched on this search: along the direction not before the
-    /// approach point, not behind the end of the search and not beyond the axes. Axes that follow
-    /// their targets with an error are granted the over-travel.
+    /// Whether the latched position can belong to this search. Along the direction it must not be
+    /// before the approach point, beyond the end of the search, or beyond the axes. The over-travel
+    /// is added as tolerance for axes with a following error.
     fn is_on_the_way(&self, input: &Input) -> bool {
         let along = |from, to| self.plan.direction.length_along(minus(to, from));
-        // Additions of two 32-bit lengths.
+        // Both lengths have 32 bits, so the sums fit.
         let slack = i64::from(self.plan.over_travel);
-        let way = along(self.plan.approach, input.latched);
-        way >= slack.wrapping_neg()
-            && way <= i64::from(self.plan.search).wrapping_add(slack)
+        let distance = along(self.plan.approach, input.latched);
+        distance >= slack.wrapping_neg()
+            && distance <= i64::from(self.plan.search).wrapping_add(slack)
             && along(input.position, input.latched) <= slack
     }
 
-    /// Braking: how far beyond the contact, and is it still there?
+    /// Watches the braking: the distance beyond the contact, and whether the contact is lost.
     fn watch(&mut self, input: &Input, latched: [i64; 3], trouble: Option<Failure>) -> Request {
         let beyond = self
             .plan
@@ -246,7 +248,7 @@ impl Cycle {
         }
     }
 
-    /// Free of the contact, or not to be: touches again, or is done.
+    /// Starts the next touch, or finishes. Called when the back-off is done or not planned.
     fn next_touch(&mut self) -> Request {
         if self.along.readings() < u32::from(self.plan.touches) {
             self.state = State::Touch;
@@ -261,9 +263,9 @@ impl Cycle {
     fn measurement(&self) -> Measurement {
         let touches = i64::from(self.plan.touches);
         let mean = self.sum.map(|sum| {
-            // Half of at most 255 on the same side as the sum: rounds to the nearest.
+            // Half of at most 255, with the sign of the sum, rounds to the nearest.
             let half = (touches >> 1).wrapping_mul(sum.signum());
-            // No touches: the sum is 0 and the contact of the search stands.
+            // Without slow touches the sum is 0, and the contact of the search is the result.
             sum.saturating_add(half).checked_div(touches).unwrap_or(0)
         });
         Measurement {

@@ -1,28 +1,31 @@
-//! One clean edge out of a contact that bounces.
+//! Debounce: one edge for each change of a bouncing contact.
 
-/// What a contact did.
+/// An edge of a contact.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Edge {
-    /// It closed: the stylus touches.
+    /// The contact closed: the stylus touches.
     Made,
-    /// It opened: the stylus is free.
+    /// The contact opened: the stylus is free.
     Broken,
 }
 
 impl Edge {
-    /// The level of the contact after this edge: `true` is closed.
+    /// Returns the level of the contact after this edge. `true` is closed.
     #[must_use]
     pub const fn level(self) -> bool {
         matches!(self, Edge::Made)
     }
 }
 
-/// A level that changes only after so many equal samples in a row.
+/// A debounced level. It changes after a set number of equal samples in a row.
 ///
-/// A run that is cut short by one sample of the old level begins anew, so a disturbance shorter
-/// than the run is never seen. The price is a delay of `samples - 1` samples, the same for every
-/// edge: [`Latch`](crate::Latch) takes it back. One compare and one count a sample.
+/// One sample of the old level restarts the count, so a disturbance shorter than the run has no
+/// effect. The delay is `samples - 1` samples for every edge; [`Latch`](crate::Latch) compensates
+/// it.
+///
+/// # Cost
+/// One comparison and one count per sample.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Debounce {
@@ -32,8 +35,8 @@ pub struct Debounce {
 }
 
 impl Debounce {
-    /// A contact at `level` now, that changes after `samples` equal samples; 0 is taken as 1, which
-    /// passes everything.
+    /// Creates a contact that is at `level` and changes after `samples` equal samples. 0 counts as
+    /// 1, which passes every change.
     #[must_use]
     pub const fn new(samples: u8, level: bool) -> Debounce {
         Debounce {
@@ -43,14 +46,14 @@ impl Debounce {
         }
     }
 
-    /// Takes one sample of the pin, `true` is closed; returns the edge in the sample that completes
-    /// a run.
+    /// Takes one sample of the pin (`true` is closed). Returns the edge in the sample that
+    /// completes a run.
     pub const fn sample(&mut self, closed: bool) -> Option<Edge> {
         if closed == self.level {
             self.run = 0;
             return None;
         }
-        // Below `samples` before, so it fits.
+        // The count was below `samples`, so the sum fits.
         self.run = self.run.saturating_add(1);
         if self.run < self.samples {
             return None;
@@ -60,13 +63,14 @@ impl Debounce {
         Some(if closed { Edge::Made } else { Edge::Broken })
     }
 
-    /// The level now, `true` is closed.
+    /// Returns the current level. `true` is closed.
     #[must_use]
     pub const fn level(&self) -> bool {
         self.level
     }
 
-    /// Samples between an edge of the pin and its report: one less than the run.
+    /// Returns the number of samples between an edge of the pin and its report, one less than the
+    /// run.
     #[must_use]
     pub const fn delay_samples(&self) -> u8 {
         self.samples.saturating_sub(1)
@@ -79,7 +83,7 @@ mod tests {
     use super::*;
     use std::string::String;
 
-    /// `#` is closed, `.` open; the reported edges come out as `M` and `B`.
+    /// `#` is closed and `.` is open. The result shows reported edges as `M` and `B`.
     fn edges(samples: u8, pin: &str) -> String {
         let mut contact = Debounce::new(samples, false);
         pin.chars()
@@ -95,7 +99,7 @@ mod tests {
     fn bounce_gives_one_edge() {
         assert_eq!(
             edges(3, "..#.##.#####.#..."),
-            "         M      B" // noise of one sample is not seen
+            "         M      B" // noise of one sample has no effect
         );
         assert_eq!(edges(1, "..#.##.."), "  MBM B ");
         assert_eq!(edges(0, "..#.##.."), "  MBM B ");

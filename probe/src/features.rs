@@ -1,10 +1,10 @@
-//! Features from points, by least squares of the distances at right angles to the feature.
+//! Features fitted to points, by least squares of the distances perpendicular to the feature.
 //!
-//! Fits are set-up work, far from where the tool goes, so they are made in `f64`: points become
-//! differences to the first one (exact up to 2^53 nm), all sums are about the centroid, and results
-//! are rounded to integers once. Against an exact fit that is well below 1 nm while the points are
-//! within 1 m and determine the feature well. A linear-algebra crate is not worth it here: nothing
-//! is larger than five unknowns, and the crates that are `no_std` can panic.
+//! Fits are set-up work, not part of the tool path, so they use `f64`. Points become differences to
+//! the first point (exact up to 2^53 nm), all sums are about the centroid, and results are rounded
+//! to integers once. The deviation from an exact fit is well below 1 nm if the points are within 1
+//! m and determine the feature well. The crate needs no linear-algebra library: there are at most
+//! five unknowns, and the `no_std` libraries can panic.
 
 mod corner;
 mod line;

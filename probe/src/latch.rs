@@ -1,48 +1,48 @@
-//! Where the axes were when the contact closed.
+//! Latch: the position of the axes at the contact.
 
 use crate::{Debounce, Edge};
 
-/// A reported edge and where the axes were at it.
+/// A reported edge and the position of the axes at it.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Latched<P> {
-    /// What the contact did.
+    /// The edge of the contact.
     pub edge: Edge,
-    /// The position sampled with the first sample of the run that made the edge, less what is
-    /// looked back.
+    /// The position at the first sample of the run that made the edge, or earlier by the look-back.
     pub position: P,
 }
 
-/// A look back that the history does not reach.
+/// Error of a look-back that is longer than the history.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TooFarBack;
 
 impl core::fmt::Display for TooFarBack {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("run of the debounce and look back together are longer than the history")
+        f.write_str("run of the debounce plus look-back is longer than the history")
     }
 }
 
 impl core::error::Error for TooFarBack {}
 
-/// A debounced contact that knows the position at the instant of contact, not at the instant of its
-/// report.
+/// A debounced contact that latches the position at the instant of contact, not at the instant of
+/// its report.
 ///
-/// Every sample stores the position in a ring of `DEPTH`. An edge is reported `samples - 1` samples
-/// after the pin changed, so that many are looked back, and `look_back_samples` more for what lies
-/// in front of the pin: a filter, a bounce on closing, the way of the signal. `P` is any position:
-/// `[i64; 3]` nm, `[i32; 1]` counts.
+/// Each sample stores the position in a ring of `DEPTH` entries. An edge is reported `samples - 1`
+/// samples after the pin changed, so the latch looks back by this number. It looks back by
+/// `look_back_samples` more for delays in front of the pin: a filter, a bounce on closing, the
+/// signal path. `P` is any position: `[i64; 3]` in nm, `[i32; 1]` in counts.
 ///
 /// ```text
 /// pin       . . . # . # # # # #       samples = 3
 /// sample    0 1 2 3 4 5 6 7 8 9
 ///                     ^   ^ reported
-///                     +---- latched; with look_back_samples = 2 sample 3,
-///                           the first touch of the bounce
+///                     +---- latched
 /// ```
 ///
-/// What is left is the way travelled in one sample period.
+/// With `look_back_samples = 2` sample 3 is latched, the first touch of the bounce.
+///
+/// The remaining error is the distance travelled in one sample period.
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Latch<P, const DEPTH: usize> {
@@ -53,11 +53,11 @@ pub struct Latch<P, const DEPTH: usize> {
 }
 
 impl<P: Copy, const DEPTH: usize> Latch<P, DEPTH> {
-    /// A latch behind `contact`, with the axes at `position`.
+    /// Creates a latch on `contact` with the axes at `position`.
     ///
     /// # Errors
-    ///
-    /// [`TooFarBack`] unless the run less one plus `look_back_samples` is below `DEPTH`.
+    /// Fails with [`TooFarBack`] unless the run minus one plus `look_back_samples` is below
+    /// `DEPTH`.
     pub const fn new(
         contact: Debounce,
         look_back_samples: u8,
@@ -76,10 +76,10 @@ impl<P: Copy, const DEPTH: usize> Latch<P, DEPTH> {
         })
     }
 
-    /// Takes one sample of pin and position, taken together; returns the edge in the sample that
+    /// Takes one simultaneous sample of pin and position. Returns the edge in the sample that
     /// completes it.
     pub fn sample(&mut self, closed: bool, position: P) -> Option<Latched<P>> {
-        // `newest < DEPTH` always, so nothing wraps here or below.
+        // `newest < DEPTH` holds always, so nothing wraps here or below.
         let next = self.newest.wrapping_add(1);
         self.newest = if next >= DEPTH { 0 } else { next };
         if let Some(slot) = self.positions.get_mut(self.newest) {
@@ -95,7 +95,7 @@ impl<P: Copy, const DEPTH: usize> Latch<P, DEPTH> {
         Some(Latched { edge, position })
     }
 
-    /// The level of the contact now, `true` is closed.
+    /// Returns the current level of the contact. `true` is closed.
     #[must_use]
     pub const fn level(&self) -> bool {
         self.contact.level()
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Samples at positions 0, 1, 2, ...; the latched ones come out.
+    /// Returns the latched positions for samples at positions 0, 1, 2, ...
     fn latched(samples: u8, look_back: u8, pin: &str) -> Vec<(Edge, i32)> {
         let mut latch = Latch::<[i32; 1], 8>::new(Debounce::new(samples, false), look_back, [-1])
             .expect("within the history");
@@ -128,7 +128,7 @@ mod tests {
             latched(4, 0, "##########################...."),
             [(Edge::Made, 0), (Edge::Broken, 26)]
         );
-        // Before the first sample there is only the position at set-up.
+        // Before the first sample only the position at set-up is stored.
         assert_eq!(latched(1, 7, "#"), [(Edge::Made, -1)]);
     }
 

@@ -1,4 +1,4 @@
-//! Contacts in, measured points and features out: the probe of a measuring machine or a mill.
+//! Touch probe of a measuring machine or a mill: contacts in, measured points and features out.
 //!
 //! ```text
 //!  pin, position ──► Latch (Debounce) ──► edge and the position at it
@@ -12,8 +12,9 @@
 //!        Tip (PreTravel by direction, radius) ──► surface point ──► features
 //! ```
 //!
-//! Positions are plain `[i64; 3]`, in nm where a length is meant and in any unit where it only
-//! passes through. From the pin to the surface point there are integers only.
+//! Positions are plain `[i64; 3]`. They are in nm where the crate needs a length, and in any unit
+//! where it only passes them on. The computation from the pin to the surface point uses integers
+//! only.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -48,7 +49,7 @@ pub use report::{Failure, Input, Measurement, Request, Touch};
 pub use tip::Tip;
 pub use unit_vector::UnitVector;
 
-/// The README's example, as a doctest.
+/// Runs the README's example as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,12 +1,12 @@
-//! What a probing cycle is to do.
+//! Plan of a probing cycle.
 
 use crate::{Edge, UnitVector};
 
-/// One probing cycle: where, how fast, how often.
+/// Plan of one probing cycle: positions, speeds, number of touches.
 ///
-/// Positions and lengths are in nm or counts, whichever the axes use, speeds in the same unit a
-/// second (or in any other unit: they are only handed on in
-/// [`Request::Move`](crate::Request::Move)).
+/// Positions and lengths are in nm or counts, as the axes use them. Speeds are in the same unit per
+/// second, or in any other unit: the cycle only passes them on in
+/// [`Request::Move`](crate::Request::Move).
 ///
 /// ```text
 ///            travel        search, probing speed            over-travel
@@ -17,18 +17,18 @@ use crate::{Edge, UnitVector};
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
-    /// Where the search begins.
+    /// Start of the search.
     pub approach: [i64; 3],
     /// Direction of travel of the search, any direction.
     pub direction: UnitVector,
-    /// How far from `approach` the contact is looked for, up to 2^32 - 1.
+    /// Length of the search from `approach`, up to 2^32 - 1.
     pub search: u32,
-    /// How far beyond a contact the axes may go until they stand.
+    /// Largest distance beyond a contact in which the axes must stop.
     pub over_travel: u32,
-    /// How far before a contact the next touch begins and the cycle ends. 0: the cycle ends where
-    /// the axes stop.
+    /// Distance from a contact at which the next touch begins and the cycle ends. 0: the cycle ends
+    /// where the axes stop.
     pub back_off: u32,
-    /// Slow touches to average; 0: the contact of the search is the result.
+    /// Number of slow touches to average. 0: the contact of the search is the result.
     pub touches: u8,
     /// Speed to `approach`.
     pub travel_speed: u32,
@@ -38,29 +38,28 @@ pub struct Plan {
     pub slow_speed: u32,
     /// Speed of backing off.
     pub back_off_speed: u32,
-    /// The edge looked for: [`Edge::Made`] is a touch, [`Edge::Broken`] (G38.4, G38.5) begins in
+    /// The edge to find. [`Edge::Made`] is a touch. [`Edge::Broken`] (G38.4, G38.5) begins in
     /// contact and ends free of it.
     pub until: Edge,
 }
 
-/// A plan that cannot be carried out.
+/// Error of a plan that cannot be carried out.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
-    /// There is no way to search.
+    /// The search length is 0.
     NoSearch,
-    /// Slow touches, but nothing to back off for them.
+    /// There are slow touches but no back-off distance.
     NoBackOff,
-    /// A speed that is needed is 0.
+    /// A required speed is 0.
     NoSpeed,
 }
 
 impl Plan {
-    /// Whether the plan can be carried out.
+    /// Checks that the plan can be carried out.
     ///
     /// # Errors
-    ///
-    /// [`PlanError`] names the first thing missing.
+    /// Fails with the [`PlanError`] of the first missing value.
     pub const fn check(&self) -> Result<(), PlanError> {
         let is_still = self.travel_speed == 0
             || self.probing_speed == 0
@@ -81,8 +80,8 @@ impl Plan {
 impl core::fmt::Display for PlanError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            PlanError::NoSearch => "no way to search for contact",
-            PlanError::NoBackOff => "slow touches need a way to back off",
+            PlanError::NoSearch => "the search length of the probing cycle is 0",
+            PlanError::NoBackOff => "slow touches need a back-off distance",
             PlanError::NoSpeed => "a speed of the probing cycle is 0",
         })
     }

@@ -1,13 +1,14 @@
-//! For programs that wait with `nb::block!`: a touch.
+//! Probing cycle for programs that wait with `nb::block!`.
 
 use crate::{Cycle, Failure, Input, Measurement, Request};
 
 impl Cycle {
-    /// [`tick`](Cycle::tick), for a loop: what the machine shall do goes to `carry_out`, which is
-    /// not called for [`Request::Wait`].
+    /// Calls [`tick`](Cycle::tick) and passes its request to `carry_out`. Does not call `carry_out`
+    /// for [`Request::Wait`].
     ///
     /// # Errors
-    /// `WouldBlock` until the cycle is over; then what went wrong.
+    /// Returns `WouldBlock` until the cycle is over. Then fails with the [`Failure`] of the cycle,
+    /// if it has one.
     pub fn poll<F: FnOnce(Request)>(
         &mut self,
         input: &Input,

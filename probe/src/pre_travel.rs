@@ -1,29 +1,32 @@
-//! How far the probe travels between touch and signal.
+//! Pre-travel: the distance the probe travels between touch and signal.
 
 use crate::UnitVector;
 
-/// Pre-travel in nm as a table by direction of travel.
+/// Table of the pre-travel in nm by direction of travel.
 ///
 /// A stylus bends before the contact opens, and a tripod of contacts bends more in some directions
-/// than in others; so the way from touch to signal depends on the direction of approach (`ed` of `M
-/// = p - ed d - r n` must be looked up by `d`).
+/// than in others. The distance from touch to signal therefore depends on the direction of
+/// approach: in `M = p - ed d - r n`, `ed` must be looked up by `d`.
 ///
-/// Between its `K` directions the table is interpolated with weights `1 / (chord distance)^4` (D.
-/// Shepard, "A two-dimensional interpolation function for irregularly-spaced data", ACM 1968, on
-/// the unit sphere, with power 4): exact in its own directions, continuous, never outside its
-/// smallest and largest entry, the same whatever the order of the entries. It needs no grid: one
-/// entry serves a probe that is the same all round, five +-X +-Y -Z, twelve a ring.
+/// Between its `K` directions the table is interpolated with weights `1 / (chord distance)^4`. The
+/// result is exact in the directions of the table and continuous. It is never outside the smallest
+/// and largest entry, and it does not depend on the order of the entries. The directions need no
+/// grid: one entry serves a probe that is equal in all directions, five +-X +-Y -Z, twelve a ring.
+///
+/// # Source
+/// D. Shepard, "A two-dimensional interpolation function for irregularly-spaced data", ACM 1968, on
+/// the unit sphere, with power 4.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PreTravel<const K: usize> {
-    /// Behind `used` all the same, so that tables of the same entries are equal.
+    /// Unused entries are all equal, so that tables with the same entries compare equal.
     entries: [(UnitVector, i32); K],
-    /// At most `K`.
+    /// Number of used entries, at most `K`.
     used: usize,
 }
 
 impl PreTravel<1> {
-    /// The same pre-travel in all directions.
+    /// Creates a table with the same pre-travel in all directions.
     #[must_use]
     pub const fn uniform(nm: i32) -> PreTravel<1> {
         PreTravel::new([(UnitVector::X, nm)])
@@ -31,13 +34,14 @@ impl PreTravel<1> {
 }
 
 impl<const K: usize> PreTravel<K> {
-    /// A table of directions of travel and the pre-travel in nm along each.
+    /// Creates a table from directions of travel and the pre-travel in nm along each.
     #[must_use]
     pub const fn new(entries: [(UnitVector, i32); K]) -> PreTravel<K> {
         PreTravel { entries, used: K }
     }
 
-    /// The same of a table whose length is known when it is read; `None` of more than `K` entries.
+    /// Creates a table of a length that is known only at run time. Returns `None` for more than `K`
+    /// entries.
     #[must_use]
     pub fn of(entries: &[(UnitVector, i32)]) -> Option<PreTravel<K>> {
         let mut table = PreTravel {
@@ -52,17 +56,19 @@ impl<const K: usize> PreTravel<K> {
         Some(table)
     }
 
-    /// The entries.
+    /// Returns the entries.
     #[must_use]
     pub fn entries(&self) -> &[(UnitVector, i32)] {
         self.entries.get(..self.used).unwrap_or(&self.entries)
     }
 
-    /// The pre-travel in nm along `direction`; 0 of an empty table.
+    /// Returns the pre-travel in nm along `direction`; 0 for an empty table.
     ///
     /// The weights have 24 bits, so the last digit is right within 1 + 2^-23 of the table's range.
-    /// `K + 1` 64-bit divisions; none where the direction is in the table or all its entries are
-    /// the same.
+    ///
+    /// # Cost
+    /// `K + 1` 64-bit divisions; none if the direction is in the table or all its entries are the
+    /// same.
     #[must_use]
     pub fn along(&self, direction: &UnitVector) -> i32 {
         let mut nearest = u64::MAX;
@@ -84,13 +90,13 @@ impl<const K: usize> PreTravel<K> {
         }
         let (mut weights, mut sum) = (0_u64, 0_u64);
         for (entry, nm) in self.entries() {
-            // nearest <= 2^32, so 2^44 over something not smaller: at most 2^12.
+            // nearest <= 2^32, and the divisor is not smaller, so the ratio is at most 2^12.
             let ratio = (nearest << 12)
                 .checked_div(square_distance(entry, direction))
                 .unwrap_or(0);
             let weight = ratio.wrapping_mul(ratio);
-            // Above the lowest entry all is positive; 2^24 x 2^32 each, so 128 entries fit, more
-            // saturate.
+            // Differences to the lowest entry are not negative. Each product is at most 2^24 x
+            // 2^32, so 128 entries fit; more saturate.
             let above = u64::from(nm.abs_diff(low));
             sum = sum.saturating_add(weight.wrapping_mul(above));
             weights = weights.saturating_add(weight);
@@ -99,19 +105,20 @@ impl<const K: usize> PreTravel<K> {
             .saturating_add(weights >> 1)
             .checked_div(weights)
             .unwrap_or(0);
-        // A mean, so not above high - low.
+        // It is a mean, so it is at most high - low.
         low.saturating_add_unsigned(u32::try_from(above).unwrap_or(u32::MAX))
             .min(high)
     }
 }
 
-/// Two directions that differ by rounding alone: cosines are within 3 x 2^-30, so their squares are
-/// within 6.
+/// Largest square distance of two directions that differ only by rounding. Cosines are within 3 x
+/// 2^-30, so these squares are within 6.
 const SAME: u64 = 8;
 
-/// The square of the chord between two directions, `2 - 2 cos`, in units of 2^-30: 0..=2^32.
+/// Returns the square of the chord between two directions, `2 - 2 cos`, in units of 2^-30:
+/// 0..=2^32.
 fn square_distance(a: &UnitVector, b: &UnitVector) -> u64 {
-    // cosine is within -1..=1.
+    // The cosine is within -1..=1.
     let short = i64::from(1_i32 << 30).wrapping_sub(i64::from(a.cosine(b).to_bits()));
     short.wrapping_mul(2).unsigned_abs()
 }
@@ -131,10 +138,10 @@ mod tests {
         assert_eq!(table.along(&UnitVector::X), 8000);
         assert_eq!(table.along(&minus_x), 4000);
         assert_eq!(table.along(&UnitVector::Y), 6000);
-        // As far from each of the three.
+        // Equally far from each of the three.
         assert_eq!(table.along(&UnitVector::Z), 6000);
-        // Halfway between two, 1/34 of the weight on the third: (8000 + 6000 + 4000 / 34) / (2 + 1
-        // / 34).
+        // Halfway between two directions, with 1/34 of their weight on the third: (8000 + 6000 +
+        // 4000 / 34) / (2 + 1 / 34).
         let between = UnitVector::new([1, 1, 0]).unwrap();
         assert_eq!(table.along(&between), 6957);
         assert_eq!(PreTravel::uniform(-7).along(&between), -7);

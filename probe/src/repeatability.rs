@@ -1,11 +1,14 @@
-//! How well the same touch gives the same number.
+//! Repeatability of readings.
 
-/// Statistics of repeated readings, kept as exact integer sums.
+/// Statistics of repeated readings, stored as exact integer sums.
 ///
-/// Readings in nm or counts; they are kept as differences from the first, which must be within
-/// +-2^30 (farther ones count as that). Any number of readings up to 2^32 - 1; later ones are not
-/// taken. A few additions and one multiplication each.
+/// Readings are in nm or counts, up to 2^32 - 1 of them; later readings are ignored. They are
+/// stored as differences from the first reading, limited to +-2^30.
 ///
+/// # Cost
+/// A few additions and one multiplication per reading.
+///
+/// # Examples
 /// ```
 /// use husillo_probe::Repeatability;
 ///
@@ -26,7 +29,7 @@ pub struct Repeatability {
 }
 
 impl Repeatability {
-    /// Nothing read yet.
+    /// Creates statistics without readings.
     #[must_use]
     pub const fn new() -> Repeatability {
         Repeatability {
@@ -39,7 +42,7 @@ impl Repeatability {
         }
     }
 
-    /// Takes one reading.
+    /// Adds one reading.
     pub fn push(&mut self, reading: i64) {
         let Some(readings) = self.readings.checked_add(1) else {
             return;
@@ -48,7 +51,8 @@ impl Repeatability {
             self.first = reading;
         }
         self.readings = readings;
-        // At most 2^30 each, below 2^32 readings: the sum is below 2^62 and the squares below 2^92.
+        // Each difference is at most 2^30, and there are fewer than 2^32 readings. The sum is below
+        // 2^62, and the sum of squares below 2^92.
         let difference = reading
             .saturating_sub(self.first)
             .clamp(-(1 << 30), 1 << 30);
@@ -61,14 +65,14 @@ impl Repeatability {
         self.most = self.most.max(difference);
     }
 
-    /// How many readings were taken.
+    /// Returns the number of readings.
     #[must_use]
     pub const fn readings(&self) -> u32 {
         self.readings
     }
 
-    /// The mean to the nearest, halves away from zero of the difference to the first; `None`
-    /// without a reading.
+    /// Returns the mean, rounded to the nearest; halves of the difference to the first reading are
+    /// rounded away from zero. Returns `None` without a reading.
     #[must_use]
     pub fn mean(&self) -> Option<i64> {
         let readings = u64::from(self.readings);
@@ -86,14 +90,14 @@ impl Repeatability {
         })
     }
 
-    /// The largest reading less the smallest; `None` without a reading.
+    /// Returns the largest reading minus the smallest. Returns `None` without a reading.
     #[must_use]
     pub fn range(&self) -> Option<i64> {
-        // Both within +-2^30.
+        // Both are within +-2^30.
         (self.readings > 0).then(|| self.most.wrapping_sub(self.least))
     }
 
-    /// The farthest reading from the mean, without sign; `None` without a reading.
+    /// Returns the largest unsigned deviation from the mean. Returns `None` without a reading.
     #[must_use]
     pub fn largest_deviation(&self) -> Option<u64> {
         let mean = self.mean()?;
@@ -101,22 +105,25 @@ impl Repeatability {
         ends.into_iter().max()
     }
 
-    /// The standard deviation of the sample, with `n - 1`, to the nearest; `None` below two
-    /// readings.
+    /// Returns the standard deviation of the sample, with `n - 1`, rounded to the nearest. Returns
+    /// `None` for fewer than two readings.
     ///
-    /// The variance is exact, then truncated to a quarter; one 128-bit division.
+    /// The variance is exact, then truncated to a quarter.
+    ///
+    /// # Cost
+    /// One 128-bit division.
     #[must_use]
     pub fn standard_deviation(&self) -> Option<u64> {
         let readings = u128::from(self.readings);
-        // n sum d^2 - (sum d)^2 is not negative (Cauchy); n < 2^32 and sum d^2 < 2^92, so four of
-        // it stay below 2^126.
+        // n sum d^2 - (sum d)^2 is not negative (Cauchy). With n < 2^32 and sum d^2 < 2^92, four
+        // times it is below 2^126.
         let sum = u128::from(self.sum.unsigned_abs());
         let numerator = readings
             .wrapping_mul(self.squares)
             .wrapping_sub(sum.wrapping_mul(sum));
         let pairs = readings.wrapping_mul(readings.checked_sub(1)?);
-        // A standard deviation is at most the range / sqrt(2), so this is at most 2^63. The root of
-        // four times it, halved, rounds.
+        // A standard deviation is at most the range / sqrt(2), so four times the variance is at
+        // most 2^63. Half of its root, rounded, is the nearest integer.
         let twice = numerator.wrapping_mul(4).checked_div(pairs)?;
         let twice = u64::try_from(twice).unwrap_or(u64::MAX).isqrt();
         Some(twice.wrapping_add(1) >> 1)

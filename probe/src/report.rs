@@ -1,44 +1,44 @@
-//! What goes in and out of a probing cycle.
+//! Inputs and outputs of a probing cycle.
 
 use crate::UnitVector;
 
-/// What the machine tells the cycle each tick.
+/// The state of the machine in one tick.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input {
-    /// Where the axes are.
+    /// Position of the axes.
     pub position: [i64; 3],
-    /// The debounced contact, `true` is closed.
+    /// The debounced contact. `true` is closed.
     pub contact: bool,
-    /// Where the axes were at the last change of `contact`
-    /// ([`Latched::position`](crate::Latched::position), or what the axis controller captured).
-    /// Read only in the tick in which the cycle sees the change; without a latch, give `position`.
-    /// What is more than the over-travel off the way of the search is refused as
-    /// [`Failure::NotLatched`].
+    /// Position of the axes at the last change of `contact`
+    /// ([`Latched::position`](crate::Latched::position), or the capture of the axis controller).
+    /// The cycle reads it only in the tick in which it sees the change. Without a latch, pass
+    /// `position`. A latched position that is off the search by more than the over-travel fails
+    /// with [`Failure::NotLatched`].
     pub latched: [i64; 3],
-    /// The last request is carried out: the axes stand at the target, or they have stopped. It must
-    /// be `false` from the answer with a [`Request::Move`] or [`Request::Stop`] until that is so.
+    /// Whether the last request is carried out: the axes stand at the target or have stopped. It
+    /// must be `false` from the answer with a [`Request::Move`] or [`Request::Stop`] until then.
     pub still: bool,
 }
 
-/// What the cycle wants of the machine.
+/// A request of the cycle to the machine.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
-    /// Begin to move in a straight line to `target`, in place of what was requested before.
+    /// Start a straight move to `target`. It replaces the previous request.
     Move {
-        /// Where to.
+        /// The target.
         target: [i64; 3],
-        /// How fast, in the plan's unit.
+        /// The speed, in the unit of the plan.
         speed: u32,
     },
-    /// Brake at the machine's own rate.
+    /// Brake at the deceleration of the machine.
     Stop,
-    /// Carry on with the last request.
+    /// Continue with the last request.
     Wait,
-    /// The cycle is over and has a result. Said again each tick.
+    /// The cycle is over and has a result. Repeated in each tick.
     Done(Measurement),
-    /// The cycle is over without a result, the axes stand. Said again each tick.
+    /// The cycle is over without a result, and the axes stand. Repeated in each tick.
     Failed(Failure),
 }
 
@@ -46,47 +46,47 @@ pub enum Request {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurement {
-    /// The latched position, mean of the slow touches, each coordinate to the nearest; not
-    /// compensated.
+    /// The latched position, not compensated: mean of the slow touches, each coordinate rounded to
+    /// the nearest.
     pub touch: Touch,
-    /// How many touches went into it.
+    /// Number of touches in the mean.
     pub touches: u8,
-    /// The farthest touch less the nearest along the direction of travel.
+    /// Difference between the farthest and the nearest touch along the direction of travel.
     pub spread: i64,
-    /// The longest way from a contact, along the direction of travel, that was seen.
+    /// Largest distance beyond a contact, along the direction of travel.
     pub over_travel: i64,
 }
 
-/// A latched position and how the probe came there: what compensation and calibration want to know.
+/// A latched position and its direction of travel: the input of compensation and calibration.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Touch {
-    /// Where the axes were at the instant of contact.
+    /// Position of the axes at the instant of contact.
     pub position: [i64; 3],
     /// The direction of travel.
     pub direction: UnitVector,
 }
 
-/// Why a probing cycle has no result.
+/// Failure of a probing cycle.
 ///
-/// After each of them but [`ContactAtStart`](Failure::ContactAtStart) the probe has backed off
-/// where the plan has it.
+/// After every failure except [`ContactAtStart`](Failure::ContactAtStart) the probe has backed off,
+/// if the plan has a back-off distance.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
-    /// In contact before the cycle has moved (or not in contact, when the plan looks for the end of
-    /// one).
+    /// In contact before the first move, or not in contact if the plan looks for the end of a
+    /// contact.
     ContactAtStart,
-    /// Contact on the way to the approach point: something is in the way.
+    /// Contact on the move to the approach point: an obstacle.
     ContactInApproach,
     /// No contact within the search.
     NoContact,
-    /// The contact was made, but what was latched is not on the way of the search: it is of another
+    /// The contact was made, but the latched position is not on the search. It belongs to another
     /// contact.
     NotLatched,
-    /// The contact broke before the axes stood, or a slow touch did not find it again.
+    /// The contact broke before the axes stood still, or a slow touch did not find it again.
     LostContact,
-    /// The axes went farther beyond the contact than the plan allows.
+    /// The axes moved farther beyond the contact than the plan allows.
     OverTravel,
     /// Still in contact after backing off.
     StuckContact,

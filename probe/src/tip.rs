@@ -1,17 +1,18 @@
-//! From where the probe was to where the work piece is.
+//! Compensation: from the latched position to the surface point.
 
 use crate::unit_vector::{minus, plus};
 use crate::{PreTravel, UnitVector};
 
-/// What is known of a probe: the radius of its tip and its pre-travel.
+/// The properties of a probe: tip radius and pre-travel.
 ///
 /// `M = p - ed d - r n`: measured point, latched position of the ball's centre, pre-travel along
 /// the direction of travel `d`, radius along the outward normal `n` of the surface. (Equation 1.6
 /// of the one-axis original is the case `d = -x`, `n = +x`.) Both signs follow from the two
 /// directions, so oblique approaches need nothing more.
 ///
-/// Integers only; what it adds to the error of the position is below 1 nm.
+/// The compensation uses integers only and adds less than 1 nm to the error of the position.
 ///
+/// # Examples
 /// ```
 /// use husillo_probe::{PreTravel, Tip, UnitVector};
 ///
@@ -30,11 +31,12 @@ pub struct Tip<const K: usize> {
 }
 
 impl<const K: usize> Tip<K> {
-    /// The point of contact, in nm: the latched `position_nm` of an approach along `travel`, on a
-    /// surface whose outward normal is `normal`.
+    /// Returns the point of contact, in nm, for the latched `position_nm` of an approach along
+    /// `travel`. `normal` is the outward normal of the surface.
     ///
-    /// Rounded twice, at most 1 nm from exact in each axis. Where the normal is not known, feature
-    /// fits take [`centre_nm`](Tip::centre_nm) instead and correct the feature by the radius.
+    /// The result is rounded twice and is at most 1 nm from exact in each axis. If the normal is
+    /// not known, fit features to [`centre_nm`](Tip::centre_nm) and correct the feature by the
+    /// radius.
     #[must_use]
     pub fn surface_nm(
         &self,
@@ -48,8 +50,8 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// The centre of the ball at the instant of contact, in nm: the latched position less the
-    /// pre-travel.
+    /// Returns the centre of the ball at the instant of contact, in nm: the latched position minus
+    /// the pre-travel.
     #[must_use]
     pub fn centre_nm(&self, position_nm: [i64; 3], travel: &UnitVector) -> [i64; 3] {
         minus(
@@ -58,7 +60,7 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// The latched position that a surface point would give, in nm: the inverse of
+    /// Returns the latched position for a surface point, in nm. This is the inverse of
     /// [`surface_nm`](Tip::surface_nm), for targets and for simulation.
     #[must_use]
     pub fn position_nm(
@@ -74,18 +76,20 @@ impl<const K: usize> Tip<K> {
         )
     }
 
-    /// How far before the surface a point is reported, along `travel`, when the normal is taken as
-    /// opposite to the travel, in nm: the cosine error `r (1 / cos a - 1)`. The work piece seems
-    /// larger by it. `None` where the travel does not go into the surface.
+    /// Returns the cosine error in nm, `r (1 / cos a - 1)`. It is the distance along `travel`
+    /// between the reported point and the surface if the normal is assumed opposite to the travel.
+    /// The work piece seems larger by it. Returns `None` if the travel does not go into the
+    /// surface.
     ///
-    /// 0.0038 r at 5 degrees, 0.0154 r at 10, 0.155 r at 30.
+    /// It is 0.0038 r at 5 degrees, 0.0154 r at 10, 0.155 r at 30.
     #[must_use]
     pub fn cosine_error_nm(&self, travel: &UnitVector, normal: &UnitVector) -> Option<i64> {
         let cosine = i64::from(travel.reversed().cosine(normal).to_bits());
         if cosine <= 0 {
             return None;
         }
-        // 2^31 x 2^30 at most, and half of a divisor of 2^30; halves away from zero in magnitude.
+        // The product is at most 2^31 x 2^30, plus half of a divisor of 2^30. The magnitude is
+        // rounded, halves away from zero.
         let short = i64::from(1_i32 << 30).wrapping_sub(cosine);
         let error = u64::from(self.radius_nm.unsigned_abs())
             .wrapping_mul(short.unsigned_abs())

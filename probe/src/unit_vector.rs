@@ -4,9 +4,9 @@ use fixed::types::I2F30;
 
 /// A vector of length 1: a direction of travel or a normal.
 ///
-/// Each component is within 0.63 x 2^-30 (5.9e-10) of the true one when made of integers below 2^31
-/// in magnitude, and within 2 x 2^-30 for larger ones. Over a tip radius of 10 mm that is less than
-/// 0.01 nm, over 1 m it is 0.6 nm.
+/// Each component of a vector made of integers below 2^31 in magnitude is within 0.63 x 2^-30
+/// (5.9e-10) of the true one; of larger integers it is within 2 x 2^-30. Over a tip radius of 10 mm
+/// that is less than 0.01 nm, over 1 m it is 0.6 nm.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct UnitVector(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] [I2F30; 3]);
@@ -22,16 +22,18 @@ impl UnitVector {
     /// Along +Z.
     pub const Z: UnitVector = UnitVector([ZERO, ZERO, ONE]);
 
-    /// The direction of `vector`, of any length and unit; `None` for the zero vector.
+    /// Returns the direction of `vector`, which has any length and unit. Returns `None` for the
+    /// zero vector.
     ///
-    /// One 64-bit root and four 64-bit divisions: once a touch, not a tick.
+    /// # Cost
+    /// One 64-bit root and four 64-bit divisions: for use once per touch, not in each tick.
     #[must_use]
     pub fn new(vector: [i64; 3]) -> Option<UnitVector> {
         let [x, y, z] = vector.map(i64::unsigned_abs);
         let bits = (x | y | z).checked_ilog2()?.wrapping_add(1);
-        // The largest magnitude m comes into 2^30 ..= 2^31.
+        // Scales the largest magnitude m to 2^30 ..= 2^31.
         let scaled = [x, y, z].map(|component| match bits.checked_sub(31) {
-            // Rounded: half of the last bit lost is added; below 2^31 is left, so + 1 fits.
+            // Adds half of the last lost bit to round. The result is below 2^31, so + 1 fits.
             Some(over @ 1..) => {
                 let half = component.wrapping_shr(over.wrapping_sub(1)) & 1;
                 component.wrapping_shr(over).wrapping_add(half)
@@ -42,10 +44,11 @@ impl UnitVector {
         let square = scaled
             .iter()
             .fold(0_u64, |sum, m| sum.wrapping_add(m.wrapping_mul(*m)));
-        // In 2^30 .. 2^31.8, so it is no zero divisor; the rest is at most 2 roots.
+        // The root is in 2^30 .. 2^31.8, so the divisor is not zero. The remainder is at most 2
+        // roots.
         let root = square.isqrt();
         let rest = square.wrapping_sub(root.wrapping_mul(root));
-        // Length with two more bits: root + rest / 2 root, less at most 1 / 2 root.
+        // Length with two more bits: root + remainder / 2 root, minus at most 1 / 2 root.
         let fraction = (rest.wrapping_shl(1))
             .wrapping_add(root >> 1)
             .checked_div(root)?;
@@ -71,13 +74,13 @@ impl UnitVector {
         ]))
     }
 
-    /// The components.
+    /// Returns the components.
     #[must_use]
     pub const fn components(&self) -> [I2F30; 3] {
         self.0
     }
 
-    /// The opposite direction.
+    /// Returns the opposite direction.
     #[must_use]
     pub fn reversed(&self) -> UnitVector {
         UnitVector(
@@ -86,10 +89,10 @@ impl UnitVector {
         )
     }
 
-    /// The cosine of the angle to `other`, within 3 x 2^-30, and never outside -1..=1.
+    /// Returns the cosine of the angle to `other`, within 3 x 2^-30 and never outside -1..=1.
     #[must_use]
     pub fn cosine(&self, other: &UnitVector) -> I2F30 {
-        // Three products below 2^60.
+        // The three products are below 2^60.
         let dot = self.0.iter().zip(&other.0).fold(0_i64, |sum, (a, b)| {
             sum.wrapping_add(i64::from(a.to_bits()).wrapping_mul(i64::from(b.to_bits())))
         });
@@ -97,8 +100,8 @@ impl UnitVector {
         I2F30::from_bits(round_30(dot).clamp(one.wrapping_neg(), one) as i32)
     }
 
-    /// `length` along this direction, each component to the nearest, halves away from zero; lengths
-    /// beyond +-2^32 count as 2^32.
+    /// Returns the vector of `length` along this direction, each component rounded to the nearest,
+    /// halves away from zero. Lengths beyond +-2^32 count as 2^32.
     #[must_use]
     pub fn scaled(&self, length: i64) -> [i64; 3] {
         let length = length.clamp(-(1 << 32), 1 << 32);
@@ -107,33 +110,34 @@ impl UnitVector {
             .map(|component| round_30(length.wrapping_mul(i64::from(component.to_bits()))))
     }
 
-    /// The length of `vector`'s projection on this direction, to the nearest; components beyond
-    /// +-2^31 count as 2^31.
+    /// Returns the length of the projection of `vector` on this direction, rounded to the nearest.
+    /// Components beyond +-2^31 count as 2^31.
     #[must_use]
     pub fn length_along(&self, vector: [i64; 3]) -> i64 {
-        // Three products of at most 2^61.
+        // The three products are at most 2^61.
         round_30(self.0.iter().zip(vector).fold(0_i64, |sum, (a, b)| {
             let b = b.clamp(-(1 << 31), 1 << 31);
             sum.wrapping_add(i64::from(a.to_bits()).wrapping_mul(b))
         }))
     }
 
-    /// The components as floats, exactly.
+    /// Returns the components as floats, exactly.
     pub(crate) fn to_floats(self) -> [f64; 3] {
         self.0
             .map(|component| f64::from(component.to_bits()) * (1.0 / 1_073_741_824.0))
     }
 
-    /// The direction of a float vector of length about 1, to 2^-30 a component.
+    /// Returns the direction of a float vector of length about 1, to 2^-30 per component.
     pub(crate) fn from_floats(vector: [f64; 3]) -> Option<UnitVector> {
-        // Casts saturate; 2^31 is as fine as `new` looks.
+        // Casts saturate. `new` resolves no more than 2^31.
         UnitVector::new(vector.map(|component| libm::round(component * 2_147_483_648.0) as i64))
     }
 }
 
-/// `value / 2^30` to the nearest, halves away from zero. `|value|` up to 2^63 - 2^29.
+/// Returns `value / 2^30` rounded to the nearest, halves away from zero. `|value|` is at most 2^63
+/// - 2^29.
 pub(crate) const fn round_30(value: i64) -> i64 {
-    // Below 2^63 + 2^29: no wrap in u64; the quotient is below 2^34.
+    // The sum is below 2^63 + 2^29, so it does not wrap in u64. The quotient is below 2^34.
     let magnitude = value.unsigned_abs().wrapping_add(1 << 29) >> 30;
     let magnitude = magnitude.cast_signed();
     if value < 0 {
@@ -143,7 +147,7 @@ pub(crate) const fn round_30(value: i64) -> i64 {
     }
 }
 
-/// The sum of two vectors, at the ends of `i64` where it does not fit.
+/// Returns the sum of two vectors, saturating at the ends of `i64`.
 pub(crate) fn plus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     let ([ax, ay, az], [bx, by, bz]) = (a, b);
     [
@@ -153,7 +157,7 @@ pub(crate) fn plus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     ]
 }
 
-/// The way from `b` to `a`, at the ends of `i64` where it does not fit.
+/// Returns the vector from `b` to `a`, saturating at the ends of `i64`.
 pub(crate) fn minus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     let ([ax, ay, az], [bx, by, bz]) = (a, b);
     [

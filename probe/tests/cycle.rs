@@ -1,11 +1,11 @@
-//! Probing cycles on an axis that brakes, touch by touch.
+//! Tests of probing cycles on an axis that brakes.
 
 use husillo_probe::{
     Cycle, Debounce, Edge, Failure, Input, Latch, Measurement, Plan, PlanError, Request, UnitVector,
 };
 
-/// Carries out requests in three axes with a limit of acceleration, one tick after the other, and
-/// has a solid in the way.
+/// Carries out requests in three axes with limited acceleration, tick by tick, with a solid in the
+/// path.
 struct Rig {
     position: [f64; 3],
     speed: f64,
@@ -49,7 +49,7 @@ impl Rig {
         self.speed = if self.stopping {
             (self.speed - self.acceleration).max(0.0)
         } else {
-            // Never faster than it can brake on what is left.
+            // Limits the speed so that the axis can brake within the remaining distance.
             (self.speed + self.acceleration)
                 .min(self.limit)
                 .min((2.0 * self.acceleration * left).sqrt())
@@ -129,12 +129,12 @@ fn search_touch_and_retouch() {
     let mut rig = Rig::new(wall(20_000.0));
     let result = rig.run(&PLAN).unwrap();
     assert_eq!(rig.said, "200 50 stop 40 2 stop 40 2 stop 40 2 stop 40 ");
-    // One tick at the slow speed is what a latch cannot see.
+    // The latch resolves the distance of one tick at the slow speed.
     let x = result.touch.position[0];
     assert!((20_000..=20_002).contains(&x), "{x}");
     assert!(result.spread <= 2);
     assert_eq!(result.touches, 3);
-    // The search brakes from 50 at 1 a tick, and begins to when the debounce has counted.
+    // The search brakes from 50 at 1 per tick. It starts to brake when the debounce has counted.
     assert!(
         (1_250..1_500).contains(&result.over_travel),
         "{}",
@@ -210,11 +210,11 @@ fn failures_are_named_and_the_probe_backs_off() {
     assert_eq!(rig.run(&PLAN), Err(Failure::NoContact));
     assert_eq!(rig.position[0], 101_000.0 - 3_000.0);
 
-    // A thin wall: through it before the axis stands.
+    // A thin wall: the probe is through it before the axis stands.
     let mut rig = Rig::new(|[x, ..]| (20_000.0..20_900.0).contains(&x));
     assert_eq!(rig.run(&PLAN), Err(Failure::LostContact));
 
-    // Gone after the search.
+    // The contact is gone after the search.
     let gone = std::cell::Cell::new(false);
     let mut rig = Rig::new(move |[x, ..]| {
         if x > 21_000.0 {
@@ -230,7 +230,7 @@ fn failures_are_named_and_the_probe_backs_off() {
     assert_eq!(rig.run(&plan), Err(Failure::OverTravel));
     assert!(rig.position[0] < 20_000.0);
 
-    // A work piece that gives way: the slow touch looks as far as over-travel is allowed.
+    // A work piece that yields: the slow touch searches as far as the over-travel allows.
     let fast = std::cell::Cell::new(true);
     let mut rig = Rig::new(move |[x, ..]| {
         let closed = x >= if fast.get() { 20_000.0 } else { 30_000.0 };
@@ -253,8 +253,8 @@ fn failures_are_named_and_the_probe_backs_off() {
     assert_eq!(rig.run(&PLAN), Err(Failure::StuckContact));
 }
 
-/// A latch of an earlier contact, before the search, behind its end or beyond the axes, is none of
-/// this one.
+/// A latched position before the search, beyond its end or beyond the axes belongs to an earlier
+/// contact and is refused.
 #[test]
 fn a_latch_off_the_way_is_refused() {
     let input = |x, contact, latched| Input {
@@ -279,7 +279,8 @@ fn a_latch_off_the_way_is_refused() {
         };
         let end = cycle.tick(&input(target[0], false, latched));
         match wanted {
-            // From where it is: what was latched is nowhere to back off from.
+            // The probe backs off from its present position, because the latched position is not
+            // usable.
             Some(failure) => {
                 assert_eq!(target[0], 17_000);
                 assert_eq!(end, Request::Failed(failure));
@@ -287,7 +288,7 @@ fn a_latch_off_the_way_is_refused() {
             None => assert_ne!(end, Request::Failed(Failure::NotLatched), "{latched}"),
         }
     }
-    // In a slow touch, too.
+    // The same holds in a slow touch.
     let mut cycle = Cycle::new(&PLAN).unwrap();
     cycle.tick(&input(0, false, 0));
     cycle.tick(&input(1_000, false, 0));

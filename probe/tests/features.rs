@@ -1,4 +1,4 @@
-//! Features of points that are known to lie on them.
+//! Tests of features on points with known positions.
 
 use husillo_probe::{Circle, FitError, Line, Middle, Plane, Sphere, UnitVector, corner_nm};
 
@@ -10,7 +10,7 @@ fn up() -> UnitVector {
 
 #[test]
 fn plane_of_a_tilted_face() {
-    // z = 0.2 x - 0.1 y + 7 mm, far from the origin, with 30 um off in one of five points.
+    // z = 0.2 x - 0.1 y + 7 mm, far from the origin, with one of five points off by 30 um.
     let at = |x: i64, y: i64| [x + 400 * MM, y - 300 * MM, x / 5 - y / 10 + 7 * MM];
     let corners = [(0, 0), (50, 0), (50, 40), (0, 40)].map(|(x, y)| at(x * MM, y * MM));
     let plane = Plane::fit(corners, &up()).unwrap();
@@ -18,7 +18,7 @@ fn plane_of_a_tilted_face() {
     assert!((plane.normal.cosine(&normal).to_num::<f64>() - 1.0).abs() < 3e-9);
     assert_eq!(plane.residuals.form_nm, 0);
     assert_eq!(plane.distance_nm(at(123 * MM, -77 * MM)), 0);
-    // 1.025 of height a unit of distance.
+    // A unit of distance is 1.025 units of height.
     assert_eq!(
         plane.distance_nm([plane.point_nm[0], plane.point_nm[1], plane.point_nm[2] + MM]),
         975_900
@@ -34,7 +34,8 @@ fn plane_of_a_tilted_face() {
     let mut middle = at(25 * MM, 20 * MM);
     (0..3).for_each(|axis| middle[axis] += [-10_000, 5_000, 50_000][axis]);
     let five = Plane::fit(corners.into_iter().chain([middle]), &up()).unwrap();
-    // 51235 nm along the normal: by symmetry the plane moves up by a fifth of it.
+    // The point is off by 51235 nm along the normal. By symmetry the plane moves up by a fifth of
+    // it.
     assert_eq!(
         (
             five.residuals.points,
@@ -106,8 +107,8 @@ fn web_and_pocket() {
 
 #[test]
 fn bore_and_boss() {
-    // Pythagorean points of a circle of 65 mm, exact in nm, seen by a ball of 1 mm from inside:
-    // radius 64.
+    // Pythagorean points of a circle with a radius of 65 mm, exact in nm. As centres of a ball of 1
+    // mm they give a bore with a radius of 66 mm.
     let points = [(63, 16), (-63, 16), (16, -63), (-52, -39), (33, 56)]
         .map(|(x, y)| [500 * MM + x * MM, -200 * MM + y * MM, (x - y) * 1000]);
     let circle = Circle::fit(points, &up()).unwrap();
@@ -116,7 +117,7 @@ fn bore_and_boss() {
     assert_eq!(circle.grown_nm(MM).radius_nm, 66 * MM);
     assert_eq!(circle.distance_nm([500 * MM, -199 * MM, 7]), -64 * MM);
 
-    // Oblique: the same points turned, its axis found by a plane.
+    // Oblique: the same points in a turned plane. A fitted plane gives the axis.
     let axis = [2, 3, 6];
     let (u, v) = ([3, -6, 2], [6, 2, -3]); // at right angles, all of length 7
     let turned = points.map(|[x, y, _]| {

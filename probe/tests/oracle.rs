@@ -1,11 +1,11 @@
-//! The exact cases of compensation, and the table of the cosine error.
+//! Tests against the exact cases of compensation and the table of the cosine error.
 
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use serde_json::Value;
 
-/// Units a millimetre. A multiple of every denominator of the cases, so that positions and results
-/// are whole numbers, and coarse enough for the errors of the unit vectors (42e6 x 0.63 x 2^-30) to
-/// stay below half a unit.
+/// Units per millimetre. The number is a multiple of every denominator of the cases, so positions
+/// and results are integers. It is coarse enough that the errors of the unit vectors (42e6 x 0.63 x
+/// 2^-30) stay below half a unit.
 const SCALE: i64 = 21_000_000;
 
 fn oracle() -> Value {
@@ -30,7 +30,7 @@ fn point(value: &Value) -> [i64; 3] {
 }
 
 fn direction(value: &Value) -> UnitVector {
-    // Over the common denominator, so that the direction is exact before it is normalised.
+    // Uses the common denominator, so that the direction is exact before it is normalised.
     UnitVector::new(point(value)).unwrap()
 }
 
@@ -78,12 +78,12 @@ fn cosine_error_is_the_tables() {
         };
         let normal = UnitVector::new(normal).unwrap();
         let error = tip.cosine_error_nm(&UnitVector::X, &normal).unwrap();
-        // The table has eight decimals: a unit of them is a nanometre here.
+        // The table has eight decimals. Their unit is a nanometre here.
         let table = row["err_over_r"].as_f64().unwrap() * f64::from(radius_nm);
         assert!((error as f64 - table).abs() <= 1.0, "{row}: {error}");
-        // It is what compensation with the wrong normal falls short of the true surface along the
-        // travel: the point lies outside the work piece, which seems larger. (The note in the
-        // vectors has it "too far along d"; its numbers are right.)
+        // The cosine error is the distance along the travel between the true surface and the result
+        // of compensation with the wrong normal. The point lies outside the work piece, which seems
+        // larger. (The note in the vectors says "too far along d"; its numbers are right.)
         let naive = tip.surface_nm([0; 3], &UnitVector::X, &UnitVector::X.reversed());
         let surface = tip.surface_nm([0; 3], &UnitVector::X, &normal);
         let above: f64 = (0..3)

@@ -1,4 +1,4 @@
-//! A touch that is waited for with `nb::block!`.
+//! Test of a touch that waits with `nb::block!`.
 #![cfg(feature = "nb")]
 
 use husillo_probe::{Cycle, Edge, Failure, Input, Plan, Request, UnitVector};

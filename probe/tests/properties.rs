@@ -1,4 +1,4 @@
-//! What holds for every contact, direction, axis and point.
+//! Properties for every contact, direction, axis and point.
 
 use husillo_probe::{
     Circle, Cycle, Debounce, Edge, Failure, Input, Latch, Plan, Plane, PreTravel, Repeatability,
@@ -14,13 +14,13 @@ fn direction() -> impl Strategy<Value = UnitVector> {
     vector(1 << 31).prop_filter_map("zero", UnitVector::new)
 }
 
-/// The components of a direction in 2^-30.
+/// Components of a direction in 2^-30.
 fn bits(direction: &UnitVector) -> [f64; 3] {
     direction.components().map(|c| f64::from(c.to_bits()))
 }
 
 proptest! {
-    /// Edges alternate, and each comes with a run of equal samples, never without.
+    /// Edges alternate. An edge is reported exactly where a run of equal samples is complete.
     #[test]
     fn debounce_reports_runs(
         samples in 1_u8..9,
@@ -40,7 +40,7 @@ proptest! {
         }
     }
 
-    /// The latched position is that of the first sample of the run, less the look back, for every
+    /// The latched position is that of the first sample of the run, minus the look-back, for every
     /// debounce that fits.
     #[test]
     fn latch_looks_back(
@@ -61,8 +61,8 @@ proptest! {
         }
     }
 
-    /// Components are within the bound stated: 0.63 x 2^-30 of integers below 2^31, 2 x 2^-30 of
-    /// any.
+    /// Components are within the documented bound: 0.63 x 2^-30 for integers below 2^31, 2 x 2^-30
+    /// for any.
     #[test]
     fn unit_vectors_keep_their_bound(
         v in vector(1 << 31),
@@ -84,7 +84,7 @@ proptest! {
         }
     }
 
-    /// Compensation is within 1 nm of M = p - ed d - r n, and the way back leads to the same
+    /// Compensation is within 1 nm of M = p - ed d - r n, and its inverse returns the same
     /// position.
     #[test]
     fn compensation_is_the_formula(
@@ -103,8 +103,8 @@ proptest! {
         prop_assert_eq!(tip.position_nm(surface, &d, &n), p);
     }
 
-    /// An interpolated pre-travel is its entry in each of its directions and between the extremes
-    /// in all others.
+    /// An interpolated pre-travel equals the entry in each direction of the table and is between
+    /// the extremes in all other directions.
     #[test]
     fn pre_travel_is_within_its_table(
         entries in proptest::array::uniform6((vector(1000), any::<i32>())), d in direction(),
@@ -122,7 +122,7 @@ proptest! {
         );
         prop_assert!((low..=high).contains(&pre_travel.along(&d)));
         for (direction, _) in &table {
-            // The first of directions that are the same within rounding.
+            // Takes the first of directions that are equal within rounding.
             let first = table.iter().find(
                 |(other, _)| other.cosine(direction).to_bits() >= (1 << 30) - 4
             );
@@ -133,7 +133,7 @@ proptest! {
         prop_assert_eq!(PreTravel::new(turned).along(&d), pre_travel.along(&d));
     }
 
-    /// Statistics are those of the definition, wherever the readings lie.
+    /// Statistics equal their definition for all readings.
     #[test]
     fn statistics(
         base in any::<i64>(),
@@ -155,8 +155,8 @@ proptest! {
             - (*high as f64 - mean).max(mean - *low as f64)).abs() <= 0.5);
     }
 
-    /// Every cycle ends, whatever the contact and the axes do; with a result it has looked where it
-    /// was told to.
+    /// Every cycle ends for any behaviour of contact and axes. A result lies within the planned
+    /// search.
     #[test]
     fn cycles_end(
         touches in 0_u8..5,
@@ -220,10 +220,11 @@ proptest! {
             Err(Failure::NoContact) => prop_assert!(wall > 2100),
             Err(Failure::ContactAtStart) => prop_assert!(wall <= -1000),
             Err(Failure::ContactInApproach) => prop_assert!((-1000..=100).contains(&wall)),
-            // The search may be 20 beyond the wall and brakes on 20 more.
+            // The search can be 20 beyond the wall and brakes within 20 more.
             Err(Failure::OverTravel) => prop_assert!(over_travel <= 20),
             Err(Failure::StuckContact) => prop_assert!(back_off < 20),
-            // A search that saw the wall late looks for it within the over-travel of what it saw.
+            // If the search saw the wall late, the slow touch searches within the over-travel of
+            // that position.
             Err(failure @ (Failure::LostContact | Failure::NotLatched)) => prop_assert!(
                 false,
                 "{}",
@@ -232,7 +233,8 @@ proptest! {
         }
     }
 
-    /// Points made on a plane, a circle and a sphere are found again to the rounding of the points.
+    /// Fits recover a plane, a circle and a sphere from points on them, within the rounding of the
+    /// points.
     #[test]
     fn features_are_found_again(
         centre in vector(1 << 30), radius in 1_000_000_i64..100_000_000, normal in direction(),

@@ -1,16 +1,16 @@
-//! A measuring machine with 2 um scales and 0.5 um of noise: calibrates its probe on a reference
-//! and measures a sphere.
+//! A simulated measuring machine with 2 um scales and 0.5 um of noise calibrates its probe on a
+//! reference and measures a sphere.
 //!
-//! The simulation is of its own: positions are floats, touches are found from the geometry alone,
-//! and every latched coordinate is a count of its scale. Its noise is the sum of twelve uniform
-//! random numbers.
+//! The simulation is independent of the crate: positions are floats, touches follow from the
+//! geometry alone, and every latched coordinate is a count of its scale. Its noise is the sum of
+//! twelve uniform random numbers.
 
 use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Repeatability, Sphere, Tip, Touch, UnitVector,
 };
 use oorandom::Rand64;
 
-/// Of standard deviation 1: the sum of twelve uniform numbers.
+/// Noise of standard deviation 1: the sum of twelve uniform numbers.
 fn normal(random: &mut Rand64) -> f64 {
     (0..12).map(|_| random.rand_float()).sum::<f64>() - 6.0
 }
@@ -19,8 +19,8 @@ const SCALE_NM: f64 = 2_000.0;
 const NOISE_NM: f64 = 500.0;
 const TIP_NM: f64 = 1_000_000.0;
 
-/// Pre-travel of a tripod of contacts: 6 um, 2 um more and less three times round, 3 um along the
-/// stylus.
+/// Pre-travel of a tripod of contacts: 6 um, with 2 um more and less three times per turn, and 3 um
+/// along the stylus.
 fn pre_travel_nm([x, y, z]: [f64; 3]) -> f64 {
     let round = 6_000.0 + 2_000.0 * (3.0 * y.atan2(x)).cos();
     round * (1.0 - z * z) + 3_000.0 * z * z
@@ -30,7 +30,7 @@ fn floats(direction: &UnitVector) -> [f64; 3] {
     direction.components().map(|component| component.to_num())
 }
 
-/// Probes with everything the true machine has: scales, noise along the travel, pre-travel by
+/// Touches with the errors of a real machine: scales, noise along the travel, pre-travel by
 /// direction.
 struct Prober {
     random: Rand64,
@@ -39,8 +39,8 @@ struct Prober {
 }
 
 impl Prober {
-    /// The latched position where the ball's centre comes to `reach` from `centre`, travelling
-    /// through `centre + aside`.
+    /// Returns the latched position at which the ball's centre is at `reach` from `centre`, on a
+    /// travel through `centre + aside`.
     fn touch(
         &mut self,
         centre: [f64; 3],
@@ -52,7 +52,7 @@ impl Prober {
         let along: f64 = (0..3).map(|i| aside[i] * d[i]).sum();
         let across: f64 = (0..3).map(|i| (aside[i] - along * d[i]).powi(2)).sum();
         let beyond = pre_travel_nm(d) + self.noise_nm * normal(&mut self.random);
-        // A ball is met before the centre, a ring (negative reach) beyond it.
+        // The probe meets a ball before the centre and a ring (negative reach) beyond it.
         let way = beyond - reach.signum() * (reach * reach - across).sqrt();
         let position = [0, 1, 2].map(|i| {
             let coordinate = centre[i] + aside[i] - along * d[i] + way * d[i];
@@ -64,7 +64,7 @@ impl Prober {
         }
     }
 
-    /// The mean of four, as the probing cycle makes it.
+    /// The mean of four touches, as in the probing cycle.
     fn mean_touch(&mut self, centre: [f64; 3], reach: f64, direction: UnitVector) -> Touch {
         let touches: Vec<Touch> = (0..4)
             .map(|_| self.touch(centre, reach, [0.0; 3], direction))
@@ -107,7 +107,7 @@ fn directions() -> [UnitVector; 25] {
     all.try_into().unwrap()
 }
 
-/// Calibrates on a ball of 12.5 mm, four passes; returns the tip.
+/// Calibrates on a ball of 12.5 mm in four passes and returns the tip.
 fn calibrated(prober: &mut Prober) -> Tip<25> {
     let centre = [100e6, 200e6, 50e6].map(|c: f64| c + 5e4 * prober.random.rand_float());
     let touches: Vec<Touch> = (0..4)
@@ -123,7 +123,7 @@ fn calibrated(prober: &mut Prober) -> Tip<25> {
     calibration.tip
 }
 
-/// Error of the radius of a ball of 10 mm, measured once in each of 25 directions.
+/// Returns the error of the radius of a ball of 10 mm, measured once in each of 25 directions.
 fn radius_error_nm(prober: &mut Prober, tip: &Tip<25>) -> i64 {
     let centre = [37e6, -12e6, 5e6].map(|c: f64| c + 5e4 * prober.random.rand_float());
     let surface = directions().map(|direction| {
@@ -158,7 +158,7 @@ fn a_sphere_of_10_mm_measures_within_1_um() {
     assert!(errors.mean().unwrap().abs() < 100);
 }
 
-/// Without scales and noise the calibration is the truth.
+/// Without scales and noise the calibration is exact.
 fn exact() -> Prober {
     Prober {
         random: Rand64::new(1),
@@ -170,8 +170,8 @@ fn exact() -> Prober {
 #[test]
 fn ideal_touches_calibrate_to_the_nanometre() {
     let tip = calibrated(&mut exact());
-    // What is the same as a displaced reference stays in its centre: compare what is even in the
-    // direction.
+    // A part that equals a displaced reference stays in its centre. The test therefore compares the
+    // part that is even in the direction.
     let entries = tip.pre_travel.entries();
     let opposite = |direction: &UnitVector| {
         entries
@@ -232,7 +232,8 @@ fn a_ring_calibrates_as_a_ball_does() {
 
 #[test]
 fn oblique_touches_tell_the_radius_from_the_pre_travel() {
-    // The same pre-travel all round, and a ball touched off its middle by 0, 4 and 8 mm of 13.5.
+    // Pre-travel is the same in all directions. The ball's centre touches on a sphere with a radius
+    // of 13.5 mm. Approaches are 0, 4 and 8 mm off the middle.
     let mut random = Rand64::new(7);
     let centre = [1e6, 2e6, 3e6];
     let mut touches = Vec::new();
@@ -260,7 +261,7 @@ fn oblique_touches_tell_the_radius_from_the_pre_travel() {
     );
     assert!((f64::from(both.tip.pre_travel.entries()[0].1) - 5_000.0).abs() < 50.0);
 
-    // Along the normal alone they cannot be told apart.
+    // With approaches along the normal alone they cannot be separated.
     let straight = touches.into_iter().step_by(3);
     assert_eq!(
         Calibration::fit(straight.clone(), &reference, None, [UnitVector::Z]),

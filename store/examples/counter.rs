@@ -1,4 +1,4 @@
-//! Counts its starts in a flash that is a file: run it several times.
+//! Counts its starts in a flash that is a file. Run it several times.
 //!
 //! ```sh
 //! cargo run -p husillo-store --example counter

@@ -1,21 +1,21 @@
-//! What can go wrong.
+//! Errors of a store.
 
 use core::fmt;
 
-/// Why a content was not stored or read. What was stored before is as it was.
+/// Error of storing or reading a content. The content stored before is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
-    /// The area is empty, beyond the flash, or not a multiple of two erase sizes, or it begins
-    /// within a sector.
+    /// The area is empty, is beyond the flash, is not a multiple of two erase sizes, or does not
+    /// begin at a sector.
     Area,
-    /// The content is longer than half of the area less the header.
+    /// The content is longer than half of the area minus the header.
     Full,
-    /// Nothing is stored there.
+    /// No content is stored, or the read goes beyond its end.
     Nothing,
-    /// What was written reads otherwise: the flash is worn, or there is none.
+    /// Written bytes read back differently: the flash is worn or missing.
     Differs,
-    /// The driver of the flash says so.
+    /// Error of the flash driver.
     Flash(E),
 }
 
@@ -29,11 +29,11 @@ impl<E: fmt::Debug> fmt::Display for StoreError<E> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             StoreError::Area => {
-                out.write_str("the area is not two times so many sectors of the flash")
+                out.write_str("the area is not an even number of whole flash sectors")
             }
             StoreError::Full => out.write_str("the content is longer than half of the area"),
-            StoreError::Nothing => out.write_str("nothing is stored there"),
-            StoreError::Differs => out.write_str("what was written reads otherwise"),
+            StoreError::Nothing => out.write_str("no content is stored there"),
+            StoreError::Differs => out.write_str("written bytes read back differently"),
             StoreError::Flash(error) => write!(out, "flash: {error:?}"),
         }
     }

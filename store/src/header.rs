@@ -1,25 +1,25 @@
-//! What says that a half is whole.
+//! Header and checksum of a half.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-/// Without a table: eight steps a byte, once in a save, instead of 1 kB of flash.
+/// CRC without a table: eight steps per byte, once per save, instead of 1 kB of flash.
 const CRC: Crc<u32, Table<0>> = Crc::<u32, Table<0>>::new(&CRC_32_ISO_HDLC);
 
-/// CRC-32 of what `before` is the CRC-32 of, and these bytes behind it; of nothing it is 0.
+/// Extends the CRC-32 `before` by `bytes`. The CRC-32 of no bytes is 0.
 ///
-/// Not a `Digest` that is kept: that asks the parameters of the CRC at run time, and its shifts by
-/// them could overflow.
+/// The crate keeps no `Digest` between calls: it reads the parameters of the CRC at run time, and
+/// its shifts by them could overflow.
 pub(crate) fn extended(before: u32, bytes: &[u8]) -> u32 {
     let mut digest = CRC.digest_with_initial((!before).reverse_bits());
     digest.update(bytes);
     digest.finalize()
 }
 
-/// Bytes of a header.
+/// Size of a header in bytes.
 pub(crate) const HEADER: usize = 16;
 
-/// Four little-endian words: the number of the save, the length and CRC-32 of the content, the
-/// CRC-32 of these three.
+/// Header of a half. It is stored as four little-endian words: the number of the save, the length
+/// and CRC-32 of the content, and the CRC-32 of these three.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Header {
     pub number: u32,
@@ -41,7 +41,7 @@ impl Header {
         bytes
     }
 
-    /// A header as read, if its own check fits.
+    /// Parses a header. Returns `None` if its own check does not match.
     pub(crate) fn of(bytes: &[u8; HEADER]) -> Option<Header> {
         let mut words = bytes
             .chunks_exact(4)
@@ -59,7 +59,7 @@ impl Header {
 mod tests {
     use super::extended;
 
-    /// The check value of the catalogue of CRCs, in pieces.
+    /// The check value of the CRC catalogue, computed in parts.
     #[test]
     fn check_value() {
         assert_eq!(extended(extended(0, b"1234"), b"56789"), 0xcbf4_3926);

@@ -1,4 +1,4 @@
-//! A new content on its way.
+//! A content that is being saved.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -7,14 +7,14 @@ use crate::store::Half;
 use crate::unit::UNIT;
 use crate::{Store, StoreError};
 
-/// A content that is being written; [`commit`](Save::commit) makes it the one that counts. Dropped
-/// without that, the old one stays.
+/// A content that is being written. [`commit`](Save::commit) makes it the valid one. If the value
+/// is dropped without a commit, the old content stays.
 #[derive(Debug)]
 pub struct Save<'a, F> {
     store: &'a mut Store<F>,
     half: Half,
     number: u32,
-    /// Bytes taken; those that do not fill a unit of writing are in `unit`.
+    /// Number of bytes accepted. The bytes of an incomplete write unit are in `unit`.
     length: u32,
     unit: [u8; UNIT],
     checksum: u32,
@@ -32,7 +32,11 @@ impl<'a, F: NorFlash> Save<'a, F> {
         }
     }
 
-    /// Puts bytes behind those written before. [`StoreError::Full`]: none of them.
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// - [`StoreError::Full`]: there is no room for `bytes`; none of them is written.
+    /// - [`StoreError::Flash`]: the driver failed.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), StoreError<F::Error>> {
         let room = self.store.capacity().saturating_sub(self.length);
         if bytes.len() > room as usize {
@@ -42,7 +46,7 @@ impl<'a, F: NorFlash> Save<'a, F> {
             if let Some(place) = self.unit.get_mut(self.length as usize % F::WRITE_SIZE) {
                 *place = *byte;
             }
-            // At most the capacity.
+            // The length is at most the capacity.
             self.length = self.length.wrapping_add(1);
             if (self.length as usize).is_multiple_of(F::WRITE_SIZE) {
                 self.flush()?;
@@ -52,7 +56,11 @@ impl<'a, F: NorFlash> Save<'a, F> {
         Ok(())
     }
 
-    /// Makes this the content. Reads it once more; [`StoreError::Differs`] leaves the old one.
+    /// Reads the content back and makes it the valid one.
+    ///
+    /// # Errors
+    /// - [`StoreError::Differs`]: the content reads back differently. The old content stays.
+    /// - [`StoreError::Flash`]: the driver failed.
     pub fn commit(mut self) -> Result<(), StoreError<F::Error>> {
         if !(self.length as usize).is_multiple_of(F::WRITE_SIZE) {
             self.flush()?;
@@ -65,9 +73,9 @@ impl<'a, F: NorFlash> Save<'a, F> {
         self.store.finish(self.half, header)
     }
 
-    /// Writes the unit that the last byte taken lies in.
+    /// Writes the unit that contains the last byte.
     fn flush(&mut self) -> Result<(), StoreError<F::Error>> {
-        // A byte was taken.
+        // There is at least one byte.
         let last = self.length.wrapping_sub(1);
         // Write sizes are powers of two up to 32.
         let low = (F::WRITE_SIZE as u32).wrapping_sub(1);

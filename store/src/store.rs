@@ -1,4 +1,4 @@
-//! The two halves, and which of them counts.
+//! The store: two halves, and the choice of the valid one.
 
 use core::ops::Range;
 
@@ -8,26 +8,26 @@ use crate::header::{HEADER, Header, extended};
 use crate::unit::{UNIT, header_size, read};
 use crate::{Save, StoreError};
 
-/// A content in flash, in two copies of which the newer whole one counts.
+/// A content in flash, in two copies. The newer intact copy is valid.
 ///
 /// | | |
 /// | --- | --- |
-/// | area | two times so many whole sectors of the flash, up to 2^32 bytes |
+/// | area | an even number of whole sectors of the flash, up to 2^32 bytes |
 /// | content | any bytes, at most [`capacity`](Store::capacity) |
-/// | power fails | during a [`Save`]: the old content is there, or the new one after [`commit`](Save::commit) has begun |
-/// | found wrong | any change of up to 32 bits in a row, others but for one in 2^32 (CRC-32) |
+/// | power failure during a [`Save`] | leaves the old content, or the new one once [`commit`](Save::commit) has begun |
+/// | error detection | any change within 32 bits in a row; all other changes except one in 2^32 (CRC-32) |
 /// | source | the order of writes of a two-phase commit (Gray 1978); CRC-32 of ISO-HDLC |
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
     start: u32,
-    /// Size of a half.
+    /// Size of a half in bytes.
     half: u32,
-    /// The half that counts, if there is one.
+    /// The valid half, if there is one.
     newest: Option<(Half, Header)>,
 }
 
-/// One of the two.
+/// One of the two halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Half {
     First,
@@ -35,7 +35,11 @@ pub(crate) enum Half {
 }
 
 impl<F: NorFlash> Store<F> {
-    /// Looks for a content in this area of the flash. Reads both copies once.
+    /// Opens this area of the flash and looks for a content. Reads both copies once.
+    ///
+    /// # Errors
+    /// - [`StoreError::Area`]: the area does not fit the flash.
+    /// - [`StoreError::Flash`]: the driver failed.
     pub fn open(flash: F, area: Range<u32>) -> Result<Self, StoreError<F::Error>> {
         let size = area.end.checked_sub(area.start).ok_or(StoreError::Area)?;
         let half = size / 2;
@@ -59,7 +63,7 @@ impl<F: NorFlash> Store<F> {
         let first = store.whole(Half::First)?;
         let second = store.whole(Half::Second)?;
         store.newest = match (first, second) {
-            // The numbers of two halves differ by one; they may have gone round.
+            // The numbers of the two halves differ by one. They may have wrapped.
             (Some(first), Some(second))
                 if (second.number.wrapping_sub(first.number) as i32) > 0 =>
             {
@@ -72,23 +76,27 @@ impl<F: NorFlash> Store<F> {
         Ok(store)
     }
 
-    /// How long a content may be, bytes.
+    /// Returns the largest length of a content, in bytes.
     pub fn capacity(&self) -> u32 {
         // A half is longer than a header.
         self.half.wrapping_sub(header_size::<F>())
     }
 
-    /// Length of the content, bytes; `None` where there is none.
+    /// Returns the length of the content in bytes. Returns `None` if nothing is stored.
     pub fn len(&self) -> Option<u32> {
         self.newest.map(|(_, header)| header.length)
     }
 
-    /// Nothing is stored, or a content of no bytes.
+    /// Whether nothing is stored, or a content of no bytes.
     pub fn is_empty(&self) -> bool {
         self.len().unwrap_or(0) == 0
     }
 
-    /// Bytes of the content, from `offset` on; an error if it does not go so far.
+    /// Reads bytes of the content from `offset` on.
+    ///
+    /// # Errors
+    /// - [`StoreError::Nothing`]: there is no content, or it ends before the last byte.
+    /// - [`StoreError::Flash`]: the driver failed.
     pub fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StoreError<F::Error>> {
         let (half, header) = self.newest.ok_or(StoreError::Nothing)?;
         let end = u32::try_from(bytes.len())
@@ -97,12 +105,16 @@ impl<F: NorFlash> Store<F> {
         if end.is_none_or(|end| end > header.length) {
             return Err(StoreError::Nothing);
         }
-        // Within the half.
+        // The address is within the half.
         let from = self.begin(half).wrapping_add(offset);
         Ok(read(&mut self.flash, from, bytes)?)
     }
 
-    /// Begins a new content: erases the older half. What is stored stays so until [`Save::commit`].
+    /// Begins a new content: erases the older half. The stored content stays valid until
+    /// [`Save::commit`].
+    ///
+    /// # Errors
+    /// [`StoreError::Flash`] if the driver failed.
     pub fn save(&mut self) -> Result<Save<'_, F>, StoreError<F::Error>> {
         let (half, number) = match self.newest {
             Some((Half::First, header)) => (Half::Second, header.number.wrapping_add(1)),
@@ -114,7 +126,7 @@ impl<F: NorFlash> Store<F> {
         Ok(Save::new(self, half, number))
     }
 
-    /// The flash, for other uses.
+    /// Returns the flash.
     pub fn release(self) -> F {
         self.flash
     }
@@ -135,7 +147,7 @@ impl<F: NorFlash> Store<F> {
         &mut self.flash
     }
 
-    /// Makes the content of a half the one that counts.
+    /// Makes the content of a half the valid one.
     pub(crate) fn finish(
         &mut self,
         half: Half,
@@ -158,7 +170,7 @@ impl<F: NorFlash> Store<F> {
         Ok(())
     }
 
-    /// The header of a half, if it and the content are as they were written.
+    /// Returns the header of a half if header and content are intact.
     fn whole(&mut self, half: Half) -> Result<Option<Header>, StoreError<F::Error>> {
         let Some(header) = self.header(half)? else {
             return Ok(None);
@@ -182,7 +194,7 @@ impl<F: NorFlash> Store<F> {
         let mut window = [0; UNIT];
         let begin = self.begin(half);
         for offset in (0..length).step_by(UNIT) {
-            // 1 to 32.
+            // The count is 1 to 32.
             let count = length.wrapping_sub(offset).min(UNIT as u32) as usize;
             let Some(part) = window.get_mut(..count) else {
                 break;

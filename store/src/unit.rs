@@ -1,11 +1,11 @@
-//! Reads and writes in the flash's own units.
+//! Reads and writes in the units of the flash.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
-/// Largest size of a read or a write, bytes.
+/// Largest size of a read or write unit, in bytes.
 pub(crate) const UNIT: usize = 32;
 
-/// Any bytes of a flash that reads in units: through a window of 32 bytes.
+/// Reads any bytes of a flash that reads in units, through a window of 32 bytes.
 pub(crate) fn read<F: ReadNorFlash>(
     flash: &mut F,
     from: u32,
@@ -24,8 +24,8 @@ pub(crate) fn read<F: ReadNorFlash>(
         let (part, others) = core::mem::take(&mut rest)
             .split_at_mut_checked(count)
             .unwrap_or_default();
-        // Of the window only what is asked for, in whole reads: it does not go beyond an area of
-        // whole sectors. Read sizes are powers of two.
+        // Reads only the requested part of the window, in whole read units. It therefore stays
+        // within an area of whole sectors. Read sizes are powers of two.
         let low = F::READ_SIZE.wrapping_sub(1);
         let first = within & !low;
         let end = within.wrapping_add(count).wrapping_add(low) & !low;
@@ -42,7 +42,7 @@ pub(crate) fn read<F: ReadNorFlash>(
     Ok(())
 }
 
-/// How many bytes a header takes in this flash.
+/// Returns the size of a header in this flash, in bytes.
 pub(crate) const fn header_size<F: NorFlash>() -> u32 {
     const {
         assert!(F::WRITE_SIZE <= UNIT && F::WRITE_SIZE.is_power_of_two());

@@ -1,4 +1,4 @@
-//! Power fails in every operation of a save, and in random ones of many.
+//! Power failures in every operation of a save, and in random operations of many saves.
 
 mod flash;
 
@@ -27,12 +27,12 @@ fn content<const UNIT: usize>(flash: &mut Flash<UNIT>) -> Option<Vec<u8>> {
     Some(content)
 }
 
-/// Old or new, whatever operation power fails in and whatever it leaves there; and the next save
-/// works.
+/// The content is the old or the new one, for a power failure in any operation with any partial
+/// result. The next save works.
 fn survives<const UNIT: usize>() {
     let [old, new] = [b"old".repeat(50), b"newer".repeat(45)];
     let mut before = Flash::<UNIT>::new(4, 256);
-    // Both halves have been in use.
+    // Uses both halves.
     save(&mut before, &new).unwrap();
     save(&mut before, &old).unwrap();
     let mut operations = 0;
@@ -59,12 +59,12 @@ fn survives<const UNIT: usize>() {
         }
         operations += 1;
     }
-    // Two sectors, the content, the header.
+    // Operations: two sectors, the content, the header.
     assert_eq!(
         operations,
         2 + 225_usize.div_ceil(UNIT) + 16_usize.div_ceil(UNIT)
     );
-    // The header of which all bits had fallen.
+    // The content is new only if the failed write completed the header.
     assert!(are_new <= 20);
 }
 
@@ -82,7 +82,7 @@ fn a_content_is_as_long_as_half_of_the_area_but_the_header() {
     save(&mut flash, &[7; 240]).unwrap();
     assert_eq!(save(&mut flash, &[8; 241]), Err(StoreError::Full));
     assert_eq!(content(&mut flash), Some(vec![7; 240]));
-    // None of the bytes that are too many is taken.
+    // A write that is too long writes none of its bytes.
     let mut store = Store::open(&mut flash, 0..512).unwrap();
     let mut save = store.save().unwrap();
     save.write(&[1; 200]).unwrap();
@@ -131,8 +131,8 @@ fn what_is_not_committed_is_not_there() {
 }
 
 proptest! {
-    /// Saves of any contents, power failing anywhere: what is found is the last content committed
-    /// or the one after it.
+    /// Saves of any contents with power failures anywhere: the content found is the last one
+    /// committed or the one after it.
     #[test]
     fn rows_of_saves(
         saves in proptest::collection::vec(
@@ -152,7 +152,7 @@ proptest! {
         }
     }
 
-    /// A wrong bit anywhere: the content, the one before it, or none; never another.
+    /// A wrong bit anywhere leaves the content, the one before it, or none; never another.
     #[test]
     fn a_wrong_bit(
         contents in proptest::collection::vec(proptest::collection::vec(any::<u8>(), 0..240), 1..4),

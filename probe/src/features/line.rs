@@ -9,22 +9,22 @@ use crate::UnitVector;
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line {
-    /// A point of it, in nm: the centroid of the points it was fitted to.
+    /// A point on the line, in nm: the centroid of the fitted points.
     pub point_nm: [i64; 3],
-    /// Its direction.
+    /// The direction.
     pub direction: UnitVector,
-    /// How the points lie on it.
+    /// Residuals of the points.
     pub residuals: Residuals,
 }
 
 impl Line {
-    /// The least-squares line of at least two points: through the centroid, along the eigenvector
-    /// of the scatter matrix with the largest eigenvalue. It runs to the side of `towards`.
+    /// Fits the least-squares line of at least two points. It passes through the centroid, along
+    /// the eigenvector of the scatter matrix with the largest eigenvalue. Its direction points to
+    /// the side of `towards`.
     ///
     /// # Errors
-    ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one or as wide
-    /// as long.
+    /// - [`FitError::TooFewPoints`]: fewer than two points.
+    /// - [`FitError::Undetermined`]: the points coincide, or their spread is as wide as long.
     pub fn fit<I>(points: I, towards: &UnitVector) -> Result<Line, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -49,7 +49,7 @@ impl Line {
         })
     }
 
-    /// The distance of a point from the line, to the nearest nm, never negative.
+    /// Returns the distance of a point from the line, to the nearest nm, never negative.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         let across = projected(
@@ -59,11 +59,11 @@ impl Line {
         libm::round(length(across)) as i64
     }
 
-    /// The point of this line nearest to `other`, in nm: the corner, where the two cross. `None`
-    /// where they are parallel within 1 mrad.
+    /// Returns the point of this line nearest to `other`, in nm. If the lines cross, it is the
+    /// corner. Returns `None` if they are parallel within 1 mrad.
     ///
-    /// With `w` the way between their points and `c` the cosine of their angle, it lies `((w.a) - c
-    /// (w.b)) / (1 - c^2)` along this line.
+    /// With `w` the vector between their points and `c` the cosine of their angle, it lies
+    /// `((w.a) - c (w.b)) / (1 - c^2)` along this line.
     #[must_use]
     pub fn crossing_nm(&self, other: &Line) -> Option<[i64; 3]> {
         let (a, b) = (self.direction.to_floats(), other.direction.to_floats());

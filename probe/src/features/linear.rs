@@ -2,12 +2,11 @@
 
 use super::vector::{dot, exceeds, length};
 
-/// The solution of `matrix x = right` for a symmetric positive definite matrix; `None` where a
-/// pivot falls below `tolerance` of the largest diagonal element, which is where the unknowns
-/// cannot be told apart.
+/// Solves `matrix x = right` for a symmetric positive definite matrix. Returns `None` if a pivot is
+/// below `tolerance` of the largest diagonal element: the unknowns then cannot be separated.
 ///
-/// Gauss' elimination without exchange of rows, which is stable for such matrices (G. Golub, C. Van
-/// Loan, "Matrix computations", 4.2).
+/// Gaussian elimination without exchange of rows, which is stable for such matrices (G. Golub, C.
+/// Van Loan, "Matrix computations", 4.2).
 pub(crate) fn solve<const N: usize>(
     mut matrix: [[f64; N]; N],
     mut right: [f64; N],
@@ -36,7 +35,7 @@ pub(crate) fn solve<const N: usize>(
     let mut solution = [0.0; N];
     for k in (0..N).rev() {
         let row = *matrix.get(k)?;
-        // What is not solved yet is 0 here, and so falls out.
+        // Unknowns that are not solved yet are 0 and add nothing.
         let value = (*right.get(k)? - dot(row, solution)) / *row.get(k)?;
         *solution.get_mut(k)? = value;
     }
@@ -48,8 +47,8 @@ pub(crate) fn trace(matrix: &[[f64; 3]; 3]) -> f64 {
     a + b + c
 }
 
-/// The adjugate of a symmetric matrix: same eigenvectors, and the largest eigenvalue belongs to the
-/// smallest.
+/// Returns the adjugate of a symmetric matrix. It has the same eigenvectors, and its largest
+/// eigenvalue belongs to the smallest of `matrix`.
 pub(crate) fn adjugate(matrix: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let [a, b, c] = *matrix;
     [cross(b, c), cross(c, a), cross(a, b)]
@@ -59,11 +58,11 @@ pub(crate) fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] 
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }
 
-/// The unit eigenvector of the largest eigenvalue of a symmetric matrix without negative
-/// eigenvalues; `None` unless that is larger than the next by 2^-12 at least.
+/// Returns the unit eigenvector of the largest eigenvalue of a symmetric matrix without negative
+/// eigenvalues. Returns `None` unless this eigenvalue is larger than the next by at least 2^-12.
 ///
-/// The matrix is squared and divided by its trace again and again: the ratio of the eigenvalues is
-/// squared each time, so that only `v v^T` is left (power iteration with doubled exponent).
+/// The matrix is squared and divided by its trace repeatedly. Each step squares the ratio of the
+/// eigenvalues, until only `v v^T` is left (power iteration with doubled exponent).
 pub(crate) fn largest_eigenvector(mut matrix: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     // (1 - 2^-12)^(2^18) = e^-64.
     for _ in 0..18 {
@@ -72,17 +71,17 @@ pub(crate) fn largest_eigenvector(mut matrix: [[f64; 3]; 3]) -> Option<[f64; 3]>
             return None;
         }
         let rows = matrix.map(|row| row.map(|element| element / scale));
-        // Symmetric: columns are rows.
+        // The matrix is symmetric: columns equal rows.
         matrix = rows.map(|row| rows.map(|column| dot(row, column)));
     }
     let scale = trace(&matrix);
     let rows = matrix.map(|row| row.map(|element| element / scale));
-    // Of rank one is what has the trace of its square equal to the square of its trace.
+    // A matrix has rank one if the trace of its square equals the square of its trace.
     let square: f64 = rows.map(|row| dot(row, row)).iter().sum();
     if !exceeds(square, 1.0 - 1e-9) {
         return None;
     }
-    // The longest row is the vector times its largest component, at least 1 / sqrt 3.
+    // The longest row is the vector times its largest component, which is at least 1 / sqrt 3.
     let [a, b, c] = rows;
     let longer = if dot(a, a) >= dot(b, b) { a } else { b };
     let longest = if dot(longer, longer) >= dot(c, c) {

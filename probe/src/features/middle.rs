@@ -1,29 +1,29 @@
-//! Between two touches.
+//! Middle of two touches.
 
 use crate::UnitVector;
 use crate::unit_vector::{minus, plus};
 
-/// The middle and the width of a web or a pocket, of two opposite points.
+/// Middle and width of a web or a pocket, from two opposite points.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Middle {
-    /// Halfway between the points, in nm, halves towards the first.
+    /// The point halfway between the points, in nm; halves are rounded towards the first point.
     pub centre_nm: [i64; 3],
-    /// Their distance along the direction asked for, without sign, in nm.
+    /// The unsigned distance of the points along the given direction, in nm.
     pub width_nm: i64,
 }
 
 impl Middle {
-    /// The middle of two points and their distance along `direction`; up to 2.1 m apart.
+    /// Returns the middle of two points up to 2.1 m apart and their distance along `direction`.
     ///
-    /// Two pairs of touches, the second along the line found by the first, give the centre of a
-    /// bore or boss: what pairs off the diameter leave is within [`Circle`](super::Circle)'s
-    /// residuals. Integers only.
+    /// Two pairs of touches give the centre of a bore or boss: touch the second pair along the line
+    /// found by the first. The error of pairs off the diameter is within the residuals of
+    /// [`Circle`](super::Circle). Integers only.
     #[must_use]
     pub fn of(a: [i64; 3], b: [i64; 3], direction: &UnitVector) -> Middle {
         let way = minus(b, a);
         Middle {
-            // Halves towards zero, by a shift of the magnitude.
+            // A shift of the magnitude rounds halves towards zero.
             centre_nm: plus(
                 a,
                 way.map(|w| {

@@ -6,23 +6,23 @@ use super::{Centroid, FitError, Residuals, Tally, dot};
 use crate::UnitVector;
 use crate::unit_vector::{minus, plus};
 
-/// A plane: a face, or an edge as the face below it.
+/// A plane: a face, or the vertical face below an edge.
 ///
-/// Fitted to compensated points, or to centres of the ball and then [`moved`](Plane::moved_nm) by
-/// the tip radius.
+/// It is fitted to compensated points, or to centres of the ball and then [moved](Plane::moved_nm)
+/// by the tip radius.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plane {
-    /// A point of it, in nm: the centroid of the points, where it was fitted.
+    /// A point of the plane, in nm. For a fitted plane it is the centroid of the points.
     pub point_nm: [i64; 3],
-    /// Its normal.
+    /// The normal.
     pub normal: UnitVector,
-    /// How the points lie on it.
+    /// Residuals of the points.
     pub residuals: Residuals,
 }
 
 impl Plane {
-    /// The plane through `point_nm` at right angles to `normal`, from no measurement.
+    /// Creates the plane through `point_nm` perpendicular to `normal`, without a measurement.
     #[must_use]
     pub fn new(point_nm: [i64; 3], normal: UnitVector) -> Plane {
         Plane {
@@ -32,14 +32,14 @@ impl Plane {
         }
     }
 
-    /// The least-squares plane of at least three points: through the centroid, its normal the
-    /// eigenvector of the scatter matrix with the smallest eigenvalue. The normal points to the
-    /// side of `outward`.
+    /// Fits the least-squares plane of at least three points. It passes through the centroid. Its
+    /// normal is the eigenvector of the scatter matrix with the smallest eigenvalue and points to
+    /// the side of `outward`.
     ///
     /// # Errors
-    ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line
-    /// (narrower than a thousandth of their length) or as thick as wide.
+    /// - [`FitError::TooFewPoints`]: fewer than three points.
+    /// - [`FitError::Undetermined`]: the points are on a line (narrower than a thousandth of their
+    ///   length), or their spread is as thick as wide.
     pub fn fit<I>(points: I, outward: &UnitVector) -> Result<Plane, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -50,14 +50,13 @@ impl Plane {
         Plane::of_scatter(points, &centroid, &scatter, outward)
     }
 
-    /// An edge: the least-squares plane that contains the direction `along`, of at least two
-    /// points. So the straight edge of a part seen from above is the plane upright below it,
-    /// `along` Z. The normal points to the side of `outward`.
+    /// Fits an edge: the least-squares plane of at least two points that contains the direction
+    /// `along`. With `along` = Z, the straight edge of a part seen from above is the vertical plane
+    /// below it. The normal points to the side of `outward`.
     ///
     /// # Errors
-    ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are one above the
-    /// other along `along`.
+    /// - [`FitError::TooFewPoints`]: fewer than two points.
+    /// - [`FitError::Undetermined`]: the points coincide when seen along `along`.
     pub fn edge<I>(points: I, along: &UnitVector, outward: &UnitVector) -> Result<Plane, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -70,17 +69,16 @@ impl Plane {
             let offset = projected(centroid.offset(point), Some(along));
             outer(&mut scatter, 1.0, offset, offset);
         }
-        // As long in that direction as in all others, it is never the normal.
+        // With the trace of the scatter added along it, `along` is never the normal.
         let size = trace(&scatter);
         outer(&mut scatter, size, along, along);
         Plane::of_scatter(points, &centroid, &scatter, outward)
     }
 
-    /// The plane with a normal that is known, of at least one point: an edge touched once, a height
-    /// touched often.
+    /// Fits a plane with a known normal to at least one point: an edge touched once, a height
+    /// touched several times.
     ///
     /// # Errors
-    ///
     /// [`FitError::TooFewPoints`] without a point.
     pub fn across<I>(points: I, normal: &UnitVector) -> Result<Plane, FitError>
     where
@@ -91,15 +89,15 @@ impl Plane {
         Ok(Plane::about(points, &centroid, *normal))
     }
 
-    /// The distance of a point from the plane, positive on the side of the normal, to the nearest
-    /// nm; up to 2.1 m from [`point_nm`](Plane::point_nm). Integers only.
+    /// Returns the distance of a point from the plane, positive on the side of the normal, to the
+    /// nearest nm. The point is up to 2.1 m from [`point_nm`](Plane::point_nm). Integers only.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         self.normal.length_along(minus(point, self.point_nm))
     }
 
-    /// The plane `by_nm` farther along its normal: by minus the tip radius, the surface from
-    /// centres of the ball.
+    /// Returns the plane moved by `by_nm` along its normal. Minus the tip radius moves it from
+    /// centres of the ball to the surface.
     #[must_use]
     pub fn moved_nm(&self, by_nm: i64) -> Plane {
         Plane {
@@ -114,7 +112,7 @@ impl Plane {
         scatter: &[[f64; 3]; 3],
         outward: &UnitVector,
     ) -> Result<Plane, FitError> {
-        // The sum of the products of two eigenvalues, against the square of their sum.
+        // Compares the sum of the products of two eigenvalues with the square of their sum.
         let (adjugate, size) = (adjugate(scatter), trace(scatter));
         if !exceeds(trace(&adjugate), 1e-6 * size * size) {
             return Err(FitError::Undetermined);

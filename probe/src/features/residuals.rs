@@ -1,34 +1,34 @@
-//! How well points lie on a feature.
+//! Residuals and errors of fits.
 
-/// What is left between points and the feature fitted to them, to the nearest nm.
+/// Distances between points and the feature fitted to them, to the nearest nm.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Residuals {
-    /// How many points there were.
+    /// Number of points.
     pub points: u32,
-    /// Root of the mean square of the distances.
+    /// Root mean square of the distances.
     pub rms_nm: i64,
-    /// The largest distance, without sign.
+    /// The largest unsigned distance.
     pub largest_nm: i64,
-    /// The largest signed distance less the smallest: the deviation of form (ISO 1101) about the
-    /// least-squares feature. Of a line in space, whose distances have no sign, the largest
+    /// The largest signed distance minus the smallest: the deviation of form (ISO 1101) about the
+    /// least-squares feature. For a line in space, whose distances have no sign, it is the largest
     /// distance.
     pub form_nm: i64,
 }
 
-/// Why points make no feature.
+/// Error of a fit.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FitError {
     /// Fewer points than the feature has unknowns.
     TooFewPoints,
-    /// The points do not determine the feature: they lie on a point, a line, a plane, or evenly all
-    /// round.
+    /// The points do not determine the feature: they lie on a point, a line or a plane, or are
+    /// spread evenly in all directions.
     Undetermined,
-    /// The iteration does not come to rest: the points are far from any such feature.
+    /// The iteration does not converge: the points are far from any such feature.
     NoFit,
     /// Calibration: every approach was along the normal, so tip radius and pre-travel cannot be
-    /// told apart. State the tip radius or touch obliquely too.
+    /// separated. State the tip radius or touch obliquely too.
     Inseparable,
 }
 
@@ -38,14 +38,14 @@ impl core::fmt::Display for FitError {
             FitError::TooFewPoints => "too few points",
             FitError::Undetermined => "points do not determine the feature",
             FitError::NoFit => "points are not on such a feature",
-            FitError::Inseparable => "tip radius and pre-travel cannot be told apart",
+            FitError::Inseparable => "tip radius and pre-travel cannot be separated",
         })
     }
 }
 
 impl core::error::Error for FitError {}
 
-/// Sums of distances while they come.
+/// Running sums of distances.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Tally {
     points: u32,

@@ -9,11 +9,11 @@ use crate::UnitVector;
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sphere {
-    /// Its centre, in nm.
+    /// The centre, in nm.
     pub centre_nm: [i64; 3],
     /// Its radius, in nm.
     pub radius_nm: i64,
-    /// How the points lie on it; outside is positive.
+    /// Residuals of the points; outside is positive.
     pub residuals: Residuals,
 }
 
@@ -21,28 +21,34 @@ pub struct Sphere {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Circle {
-    /// Its centre, in nm, as high along `axis` as the points are on average.
+    /// The centre, in nm. Its height along `axis` is the mean height of the points.
     pub centre_nm: [i64; 3],
     /// Its radius, in nm.
     pub radius_nm: i64,
-    /// The normal of its plane.
+    /// The normal of the circle's plane.
     pub axis: UnitVector,
-    /// How the points lie on it, seen along the axis; outside is positive.
+    /// Residuals of the points, seen along the axis; outside is positive.
     pub residuals: Residuals,
 }
 
 impl Sphere {
-    /// The least-squares sphere of at least four points.
+    /// Fits the least-squares sphere of at least four points.
     ///
-    /// The start is the algebraic fit (I. Kåsa, "A circle fitting procedure and its error
-    /// analysis", IEEE Trans. Instr. Meas. 25, 1976, in space), then Gauss-Newton on the distances
-    /// from the surface (S. J. Ahn et al., "Least-squares orthogonal distances fitting", Pattern
-    /// Recognition 34, 2001) until the centre moves less than 10^-3 nm. Some twenty passes at most.
+    /// The start value is an algebraic fit. Gauss-Newton on the distances from the surface follows,
+    /// until the centre moves by less than 10^-3 nm.
     ///
     /// # Errors
+    /// - [`FitError::TooFewPoints`]: fewer than four points.
+    /// - [`FitError::Undetermined`]: the points are in a plane.
+    /// - [`FitError::NoFit`]: the iteration does not converge.
     ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are in a plane;
-    /// [`FitError::NoFit`].
+    /// # Cost
+    /// About twenty passes over the points at most.
+    ///
+    /// # Source
+    /// Start: I. Kåsa, "A circle fitting procedure and its error analysis", IEEE Trans. Instr.
+    /// Meas. 25, 1976, in space. Iteration: S. J. Ahn et al., "Least-squares orthogonal distances
+    /// fitting", Pattern Recognition 34, 2001.
     pub fn fit<I>(points: I) -> Result<Sphere, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -55,15 +61,15 @@ impl Sphere {
         })
     }
 
-    /// The distance of a point from the surface, positive outside, to the nearest nm.
+    /// Returns the distance of a point from the surface, positive outside, to the nearest nm.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         let from_centre = length(difference(point, self.centre_nm));
         libm::round(from_centre - self.radius_nm as f64) as i64
     }
 
-    /// The sphere `by_nm` larger in radius. From centres of the ball: by minus the tip radius a
-    /// ball, by plus the tip radius a hollow.
+    /// Returns the sphere with a radius larger by `by_nm`. For a fit to centres of the ball,
+    /// `by_nm` is minus the tip radius for a ball and plus the tip radius for a hollow.
     #[must_use]
     pub fn grown_nm(&self, by_nm: i64) -> Sphere {
         Sphere {
@@ -74,15 +80,15 @@ impl Sphere {
 }
 
 impl Circle {
-    /// The least-squares circle of at least three points, seen along `axis`: known, or the normal
-    /// of a [`Plane`](super::Plane).
+    /// Fits the least-squares circle of at least three points, seen along `axis`. The axis is
+    /// known, or it is the normal of a [`Plane`](super::Plane).
     ///
-    /// As [`Sphere::fit`], in the plane.
+    /// The method is that of [`Sphere::fit`], in the plane.
     ///
     /// # Errors
-    ///
-    /// [`FitError::TooFewPoints`]; [`FitError::Undetermined`] where the points are on a line;
-    /// [`FitError::NoFit`].
+    /// - [`FitError::TooFewPoints`]: fewer than three points.
+    /// - [`FitError::Undetermined`]: the points are on a line.
+    /// - [`FitError::NoFit`]: the iteration does not converge.
     pub fn fit<I>(points: I, axis: &UnitVector) -> Result<Circle, FitError>
     where
         I: IntoIterator<Item = [i64; 3], IntoIter: Clone>,
@@ -96,8 +102,8 @@ impl Circle {
         })
     }
 
-    /// The distance of a point from the circle, seen along its axis, positive outside, to the
-    /// nearest nm.
+    /// Returns the distance of a point from the circle, seen along its axis, positive outside, to
+    /// the nearest nm.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
         let way = difference(point, self.centre_nm);
@@ -105,8 +111,8 @@ impl Circle {
         libm::round(from_centre - self.radius_nm as f64) as i64
     }
 
-    /// The circle `by_nm` larger in radius. From centres of the ball: by plus the tip radius a
-    /// bore, by minus the tip radius a boss.
+    /// Returns the circle with a radius larger by `by_nm`. For a fit to centres of the ball,
+    /// `by_nm` is plus the tip radius for a bore and minus the tip radius for a boss.
     #[must_use]
     pub fn grown_nm(&self, by_nm: i64) -> Circle {
         Circle {
@@ -116,10 +122,10 @@ impl Circle {
     }
 }
 
-/// A circle or sphere before it is rounded to nm.
+/// A circle or sphere before rounding to nm.
 pub(crate) struct Round {
     pub centroid: Centroid,
-    /// From the centroid.
+    /// Relative to the centroid.
     pub centre: [f64; 3],
     pub radius: f64,
     pub residuals: Residuals,
@@ -135,11 +141,11 @@ impl Round {
     }
 }
 
-/// Points flatter than this, as a ratio of squares of lengths, determine no circle or sphere.
+/// Points with a smaller ratio of squares of lengths are too flat to determine a circle or sphere.
 const FLAT: f64 = 1e-6;
 
-/// Directions from the centre need less room: a cap of 5 degrees has a scatter of 10^-6 along its
-/// axis.
+/// The limit for directions from the centre is lower: a cap of 5 degrees has a scatter of 10^-6
+/// along its axis.
 const NARROW: f64 = 1e-9;
 
 pub(crate) fn fit_round(
@@ -168,8 +174,8 @@ pub(crate) fn fit_round(
     Err(FitError::NoFit)
 }
 
-/// The centre that makes the squares of the distances most alike: `sum z z^T c = sum z |z|^2 / 2`
-/// about the centroid.
+/// Returns the centre for which the squares of the distances differ least:
+/// `sum z z^T c = sum z |z|^2 / 2` about the centroid.
 fn algebraic(
     offsets: impl Iterator<Item = [f64; 3]>,
     axis: Option<[f64; 3]>,
@@ -179,8 +185,8 @@ fn algebraic(
         outer(&mut scatter, 1.0, offset, offset);
         right = add(right, dot(offset, offset) / 2.0, offset);
     }
-    // Nothing is known along the axis, and nothing asked: the centre stays at the centroid's
-    // height.
+    // The height along the axis is neither known nor needed: the centre stays at the height of the
+    // centroid.
     if let Some(axis) = axis {
         let size = trace(&scatter);
         outer(&mut scatter, size, axis, axis);
@@ -188,8 +194,8 @@ fn algebraic(
     solve(scatter, right, FLAT).ok_or(FitError::Undetermined)
 }
 
-/// One step of Gauss-Newton: with `u` the directions from the centre and `d` the distances, both
-/// less their means, `sum u u^T shift = sum u d`. The mean of the distances is the radius.
+/// Computes one step of Gauss-Newton, `sum u u^T shift = sum u d`. `u` are the directions from the
+/// centre and `d` the distances, each minus its mean. The mean of the distances is the radius.
 fn improve(
     offsets: impl Iterator<Item = [f64; 3]> + Clone,
     count: f64,
@@ -215,7 +221,7 @@ fn improve(
     if let Some(axis) = axis {
         outer(&mut scatter, count, axis, axis);
     }
-    // A point in the centre makes it NaN, which `solve` refuses.
+    // A point at the centre makes the matrix NaN, which `solve` rejects.
     let shift = solve(scatter, right, NARROW).ok_or(FitError::Undetermined)?;
     Ok((shift, radius))
 }

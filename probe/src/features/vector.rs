@@ -1,10 +1,10 @@
-//! Vectors of floats, and points as differences to their centroid.
+//! Float vectors, and points as differences to their centroid.
 
 use super::FitError;
 use crate::UnitVector;
 use crate::unit_vector::{minus, plus};
 
-/// `a > b`; `false` where one of them is no number.
+/// Returns `a > b`; `false` if one of them is not a number.
 pub(crate) fn exceeds(a: f64, b: f64) -> bool {
     a > b
 }
@@ -17,7 +17,7 @@ pub(crate) fn length(a: [f64; 3]) -> f64 {
     libm::sqrt(dot(a, a))
 }
 
-/// `a + factor b`.
+/// Returns `a + factor b`.
 pub(crate) fn add<const N: usize>(mut a: [f64; N], factor: f64, b: [f64; N]) -> [f64; N] {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
     a
@@ -35,23 +35,23 @@ pub(crate) fn outer<const N: usize>(
     }
 }
 
-/// The floats of a direction, of length 1 to their last bit.
+/// Converts a direction to floats with length 1 to the last bit.
 pub(crate) fn unit(direction: &UnitVector) -> [f64; 3] {
     let floats = direction.to_floats();
     floats.map(|component| component / length(floats))
 }
 
-/// `a` without its part along `axis`, where there is one.
+/// Returns `a` without its part along `axis`, if there is one.
 pub(crate) fn projected(a: [f64; 3], axis: Option<[f64; 3]>) -> [f64; 3] {
     axis.map_or(a, |axis| add(a, -dot(a, axis), axis))
 }
 
-/// The way from `origin` to `point`, exact up to 2^53 nm.
+/// Returns the vector from `origin` to `point`, exact up to 2^53 nm.
 pub(crate) fn difference(point: [i64; 3], origin: [i64; 3]) -> [f64; 3] {
     minus(point, origin).map(|component| component as f64)
 }
 
-/// The point at `offset` from `origin`, to the nearest nm; the cast saturates.
+/// Returns the point at `offset` from `origin`, to the nearest nm. The cast saturates.
 pub(crate) fn to_nm(origin: [i64; 3], offset: [f64; 3]) -> [i64; 3] {
     plus(
         origin,
@@ -59,11 +59,11 @@ pub(crate) fn to_nm(origin: [i64; 3], offset: [f64; 3]) -> [i64; 3] {
     )
 }
 
-/// Where points lie on average.
+/// Centroid of points.
 #[derive(Copy, Clone)]
 pub(crate) struct Centroid {
     pub origin: [i64; 3],
-    /// From `origin`.
+    /// Relative to `origin`.
     pub mean: [f64; 3],
     pub count: u32,
 }
@@ -89,17 +89,17 @@ impl Centroid {
         })
     }
 
-    /// A point from the centroid.
+    /// Returns a point relative to the centroid.
     pub fn offset(&self, point: [i64; 3]) -> [f64; 3] {
         add(difference(point, self.origin), -1.0, self.mean)
     }
 
-    /// The point at `offset` from the centroid.
+    /// Returns the point at `offset` from the centroid.
     pub fn point_nm(&self, offset: [f64; 3]) -> [i64; 3] {
         to_nm(self.origin, add(self.mean, 1.0, offset))
     }
 
-    /// Sum of the products of the coordinates, about the centroid.
+    /// Returns the sums of the products of the coordinates, about the centroid.
     pub fn scatter(&self, points: impl Iterator<Item = [i64; 3]>) -> [[f64; 3]; 3] {
         let mut scatter = [[0.0; 3]; 3];
         for point in points {

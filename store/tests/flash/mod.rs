@@ -1,16 +1,16 @@
-//! A flash of sectors in RAM: bits fall from 1 to 0, a sector rises at once, and power may fail at
-//! any operation.
+//! A simulated flash of sectors in RAM. A write clears bits, an erase sets all bits of a sector,
+//! and power may fail in any operation.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-/// What goes wrong.
+/// Failures of the flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// Not aligned, outside, or written twice.
+    /// An access that is not aligned, is outside, or writes a unit twice.
     Misused,
-    /// Power has failed: nothing works any more.
+    /// Power has failed: every operation fails.
     Power,
 }
 
@@ -20,14 +20,15 @@ impl NorFlashError for Failure {
     }
 }
 
-/// Written in units of `UNIT` bytes, each once after its sector was erased; read in units of four.
+/// Flash with write units of `UNIT` bytes and read units of four. Each unit is written once after
+/// its sector is erased.
 #[derive(Clone, Debug)]
 pub struct Flash<const UNIT: usize> {
     pub bytes: Vec<u8>,
-    /// Which units were written.
+    /// The units that are written.
     written: Vec<bool>,
-    /// Operations (the erasing of a sector, the writing of a unit) until power fails, and what is
-    /// left of the one it fails in.
+    /// Number of operations (erase of a sector, write of a unit) before power fails, and the seed
+    /// of the bits that the failed operation leaves.
     pub power: Option<(usize, u64)>,
 }
 
@@ -41,7 +42,7 @@ impl<const UNIT: usize> Flash<UNIT> {
         }
     }
 
-    /// Counts an operation; the random bits where power fails in it.
+    /// Counts an operation. Returns the seed of random bits if power fails in it.
     fn operate(&mut self) -> Result<Option<u64>, Failure> {
         match &mut self.power {
             None => Ok(None),
@@ -55,7 +56,7 @@ impl<const UNIT: usize> Flash<UNIT> {
     }
 }
 
-/// The next of a row of random numbers (Marsaglia 2003).
+/// Returns the next random number of a sequence (Marsaglia 2003).
 fn random(seed: &mut u64) -> u8 {
     *seed ^= *seed << 13;
     *seed ^= *seed >> 7;
@@ -100,7 +101,7 @@ impl<const UNIT: usize> NorFlash for Flash<UNIT> {
             let range = sector as usize * 256..(sector as usize + 1) * 256;
             let failed = self.operate()?;
             for byte in &mut self.bytes[range.clone()] {
-                // Some bits have risen.
+                // Some bits are set already.
                 *byte = failed.map_or(0xff, |mut seed| *byte | random(&mut seed));
             }
             if let Some(mut seed) = failed {
@@ -130,7 +131,7 @@ impl<const UNIT: usize> NorFlash for Flash<UNIT> {
             let failed = self.operate()?;
             let mut seed = failed.unwrap_or(1);
             for (place, byte) in self.bytes[at..].iter_mut().zip(unit) {
-                // Some bits have fallen.
+                // Some bits are cleared already.
                 *place &= if failed.is_some() {
                     byte | random(&mut seed)
                 } else {
