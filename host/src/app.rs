@@ -266,6 +266,7 @@ fn ended(result: Result<(), Stopped>) -> Result<u8, Failure> {
             eprintln!("{message}");
             Ok(ERRORS)
         }
+        Err(Stopped::Output(error)) => Err(error.into()),
         Err(Stopped::Told(status)) => Ok(status),
     }
 }

@@ -35,7 +35,7 @@ use client::{Client, Trouble};
 use device::Device;
 pub use device::STROKE_STEPS;
 use sender::{End, Operator, Sender};
-use std::io::Write;
+use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -181,13 +181,13 @@ fn unreached(trouble: Trouble) -> String {
 ///
 /// # Errors
 ///
-/// A sentence about the terminal.
+/// The port, the file of steps or `out`, named in the error.
 #[cfg(unix)]
 pub fn emulate(
     args: &crate::cli::Emulate,
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
-) -> Result<(), String> {
+) -> io::Result<()> {
     let baud = args.baud.unwrap_or(BAUD);
     let mut device = Device::new(baud, args.faithful);
     if steps.is_some() {

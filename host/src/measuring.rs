@@ -32,7 +32,7 @@ use interrupt::{INTERRUPTED, Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::{AnyPort, Session};
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 
 /// How a command on a measuring machine ended without being done.
 pub enum Stopped {
@@ -42,6 +42,8 @@ pub enum Stopped {
     File(LoadError),
     /// Something on the machine.
     Machine(String),
+    /// The results cannot be written.
+    Output(io::Error),
     /// All is told; this is the exit status.
     Told(u8),
 }
@@ -191,14 +193,14 @@ fn measure_by(
         }
         result => result.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
     }
-    written.map_err(|error| Stopped::Usage(error.to_string()))?;
+    // A reader that has gone away hides nothing of what happened at the machine.
     if has_collided {
         return Err(Stopped::Told(COLLISION));
     }
     if is_refused {
         return Err(Stopped::Told(TROUBLE));
     }
-    Ok(())
+    written.map_err(Stopped::Output)
 }
 
 /// Actions as they are typed, line by line, until `end` or the end of the input. A line that is not
@@ -260,7 +262,7 @@ fn prepared(
             false => TROUBLE,
         })
     })?;
-    written.map_err(|error| Stopped::Usage(error.to_string()))?;
+    written.map_err(Stopped::Output)?;
     Ok(session.stylus())
 }
 
@@ -373,8 +375,12 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let name = format!("{}: {} {modules}", machine.title, versions.len());
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
     let heading = [&name[..], &hint, emulated::PANEL];
-    crate::emulate::terminal::serve(&mut emulated, args, None, out, heading)
-        .map_err(|error| Stopped::Machine(format!("error: {error}")))
+    crate::emulate::terminal::serve(&mut emulated, args, None, out, heading).map_err(|error| {
+        match error.kind() {
+            ErrorKind::BrokenPipe => Stopped::Output(error),
+            _ => Stopped::Machine(format!("error: {error}")),
+        }
+    })
 }
 
 /// `husillo emulate`, where there are no pseudo-terminals.

@@ -25,7 +25,7 @@ use client::Client;
 use crew::Worker;
 use device::Device;
 use figure::Figure;
-use std::io::Write;
+use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -221,21 +221,18 @@ fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, S
 ///
 /// # Errors
 ///
-/// A sentence about the figure or the terminal.
+/// The figure, the port, the file of steps or `out`, named in the error.
 #[cfg(unix)]
 pub fn emulate(
     args: &crate::cli::Emulate,
     settings: &Settings,
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
-) -> Result<(), String> {
-    let mut device = Device::new(
-        settings,
-        &figure_of(args.figure.as_deref(), settings)?,
-        !args.faithful,
-        args.baud.unwrap_or(BAUD),
-        args.machines,
-    )?;
+) -> io::Result<()> {
+    let figure = figure_of(args.figure.as_deref(), settings).map_err(io::Error::other)?;
+    let baud = args.baud.unwrap_or(BAUD);
+    let device = Device::new(settings, &figure, !args.faithful, baud, args.machines);
+    let mut device = device.map_err(io::Error::other)?;
     if steps.is_some() {
         device = device.with_rows();
     }

@@ -47,13 +47,13 @@ pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
 ///
 /// # Errors
 ///
-/// A sentence about the port.
+/// The port, the file of steps or `out`, named in the error.
 #[cfg(unix)]
 pub fn emulate(
     args: &crate::cli::Emulate,
     steps: Option<Box<dyn io::Write>>,
     out: &mut dyn io::Write,
-) -> Result<(), String> {
+) -> io::Result<()> {
     let baud = args.baud.unwrap_or(BAUD);
     let mut device = Device::new(baud);
     if steps.is_some() {

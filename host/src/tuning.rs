@@ -17,7 +17,7 @@ use husillo_metrology::tuning::{
 use husillo_pid::tuning::Rule;
 use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::Gains;
-use std::io::Write;
+use std::io::{self, Write};
 
 /// Runs the experiment, prints what it found to `out`, and puts the page into `page`.
 ///
@@ -45,15 +45,13 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
         Err(failed) => Some(message(failed, &outcome)),
     };
     outcome.aborted = result.is_err().then(|| message.clone()).flatten();
-    match args.format {
+    let written = match args.format {
         Output::Text => write!(out, "{}", listing::text(&outcome)),
         Output::Json => serde_json::to_string_pretty(&outcome)
-            .map_err(|error| error.to_string())
-            .and_then(|json| writeln!(out, "{json}").map_err(|error| error.to_string()))
-            .map_err(std::io::Error::other),
+            .map_err(io::Error::from)
+            .and_then(|json| writeln!(out, "{json}")),
     }
-    .and_then(|()| out.flush())
-    .map_err(|error| Stopped::Usage(error.to_string()))?;
+    .and_then(|()| out.flush());
     *page = page::html(&outcome, &stand.traces);
     match message {
         Some(message) if interrupt.has_stopped() => {
@@ -61,7 +59,7 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
             Err(Stopped::Told(INTERRUPTED))
         }
         Some(message) => Err(Stopped::Machine(format!("error: {message}"))),
-        None => Ok(()),
+        None => written.map_err(Stopped::Output),
     }
 }
 

@@ -812,3 +812,22 @@ fn an_emulation_ends_and_takes_its_link_away() {
         .code(2)
         .stderr(contains("expected servo:4"));
 }
+
+#[test]
+fn a_reader_that_is_gone_is_no_error() {
+    let status = ["measure", "-m", "cmm", "status"];
+    let step = ["tune", "-m", "cmm", "--method", "step"];
+    for args in [&status[..], &step[..]] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(args)
+            .stdin(std::process::Stdio::null())
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{args:?}");
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+    }
+}

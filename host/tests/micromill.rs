@@ -134,3 +134,16 @@ fn a_simulated_mill_makes_each_step() {
         .success()
         .stdout(predicates::str::contains("7143, each as in the simulator"));
 }
+
+#[test]
+fn a_program_without_a_command_is_not_sent() {
+    for (name, text) in [("none.nc", "(only a comment)\n"), ("empty.nc", "")] {
+        husillo()
+            .args(["send", "-m", "micromill"])
+            .arg(file(name, text))
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(predicates::str::contains("no command for the mill"));
+    }
+}

@@ -46,6 +46,12 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
+    if made.lines.is_empty() {
+        return Err(Failure::Usage(format!(
+            "{}: no command for the mill",
+            job.name()
+        )));
+    }
     let baud = args.baud.unwrap_or(micromill::BAUD);
     let stop = stop_flag()?;
     let wire = micromill::open(port, baud)?;

@@ -78,6 +78,14 @@ pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     args
 }
 
+/// An address to listen at; the name of a host is looked up later.
+fn address(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.into()),
+        _ => Err("expected HOST:PORT, as in localhost:7000".into()),
+    }
+}
+
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
@@ -108,8 +116,8 @@ pub struct Emulate {
     #[arg(long, value_name = "PATH", required_unless_present = "listen")]
     pub link: Option<String>,
     /// Address for clients to connect to, as tcp:HOST:PORT; port 0 chooses a free one
-    #[arg(long, value_name = "IP:PORT", conflicts_with = "link")]
-    pub listen: Option<std::net::SocketAddr>,
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "link", value_parser = address)]
+    pub listen: Option<String>,
     /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT;
     /// may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
@@ -144,7 +152,7 @@ impl Emulate {
 
     /// The port, as it was asked for.
     pub fn port(&self) -> String {
-        match (&self.link, self.listen) {
+        match (&self.link, &self.listen) {
             (Some(link), _) => link.clone(),
             (None, Some(address)) => format!("tcp:{address}"),
             (None, None) => String::new(),

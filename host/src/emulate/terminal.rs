@@ -6,7 +6,7 @@ use crate::link::port;
 use crate::link::stop::stop_flag;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,37 +34,51 @@ struct Pace {
 ///
 /// # Errors
 ///
-/// A sentence about the port.
+/// The port, the file of steps or `out`: each error names what it is about. Its kind is
+/// [`ErrorKind::BrokenPipe`] only where the reader of `out` has gone.
 pub fn serve<E: Emulation>(
     device: &mut E,
     args: &Emulate,
     steps: Option<Box<dyn Write>>,
     out: &mut dyn Write,
     [name, hint, panel]: [&str; 3],
-) -> Result<(), String> {
+) -> io::Result<()> {
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),
-        is_over: stop_flag()?,
+        is_over: stop_flag().map_err(io::Error::other)?,
     };
     let asked = args.port();
-    let outlet = match (&args.link, args.listen) {
+    let outlet = match (&args.link, &args.listen) {
         (Some(link), _) => Outlet::terminal(Path::new(link)),
         (None, Some(address)) => Outlet::socket(address),
         (None, None) => Err(ErrorKind::InvalidInput.into()),
     };
-    outlet
-        .and_then(|outlet| {
-            let port = outlet.port()?;
-            let hint = hint.replace("{port}", &port);
-            writeln!(
-                out,
-                "{name} at {port}; Ctrl-C ends it\nConnect: {hint}\nPanel: {panel}"
-            )?;
-            out.flush()?;
-            Server { outlet, steps }.run(device, &pace, out)
-        })
-        .map_err(|error| format!("{asked}: {error}"))
+    let opened = outlet.and_then(|outlet| Ok((outlet.port()?, outlet)));
+    let (port, outlet) = opened.map_err(|error| of_port(&asked, &error))?;
+    let hint = hint.replace("{port}", &port);
+    let heading = format!("{name} at {port}; Ctrl-C ends it\nConnect: {hint}\nPanel: {panel}");
+    let mut server = Server {
+        outlet,
+        asked,
+        steps,
+    };
+    print(out, &[heading])?;
+    server.run(device, &pace, out)
+}
+
+/// Prints lines at once.
+fn print(out: &mut dyn Write, lines: &[String]) -> io::Result<()> {
+    let mut lines = lines.iter();
+    let written = lines.try_for_each(|line| writeln!(out, "{line}"));
+    written
+        .and_then(|()| out.flush())
+        .map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}")))
+}
+
+/// The error of a port, by the name that was asked for.
+fn of_port(asked: &str, error: &io::Error) -> io::Error {
+    io::Error::other(format!("{asked}: {error}"))
 }
 
 /// Where clients connect.
@@ -103,7 +117,7 @@ impl Outlet {
     }
 
     /// A socket that listens; port 0: a free one.
-    fn socket(address: SocketAddr) -> io::Result<Self> {
+    fn socket(address: &str) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
         Ok(Self::Socket {
@@ -183,6 +197,8 @@ impl Drop for Outlet {
 /// A device that is served.
 struct Server {
     outlet: Outlet,
+    /// The port, as it was asked for.
+    asked: String,
     /// What the device makes goes there.
     steps: Option<Box<dyn Write>>,
 }
@@ -204,13 +220,15 @@ impl Server {
             is_late || pace.is_over.load(Ordering::Relaxed)
         };
         while !is_over() {
-            for byte in self.outlet.read()? {
+            let received = self.outlet.read();
+            for byte in received.map_err(|error| of_port(&self.asked, &error))? {
                 if is_plugged {
                     device.send(byte);
                 }
             }
+            let mut shown = Vec::new();
             while let Ok(line) = panel.try_recv() {
-                writeln!(out, "{}", typed(device, line.trim(), &mut is_plugged))?;
+                shown.push(typed(device, line.trim(), &mut is_plugged));
             }
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
             let behind = (periods as u64).saturating_sub(done + left_out);
@@ -219,17 +237,18 @@ impl Server {
                 done += 1;
                 let bytes = device.tick();
                 if !bytes.is_empty() && is_plugged {
-                    self.outlet.write(&bytes)?;
+                    let written = self.outlet.write(&bytes);
+                    written.map_err(|error| of_port(&self.asked, &error))?;
                 }
             }
-            for line in device.tell() {
-                writeln!(out, "{line}")?;
-            }
-            out.flush()?;
+            shown.extend(device.tell());
+            print(out, &shown)?;
             if let Some(steps) = &mut self.steps {
-                steps.write_all(device.made().as_bytes())?;
-                // Somebody may read it as it grows.
-                steps.flush()?;
+                let written = steps.write_all(device.made().as_bytes());
+                // Somebody may read it as it grows. The error names the file.
+                written
+                    .and_then(|()| steps.flush())
+                    .map_err(|error| io::Error::other(error.to_string()))?;
             }
         }
         Ok(())

@@ -58,7 +58,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
         fit.places,
         axis_lines(letter, &fit.table)
     )
-    .map_err(failed)
+    .map_err(Stopped::Output)
 }
 
 /// `husillo calibrate squareness`: the lines go to `out`.
@@ -106,15 +106,15 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
         places.len(),
         fit.length / 1e6
     )
-    .map_err(failed)?;
+    .map_err(Stopped::Output)?;
     for plane in fit.unknown() {
         writeln!(
             out,
             "# {plane} is not known: the bar did not lie along both diagonals"
         )
-        .map_err(failed)?;
+        .map_err(Stopped::Output)?;
     }
-    write!(out, "{}", squareness_lines(&fit.squareness)).map_err(failed)
+    write!(out, "{}", squareness_lines(&fit.squareness)).map_err(Stopped::Output)
 }
 
 fn load(name: &str) -> Result<Machine, Stopped> {
@@ -144,8 +144,4 @@ fn amount(machine: &Machine, text: &str) -> Result<i64, String> {
     let quantity = machine.scale.parse(text)?;
     let amount = machine.scale.amount(quantity);
     amount.ok_or_else(|| format!("`{text}` is no length"))
-}
-
-fn failed(error: std::io::Error) -> Stopped {
-    Stopped::Usage(error.to_string())
 }

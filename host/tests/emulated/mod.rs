@@ -46,16 +46,14 @@ impl Emulated {
 
     /// One that listens on a socket; what a client opens is `tcp:HOST:PORT`.
     pub fn listening(machine: &str, args: &[&str]) -> Emulated {
+        Self::listening_at("127.0.0.1:0", machine, args)
+    }
+
+    /// The same at an address.
+    pub fn listening_at(address: &str, machine: &str, args: &[&str]) -> Emulated {
         let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args([
-                "emulate",
-                machine,
-                "--for",
-                "120",
-                "--listen",
-                "127.0.0.1:0",
-            ])
+            .args(["emulate", machine, "--for", "120", "--listen", address])
             .args(args)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
