@@ -5,7 +5,7 @@
 mod common;
 mod emulated;
 
-use common::signal;
+use common::{husillo, signal, written};
 use emulated::Emulated;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
@@ -16,11 +16,21 @@ struct Session {
     machine: &'static str,
     /// Times real time.
     speed: &'static str,
-    /// Moves from home, and what the panel reports after them.
-    moves: [&'static str; 2],
+    /// Moves after the job, and what the panel reports after them.
+    moves: &'static [&'static str],
     place: &'static str,
     /// A jog that lasts longer than the test.
     jog: [&'static str; 2],
+    job: Job,
+}
+
+/// A program for a homed machine.
+struct Job {
+    file: &'static str,
+    program: &'static str,
+    options: &'static [&'static str],
+    /// What `send` prints at its end.
+    printed: &'static str,
 }
 
 /// Checks a machine behind both kinds of port; behind a pseudo-terminal where there are some.
@@ -29,10 +39,16 @@ fn check(session: &Session) {
     let args = ["--speed", session.speed];
     let terminal = Emulated::new(session.machine, session.machine, &args);
     let socket = Emulated::listening(session.machine, &args);
-    for mut device in terminal.into_iter().chain([socket]) {
-        is_homed_and_moved(session, &mut device);
+    // A pseudo-terminal is locked by its client; a socket is closed by the emulation.
+    let locked = "another program has this port open";
+    let closed = "the other end closed the connection: is another client connected?";
+    let terminal = terminal.map(|device| (device, locked));
+    for (mut device, refusal) in terminal.into_iter().chain([(socket, closed)]) {
+        well(session, &device, &["home"]);
+        a_job_is_made(session, &device);
+        is_moved(session, &mut device);
         ctrl_c_stops_it(session, &mut device);
-        a_second_client_is_turned_away(session, &mut device);
+        a_second_client_is_turned_away(session, &mut device, refusal);
         the_next_client_takes_over_from_a_killed_one(session, &mut device);
     }
 }
@@ -42,9 +58,16 @@ fn a_session_with_the_micro_mill() {
     check(&Session {
         machine: "micromill",
         speed: "2",
-        moves: ["y", "30"],
+        // The job leaves Y where it was.
+        moves: &["y", "30"],
         place: "y 30 z 0 steps from machine zero",
         jog: ["x+", "60s"],
+        job: Job {
+            file: "clients.mm",
+            program: "G00X00020.00;\n",
+            options: &["--no-home"],
+            printed: "each as in the simulator",
+        },
     });
 }
 
@@ -53,9 +76,15 @@ fn a_session_with_the_drill() {
     check(&Session {
         machine: "drill",
         speed: "8",
-        moves: ["y", "30"],
+        moves: &["home", "y", "30"],
         place: "y 30 steps from home",
         jog: ["x+", "60s"],
+        job: Job {
+            file: "clients.nc",
+            program: "%\nG21\nG90\nX1 Y0.5\n%\n",
+            options: &[],
+            printed: "1 hole drilled",
+        },
     });
 }
 
@@ -64,9 +93,15 @@ fn a_session_with_the_microfactory() {
     check(&Session {
         machine: "microfactory",
         speed: "2",
-        moves: ["y", "30"],
-        place: "y 30 z 0 spindle 0 steps, from home",
+        moves: &["home", "y", "30"],
+        place: "x 0 y 30 z 0 spindle ",
         jog: ["x+", "60s"],
+        job: Job {
+            file: "clients.fig",
+            program: "20 10\n0 -10\n-20 0\n",
+            options: &["--no-home"],
+            printed: "2 of 2 actions",
+        },
     });
 }
 
@@ -130,9 +165,8 @@ fn stands(device: &mut Emulated, within: Duration) -> String {
     }
 }
 
-fn is_homed_and_moved(session: &Session, device: &mut Emulated) {
-    well(session, device, &["home"]);
-    well(session, device, &session.moves);
+fn is_moved(session: &Session, device: &mut Emulated) {
+    well(session, device, session.moves);
     let place = device.type_line("where", "lost");
     assert!(
         place.contains(session.place),
@@ -143,6 +177,18 @@ fn is_homed_and_moved(session: &Session, device: &mut Emulated) {
     assert!(is_whole, "{}: {place}", session.machine);
 }
 
+fn a_job_is_made(session: &Session, device: &Emulated) {
+    let job = &session.job;
+    let output = husillo()
+        .args(["send", "-m", session.machine, "--port", device.port()])
+        .arg(written(job.file, job.program))
+        .args(job.options)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    assert!(text(&output).contains(job.printed), "{}", text(&output));
+}
+
 fn ctrl_c_stops_it(session: &Session, device: &mut Emulated) {
     let child = begin(session, device);
     signal(&child, "INT");
@@ -151,15 +197,12 @@ fn ctrl_c_stops_it(session: &Session, device: &mut Emulated) {
     stands(device, Duration::from_millis(900));
 }
 
-fn a_second_client_is_turned_away(session: &Session, device: &mut Emulated) {
+fn a_second_client_is_turned_away(session: &Session, device: &mut Emulated, refusal: &str) {
     let child = begin(session, device);
-    let second = jog(session, device, &session.moves).output().unwrap();
-    assert!(
-        !second.status.success(),
-        "{}: {}",
-        session.machine,
-        text(&second)
-    );
+    let second = jog(session, device, session.moves).output().unwrap();
+    let errors = String::from_utf8_lossy(&second.stderr);
+    assert!(!second.status.success(), "{}", session.machine);
+    assert!(errors.contains(refusal), "{}: {errors}", session.machine);
     // The first one has not heard of it.
     moves(device);
     signal(&child, "INT");
@@ -172,5 +215,6 @@ fn the_next_client_takes_over_from_a_killed_one(session: &Session, device: &mut 
     child.wait().unwrap();
     // A drill carries out the words that it has; the others have a lease.
     stands(device, Duration::from_secs(20));
-    is_homed_and_moved(session, device);
+    well(session, device, &["home"]);
+    is_moved(session, device);
 }

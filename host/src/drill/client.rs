@@ -25,21 +25,21 @@ const UNANSWERED: u32 = 5;
 const RECORD: Duration = Duration::from_secs(180);
 
 /// How a step did not go well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Trouble {
     /// The link, or the device.
     Link(Failure),
     /// Stopped on request.
     Stopped,
-    /// The port failed: unplugged at this end.
-    Port(std::io::ErrorKind),
+    /// The port failed: why.
+    Port(String),
     /// The device cannot do this now.
     Refused(Refused),
 }
 
 impl Trouble {
     /// A sentence.
-    pub fn text(self) -> String {
+    pub fn text(&self) -> String {
         match self {
             Trouble::Link(Failure::Silent) => {
                 "no answer: the drill is off or unplugged, stands for a fault, or a byte was lost"
@@ -69,7 +69,7 @@ impl Trouble {
                 "the drill's memory has no room for another hole".into()
             }
             Trouble::Stopped => "stopped".into(),
-            Trouble::Port(kind) => format!("the port failed: {kind}"),
+            Trouble::Port(why) => format!("the port failed: {why}"),
             Trouble::Refused(refused) => format!("not done: {refused}"),
         }
     }
@@ -339,13 +339,13 @@ impl Client {
     fn put(&mut self, byte: u8) -> Result<(), Trouble> {
         self.wire
             .send(byte)
-            .map_err(|error| Trouble::Port(error.kind()))
+            .map_err(|error| Trouble::Port(error.to_string()))
     }
 
     /// Waits for a byte.
     fn listen(&mut self, within: Duration) -> Result<(), Trouble> {
         let byte = self.wire.receive(within);
-        if let Some(byte) = byte.map_err(|error| Trouble::Port(error.kind()))? {
+        if let Some(byte) = byte.map_err(|error| Trouble::Port(error.to_string()))? {
             self.text.push(byte);
             let now = self.now_us();
             self.host.push(byte, now);

@@ -3,6 +3,7 @@
 use super::client::{Client, Trouble};
 use super::duration::{seconds, spoken, way_s};
 use super::part::Part;
+use crate::holes::count;
 use husillo_gcode::Nm;
 use husillo_transports::drill::{MEMORY_BYTES, Record, Step};
 use std::time::Duration;
@@ -180,9 +181,9 @@ impl<O: Operator> Sender<'_, O> {
                 Ended::After(trouble) => return Ok(self.stopped(load, trouble)),
             }
             self.operator.tell(&format!(
-                "{}: {} holes drilled",
+                "{}: {} drilled",
                 part.name(),
-                load.holes([load.seconds.len(); 2])[0]
+                count(load.holes([load.seconds.len(); 2])[0], "hole")
             ));
         }
         Ok(End::Drilled)
@@ -193,7 +194,8 @@ impl<O: Operator> Sender<'_, O> {
     fn loads(&self) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
-            return Err(format!("--from {}: there are {all} holes", self.from + 1));
+            let all = count(all, "hole");
+            return Err(format!("--from {}: the program has {all}", self.from + 1));
         }
         let mut before = 0;
         let mut loads = Vec::new();
@@ -414,7 +416,7 @@ impl Reckoning {
 /// What to say of an end, and how to go on: `again` is the command as it was given, without --from.
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
-        End::Drilled => format!("{all} holes drilled"),
+        End::Drilled => format!("{} drilled", count(all, "hole")),
         End::Detached => "it has started, and drills by itself from here".into(),
         End::Failed(Failed { why, done, begun }) => {
             let next = done + 1;

@@ -86,7 +86,7 @@ impl Port {
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::Serial(port, _) => port.write_all(bytes),
-            Self::Network(socket, _) => socket.write_all(bytes),
+            Self::Network(socket, _) => socket.write_all(bytes).map_err(closed),
         }
     }
 
@@ -106,7 +106,7 @@ impl Port {
             }
             Self::Network(socket, _) => {
                 socket.set_read_timeout(Some(wait))?;
-                read(socket)
+                read(socket).map_err(closed)
             }
         }
     }
@@ -152,6 +152,18 @@ fn taken() -> io::Error {
         ErrorKind::ResourceBusy,
         "another program has this port open",
     )
+}
+
+/// The error of a socket. A server that serves one client at a time, as `husillo emulate` does,
+/// closes the connection of a second one.
+fn closed(error: io::Error) -> io::Error {
+    match error.kind() {
+        ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe => {
+            let message = "the other end closed the connection: is another client connected?";
+            io::Error::new(error.kind(), message)
+        }
+        _ => error,
+    }
 }
 
 /// What has come; nothing where the time ran out.
