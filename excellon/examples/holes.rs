@@ -1,10 +1,10 @@
-//! Lists the holes of a drill file:
-//! `cargo run -p husillo-excellon --example holes -- FILE [--time]`.
+//! Lists the holes of a drill file: `cargo run -p husillo-excellon --example holes -- FILE
+//! [--time]`.
 
 use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::time::Instant;
 
-/// Both passes over the text; each feature goes to `found`.
+/// Runs both passes over the text and passes each feature to `found`.
 fn read(text: &[u8], mut found: impl FnMut(&Feature)) {
     let mut inference = Inference::new();
     for (_, line) in lines(text) {

@@ -1,20 +1,21 @@
-//! What can be wrong with a line of a drill file, and what is only worth saying.
+//! Errors and warnings of lines of a drill file.
 
 use core::fmt;
 
-/// An error of one line: its kind and the bytes it is about, `at..end`, counted from 0 in the line.
+/// An error of one line: its kind and the bytes `at..end` that it concerns, counted from 0 in the
+/// line.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Error {
-    /// What is wrong.
+    /// The kind of the error.
     pub kind: ErrorKind,
-    /// First byte concerned, 0-based; at most the length of the line.
+    /// First byte concerned, 0-based, at most the length of the line.
     pub at: usize,
-    /// One behind the last byte concerned; `at <= end`.
+    /// End of the bytes concerned, exclusive; `at <= end`.
     pub end: usize,
 }
 
-/// The kinds of error. Letters are upper case; [`ErrorKind::code`] is the number of the host's
+/// The kinds of error. Letters are upper case. [`ErrorKind::code`] is the number of the host's
 /// message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -22,41 +23,41 @@ pub struct Error {
 pub enum ErrorKind {
     /// A byte that cannot start a word.
     NotALetter(u8),
-    /// A byte that is no text: binary (EIA) files are not taken.
+    /// A byte that is not text. Binary (EIA) files are not supported.
     NotText(u8),
-    /// A command of Gerber: the file holds no drill data.
+    /// A Gerber command: the file holds no drill data.
     Gerber,
     /// A word without a number.
     MissingNumber(u8),
     /// A second point in a number.
     MalformedNumber,
-    /// A number beyond what can be represented: a coordinate beyond
-    /// [`LIMIT_NM`](crate::LIMIT_NM), a tool above 65535, more than 9999 repeats.
+    /// A number out of range: a coordinate beyond [`LIMIT_NM`](crate::LIMIT_NM), a tool above
+    /// 65535, more than 9999 repeats.
     NumberTooLarge,
     /// A number of more than 18 digits.
     TooManyDigits,
-    /// A word that needs a whole number without sign.
+    /// A word that requires an integer without sign.
     NotWhole(u8),
-    /// A letter that is no word of a drill file.
+    /// A letter that is not a word of a drill file.
     UnknownWord(u8),
-    /// A G or M code that is not taken.
+    /// A G or M code that is not supported.
     UnknownCode(u8, u16),
-    /// A command name that is not known, outside a header.
+    /// An unknown command name outside a header.
     UnknownName,
-    /// A letter given twice.
+    /// A repeated letter.
     RepeatedWord(u8),
     /// A hole or a slot before any tool.
     NoTool,
-    /// A tool with a diameter that is not above zero.
+    /// A tool with a diameter of zero or less.
     NoDiameter,
-    /// Step and repeat: M01, M02, M08, M25 and what belongs to them, for a reader without patterns.
+    /// Step and repeat (M01, M02, M08, M25 and their codes), for a reader without patterns.
     StepAndRepeat,
-    /// Step and repeat out of its order: M25, the pattern, M01, an M02 for each copy, M08. Or `R0`
-    /// with M02.
+    /// Step and repeat out of order. The order is M25, the pattern, M01, an M02 for each copy, M08.
+    /// Also `R0` with M02.
     PatternOrder,
     /// `R` without a hole before it.
     NothingToRepeat,
-    /// `R` beside a slot or in a rout.
+    /// `R` with a slot or in a rout.
     RepeatOfSlot,
     /// More tools than the reader has room for.
     TooManyTools,
@@ -69,7 +70,7 @@ pub enum ErrorKind {
 }
 
 impl ErrorKind {
-    /// The number of the message: 901 for E0901.
+    /// Returns the number of the message: 901 for E0901.
     pub const fn code(self) -> u16 {
         match self {
             ErrorKind::NotALetter(_) => 101,
@@ -110,7 +111,7 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NotWhole(letter) => {
                 return write!(
                     f,
-                    "`{}` takes a whole number without sign",
+                    "`{}` requires an integer without sign",
                     char::from(letter)
                 );
             }
@@ -118,7 +119,7 @@ impl fmt::Display for ErrorKind {
                 return write!(f, "unknown word `{}`", char::from(letter));
             }
             ErrorKind::UnknownCode(letter, number) => {
-                return write!(f, "`{}{number:02}` is not taken", char::from(letter));
+                return write!(f, "`{}{number:02}` is not supported", char::from(letter));
             }
             ErrorKind::RepeatedWord(letter) => {
                 return write!(f, "word `{}` repeated", char::from(letter));
@@ -130,13 +131,13 @@ impl fmt::Display for ErrorKind {
             ErrorKind::UnknownName => "unknown command",
             ErrorKind::NoTool => "hole before any tool",
             ErrorKind::NoDiameter => "tool diameter is not above zero",
-            ErrorKind::StepAndRepeat => "step and repeat is not taken",
+            ErrorKind::StepAndRepeat => "step and repeat is not supported",
             ErrorKind::PatternOrder => "step and repeat out of order",
             ErrorKind::NothingToRepeat => "`R` without a hole before it",
             ErrorKind::RepeatOfSlot => "`R` repeats holes, not slots",
             ErrorKind::TooManyTools => "too many tools",
-            ErrorKind::HalfSlot => "`G85` needs both ends of the slot",
-            ErrorKind::Origin => "an origin other than zero is not taken",
+            ErrorKind::HalfSlot => "`G85` requires both ends of the slot",
+            ErrorKind::Origin => "an origin other than zero is not supported",
             ErrorKind::NoCentre => "circular rout without a centre or a radius",
         };
         f.write_str(fixed)
@@ -151,41 +152,41 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// Something in a line that does not keep it from being read: what it is and the bytes it is about.
+/// A warning about a line that is read: its kind and the bytes it concerns.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Warning {
-    /// What is worth saying.
+    /// The kind of the warning.
     pub kind: WarningKind,
-    /// First byte concerned, 0-based; at most the length of the line.
+    /// First byte concerned, 0-based, at most the length of the line.
     pub at: usize,
-    /// One behind the last byte concerned; `at <= end`.
+    /// End of the bytes concerned, exclusive; `at <= end`.
     pub end: usize,
 }
 
-/// The kinds of warning; [`WarningKind::code`] is the number of the host's message.
+/// The kinds of warning. [`WarningKind::code`] is the number of the host's message.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum WarningKind {
-    /// A code that says nothing about holes.
+    /// A code without a meaning for holes.
     Ignored,
-    /// A name in a header that is not known.
+    /// An unknown name in a header.
     UnknownName,
-    /// A coordinate in a header: the header is taken to end before it.
+    /// A coordinate in a header. The header ends before it.
     HeaderNotEnded,
-    /// A tool that is defined again, with another diameter.
+    /// A tool that is redefined with another diameter.
     Redefined(u16),
-    /// A tool is chosen whose diameter nothing says.
+    /// A selected tool of unknown diameter.
     NoDiameter(u16),
-    /// A rout with the tool up: a move, no slot.
+    /// A rout with the tool up. It is a move and cuts no slot.
     ToolUp,
-    /// Text behind the end of the program.
+    /// Text after the end of the program.
     AfterEnd,
 }
 
 impl WarningKind {
-    /// The number of the message: 921 for W0921.
+    /// Returns the number of the message: 921 for W0921.
     pub const fn code(self) -> u16 {
         match self {
             WarningKind::Ignored => 921,
@@ -206,9 +207,9 @@ impl fmt::Display for WarningKind {
                 return write!(f, "tool T{tool} gets another diameter");
             }
             WarningKind::NoDiameter(tool) => {
-                return write!(f, "nothing says the diameter of tool T{tool}");
+                return write!(f, "the diameter of tool T{tool} is unknown");
             }
-            WarningKind::Ignored => "ignored: says nothing about holes",
+            WarningKind::Ignored => "ignored: has no meaning for holes",
             WarningKind::UnknownName => "unknown header command, ignored",
             WarningKind::HeaderNotEnded => "coordinate in a header that was not ended",
             WarningKind::ToolUp => "rout with the tool up: nothing is cut",

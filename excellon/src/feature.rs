@@ -1,4 +1,4 @@
-//! What a drill file makes: holes and slots.
+//! Features of a drill file: holes and slots.
 
 use crate::tool::Tool;
 
@@ -16,13 +16,14 @@ pub enum Feature {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hole {
-    /// X and Y of its middle, in nanometres.
+    /// X and Y of the centre, in nanometres.
     pub at_nm: [i64; 2],
     /// The tool with its diameter.
     pub tool: Tool,
 }
 
-/// A slot, or one piece of a longer rout: as wide as its tool, which goes from end to end.
+/// A slot, or one piece of a longer rout. It is as wide as its tool, which moves from one end to
+/// the other.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Slot {
@@ -30,28 +31,28 @@ pub struct Slot {
     pub from_nm: [i64; 2],
     /// X and Y of the other end, in nanometres.
     pub to_nm: [i64; 2],
-    /// The way between them.
+    /// The path between the ends.
     pub path: Path,
     /// The tool with its diameter.
     pub tool: Tool,
 }
 
-/// The way of a slot.
+/// The path of a slot.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Path {
     /// Straight: `G85`, or `G01` of a rout.
     Straight,
-    /// An arc of a given radius (`A`), of at most half a turn. Whether the ends are that near is
-    /// not checked.
+    /// An arc with a given radius (`A`) of at most half a turn. The reader does not check that the
+    /// radius spans the distance of the ends.
     Radius {
         /// `G02`; `G03` otherwise.
         clockwise: bool,
         /// Above zero, in nanometres.
         radius_nm: i64,
     },
-    /// An arc about a given centre (`I` and `J`, from the start). Whether the end is on it is not
-    /// checked.
+    /// An arc about a given centre (`I` and `J`, relative to the start). The reader does not check
+    /// that the end is on the arc.
     Centre {
         /// `G02`; `G03` otherwise.
         clockwise: bool,
@@ -60,7 +61,7 @@ pub enum Path {
     },
 }
 
-/// The features of one line, an iterator: none, one, or the holes of a repeat.
+/// Iterator over the features of one line: none, one, or the holes of a repeat.
 #[derive(Clone, Debug)]
 pub struct Features {
     next: Option<Feature>,
@@ -83,7 +84,7 @@ impl Features {
         }
     }
 
-    /// `count` holes, each `step` nanometres from the one before; the last one is within
+    /// Creates `count` holes, each `step` nanometres from the previous one. The last hole is within
     /// [`LIMIT_NM`](crate::LIMIT_NM), so all are.
     pub(crate) const fn repeated(first: Hole, step: [i64; 2], count: u16) -> Features {
         Features {
@@ -102,7 +103,7 @@ impl Iterator for Features {
         let feature = self.next?;
         if let Some(Feature::Hole(Hole { at_nm: [x, y], .. })) = &mut self.next {
             let [step_x, step_y] = self.step;
-            // Below 2^50 + 2^50.
+            // The sums are below 2^50 + 2^50.
             *x = x.wrapping_add(step_x);
             *y = y.wrapping_add(step_y);
         }

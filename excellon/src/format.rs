@@ -1,4 +1,4 @@
-//! How a coordinate is to be read: unit, zeros, digits.
+//! Format of coordinates: unit, zeros, digits.
 
 use core::fmt;
 
@@ -13,7 +13,7 @@ pub enum Units {
 }
 
 impl Units {
-    /// The digits that a file of this unit has when nothing else is said: 2.4 and 3.3.
+    /// Returns the default digits of this unit: 2.4 for inches and 3.3 for millimetres.
     pub const fn digits(self) -> Digits {
         match self {
             Units::Inches => Digits {
@@ -37,13 +37,13 @@ impl fmt::Display for Units {
     }
 }
 
-/// Which zeros of a number without a point are written; the others are left out.
+/// Which zeros of a number without a point are written. The other zeros are omitted.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Zeros {
-    /// `LZ`: leading zeros are kept, trailing ones left out. Digits count from the left.
+    /// `LZ`: leading zeros are written, trailing ones omitted. Digits count from the left.
     Leading,
-    /// `TZ`: trailing zeros are kept, leading ones left out. Digits count from the right.
+    /// `TZ`: trailing zeros are written, leading ones omitted. Digits count from the right.
     Trailing,
 }
 
@@ -56,7 +56,7 @@ impl fmt::Display for Zeros {
     }
 }
 
-/// Digits before and behind the point that is not written, as `2.4`.
+/// Number of digits before and after the omitted decimal point, as `2.4`.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Digits {
@@ -65,7 +65,8 @@ pub struct Digits {
 }
 
 impl Digits {
-    /// `None` for more than 9 digits on a side, and for none at all.
+    /// Creates a number of digits. Returns `None` for more than 9 digits on a side, and for no
+    /// digits at all.
     pub const fn new(whole: u8, places: u8) -> Option<Digits> {
         if whole > 9 || places > 9 || (whole == 0 && places == 0) {
             None
@@ -74,17 +75,17 @@ impl Digits {
         }
     }
 
-    /// Digits before the point, 0 to 9.
+    /// Returns the number of digits before the point, 0 to 9.
     pub const fn whole(self) -> u8 {
         self.whole
     }
 
-    /// Digits behind the point, 0 to 9.
+    /// Returns the number of digits after the point, 0 to 9.
     pub const fn places(self) -> u8 {
         self.places
     }
 
-    /// Both together, 1 to 18.
+    /// Returns the number of all digits, 1 to 18.
     pub const fn all(self) -> u8 {
         self.whole.wrapping_add(self.places)
     }
@@ -96,14 +97,14 @@ impl fmt::Display for Digits {
     }
 }
 
-/// All that a number needs besides its digits to be a length.
+/// Format that converts the digits of a number to a length.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Format {
     /// Unit of all numbers.
     pub units: Units,
-    /// Zeros that are written, of numbers without a point.
+    /// The written zeros of numbers without a point.
     pub zeros: Zeros,
-    /// Where the point is, of numbers without one.
+    /// The position of the point in numbers without one.
     pub digits: Digits,
 }

@@ -1,12 +1,12 @@
-//! What layout programs say in comments.
+//! Hints in the comments of layout programs.
 
 use crate::format::{Digits, Units, Zeros};
 use crate::scanner::Scanner;
 
-/// A comment that says something.
+/// A comment with a known meaning.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Hint {
-    /// How coordinates are written, as far as it is said: `FILE_FORMAT=2:4` (Altium, EasyEDA,
+    /// The format of coordinates, as far as it is given: `FILE_FORMAT=2:4` (Altium, EasyEDA,
     /// P-CAD), `FORMAT={3:3/ absolute / metric / suppress leading zeros}` (KiCad),
     /// `Format : 3.3 / Absolute / MM / Leading` (Mentor).
     Format {
@@ -28,8 +28,7 @@ pub(crate) enum Hint {
 }
 
 impl Hint {
-    /// Reads the text of a comment; `None` when it says nothing that is understood. What is
-    /// malformed says nothing.
+    /// Parses the text of a comment. Returns `None` for a text that is unknown or malformed.
     pub(crate) fn parse(text: Scanner<'_>) -> Option<Hint> {
         file_format(text)
             .or_else(|| format(text))
@@ -69,7 +68,7 @@ fn file_format(mut text: Scanner<'_>) -> Option<Hint> {
     })
 }
 
-/// The lists of KiCad and of Mentor, parts between slashes.
+/// Parses the lists of KiCad and Mentor, whose parts are separated by slashes.
 fn format(mut text: Scanner<'_>) -> Option<Hint> {
     if !text.take_name(b"FORMAT") {
         return None;
@@ -94,7 +93,7 @@ fn format(mut text: Scanner<'_>) -> Option<Hint> {
         } else if text.take_name(b"METRIC") || text.take_name(b"MM") {
             units = Some(Units::Millimetres);
         } else if text.take_name(b"SUPPRESSLEADING") || text.take_name(b"LEADING") {
-            // Both name the zeros that are left out.
+            // Both programs name the omitted zeros.
             zeros = Some(Zeros::Trailing);
         } else if text.take_name(b"SUPPRESSTRAILING") || text.take_name(b"TRAILING") {
             zeros = Some(Zeros::Leading);

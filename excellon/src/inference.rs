@@ -1,4 +1,4 @@
-//! How a file writes its coordinates, found out before any of them is read.
+//! First pass: determines the format of coordinates before any is read.
 
 use crate::format::{Digits, Format, Units, Zeros};
 use crate::hint::Hint;
@@ -6,47 +6,47 @@ use crate::number::Number;
 use crate::scanner::Scanner;
 use crate::statement::Statement;
 
-/// The kind of file, for what it does not say itself.
+/// The kind of file. It sets what the file does not declare.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Profile {
     /// Excellon: inches 2.4 or millimetres 3.3, `TZ`.
     #[default]
     Excellon,
-    /// TANGO, reconstructed from its descendants (no file of its own is at hand): Excellon without
-    /// a header, inches 2.3, `TZ`, tools without diameters. A header wins over it.
+    /// TANGO, reconstructed from its descendants, because no genuine file is available: Excellon
+    /// without a header, inches 2.3, `TZ`, tools without diameters. A header takes precedence.
     Tango,
 }
 
-/// What the caller knows better than the file.
+/// Settings that the caller gives. They take precedence over the file.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrides {
-    /// The unit, whatever the file says.
+    /// The unit.
     pub units: Option<Units>,
-    /// The zeros, whatever the file says.
+    /// The zeros.
     pub zeros: Option<Zeros>,
-    /// The digits, whatever the file says.
+    /// The digits.
     pub digits: Option<Digits>,
-    /// For what nobody says.
+    /// Defaults for settings that are not given and not declared.
     pub profile: Profile,
 }
 
-/// Why a setting is what it is. Lines count from 1.
+/// The reason of a setting. Lines count from 1.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
-    /// The caller says so.
+    /// Given by the caller.
     Given,
-    /// A command of this line says so.
+    /// Declared by a command in this line.
     Declared(u32),
-    /// A comment of this line says so.
+    /// Given by a comment in this line.
     Comment(u32),
-    /// The numbers show it, first in this line.
+    /// Inferred from the numbers, first in this line.
     Numbers(u32),
-    /// The profile says so.
+    /// Given by the profile.
     Profile,
-    /// Nothing says otherwise.
+    /// The default.
     Default,
 }
 
@@ -56,22 +56,22 @@ pub enum Reason {
 pub struct Settled<T> {
     /// The setting.
     pub value: T,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
 }
 
-/// What makes the settings doubtful.
+/// A doubt about the settings.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Doubt {
-    /// A number without a point has more digits than the format: its line and its digits.
+    /// A number without a point has more digits than the format. The fields are its line and its
+    /// number of digits.
     LongNumber(u32, u8),
-    /// Some coordinates have a point, and the one of this line has none: perhaps it means whole
-    /// units.
+    /// Some coordinates have a point, and the one in this line has none. It may mean whole units.
     MixedPoints(u32),
 }
 
-/// How the coordinates of a file are to be read.
+/// The format of the coordinates of a file.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
@@ -81,16 +81,16 @@ pub struct Settings {
     pub zeros: Settled<Zeros>,
     /// The digits at the beginning.
     pub digits: Settled<Digits>,
-    /// Whether a comment says that coordinates are distances.
+    /// Whether a comment declares incremental coordinates.
     pub incremental: bool,
-    /// Whether any coordinate is without a point: if not, zeros and digits do not matter.
+    /// Whether any coordinate is without a point. If not, zeros and digits have no effect.
     pub point_missing: bool,
-    /// What makes these settings doubtful.
+    /// The doubt about these settings, if there is one.
     pub doubt: Option<Doubt>,
 }
 
 impl Settings {
-    /// The settings without their reasons.
+    /// Returns the settings without their reasons.
     pub const fn format(&self) -> Format {
         Format {
             units: self.units.value,
@@ -100,7 +100,8 @@ impl Settings {
     }
 }
 
-/// Looks at all lines of a file. What is wrong in a line is passed over: the reader says it.
+/// Observes all lines of a file and infers its format. Errors in lines are ignored here; the reader
+/// reports them.
 #[derive(Clone, Debug, Default)]
 pub struct Inference {
     line: u32,
@@ -111,15 +112,15 @@ pub struct Inference {
     comment_zeros: Option<Found<Zeros>>,
     comment_digits: Option<Found<Digits>>,
     incremental: bool,
-    /// First tool of more than half a unit: no inches, most likely.
+    /// Line of the first tool wider than half a unit. Its unit is probably not the inch.
     large_tool: Option<u32>,
-    /// First number that begins with a zero and is not zero.
+    /// Line of the first number that begins with a zero and is not zero.
     leading_zero: Option<u32>,
     shortest: Option<u8>,
     longest: Option<Found<u8>>,
     point_missing: bool,
     point_seen: bool,
-    /// First number without a point that is not zero.
+    /// Line of the first number without a point that is not zero.
     pointless: Option<u32>,
     ended: bool,
 }
@@ -131,15 +132,15 @@ struct Found<T> {
 }
 
 impl Inference {
-    /// Nothing seen yet.
+    /// Creates an inference without lines.
     pub fn new() -> Inference {
         Inference::default()
     }
 
-    /// Looks at the next line (without its end).
+    /// Observes the next line, without its line end.
     ///
     /// # Cost
-    /// A few instructions a byte.
+    /// A few instructions per byte.
     pub fn observe(&mut self, line: &[u8]) {
         self.line = self.line.saturating_add(1);
         if self.ended {
@@ -168,12 +169,11 @@ impl Inference {
         }
     }
 
-    /// How to read the file. In this order: what the caller says, what a command says first, what a
-    /// comment says (the last well-formed `FILE_FORMAT`), the profile, what the numbers show, what
-    /// is usual.
+    /// Returns the settings. The sources in order of precedence: the caller, the first command, a
+    /// comment (the last well-formed `FILE_FORMAT`), the profile, the numbers, the default.
     ///
-    /// The numbers show `LZ` when one of them begins with a zero and not all are of one length, and
-    /// millimetres when a tool is wider than half a unit.
+    /// The numbers imply `LZ` if one of them begins with a zero and their lengths differ. A tool
+    /// wider than half a unit implies millimetres.
     pub fn settle(&self, overrides: &Overrides) -> Settings {
         let tango = overrides.profile == Profile::Tango;
         let units = said(overrides.units, self.units, self.comment_units).unwrap_or_else(|| {
@@ -253,7 +253,7 @@ impl Inference {
                 (b'T', _) => is_tool = true,
                 (b'C', _) if is_tool => self.tool(&word.number),
                 (b'X' | b'Y', _) => self.coordinate(&word.number),
-                // The steps of a repeat are shorter than coordinates.
+                // The steps of a repeat are shorter than coordinates, so they are not used.
                 (b'R', _) | (b'G', Some(4)) | (b'M', Some(47 | 97 | 98)) => return,
                 (b'M', Some(71)) => self.first_units(Units::Millimetres),
                 (b'M', Some(72)) => self.first_units(Units::Inches),
@@ -264,7 +264,7 @@ impl Inference {
     }
 
     fn tool(&mut self, diameter: &Number) {
-        // A nanometre is a millionth of a millimetre, so these are millionths of any unit.
+        // A nanometre is a millionth of a millimetre, so the result is in millionths of any unit.
         let millionths = diameter.plain_nm(Units::Millimetres, 0);
         if millionths.is_none_or(|millionths| millionths > 500_000) {
             self.large_tool = self.large_tool.or(Some(self.line));
@@ -277,7 +277,7 @@ impl Inference {
             return;
         }
         self.point_missing = true;
-        // How zero is written shows nothing.
+        // The notation of zero has no information.
         if number.is_zero() {
             return;
         }

@@ -4,10 +4,10 @@ use crate::format::Units;
 
 /// The largest magnitude of a coordinate in nanometres: 2^50, about 1126 km.
 ///
-/// The difference of two coordinates is then below 2^52, and the sum of two squares below 2^105.
+/// The difference of two coordinates is below 2^52, and the sum of two squares below 2^105.
 pub const LIMIT_NM: i64 = 1 << 50;
 
-/// The same length if its magnitude is at most [`LIMIT_NM`].
+/// Returns the length if its magnitude is at most [`LIMIT_NM`].
 pub(crate) const fn within_limit(nm: i64) -> Option<i64> {
     if nm.unsigned_abs() <= LIMIT_NM.unsigned_abs() {
         Some(nm)
@@ -16,8 +16,8 @@ pub(crate) const fn within_limit(nm: i64) -> Option<i64> {
     }
 }
 
-/// `digits / 10^places` in a unit as nanometres, rounded once, halves away from zero; `None`
-/// beyond [`LIMIT_NM`]. There are at most 21 places.
+/// Converts `digits / 10^places` of a unit to nanometres, rounded once, halves away from zero.
+/// Returns `None` beyond [`LIMIT_NM`]. `places` is at most 21.
 pub(crate) fn length_nm(digits: i64, places: u8, units: Units) -> Option<i64> {
     let (factor, exponent) = match units {
         Units::Millimetres => (1_u64, 6_u8),
@@ -31,7 +31,7 @@ pub(crate) fn length_nm(digits: i64, places: u8, units: Units) -> Option<i64> {
             magnitude.checked_mul(scale)?
         }
         Some(dropped) => {
-            // The whole part apart: 254 times the rest is below 254 * 10^16.
+            // Converts the whole part separately: 254 times the remainder is below 254 * 10^16.
             let divisor = power(dropped)?;
             let whole = magnitude.checked_div(divisor)?.checked_mul(factor)?;
             let rest = magnitude.checked_rem(divisor)?.checked_mul(factor)?;

@@ -1,14 +1,15 @@
-//! Excellon drill files in, holes and slots out.
+//! Reader of Excellon drill files: lines in, holes and slots out.
 //!
-//! A drill file is read twice, line by line: [`Inference`] sees all lines and says how coordinates
-//! are to be read, with the reason of each choice; [`Reader`] then gives the holes and slots of
-//! each line in exact nanometres.
+//! A drill file is read twice, line by line. [`Inference`] observes all lines and determines the
+//! format of coordinates, with the reason of each setting. [`Reader`] then returns the holes and
+//! slots of each line in exact nanometres.
 //!
 //! ```text
 //! line &[u8] ──► Inference ──► Settings ─┐        units, zeros, digits, each with its Reason
-//! line &[u8] ────────────────────────► Reader ──► Features: Hole, Slot    (or an error)
+//! line &[u8] ──────────────────────────► Reader ──► Features: Hole, Slot    (or an error)
 //! ```
 //!
+//! # Examples
 //! ```
 //! use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 //!
@@ -31,11 +32,12 @@
 //! assert_eq!(printed, ["39641780 17780000", "7:4: `Y` without a number"]);
 //! ```
 //!
-//! The grammar is that of Excellon format 2 as layout programs write it. Step and repeat (M25, M01,
-//! M02, M08) needs the features of the pattern again, and a reader keeps none: it is refused,
-//! unless the caller keeps them ([`Reader::with_patterns`]). Not taken, and refused by name: hole
-//! patterns (G82, G83, G84, G87), cutter compensation (G41, G42), an origin other than zero (G92,
-//! G93).
+//! # Supported files
+//! The grammar is Excellon format 2 as layout programs write it. Step and repeat (M25, M01, M02,
+//! M08) requires the features of the pattern, and a reader stores no features. The reader therefore
+//! rejects it unless the caller stores them ([`Reader::with_patterns`]). The reader rejects by
+//! name: hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), and an origin other
+//! than zero (G92, G93).
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -67,7 +69,7 @@ pub use pattern::{Pattern, Repeat};
 pub use reader::Reader;
 pub use tool::{Tool, Tools};
 
-/// The example of the README, compiled.
+/// Runs the README's example as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

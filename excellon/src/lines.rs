@@ -1,10 +1,10 @@
-//! The lines of a text.
+//! Lines of a text.
 
-/// The lines of `text` with their numbers from 1, without their ends: LF, CR LF or CR alone. An end
-/// at the very end begins no further line.
+/// Returns the lines of `text` with their numbers from 1. Lines have no line end, which is LF, CR
+/// LF or CR. A line end at the end of the text starts no further line.
 ///
 /// # Cost
-/// One look at each byte.
+/// One test of each byte.
 pub const fn lines(text: &[u8]) -> Lines<'_> {
     Lines {
         rest: text,
@@ -31,7 +31,7 @@ impl<'a> Iterator for Lines<'a> {
         let (line, behind) = self.rest.split_at_checked(end.unwrap_or(self.rest.len()))?;
         let length = if behind.starts_with(b"\r\n") { 2 } else { 1 };
         self.rest = behind.get(length..).unwrap_or_default();
-        // There are not more lines than bytes.
+        // There are at most as many lines as bytes.
         self.number = self.number.wrapping_add(1);
         Some((self.number, line))
     }

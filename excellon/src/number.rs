@@ -1,25 +1,25 @@
-//! A number as it is written: without a point its zeros matter.
+//! Numbers as written. In a number without a point the zeros matter.
 
 use crate::format::{Format, Units, Zeros};
 use crate::length::length_nm;
 
-/// A number with the digits that were written, not yet a length.
+/// A number with its written digits, before conversion to a length.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Number {
     /// Below 10^18.
     digits: i64,
     /// Digits written, leading zeros included: at most 18.
     written: u8,
-    /// Digits behind the point, where one is written.
+    /// Digits after the point, if a point is written.
     places: Option<u8>,
     negative: bool,
 }
 
-/// The most digits of one number, so that they fit 64 bits.
+/// Largest number of digits, so that they fit 64 bits.
 pub(crate) const MOST_DIGITS: u8 = 18;
 
 impl Number {
-    /// No digits yet.
+    /// A number without digits.
     pub(crate) const EMPTY: Number = Number {
         digits: 0,
         written: 0,
@@ -27,12 +27,12 @@ impl Number {
         negative: false,
     };
 
-    /// Appends a digit; `false` when there is no room.
+    /// Appends a digit. Returns `false` if there is no room.
     pub(crate) fn push(&mut self, digit: u8) -> bool {
         if self.written >= MOST_DIGITS {
             return false;
         }
-        // digits < 10^17 before this, as fewer than 18 were written.
+        // Fewer than 18 digits were written, so digits < 10^17 before this.
         let tenfold = self.digits.wrapping_mul(10);
         self.digits = tenfold.wrapping_add(i64::from(digit));
         self.written = self.written.wrapping_add(1);
@@ -42,7 +42,7 @@ impl Number {
         true
     }
 
-    /// Sets the point behind the digits so far; `false` when there is one.
+    /// Sets the point after the digits so far. Returns `false` if there is one already.
     pub(crate) fn set_point(&mut self) -> bool {
         let first = self.places.is_none();
         if first {
@@ -55,7 +55,7 @@ impl Number {
         self.negative = true;
     }
 
-    /// Digits written, leading zeros included, 1 to 18.
+    /// Returns the number of written digits with leading zeros, 1 to 18.
     pub const fn written(&self) -> u8 {
         self.written
     }
@@ -76,7 +76,7 @@ impl Number {
         self.written > 0 && least.is_some_and(|least| self.digits < least)
     }
 
-    /// The value of a whole number without sign and without digits behind a point.
+    /// Returns the value of an integer without sign and without digits after a point.
     pub const fn whole(&self) -> Option<u64> {
         match (self.places, self.negative) {
             (None | Some(0), false) => Some(self.digits.unsigned_abs()),
@@ -84,17 +84,18 @@ impl Number {
         }
     }
 
-    /// The length in nanometres where a missing point is one at the end, as in tool diameters, and
-    /// where the point is `shift` digits further left than written.
+    /// Returns the length in nanometres. A missing point counts as a point at the end, as in tool
+    /// diameters. The point is `shift` digits further left than written.
     pub fn plain_nm(&self, units: Units, shift: u8) -> Option<i64> {
         let places = self.places.unwrap_or(0).wrapping_add(shift); // at most 18 + 3
         length_nm(self.signed(), places, units)
     }
 
-    /// The length in nanometres, rounded once, halves away from zero; `None` beyond
-    /// [`LIMIT_NM`](crate::LIMIT_NM). With `TZ` it is `digits / 10^places` units of the file. With
-    /// `LZ` the point is behind the first `whole` digits: digits beyond `whole + places` are
-    /// further places.
+    /// Returns the length in nanometres, rounded once, halves away from zero. Returns `None` beyond
+    /// [`LIMIT_NM`](crate::LIMIT_NM).
+    ///
+    /// With `TZ` the length is `digits / 10^places` units of the file. With `LZ` the point follows
+    /// the first `whole` digits. Digits beyond `whole + places` are further decimal places.
     pub fn length_nm(&self, format: &Format) -> Option<i64> {
         let length = |places| length_nm(self.signed(), places, format.units);
         if let Some(places) = self.places {
@@ -107,7 +108,7 @@ impl Number {
                 match self.written.checked_sub(whole) {
                     Some(places) => length(places),
                     None => {
-                        // At most 10^9 in the exponent, as whole <= 9.
+                        // The scale is at most 10^9, because whole <= 9.
                         let left_out = u32::from(whole.wrapping_sub(self.written));
                         let digits = 10_i64
                             .checked_pow(left_out)
@@ -170,7 +171,7 @@ mod tests {
             ("0152", Inches, Leading, 2, 3, 38_608_000),
             ("1", Inches, Leading, 2, 4, 254_000_000),
             ("-1", Inches, Trailing, 2, 4, -2_540),
-            // Digits beyond the format are further places.
+            // Digits beyond the format are further decimal places.
             ("01234567", Inches, Leading, 2, 4, 31_358_002),
             (".5", Millimetres, Trailing, 3, 3, 500_000),
             ("55.", Millimetres, Trailing, 3, 3, 55_000_000),

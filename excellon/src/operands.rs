@@ -1,9 +1,9 @@
-//! The coordinate words of a line, before it is known what they are for.
+//! Coordinate words of a line, before their use is known.
 
 use crate::error::{Error, ErrorKind};
 use crate::scanner::Word;
 
-/// At most one word a letter.
+/// Coordinate words, at most one per letter.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Operands {
     pub x: Option<Word>,
@@ -14,7 +14,7 @@ pub(crate) struct Operands {
 }
 
 impl Operands {
-    /// Keeps a word; an error for a letter that is there already.
+    /// Stores a word. Returns an error if its letter is already present.
     pub(crate) fn set(&mut self, word: Word) -> Result<(), Error> {
         let room = match word.letter {
             b'X' => &mut self.x,
@@ -30,12 +30,12 @@ impl Operands {
         Ok(())
     }
 
-    /// The first word of the list of letters that is there.
+    /// Returns the first present word in the order of the fields.
     pub(crate) fn first(&self) -> Option<Word> {
         self.x.or(self.y).or(self.of_arc())
     }
 
-    /// The first word that only an arc has.
+    /// Returns the first present word that only arcs have.
     pub(crate) fn of_arc(&self) -> Option<Word> {
         self.a.or(self.i).or(self.j)
     }
@@ -45,7 +45,7 @@ impl Operands {
         self.x.is_some() || self.y.is_some()
     }
 
-    /// An error about all of the words.
+    /// Returns an error about all words.
     pub(crate) fn error(&self, kind: ErrorKind) -> Error {
         let words = [self.x, self.y, self.a, self.i, self.j];
         let words = words.iter().flatten();

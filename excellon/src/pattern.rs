@@ -1,19 +1,19 @@
-//! Step and repeat: what lines say about patterns, and how a copy of a pattern is made.
+//! Step and repeat: commands for patterns, and copies of patterns.
 //!
-//! As the programming manual of Excellon's CNC-7 has it, with the eight mirrored and turned corners
-//! of its sample program as the test of the order of swapping and mirroring.
+//! The behaviour is that of the programming manual of Excellon's CNC-7. The eight mirrored and
+//! turned corners of its sample program test the order of swapping and mirroring.
 
 use crate::feature::{Feature, Hole, Path, Slot};
 use crate::length::within_limit;
 
-/// What a line says about step and repeat.
+/// A step-and-repeat command.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pattern {
-    /// `M25`: the features from here on are the set.
+    /// `M25`: the following features form the set.
     Begin,
-    /// `M01`: all features since [`Pattern::Begin`], copies included, are the set that is copied
-    /// next, and offsets count from zero again.
+    /// `M01`: all features since [`Pattern::Begin`], including copies, form the set for the next
+    /// copies. Offsets start from zero again.
     EndOfSet,
     /// `M02X..Y..`: copies of the set.
     Repeat(Repeat),
@@ -25,22 +25,22 @@ pub enum Pattern {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Repeat {
-    /// How many, 1 to 9999: `R3M02` makes three.
+    /// Number of copies, 1 to 9999: `R3M02` makes three.
     pub count: u16,
-    /// From one copy to the next, and to the first one from the last copy before, or from the set
-    /// itself, in nanometres.
+    /// Step in nanometres from the previous copy to the next. The first copy is relative to the
+    /// last copy of the previous command, or to the set.
     pub step_nm: [i64; 2],
-    /// `M80`: X with the other sign, before the axes are swapped.
+    /// `M80`: negates X before the axes are swapped.
     pub mirror_x: bool,
-    /// `M90`: Y with the other sign, before the axes are swapped.
+    /// `M90`: negates Y before the axes are swapped.
     pub mirror_y: bool,
-    /// `M70`: X becomes Y, and Y becomes X.
+    /// `M70`: swaps X and Y.
     pub swap: bool,
 }
 
 impl Repeat {
-    /// One feature of a copy that is `by_nm` away from the set; `None` when it would be beyond
-    /// [`LIMIT_NM`](crate::LIMIT_NM).
+    /// Returns the copy of one feature, at the offset `by_nm` from the set. Returns `None` if it is
+    /// beyond [`LIMIT_NM`](crate::LIMIT_NM).
     pub fn copy(&self, feature: &Feature, by_nm: [i64; 2]) -> Option<Feature> {
         Some(match *feature {
             Feature::Hole(Hole { at_nm, tool }) => Feature::Hole(Hole {
@@ -87,18 +87,18 @@ impl Repeat {
         ])
     }
 
-    /// Each mirror and the swap turn the sense of an arc round.
+    /// Whether arcs reverse their direction. Each mirror and the swap reverse it once.
     const fn turns_arcs(&self) -> bool {
         self.mirror_x ^ self.mirror_y ^ self.swap
     }
 }
 
-/// Where a reader is among patterns.
+/// The state of a reader in step and repeat.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Stage {
     Outside,
     /// Between M25 and M01.
     Set,
-    /// Between M01 and M08: only copies.
+    /// Between M01 and M08: only copies are allowed.
     Copies,
 }

@@ -1,4 +1,4 @@
-//! The second pass: lines in, holes and slots out.
+//! Second pass: lines in, holes and slots out.
 
 mod apply;
 mod line;
@@ -14,11 +14,11 @@ use crate::state::{Mode, Pinned, State};
 use crate::statement::Statement;
 use crate::tool::{Source, Tool, Tools};
 
-/// Reads a drill file line by line, with room for `TOOLS` tools. A line with an error changes
-/// nothing.
+/// Reads a drill file line by line, with room for `TOOLS` tools. A line with an error leaves the
+/// reader unchanged.
 ///
-/// Memory is that of the tools, 40 bytes each, and about 150 bytes; a line costs a few instructions
-/// a byte.
+/// # Cost
+/// Memory: 40 bytes per tool plus about 150 bytes. Time: a few instructions per byte.
 #[derive(Clone, Debug)]
 pub struct Reader<const TOOLS: usize> {
     state: State,
@@ -30,7 +30,7 @@ pub struct Reader<const TOOLS: usize> {
 }
 
 impl<const TOOLS: usize> Reader<TOOLS> {
-    /// A reader before the first line.
+    /// Creates a reader before the first line.
     pub const fn new(settings: &Settings) -> Reader<TOOLS> {
         let (units, zeros, digits) = (
             settings.units.reason,
@@ -65,21 +65,21 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
     }
 
-    /// The same reader, which takes step and repeat: its caller keeps the features and makes the
-    /// copies that [`Reader::pattern`] asks for.
+    /// Enables step and repeat. The caller stores the features and makes the copies that
+    /// [`Reader::pattern`] requests.
     pub const fn with_patterns(mut self) -> Reader<TOOLS> {
         self.takes_patterns = true;
         self
     }
 
-    /// What the line read last says about step and repeat; always `None` without
+    /// Returns the step-and-repeat command of the last line. Always `None` without
     /// [`Reader::with_patterns`].
     pub const fn pattern(&self) -> Option<Pattern> {
         self.pattern
     }
 
-    /// Sets the diameter of a tool, whatever the file says; to be called before the first line.
-    /// `false` when there is no room, or the diameter is not above zero.
+    /// Sets the diameter of a tool. It takes precedence over the file. Call it before the first
+    /// line. Returns `false` if there is no room, or if the diameter is not above zero.
     pub fn set_tool(&mut self, number: u16, diameter_nm: i64) -> bool {
         let tool = Tool {
             number,
@@ -89,12 +89,12 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         diameter_nm > 0 && self.tools.define(tool, Source::Caller)
     }
 
-    /// The tools so far.
+    /// Returns the tools so far.
     pub const fn tools(&self) -> &Tools<TOOLS> {
         &self.tools
     }
 
-    /// What is worth saying about the line read last.
+    /// Returns the warning of the last line.
     pub const fn warning(&self) -> Option<Warning> {
         self.warning
     }
@@ -104,16 +104,15 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         self.state.ended
     }
 
-    /// How coordinates are read now.
+    /// Returns the current format of coordinates.
     pub const fn format(&self) -> Format {
         self.state.format
     }
 
-    /// Reads the next line (without its end) and returns what it makes.
+    /// Reads the next line, without its line end, and returns its features.
     ///
     /// # Errors
-    ///
-    /// The first thing that is wrong with the line; the reader is then as it was before.
+    /// Fails with the first error in the line. The reader is then unchanged.
     pub fn read(&mut self, line: &[u8]) -> Result<Features, Error> {
         self.warning = None;
         self.pattern = None;
@@ -178,8 +177,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
     }
 
-    /// The settings hold what comments say about formats; plating and sizes take effect where they
-    /// stand.
+    /// Applies plating and sizes from a comment where it stands. Formats from comments are already
+    /// in the settings.
     fn comment(&mut self, text: Scanner<'_>) {
         match Hint::parse(text) {
             Some(Hint::Plated(plated)) => self.state.plated = plated,
@@ -194,7 +193,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                     diameter_nm: Some(diameter_nm),
                     plated: plated.or(self.state.plated),
                 };
-                // A tool too many is an error where it is chosen.
+                // A tool beyond the room is an error where it is selected.
                 self.tools.define(tool, Source::Comment);
             }
             Some(Hint::Format { .. }) | None => {}

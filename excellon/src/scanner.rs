@@ -1,16 +1,16 @@
-//! Words of one line: a letter and a number, blanks anywhere.
+//! Words of one line: a letter and a number, with blanks anywhere.
 
 use crate::error::{Error, ErrorKind};
 use crate::number::Number;
 
-/// A position in a line. Blanks are stepped over everywhere; letters are given in upper case.
+/// A position in a line. The scanner skips blanks and returns letters in upper case.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Scanner<'a> {
     text: &'a [u8],
     at: usize,
 }
 
-/// A letter with its number and the bytes it was read from.
+/// A letter with its number and the range of its bytes.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Word {
     pub letter: u8,
@@ -20,7 +20,7 @@ pub(crate) struct Word {
 }
 
 impl Word {
-    /// An error about the whole word.
+    /// Returns an error about the whole word.
     pub(crate) fn error(&self, kind: ErrorKind) -> Error {
         Error {
             kind,
@@ -29,7 +29,7 @@ impl Word {
         }
     }
 
-    /// The number as a whole one up to `most`.
+    /// Returns the number as an integer up to `most`.
     pub(crate) fn whole(&self, most: u16) -> Result<u16, Error> {
         let Some(whole) = self.number.whole() else {
             return Err(self.error(ErrorKind::NotWhole(self.letter)));
@@ -46,7 +46,7 @@ impl<'a> Scanner<'a> {
         Scanner { text, at: 0 }
     }
 
-    /// The next byte that is no blank, in upper case.
+    /// Returns the next byte that is not a blank, in upper case.
     pub(crate) fn peek(&mut self) -> Option<u8> {
         while let Some(b' ' | b'\t') = self.text.get(self.at) {
             self.at = self.at.wrapping_add(1); // at < len
@@ -54,14 +54,14 @@ impl<'a> Scanner<'a> {
         self.text.get(self.at).map(u8::to_ascii_uppercase)
     }
 
-    /// Steps over that byte.
+    /// Returns the next byte and skips it.
     pub(crate) fn next(&mut self) -> Option<u8> {
         let byte = self.peek()?;
         self.at = self.at.wrapping_add(1); // at < len
         Some(byte)
     }
 
-    /// Steps over that byte if it is this one.
+    /// Skips the next byte if it is `wanted`.
     pub(crate) fn take(&mut self, wanted: u8) -> bool {
         let is = self.peek() == Some(wanted);
         if is {
@@ -70,7 +70,7 @@ impl<'a> Scanner<'a> {
         is
     }
 
-    /// Steps over these bytes (letters in upper case) if all of them come next.
+    /// Skips `name` (in upper case) if all its bytes come next.
     pub(crate) fn take_name(&mut self, name: &[u8]) -> bool {
         let mut ahead = *self;
         let is = name.iter().all(|byte| ahead.take(*byte));
@@ -80,18 +80,18 @@ impl<'a> Scanner<'a> {
         is
     }
 
-    /// The first byte not yet read; blanks before it count as read.
+    /// Returns the position of the first unread byte. Blanks before it count as read.
     pub(crate) fn at(&mut self) -> usize {
         self.peek();
         self.at
     }
 
-    /// Nothing, or a comment to the end of the line.
+    /// Whether only a comment or nothing is left in the line.
     pub(crate) fn is_at_end(&mut self) -> bool {
         matches!(self.peek(), None | Some(b';'))
     }
 
-    /// A number with its sign; `None` if there is no digit.
+    /// Reads a number with its sign. Returns `None` if there is no digit.
     pub(crate) fn number(&mut self) -> Result<Option<Number>, Error> {
         let start = self.at();
         let mut number = Number::EMPTY;
@@ -129,7 +129,7 @@ impl<'a> Scanner<'a> {
         Ok((number.written() > 0).then_some(number))
     }
 
-    /// The next word; `None` at the end of the line or at a comment.
+    /// Reads the next word. Returns `None` at the end of the line or at a comment.
     pub(crate) fn word(&mut self) -> Option<Result<Word, Error>> {
         if self.is_at_end() {
             return None;
@@ -158,14 +158,14 @@ impl<'a> Scanner<'a> {
         })
     }
 
-    /// One behind the last byte read that is no blank; at least `least`.
+    /// Returns the end of the last byte read that is not a blank, at least `least`.
     fn at_last(&self, least: usize) -> usize {
         let read = self.text.get(..self.at).unwrap_or_default();
         let blanks = read
             .iter()
             .rev()
             .take_while(|byte| matches!(byte, b' ' | b'\t'));
-        // Stops at the letter at the latest, so it is not more than `at`.
+        // The count stops at the letter at the latest, so it is at most `at`.
         blanks
             .fold(self.at, |end, _| end.wrapping_sub(1))
             .max(least)

@@ -1,4 +1,4 @@
-//! What the lines so far leave behind, and what coordinates mean by it.
+//! State of a reader, and the meaning of coordinates in it.
 
 use crate::error::{Error, ErrorKind};
 use crate::feature::{Feature, Features, Hole, Path, Slot};
@@ -9,10 +9,10 @@ use crate::pattern::{Repeat, Stage};
 use crate::scanner::Word;
 use crate::tool::Tool;
 
-/// The most repeats of one `R`.
+/// Largest number of repeats of one `R`.
 const MOST_REPEATS: u16 = 9999;
 
-/// What the caller has said and no line changes.
+/// Whether the caller gave a setting, so that no line changes it.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Pinned {
     pub units: bool,
@@ -20,11 +20,11 @@ pub(crate) struct Pinned {
     pub digits: bool,
 }
 
-/// What the lines so far leave behind.
+/// State after the lines so far.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct State {
     pub format: Format,
-    /// Nothing has said the digits: they follow the unit.
+    /// The digits are not given: they follow the unit.
     pub usual_digits: bool,
     pub header: bool,
     pub incremental: bool,
@@ -40,19 +40,19 @@ pub(crate) struct State {
     pub told_after_end: bool,
 }
 
-/// An `M02` and what stands beside it.
+/// An `M02` and its words.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Copies {
     pub word: Word,
-    /// `R` before it.
+    /// The `R` before it.
     pub repeat: Option<Word>,
     /// M70, M80, M90.
     pub flags: [bool; 3],
-    /// An `X` or `Y` without a number, which is zero.
+    /// Whether there is an `X` or `Y` without a number, which counts as zero.
     pub bare: bool,
 }
 
-/// What a coordinate does.
+/// The effect of a coordinate.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Mode {
     /// G05, G81: a hole.
@@ -82,12 +82,12 @@ impl State {
             .ok_or(word.error(ErrorKind::NumberTooLarge))
     }
 
-    /// The length of a word, or zero.
+    /// Returns the length of a word, or zero without a word.
     pub(crate) fn offset(&self, word: Option<&Word>) -> Result<i64, Error> {
         word.map_or(Ok(0), |word| self.length(word))
     }
 
-    /// The point that the words name, seen from `from`.
+    /// Returns the point of the words, relative to `from` if coordinates are incremental.
     pub(crate) fn target(&self, from: [i64; 2], operands: &Operands) -> Result<[i64; 2], Error> {
         let [x, y] = from;
         Ok([
@@ -175,7 +175,8 @@ impl State {
         Ok(Features::repeated(hole, steps, count))
     }
 
-    /// What `M02` with these coordinates asks for; `flags` are M70, M80, M90.
+    /// Returns the copies that `M02` with these coordinates requests. The flags of `copy` are M70,
+    /// M80, M90.
     pub(crate) fn copies(
         &self,
         copy: &Copies,
@@ -187,7 +188,7 @@ impl State {
         let [swap, mirror_x, mirror_y] = copy.flags;
         let says_more = copy.bare || swap || mirror_x || mirror_y || copy.repeat.is_some();
         if !operands.has_point() && !says_more {
-            // Alone it only clears a counter of the machine.
+            // `M02` alone only clears a counter of the machine.
             return Ok(None);
         }
         let count = match copy.repeat {

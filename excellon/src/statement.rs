@@ -1,19 +1,19 @@
-//! What kind of line a line is, before its words are read.
+//! Kinds of lines, before their words are read.
 
 use crate::error::{Error, ErrorKind, WarningKind};
 use crate::format::{Digits, Units, Zeros};
 use crate::scanner::Scanner;
 
-/// A line by its first characters.
+/// A line, classified by its first characters.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum Statement<'a> {
-    /// Nothing, or what says nothing about holes and needs no word about it.
+    /// Nothing, or a line that has no meaning for holes and needs no warning.
     Nothing,
     /// The text of a comment.
     Comment(Scanner<'a>),
     /// `%`: end of the header, or rewind.
     Percent,
-    /// `INCH` or `METRIC` with what follows; `odd` is where something follows that is not known.
+    /// `INCH` or `METRIC` with its parameters. `odd` is the position of an unknown parameter.
     Units {
         units: Units,
         zeros: Option<Zeros>,
@@ -22,13 +22,13 @@ pub(crate) enum Statement<'a> {
     },
     /// `ICI`.
     Incremental(bool),
-    /// A command by its name, which says nothing about holes or is not known.
+    /// A named command that has no meaning for holes or is unknown.
     Name(WarningKind),
     /// Words.
     Words(Scanner<'a>),
 }
 
-/// Names without a meaning for holes.
+/// Named commands without a meaning for holes.
 const IGNORED: [&[u8]; 28] = [
     b"AFS",
     b"ATC",
@@ -61,11 +61,10 @@ const IGNORED: [&[u8]; 28] = [
 ];
 
 impl<'a> Statement<'a> {
-    /// Looks at the beginning of a line.
+    /// Classifies a line by its beginning.
     ///
     /// # Errors
-    ///
-    /// A Gerber command, or text behind `%`.
+    /// Fails for a Gerber command and for text after `%`.
     pub(crate) fn parse(line: &'a [u8]) -> Result<Statement<'a>, Error> {
         let mut scanner = Scanner::new(line);
         let at = scanner.at();
@@ -118,7 +117,7 @@ fn name(mut scanner: Scanner<'_>) -> Statement<'_> {
     }
     let is_known = IGNORED.iter().any(|name| {
         let mut ahead = scanner;
-        // `UP1` is the name and a number, `UPON` another name.
+        // `UP1` is the name with a number, `UPON` is another name.
         ahead.take_name(name) && !ahead.peek().is_some_and(|byte| byte.is_ascii_alphabetic())
     });
     Statement::Name(if is_known {
@@ -128,7 +127,7 @@ fn name(mut scanner: Scanner<'_>) -> Statement<'_> {
     })
 }
 
-/// What follows `INCH` or `METRIC`: `,LZ`, `,TZ`, `,000.000` in any order.
+/// Parses the parameters of `INCH` or `METRIC`: `,LZ`, `,TZ`, `,000.000` in any order.
 fn units(units: Units, mut scanner: Scanner<'_>) -> Statement<'_> {
     let (mut zeros, mut digits, mut odd) = (None, None, None);
     while !scanner.is_at_end() {
@@ -153,7 +152,7 @@ fn units(units: Units, mut scanner: Scanner<'_>) -> Statement<'_> {
     }
 }
 
-/// `000.000`: as many digits as there are zeros.
+/// Parses a pattern such as `000.000`: each zero is a digit.
 fn pattern(scanner: &mut Scanner<'_>) -> Option<Digits> {
     let mut ahead = *scanner;
     let whole = zeros(&mut ahead);

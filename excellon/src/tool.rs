@@ -1,32 +1,34 @@
-//! The tools of a drill file.
+//! Tools of a drill file.
 
 /// A tool.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tool {
-    /// Its number, as in `T1`.
+    /// The number, as in `T1`.
     pub number: u16,
-    /// Its diameter in nanometres, above zero; `None` when nothing says it.
+    /// The diameter in nanometres, above zero. `None` if it is unknown.
     pub diameter_nm: Option<i64>,
-    /// Whether its holes are plated; `None` when nothing says it.
+    /// Whether the holes are plated. `None` if it is unknown.
     pub plated: Option<bool>,
 }
 
-/// Who says the diameter of a tool; a later one of the list wins.
+/// The source of the diameter of a tool. Later entries take precedence.
 #[derive(Copy, Clone, Eq, PartialEq, PartialOrd, Debug)]
 pub(crate) enum Source {
-    /// Nobody: only chosen.
+    /// None: the tool is only selected.
     Chosen,
     /// A comment.
     Comment,
-    /// Its definition.
+    /// The definition of the tool.
     Definition,
     /// The caller.
     Caller,
 }
 
-/// Up to `N` tools in the order of their first mention. A look-up costs up to `N` comparisons; it
-/// is made for each `T`, not for each hole.
+/// Up to `N` tools in the order of their first mention.
+///
+/// # Cost
+/// A look-up takes up to `N` comparisons. The reader looks up each `T`, not each hole.
 #[derive(Clone, Debug)]
 pub struct Tools<const N: usize> {
     tools: [Option<(Tool, Source)>; N],
@@ -35,23 +37,23 @@ pub struct Tools<const N: usize> {
 impl<const N: usize> Tools<N> {
     pub(crate) const EMPTY: Tools<N> = Tools { tools: [None; N] };
 
-    /// The tool of that number.
+    /// Returns the tool with this number.
     pub fn get(&self, number: u16) -> Option<&Tool> {
         self.iter().find(|tool| tool.number == number)
     }
 
-    /// All tools.
+    /// Returns all tools.
     pub fn iter(&self) -> impl Iterator<Item = &Tool> {
         self.tools.iter().flatten().map(|(tool, _)| tool)
     }
 
-    /// Whether another tool has room.
+    /// Whether the list holds the tool or has room for it.
     pub(crate) fn takes(&self, number: u16) -> bool {
         self.get(number).is_some() || self.tools.iter().any(Option::is_none)
     }
 
-    /// The tool as [`Tools::define`] would leave it, and whether that replaces a diameter of the
-    /// same source.
+    /// Returns the tool as [`Tools::define`] would store it, and whether it replaces a diameter of
+    /// the same source.
     pub(crate) fn preview(&self, tool: Tool, source: Source) -> (Tool, bool) {
         let known = self
             .tools
@@ -77,8 +79,8 @@ impl<const N: usize> Tools<N> {
         }
     }
 
-    /// Adds a tool, or changes it if `source` is as good as what is known; `false` when there is no
-    /// room.
+    /// Adds a tool, or changes it unless the known source takes precedence. Returns `false` if
+    /// there is no room.
     pub(crate) fn define(&mut self, tool: Tool, source: Source) -> bool {
         let (merged, _) = self.preview(tool, source);
         let known = self

@@ -1,14 +1,14 @@
-//! Drill files of real layout programs against the holes that independent readers agree on.
+//! Compares drill files of real layout programs with the holes that independent readers agree on.
 //!
 //! The files are not part of this repository. `HUSILLO_EXCELLON` names their folder (with
-//! `expected/`); without it `../shared/excellon` beside the workspace is tried, and without that
-//! the test passes with a message.
+//! `expected/`). Without it the test tries `../shared/excellon` next to the workspace. Without that
+//! folder the test passes with a message.
 
 use husillo_excellon::{Feature, Inference, Overrides, Reader, lines};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The readers agree to this, in nm; they print micrometres.
+/// Agreement of the readers in nm. They print micrometres.
 const TOLERANCE_NM: f64 = 4_000.0;
 
 fn corpus() -> Option<PathBuf> {
@@ -53,7 +53,7 @@ fn read(text: &[u8]) -> (Vec<[f64; 3]>, usize) {
     (holes, slots)
 }
 
-/// `"holes": [[x, y, diameter], ...]` in mm, as nm, and the number behind `"slots": `.
+/// Parses `"holes": [[x, y, diameter], ...]` from mm to nm, and the number after `"slots": `.
 fn expected(json: &str) -> (Vec<[f64; 3]>, usize) {
     let (_, behind) = json.split_once("\"holes\": [").expect("holes");
     let (list, rest) = behind.split_once("]]").unwrap_or(("", behind));

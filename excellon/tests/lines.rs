@@ -1,4 +1,4 @@
-//! Excellon: what each kind of line means, and properties, each in words.
+//! Tests of each kind of line, and properties.
 
 use husillo_excellon::{
     Digits, Error, ErrorKind, Feature, Format, Inference, LIMIT_NM, Overrides, Path, Pattern,
@@ -17,7 +17,7 @@ fn settings(text: &[u8], overrides: &Overrides) -> Settings {
     inference.settle(overrides)
 }
 
-/// Reads a file; asserts that an error or a warning lies inside its line.
+/// Reads a file and asserts that every error or warning lies inside its line.
 fn read_with(text: &[u8], overrides: &Overrides) -> Outcome {
     let mut reader = Reader::<8>::new(&settings(text, overrides));
     let (mut features, mut errors, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
@@ -51,7 +51,7 @@ fn read(text: &str) -> Outcome {
     read_with(text.as_bytes(), &Overrides::default())
 }
 
-/// The holes of a file without errors: x, y and diameter in um.
+/// Returns the holes of a file without errors: x, y and diameter in um.
 fn holes(text: &str) -> Vec<[i64; 3]> {
     let (features, errors, _) = read(text);
     assert_eq!(errors, [], "{text}");
@@ -65,7 +65,7 @@ fn holes(text: &str) -> Vec<[i64; 3]> {
     features.iter().filter_map(of_hole).collect()
 }
 
-/// A place that is whole millimetres.
+/// A position in whole millimetres.
 fn millimetres(at_nm: [i64; 2]) -> [i64; 2] {
     assert_eq!(at_nm.map(|nm| nm % 1_000_000), [0; 2]);
     at_nm.map(|nm| nm / 1_000_000)
@@ -236,7 +236,7 @@ fn what_is_refused() {
         let text = format!("METRIC\nT1C1\n{line}\nX5.Y5.");
         let (features, ..) = read(&text);
         assert_eq!(kinds(&text), [(3, kind)], "{line}");
-        // The line after it is read as if the wrong one were not there.
+        // The line after the wrong one is read as if the wrong one were missing.
         assert_eq!(features.len(), 1, "{line}");
     }
     assert_eq!(kinds("METRIC\nX1"), [(2, NoTool)]);
@@ -274,7 +274,7 @@ fn memory_is_as_stated() {
     assert!(size_of::<Reader<0>>() <= 256);
 }
 
-/// A length in units of the last place of a format, written in it.
+/// Writes a length, in units of the last decimal place, in a format.
 fn written(value: i64, format: &Format, point: bool) -> String {
     let (whole, places) = (format.digits.whole(), format.digits.places());
     let sign = if value < 0 { "-" } else { "" };
@@ -312,7 +312,7 @@ fn overrides(format: &Format) -> Overrides {
     }
 }
 
-/// Text that looks like a drill file, right or wrong.
+/// Text that resembles a drill file, right or wrong.
 fn drill_lines() -> impl Strategy<Value = Vec<String>> {
     let fixed = prop::sample::select(vec![
         "M48",
@@ -362,8 +362,8 @@ fn drill_lines() -> impl Strategy<Value = Vec<String>> {
 }
 
 proptest! {
-    /// What is printed in a format is read back exactly, with and without a point, whatever the
-    /// zeros.
+    /// A length written in a format is read back exactly, with and without a point, for both kinds
+    /// of zeros.
     #[test]
     fn print_and_parse(
         format in formats(),
@@ -389,7 +389,7 @@ proptest! {
             Units::Millimetres => 1_000_000,
         };
         let scale = 10_i128.pow(u32::from(format.digits.places()));
-        // To the nearest nanometre, halves away from zero.
+        // Rounded to the nearest nanometre, halves away from zero.
         let nm = |value: i64| {
             let product = i128::from(value % most) * nm_per_unit;
             let rounded = (2 * product.abs() + scale) / (2 * scale);
@@ -406,7 +406,7 @@ proptest! {
         prop_assert_eq!(found, wanted);
     }
 
-    /// The kind of line end, blanks inside lines and the case of letters change nothing.
+    /// Line ends, blanks inside lines and the case of letters have no effect.
     #[test]
     fn the_way_of_writing_does_not_matter(lines in drill_lines(), blanks: Vec<u8>) {
         let plain = lines.join("\n");
@@ -432,7 +432,7 @@ proptest! {
         prop_assert_eq!(kinds(&same_errors), kinds(&errors));
     }
 
-    /// A line with an error changes nothing: without it the file means the same.
+    /// A line with an error has no effect: without it the file has the same meaning.
     #[test]
     fn wrong_lines_leave_the_reader_as_it_was(lines in drill_lines()) {
         let text = lines.join("\n");
@@ -448,7 +448,8 @@ proptest! {
         prop_assert_eq!(no_errors, vec![]);
     }
 
-    /// Any bytes: no panic, places inside the line, coordinates within the limit.
+    /// For any bytes there is no panic, errors are inside their line, and coordinates are within
+    /// the limit.
     #[test]
     fn any_bytes(text: Vec<u8>) {
         let (features, ..) = read_with(&text, &Overrides::default());
@@ -462,7 +463,7 @@ proptest! {
     }
 }
 
-/// The holes of a file with patterns, copies made, in um; and the errors.
+/// Returns the holes of a file with patterns, including copies, in um, and the errors.
 fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
     let settings = settings(text.as_bytes(), &Overrides::default());
     let mut reader = Reader::<8>::new(&settings).with_patterns();
@@ -503,8 +504,8 @@ fn panel(text: &str) -> (Vec<[i64; 2]>, Vec<(usize, ErrorKind)>) {
 
 #[test]
 fn eight_corners_of_a_frame() {
-    // The sample program of the CNC-7's manual: 13 holes of a corner, mirrored and turned to eight,
-    // 104 in all.
+    // The sample program of the CNC-7's manual: a corner of 13 holes, mirrored and turned to eight
+    // corners, 104 holes in all.
     let text = "M48\nINCH,LZ\nT4C.052\n%\nT4\nM25\nX01Y018\nR8Y-001\nR4X001\nM01\n\
                 M02X002Y002M70\nM02X043M90M70\nM02X002Y-002M80\nM02X-002Y038M80M90M70\n\
                 M02X002Y002M80M90\nM02X-047M90\nM02X002Y-002M80M70\nM02\nM08\nM30\n";
@@ -512,7 +513,7 @@ fn eight_corners_of_a_frame() {
     assert_eq!((places.len(), errors), (104, vec![]));
     let mut all = places.clone();
     all.sort();
-    // The frame is symmetrical about its middle at 2.35, 2 inches, both ways.
+    // The frame is symmetrical in both axes about its middle at 2.35, 2 inches.
     for mirror in [
         |[x, y]: [i64; 2]| [119_380 - x, y],
         |[x, y]: [i64; 2]| [x, 101_600 - y],
@@ -521,7 +522,7 @@ fn eight_corners_of_a_frame() {
         mirrored.sort();
         assert_eq!(mirrored, all);
     }
-    // The first copy is the corner itself, X and Y changed, 0.2 inch further in.
+    // The first copy is the corner with X and Y swapped, 0.2 inch further in.
     for (original, copy) in places.iter().zip(&places[13..26]) {
         assert_eq!([copy[0] - 5080, copy[1] - 5080], [original[1], original[0]]);
     }
@@ -539,7 +540,7 @@ fn sets_of_copies_are_copied() {
     grid.insert(0, [50_000, 50_000]);
     grid.push([60_000, 2000]);
     assert_eq!(places, grid);
-    // Incremental coordinates begin anew behind the pattern.
+    // Incremental coordinates restart after the pattern.
     let text =
         "METRIC\nT1C1\nG91\nM25\nX1.Y1.\nX1.\nM01\nM02X0.Y5.\nM08\nX3.\nM25\nX1.\nM01\nM08M30\n";
     assert_eq!(
@@ -556,7 +557,7 @@ fn sets_of_copies_are_copied() {
             vec![]
         )
     );
-    // Arcs turn the other way when they are mirrored, and back when they are mirrored twice.
+    // A mirrored arc has the opposite direction, and an arc mirrored twice the original one.
     let text = "METRIC\nT1C1\nT1\nM25\nG00X0.Y0.\nM15\nG02X2.Y0.I1.J0.\nM17\nM01\n";
     let settings = settings(text.as_bytes(), &Overrides::default());
     let mut reader = Reader::<8>::new(&settings).with_patterns();
@@ -649,12 +650,12 @@ fn pattern_line() -> impl Strategy<Value = &'static str> {
 }
 
 proptest! {
-    /// A line with an error changes nothing: without it the same features come out.
+    /// A line with an error has no effect: without it the features are the same.
     #[test]
     fn wrong_lines_of_patterns_change_nothing(
         program in prop::collection::vec(pattern_line(), 0..24),
     ) {
-        // At most seven sets, so that copies of copies stay few.
+        // At most seven sets limit the number of copies of copies.
         let mut sets = 0;
         let few = program.iter().filter(|line| {
             sets += usize::from(line.contains("M02"));
@@ -677,8 +678,8 @@ fn settled(text: &str) -> Settings {
     settings(text.as_bytes(), &Overrides::default())
 }
 
-/// What the numbers of a file show, and what shows nothing: steps of repeats, what stands behind
-/// the end, words without a tool.
+/// Inference from the numbers of a file. Steps of repeats, text after the end and words without a
+/// tool have no effect.
 #[test]
 fn what_numbers_show() {
     use husillo_excellon::Doubt;
@@ -710,8 +711,8 @@ fn what_numbers_show() {
     assert!(!settled(&format.replace("incremental", "absolute")).incremental);
 }
 
-/// Units, zeros and digits that a file changes under way hold from there on; digits of its own
-/// stay.
+/// A change of units, zeros and digits within a file takes effect from there on. Digits that the
+/// file declares stay.
 #[test]
 fn formats_under_way() {
     let at = |text: &str| holes(text).iter().map(|hole| hole[0]).collect::<Vec<_>>();
@@ -724,7 +725,7 @@ fn formats_under_way() {
     assert_eq!(at("METRIC,TZ\nT1C1\nM72,LZ\nX01\nX1.\n"), [25_400, 25_400]);
 }
 
-/// Codes that change nothing, that are passed over with a warning, and lines that are none.
+/// Codes without effect, codes ignored with a warning, and unknown lines.
 #[test]
 fn what_is_passed_over() {
     let body = |line: &str| {
@@ -759,7 +760,7 @@ fn what_is_passed_over() {
     );
 }
 
-/// A tool has the plating it was told, else that which holds where it is used: for holes, their
+/// A tool has its own plating, or else the plating in effect where it is used: for holes, their
 /// repeats and slots.
 #[test]
 fn plating_where_a_tool_is_used() {
@@ -775,7 +776,7 @@ fn plating_where_a_tool_is_used() {
     assert_eq!(features.len(), 3);
 }
 
-/// Arcs of both directions, by a radius or by one part of a centre.
+/// Arcs of both directions, by a radius or by one component of a centre.
 #[test]
 fn arcs_of_routs() {
     let (features, errors, _) =
@@ -808,7 +809,7 @@ fn arcs_of_routs() {
     );
 }
 
-/// A copy is made where a line asks for one in whatever way; `M02` alone makes none.
+/// Every form of a request makes a copy. `M02` alone makes none.
 #[test]
 fn ways_to_ask_for_a_copy() {
     let count = |line: &str| {
@@ -833,7 +834,7 @@ fn ways_to_ask_for_a_copy() {
     }
 }
 
-/// What is told in words, and tools given from outside.
+/// Messages, and tools that the caller sets.
 #[test]
 fn words_and_tools_from_outside() {
     let texts = [

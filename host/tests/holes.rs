@@ -124,7 +124,7 @@ fn tango_has_its_own_defaults_and_tools_from_the_command_line() {
         .assert()
         .success()
         .stdout(contains("[31.75, 50.8, null]"))
-        .stderr(contains("nothing says the diameter of tool T1"))
+        .stderr(contains("the diameter of tool T1 is unknown"))
         .stderr(contains("--tool 1=0.8"));
 }
 
@@ -137,7 +137,7 @@ fn all_errors_at_their_columns() {
         .stdout(
             "tests/data/drill/faults.drl:5:1: error[E0903]: hole before any tool\n\
              tests/data/drill/faults.drl:7:2: error[E0102]: malformed number\n\
-             tests/data/drill/faults.drl:8:1: error[E0202]: `G83` is not taken\n\
+             tests/data/drill/faults.drl:8:1: error[E0202]: `G83` is not supported\n\
              tests/data/drill/faults.drl:10:1: error[E0911]: step and repeat out of order\n\
              tests/data/drill/faults.drl:11:1: warning[W0924]: tool T1 gets another diameter\n\
              tests/data/drill/faults.drl:13:1: warning[W0927]: text behind the end of the program, \

@@ -1,4 +1,4 @@
-//! What a line asks for, done: the tool chosen, the feature made.
+//! Carries out the request of a line: selects the tool, makes the feature.
 
 use crate::error::{Error, ErrorKind, WarningKind};
 use crate::feature::{Feature, Features, Hole, Path, Slot};
@@ -11,8 +11,8 @@ use crate::state::{Mode, State};
 use crate::tool::{Source, Tool};
 
 impl<const TOOLS: usize> Reader<TOOLS> {
-    /// The tool that a `T` word with or without `C` means; with a source when the list of tools is
-    /// to know it.
+    /// Returns the tool of a `T` word with or without `C`. Also returns a source if the tool has to
+    /// be added to the list.
     pub(super) fn tool(
         &self,
         state: &State,
@@ -47,7 +47,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         Ok((tool, Some(source)))
     }
 
-    /// Uses what the line has asked for so far: chooses the tool, makes the feature.
+    /// Carries out the request so far: selects the tool, makes the feature.
     pub(super) fn apply(&mut self, state: &mut State, request: &mut Request) -> Result<(), Error> {
         if let (Some((word, diameter)), false) = (&request.tool, request.used) {
             let (tool, source) = self.tool(state, word, diameter.as_ref())?;
@@ -78,7 +78,8 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         }
         request.used = true;
         if state.stage == Stage::Copies {
-            // What would be copied is not said: such a hole belongs before M01 or behind M08.
+            // It is not defined whether copies contain such a hole. It belongs before M01 or after
+            // M08.
             return Err(operands.error(ErrorKind::PatternOrder));
         }
         if state.header {
@@ -102,7 +103,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         Ok(())
     }
 
-    /// One coordinate: a hole, a move or a piece of a rout.
+    /// Handles one coordinate: a hole, a move or a piece of a rout.
     fn point(&mut self, state: &mut State, operands: &Operands) -> Result<Features, Error> {
         let is_arc = matches!(state.mode, Mode::Arc { .. });
         if let (Some(word), false) = (operands.of_arc(), is_arc) {

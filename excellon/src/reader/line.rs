@@ -1,4 +1,4 @@
-//! The words of a line, one after the other.
+//! Reads the words of a line in order.
 
 use crate::error::{Error, ErrorKind, WarningKind};
 use crate::feature::Features;
@@ -9,17 +9,17 @@ use crate::reader::Reader;
 use crate::scanner::{Scanner, Word};
 use crate::state::{Copies, Mode, State};
 
-/// What a line asks for so far.
+/// The request of a line so far.
 #[derive(Default)]
 pub(super) struct Request {
     pub(super) operands: Operands,
-    /// The words before `G85`, and that word.
+    /// The words before `G85`, and the `G85` word.
     pub(super) slot: Option<(Operands, Word)>,
     pub(super) repeat: Option<Word>,
     /// `G92` or `G93`: the coordinates are an origin.
     pub(super) origin: bool,
     pub(super) tool: Option<(Word, Option<Word>)>,
-    /// The coordinates have been used: what comes later is of no use.
+    /// The coordinates are used: later ones are an error.
     pub(super) used: bool,
     pub(super) features: Option<Features>,
     /// `M02`.
@@ -62,7 +62,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
                     Some(_) => return Err(word.error(ErrorKind::RepeatedWord(b'C'))),
                     None => return Err(word.error(ErrorKind::UnknownWord(b'C'))),
                 },
-                // Feeds, speeds, numbers of lines, and what a tool has besides its diameter.
+                // Feeds, speeds and line numbers. `B`, `H` and `Z` are further values of a tool.
                 b'F' | b'S' | b'N' => {}
                 b'B' | b'H' | b'Z' => {
                     if request.tool.is_none() {
@@ -87,7 +87,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
             }
         }
         self.apply(&mut state, &mut request)?;
-        // Nothing fails from here on.
+        // No error can occur from here on.
         if let Some((word, diameter)) = request.tool {
             let (tool, source) = self.tool(&state, &word, diameter.as_ref())?;
             if let Some(source) = source {
@@ -103,7 +103,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         Ok(request.features.unwrap_or(Features::NONE))
     }
 
-    /// A G code; `true` when the rest of the line is text.
+    /// Handles a G code. Returns `true` if the rest of the line is text.
     fn preparatory(
         &mut self,
         state: &mut State,
@@ -142,7 +142,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         Ok(false)
     }
 
-    /// An M code of step and repeat; `false` when it is none.
+    /// Handles an M code of step and repeat. Returns `false` for other codes.
     fn step_and_repeat(
         &mut self,
         state: &mut State,
@@ -195,13 +195,13 @@ impl<const TOOLS: usize> Reader<TOOLS> {
         request.pattern = pattern;
         state.hole_before = false;
         if code == 1 && state.incremental {
-            // The manual: the accumulators are cleared at the end of a pattern.
+            // The manual clears the accumulators at the end of a pattern.
             state.at_nm = [0; 2];
         }
         Ok(true)
     }
 
-    /// An M code; `true` when the rest of the line is text.
+    /// Handles an M code. Returns `true` if the rest of the line is text.
     fn miscellaneous(&mut self, state: &mut State, word: &Word) -> Result<bool, Error> {
         let code = word.whole(u16::MAX)?;
         match code {
@@ -229,7 +229,7 @@ impl<const TOOLS: usize> Reader<TOOLS> {
     }
 }
 
-/// Steps over `X` and `Y` without a number: `M02XY007`. Whether there was one.
+/// Skips `X` and `Y` without a number, as in `M02XY007`. Returns whether there was one.
 fn take_bare(scanner: &mut Scanner<'_>) -> bool {
     let mut any = false;
     loop {
