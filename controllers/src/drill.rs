@@ -1,4 +1,4 @@
-//! The circuit-board drill: point to point, one axis at a time, a program of records.
+//! The circuit-board drill: point-to-point moves, one axis at a time, and a program of records.
 
 mod config;
 mod event;
@@ -23,25 +23,28 @@ const Z: usize = 2;
 /// | when | call |
 /// | --- | --- |
 /// | a byte arrives | [`push`](Drill::push) |
-/// | the last event is carried out | [`next_event`](Drill::next_event), with the switches as they are |
+/// | the last event is carried out | [`next_event`](Drill::next_event), with the present switches |
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
-/// | the button R is pressed, or power comes back | [`reset`](Drill::reset) |
+/// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
-/// After a reset it homes Z, Y and X and sends `B`. Positions are steps from home. X moves, then Y,
-/// then Z drills from the upper sensor to the lower one and back. It is a [`DrillFault`] if a
-/// switch does not close on the longest search, closes too early, or is open at zero. Then the
-/// spindle stops, nothing moves until a reset, and a link with extras sends `!` and is silent from
-/// then on.
+/// After a reset the drill homes Z, Y and X and sends `B`. Positions are steps from home. X moves,
+/// then Y, then Z drills from the upper sensor to the lower one and back. A switch causes a
+/// [`DrillFault`] if it does not close within the longest search, closes too early, or is open at
+/// zero. The spindle then stops, and nothing moves until a reset. A link with extras sends `!` and
+/// then stays silent.
 ///
-/// Cost: an event takes some comparisons; a record of the program takes two more copies of bytes.
-/// Its size is `N` + 0.1 kB.
+/// # Cost
+/// An event takes some comparisons. A record of the program also takes two copies of bytes. The
+/// size is `N` + 0.1 kB.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillInputs};
 ///
 /// let mut drill = Drill::<64>::new(DrillConfig::FIXED);
 /// let (mut z, mut said) = (5, None);
-/// // Z is five steps below its sensor; X and Y go off their switches and back.
+/// // Z is five steps below its sensor. X and Y move off their switches and back.
 /// let (mut x, mut y) = (0, 0);
 /// while said.is_none() {
 ///     let inputs = DrillInputs { home: [x <= 0, y <= 0], is_up: z <= 0, is_down: false };
@@ -59,12 +62,12 @@ pub struct Drill<const N: usize> {
     link: Device<N>,
     task: Task,
     place: [u16; 2],
-    /// Steps from the switches to zero: 0 but after `c` off home.
+    /// Steps from the switches to zero: 0 except after `c` away from home.
     zero: [u16; 2],
     is_homed: bool,
-    /// Switches of X and Y that were open when they were looked at last.
+    /// Whether the switches of X and Y were open at the last check.
     were_open: [bool; 2],
-    /// The spindle, as it is and as it should be.
+    /// The actual and the requested state of the spindle.
     spindle: [bool; 2],
     report: Option<DrillReport>,
 }
@@ -74,7 +77,7 @@ impl<const N: usize> Controller for Drill<N> {
     type Event = DrillEvent;
     type Stops = ();
 
-    /// Takes a byte of the line. Only the button R stops this machine.
+    /// Takes a byte from the line. Only the button R stops this machine.
     fn receive(&mut self, byte: u8) -> bool {
         self.push(byte);
         false
@@ -103,7 +106,7 @@ impl Timed for DrillEvent {
     fn wait_ticks(&self) -> Option<u32> {
         match *self {
             DrillEvent::Step(step) => Some(step.wait_ticks),
-            // Another task follows at once: its waits go on from where this one's ended.
+            // Another task follows at once. Its waits continue from the end of this one.
             DrillEvent::Dwell { wait_ticks: 0 } => None,
             DrillEvent::Dwell { wait_ticks } => Some(wait_ticks),
             DrillEvent::Spindle(_) | DrillEvent::Report(_) | DrillEvent::Idle => None,
@@ -112,7 +115,7 @@ impl Timed for DrillEvent {
 }
 
 impl<const N: usize> Drill<N> {
-    /// After power came on.
+    /// Creates a drill in its state after power-on.
     pub const fn new(config: DrillConfig) -> Self {
         Self {
             link: Device::new(config.rules),
@@ -122,14 +125,14 @@ impl<const N: usize> Drill<N> {
             zero: [0; 2],
             is_homed: false,
             were_open: [false; 2],
-            // Whatever it was, it is switched off first.
+            // The spindle may be on, so it is switched off first.
             spindle: [true, false],
             report: None,
         }
     }
 
-    /// The button R, which is also the emergency stop. The step under way is the last one, the
-    /// program is lost, the spindle stops, and the machine homes again.
+    /// Resets the drill, as the button R does, which is also the emergency stop. The present step
+    /// is the last one. The program is lost, the spindle stops, and the machine homes again.
     pub fn reset(&mut self) {
         self.link = Device::new(self.config.rules);
         self.task = Task::Idle;
@@ -138,22 +141,22 @@ impl<const N: usize> Drill<N> {
         self.report = None;
     }
 
-    /// Takes a byte of the line.
+    /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8) {
         self.link.push(byte);
     }
 
-    /// The next byte for the line.
+    /// Returns the next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         self.link.transmit()
     }
 
-    /// The bytes of the program in the memory.
+    /// Returns the bytes of the program in the memory.
     pub fn stored(&self) -> &[u8] {
         self.link.stored()
     }
 
-    /// Steps of X and Y from zero.
+    /// Returns the steps of X and Y from zero.
     pub const fn position_steps(&self) -> [u16; 2] {
         self.place
     }
@@ -163,7 +166,7 @@ impl<const N: usize> Drill<N> {
         self.is_homed
     }
 
-    /// Whether it does something, or stands for a fault.
+    /// Whether the drill is active or stands because of a fault.
     pub fn is_working(&self) -> bool {
         self.task != Task::Idle || self.link.is_working()
     }
@@ -174,7 +177,7 @@ impl<const N: usize> Drill<N> {
         is_on
     }
 
-    /// What happens next, with the switches as they are now.
+    /// Returns the next event for the present switches.
     pub fn next_event(&mut self, inputs: &DrillInputs) -> DrillEvent {
         if let Some(report) = self.report.take() {
             return DrillEvent::Report(report);
@@ -192,7 +195,7 @@ impl<const N: usize> Drill<N> {
         }
         match self.go_on(inputs) {
             Some(event) => event,
-            // The task has changed: at the next call there is something, or a report.
+            // The task has changed: the next call returns an event, unless there is a report.
             None => match self.report.take() {
                 Some(report) => DrillEvent::Report(report),
                 None => DrillEvent::Dwell { wait_ticks: 0 },
@@ -213,7 +216,7 @@ impl<const N: usize> Drill<N> {
                 self.place = [0; 2];
                 Task::Settle
             }
-            Order::Move(Axis::Z, _) => Task::Settle, // there is none
+            Order::Move(Axis::Z, _) => Task::Settle, // no record moves Z
             Order::Move(axis, to) => self.record(number(axis), to),
             Order::Drill(0) => Task::Down {
                 left: self.config.stroke_steps,
@@ -245,7 +248,7 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// A move of the program.
+    /// Begins a move of the program.
     fn record(&mut self, axis: u8, to: u16) -> Task {
         if to > self.last_step(axis) {
             return self.fault(DrillFault::OffTable { axis });
@@ -257,7 +260,7 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// The last step of the table, from zero.
+    /// Returns the last step of the table, relative to zero.
     fn last_step(&self, axis: u8) -> u16 {
         let index = usize::from(axis);
         match (self.config.travel_steps.get(index), self.zero.get(index)) {
@@ -266,11 +269,12 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// A move by hand ends at zero and at the end of the table, and says so.
+    /// Begins a jog. It ends at zero and at the end of the table, and the link reports this.
     fn jog(&mut self, axis: u8, steps: i16) -> Task {
         let from = self.place.get(usize::from(axis));
         let from = from.copied().unwrap_or_default();
-        // Not homed it may stand beyond the table's end: never backwards then.
+        // Before homing the axis may stand beyond the end of the table. A forward jog must not move
+        // it backwards then.
         let last = self.last_step(axis).max(from);
         let to = from.saturating_add_signed(steps).min(last);
         if i32::from(to) != i32::from(from).wrapping_add(i32::from(steps)) {
@@ -279,7 +283,7 @@ impl<const N: usize> Drill<N> {
         Task::Go { axis, to }
     }
 
-    /// A step of the task; `None` where it ends or changes.
+    /// Returns the next step of the task. Returns `None` if the task ends or changes.
     fn go_on(&mut self, inputs: &DrillInputs) -> Option<DrillEvent> {
         match self.task {
             Task::Idle => None,
@@ -309,7 +313,7 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// Off a switch that was closed when homing began.
+    /// Moves off a switch that was closed when homing began.
     fn leave(&mut self, axis: u8, left: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         let Some(left) = left.checked_sub(1) else {
             self.task = if is_home(inputs, axis) {
@@ -376,7 +380,8 @@ impl<const N: usize> Drill<N> {
         let was_open = self.were_open.get_mut(index)?;
         let is_closed = is_home(inputs, axis);
         let has_closed = core::mem::replace(was_open, !is_closed) && is_closed;
-        // Where a switch closes is sure; where it opens again on the way off it is not.
+        // The position at which a switch closes is certain. The position at which it opens again is
+        // not.
         let is_lost = play.is_some_and(|play| {
             let limit = if has_closed {
                 play
@@ -407,8 +412,8 @@ impl<const N: usize> Drill<N> {
         self.step(index, if is_forward { 1 } else { -1 })
     }
 
-    /// A switch that closes a little later than before is still good. One that closes much later
-    /// means that steps were lost. The position stays zero.
+    /// Searches for a switch beyond zero. A switch that closes slightly later than before is
+    /// accepted. One that closes much later means lost steps. The position stays zero.
     fn look_beyond(&mut self, axis: u8, gone: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         if is_home(inputs, axis) {
             self.task = Task::Return { axis, left: gone };
@@ -420,12 +425,12 @@ impl<const N: usize> Drill<N> {
         }
         self.task = Task::Beyond {
             axis,
-            gone: gone.wrapping_add(1), // below the play
+            gone: gone.wrapping_add(1), // it is below the play
         };
         self.step(usize::from(axis), -1)
     }
 
-    /// Down to the depth or the lower sensor, whichever comes first.
+    /// Moves down to the depth or the lower sensor, whichever comes first.
     fn lower(&mut self, left: u16, is_whole: bool, inputs: &DrillInputs) -> Option<DrillEvent> {
         if self.switch_by_hole(true) {
             return None;
@@ -467,8 +472,8 @@ impl<const N: usize> Drill<N> {
         self.step(Z, -1)
     }
 
-    /// Switches the spindle where that is the controller's task: `true` where the next event is
-    /// that.
+    /// Switches the spindle if the controller is responsible for it. Returns `true` if the next
+    /// event is this switching.
     fn switch_by_hole(&mut self, on: bool) -> bool {
         let [is_on, _] = self.spindle;
         let is_due = self.config.spindle_by_hole && is_on != on;
@@ -478,7 +483,7 @@ impl<const N: usize> Drill<N> {
         is_due
     }
 
-    /// By hand, between the sensors.
+    /// Jogs Z between the sensors.
     fn jog_z(&mut self, left: i16, inputs: &DrillInputs) -> Option<DrillEvent> {
         let is_at_end = match left.signum() {
             1 => inputs.is_down,
@@ -492,7 +497,7 @@ impl<const N: usize> Drill<N> {
             self.task = Task::Settle;
             return None;
         }
-        // Towards zero: no overflow.
+        // The difference moves towards zero, so it does not overflow.
         let direction = left.signum();
         self.task = Task::JogZ {
             left: left.wrapping_sub(direction),
@@ -513,7 +518,7 @@ impl<const N: usize> Drill<N> {
         self.report = Some(DrillReport::Fault(fault));
         let [is_on, _] = self.spindle;
         self.spindle = [is_on, false];
-        // Where the axes are is not known for sure.
+        // The position of the axes is not certain any more.
         self.is_homed = false;
         self.link.fail();
         Task::Fault

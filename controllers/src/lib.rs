@@ -21,7 +21,7 @@ pub use microfactory::{
 pub use micromill::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs, MicromillStep};
 pub use servo_module::{ServoModule, ServoModuleOutput, servo_law};
 
-/// The README's example, as a doctest.
+/// Runs the README's example as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,5 @@
-//! The desktop microfactory: three linear axes and a stepping spindle, one task at a time.
+//! The desktop microfactory: three linear axes and a spindle with a stepping motor, one task at a
+//! time.
 
 mod config;
 mod event;
@@ -22,7 +23,7 @@ pub const MICROFACTORY_MOTORS: usize = 4;
 /// Index of the spindle among the motors.
 const SPINDLE: usize = 3;
 
-/// Where the motors' current is.
+/// State of the motor current.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Power {
     Off,
@@ -33,24 +34,27 @@ enum Power {
     On,
 }
 
-/// A microfactory's controller: commands in, events out.
+/// The controller of a microfactory: commands in, events out.
 ///
-/// A task - homing, a jog, counted steps, a figure - begins only when no other task is under way.
-/// Positions are load steps from the position after homing. Where an axis reverses, its backlash is
-/// taken up first; these steps do not change the position. `F` keeps the figure: moves in X and Z,
-/// in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
+/// A task (homing, a jog, counted steps, a figure) begins only when no other task is under way.
+/// Positions are load steps from the position after homing. When an axis reverses, it first takes
+/// up its backlash; these steps do not change the position. `F` stores the figure: moves in X and
+/// Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
 ///
-/// **Homing** ends at the same position from anywhere, on whichever flank an axis stands. A switch
-/// that is closed at the start is left first, then searched. The machine is homed only after all of
-/// this has succeeded.
+/// **Homing** ends at the same position from any start, whichever flank an axis stands on. If a
+/// switch is closed at the start, the axis first leaves it and then searches it. The machine is
+/// homed only after all of this has succeeded.
 ///
 /// **Switches.** If the home switch of an axis closes in a jog, in counted steps or in a figure,
-/// the axis stops, this is reported, the axis backs off the switch, and the task ends. An axis may
-/// move away from a switch that is already closed. An emergency stop acts on the next event of
-/// every task, and lasts until [`Microfactory::reset`].
+/// the axis stops, the machine reports it, the axis backs off the switch, and the task ends. An
+/// axis may move away from a switch that is already closed. An emergency stop acts on the next
+/// event of every task and lasts until [`Microfactory::reset`].
 ///
-/// Cost: an event takes some comparisons and two additions; a move of a figure takes a square root
-/// and a 64-bit division.
+/// # Cost
+/// An event takes some comparisons and two additions. A move of a figure takes a square root and a
+/// 64-bit division.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_controllers::{
@@ -75,29 +79,29 @@ pub struct Microfactory<F> {
     config: MicrofactoryConfig,
     figure: F,
     task: Task,
-    /// The move of the figure under way.
+    /// The present move of the figure.
     line: Option<FigureMove>,
     power: Power,
     plays: [Play; 3],
     spindle: i32,
-    /// Ticks since the last event of an axis that the spindle's steps have used up already.
+    /// Ticks since the last event of an axis that steps of the spindle have already used.
     used_ticks: u32,
-    /// Ticks until the next step of a spindle that turns along.
+    /// Ticks until the next step of a spindle that turns during a figure.
     spindle_ticks: u32,
-    /// The next step of the task, waiting for its time.
+    /// The next step of the task, while it waits for its time.
     due: Option<Due>,
     is_homed: bool,
-    /// RESET was pulsed since power came on: the phases are known.
+    /// Whether RESET was pulsed since power-on, so that the phases are known.
     was_reset: bool,
     report: Option<Report>,
-    /// How the last task ended, or what happened in this one.
+    /// The end of the last task, or the last report of the present one.
     last: Option<Report>,
-    /// Switches that were closed at the last step, and those that have closed since.
+    /// Switches that were closed at the last step, and switches that have closed since.
     were_closed: [bool; 3],
     close: [bool; 3],
 }
 
-/// A step that has been decided.
+/// A step that is decided and not yet made.
 #[derive(Copy, Clone, Debug)]
 struct Due {
     wait_ticks: u32,
@@ -105,7 +109,7 @@ struct Due {
 }
 
 impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
-    /// At rest, motors off, not homed.
+    /// Creates a controller at rest, with the motors off, not homed.
     pub const fn new(config: MicrofactoryConfig, figure: F) -> Self {
         let [x, y, z] = config.lash_steps;
         Self {
@@ -128,10 +132,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// A command from the link. Returns whether it is carried out. A task begins only if no other
-    /// task is under way. The jog under way may be repeated, which renews it if there is a
-    /// dead-man's time. Commands for the stored figure ([`Order::Clear`] and the like) are carried
-    /// out by the owner, see [`Microfactory::figure_mut`].
+    /// Takes a command from the link. Returns whether it is carried out.
+    ///
+    /// A task begins only if no other task is under way. A command that repeats the present jog
+    /// renews it if there is a dead-man's time. The owner carries out commands for the stored
+    /// figure ([`Order::Clear`] and the like), see [`Microfactory::figure_mut`].
     pub fn command(&mut self, command: Order) -> bool {
         if self.task == Task::Emergency {
             return false;
@@ -140,17 +145,17 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             Order::Emergency => {
                 self.task = Task::Emergency;
                 self.due = None;
-                // The axes were stopped in full flight: where they are is not known for sure.
+                // The axes were stopped without deceleration, so their position is not certain.
                 self.is_homed = false;
                 self.tell(Report::Emergency);
                 return true;
             }
             Order::Stop => {
-                // The step decided on is not made.
+                // The decided step is not made.
                 self.due = None;
                 match self.task {
                     Task::Idle => {}
-                    // When asked, it was a switch that ended the task.
+                    // A status request still reports the switch that ended the task.
                     Task::BackOff { homes: false, .. } => self.report = Some(Report::Stopped),
                     _ => self.tell(Report::Stopped),
                 }
@@ -178,17 +183,18 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return false;
         }
         if command == Order::Home {
-            // Until all of it has gone well.
+            // The machine is homed again when all of homing has succeeded.
             self.is_homed = false;
         }
         self.task = task;
         self.last = None;
-        // A switch that is closed already does not close.
+        // A switch that is already closed does not count as closing.
         self.were_closed = [true; 3];
         true
     }
 
-    /// What a panel's reset or power up does: out of an emergency stop, not homed, motors off.
+    /// Resets the machine, as its panel or power-up does: it ends an emergency stop, the machine is
+    /// not homed, and the motors are off.
     pub fn reset(&mut self) {
         self.task = Task::Idle;
         self.power = Power::Off;
@@ -209,13 +215,13 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.is_homed
     }
 
-    /// Load steps of X, Y and Z, and steps of the spindle.
+    /// Returns load steps of X, Y and Z, and steps of the spindle.
     pub fn position_steps(&self) -> [i32; MICROFACTORY_MOTORS] {
         let [x, y, z] = self.plays.map(|play| play.load());
         [x, y, z, self.spindle]
     }
 
-    /// How the last task ended and where the axes are: the answer to [`Order::Ask`].
+    /// Returns the end of the last task and the position of the axes: the answer to [`Order::Ask`].
     pub fn status(&self) -> Status {
         Status {
             report: self.last,
@@ -225,12 +231,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// The figure.
+    /// Returns the figure.
     pub const fn figure(&self) -> &F {
         &self.figure
     }
 
-    /// The figure, to be replaced or edited; `None` while one is cut.
+    /// Returns the figure for replacement or editing. Returns `None` while a figure is cut.
     pub const fn figure_mut(&mut self) -> Option<&mut F> {
         if matches!(self.task, Task::Figure { .. } | Task::Approach { .. }) {
             return None;
@@ -238,7 +244,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some(&mut self.figure)
     }
 
-    /// What happens next, with the switches as they are now.
+    /// Returns the next event for the present switches.
     pub fn next_event(&mut self, inputs: &MicrofactoryInputs) -> MicrofactoryEvent {
         if let Some(report) = self.report.take() {
             return MicrofactoryEvent::Report(report);
@@ -258,7 +264,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
         match self.due {
             Some(due) => MicrofactoryEvent::Step(self.merged(due)),
-            // The task has ended, or changed, with a report.
+            // The task has ended or changed, perhaps with a report.
             None => match self.report.take() {
                 Some(report) => MicrofactoryEvent::Report(report),
                 None => MicrofactoryEvent::Dwell { wait_ticks: 0 },
@@ -266,12 +272,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// Current, RESET and the delay after them, before a task's first step.
+    /// Returns current, RESET and the delay after them, before the first step of a task.
     fn wake(&mut self) -> Option<MicrofactoryEvent> {
         let (next, event) = match self.power {
             Power::On => return None,
             Power::Off => {
-                // After power came on the phases are anywhere, so RESET loses nothing.
+                // After power-on the phases are unknown, so RESET loses nothing.
                 let resets = self.config.resets_before_moves || !self.was_reset;
                 let next = if resets { Power::Reset } else { Power::Settle };
                 (next, MicrofactoryEvent::Enable(true))
@@ -294,13 +300,13 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some(event)
     }
 
-    /// Something to tell now, and when asked.
+    /// Reports now, and in the answer to a status request.
     fn tell(&mut self, report: Report) {
         self.report = Some(report);
         self.last = Some(report);
     }
 
-    /// The next step of the task; `None` where the task ends or changes.
+    /// Returns the next step of the task. Returns `None` if the task ends or changes.
     fn decide(&mut self, inputs: &MicrofactoryInputs) -> Option<Due> {
         for ((close, was), is) in (self.close.iter_mut().zip(self.were_closed)).zip(inputs.home) {
             *close = is && !was;
@@ -365,8 +371,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         None
     }
 
-    /// A step of one motor, and whether it moves the load. At a home switch the task becomes a
-    /// back-off.
+    /// Returns a step of one motor, and whether it moves the load. At a home switch the task
+    /// becomes a back-off.
     fn one_way(&mut self, way: Way, inputs: &MicrofactoryInputs) -> Option<(Due, bool)> {
         let direction: i8 = if way.forward { 1 } else { -1 };
         if self.stops_at(way, inputs) {
@@ -385,17 +391,17 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some((due, counts))
     }
 
-    /// Whether the switch of an axis that moves towards it is closed, or has closed in any motion
-    /// of a task. Then the axis backs off.
+    /// Whether an axis must stop: it moves towards its closed switch, or its switch has closed in
+    /// any motion of a task. The axis then backs off.
     fn stops_at(&mut self, way: Way, inputs: &MicrofactoryInputs) -> bool {
         let axis = way.motor;
-        // Going off a switch, its contact may bounce.
+        // The contact may bounce while the axis moves off its switch.
         let has_closed = self.close.get(usize::from(axis)) == Some(&true)
             && !matches!(self.task, Task::BackOff { .. } | Task::Leave { .. });
         let stops = has_closed || (!way.forward && inputs.is_home(axis));
         if stops {
             if !self.is_homed {
-                // Which flank is engaged is not known: the way back off is the longer one.
+                // The engaged flank is unknown, so the back-off is the longer one.
                 self.engage_negative(axis);
             }
             self.task = Task::BackOff {
@@ -408,20 +414,21 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         stops
     }
 
-    /// The load lies on the negative flank: it was the motor's last way that moved it.
+    /// Sets the load to the negative flank, because the last move of the motor in this direction
+    /// moved it.
     fn engage_negative(&mut self, axis: u8) {
         if let Some(play) = self.plays.get_mut(usize::from(axis)) {
             play.set_behind();
         }
     }
 
-    /// Homing: off a switch that is closed already, or at once towards it.
+    /// Homing: leaves a switch that is already closed, or searches the switch.
     fn begin_search(&mut self, axis: u8, inputs: &MicrofactoryInputs) {
         let lash = self.config.lash_steps.get(usize::from(axis));
         self.task = if inputs.is_home(axis) {
             Task::Leave {
                 axis,
-                // At least by the back-off, on whichever flank it begins: two u16.
+                // At least the back-off from either flank. The sum of two u16 fits.
                 left: u32::from(lash.copied().unwrap_or_default())
                     .wrapping_add(u32::from(self.config.back_off_steps)),
             }
@@ -433,7 +440,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         };
     }
 
-    /// Homing leaves a switch that was closed at the start, so that it always closes at the same
+    /// Homing: leaves a switch that was closed at the start, so that it always closes at the same
     /// position.
     fn leave(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
         let Some(left) = left.checked_sub(1) else {
@@ -451,10 +458,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.one_way(way, inputs).map(|(due, _)| due)
     }
 
-    /// Homing: towards the switch.
+    /// Homing: moves towards the switch.
     fn search(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
         if inputs.is_home(axis) {
-            // It was open before, so this way has moved the load, whatever was known of its flank.
+            // The switch was open before, so this direction has moved the load, whichever flank was
+            // engaged.
             self.engage_negative(axis);
             self.task = Task::BackOff {
                 axis,
@@ -477,7 +485,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.one_way(way, inputs).map(|(due, _)| due)
     }
 
-    /// Back off a switch: in homing the next axis follows.
+    /// Backs off a switch. In homing the next axis follows.
     fn back_off(
         &mut self,
         axis: u8,
@@ -502,7 +510,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return self.end(Report::StillClosed { axis });
         }
         if !homes {
-            // When asked, it was a switch that ended the task.
+            // A status request still reports the switch that ended the task.
             self.task = Task::Idle;
             self.report = Some(Report::Done);
             return None;
@@ -520,10 +528,10 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.end(Report::Homed)
     }
 
-    /// A step of the figure.
+    /// Returns a step of the figure.
     fn cut(&mut self, index: usize, inputs: &MicrofactoryInputs) -> Option<Due> {
         let Some(([x, z], wait_ticks)) = self.line.as_ref().and_then(FigureMove::peek) else {
-            // Below the length of a slice, so the sum does not wrap.
+            // The index is below the length of a slice, so the sum does not wrap.
             let next = index.wrapping_add(1);
             if next >= self.figure.as_ref().len() {
                 return self.end(Report::Done);
@@ -540,7 +548,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                 return None;
             }
         }
-        // Both axes take up what they owe before the tool goes on.
+        // Both axes take up their backlash before the tool moves on.
         let [play_x, _, play_z] = &self.plays;
         let [owes_x, owes_z] = [x != 0 && play_x.owes(x > 0), z != 0 && play_z.owes(z > 0)];
         let (x, z, wait_ticks) = if owes_x || owes_z {
@@ -560,24 +568,24 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     fn begin_move(&mut self, index: usize) {
         let figure = self.figure.as_ref();
-        let way = figure.get(index).copied().unwrap_or_default();
-        self.line = Some(FigureMove::new(way, &self.config));
+        let move_steps = figure.get(index).copied().unwrap_or_default();
+        self.line = Some(FigureMove::new(move_steps, &self.config));
         self.task = Task::Figure { index };
     }
 
-    /// A step of the task, or one of the spindle that comes before it.
+    /// Returns a step of the task, or an earlier step of the spindle.
     fn merged(&mut self, due: Due) -> StepEvent<MICROFACTORY_MOTORS> {
         let left = due.wait_ticks.saturating_sub(self.used_ticks);
         let turns_along = self.config.spindle_turns_in_figures
             && matches!(self.task, Task::Figure { .. } | Task::Approach { .. });
         if turns_along && self.spindle_ticks <= left {
             let wait_ticks = self.spindle_ticks;
-            // Not above `left`, so the sum is not above the wait of the step.
+            // The wait is at most `left`, so the sum is at most the wait of the step.
             self.used_ticks = self.used_ticks.wrapping_add(wait_ticks);
             self.spindle_ticks = self.config.spindle_interval();
             return self.made(wait_ticks, [0, 0, 0, 1]);
         }
-        // Above `left` where it turns along; otherwise it begins anew.
+        // The ticks are above `left` if the spindle turns; otherwise they restart.
         self.spindle_ticks = if turns_along {
             self.spindle_ticks.wrapping_sub(left)
         } else {
@@ -588,7 +596,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.made(left, due.delta)
     }
 
-    /// A step that is made now: the positions follow.
+    /// Makes a step and updates the positions.
     fn made(
         &mut self,
         wait_ticks: u32,
@@ -600,7 +608,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             }
         }
         let [.., turn] = delta;
-        // Of 2^32 steps, at 64 a second, none in two years.
+        // At 64 steps per second, 2^32 steps take more than two years.
         self.spindle = self.spindle.wrapping_add(i32::from(turn));
         StepEvent { wait_ticks, delta }
     }

@@ -1,4 +1,4 @@
-//! The micro mill: its strings in, its steps out.
+//! The micro mill: strings in, steps out.
 
 mod config;
 mod course;
@@ -27,34 +27,36 @@ use path::Flat;
 use task::Task;
 use ways::Ways;
 
-/// An event that was given and is not made yet.
+/// An event that was given and is not yet made.
 #[derive(Copy, Clone, Debug)]
 struct Given {
     ways: Ways,
-    /// The axes whose load it moves.
+    /// Axes whose load it moves.
     loads: u8,
-    /// Lines that are done with it.
+    /// Number of lines that end with it.
     ends: u8,
 }
 
-/// The micro mill's controller: bytes of its link in, events for its motors out, in bounded memory.
+/// The controller of the micro mill: bytes of its link in, events for its motors out, in bounded
+/// memory.
 ///
 /// | when | call |
 /// | --- | --- |
-/// | a byte arrives | [`receive`](Micromill::receive); where it says so: stop the motors, tell what was made, then [`halted`](Micromill::halted) |
+/// | a byte arrives | [`receive`](Micromill::receive); if it returns `true`: stop the motors, report the events made, then call [`halted`](Micromill::halted) |
 /// | there is room for events | [`next_event`](Micromill::next_event) |
 /// | events were made | [`made`](Micromill::made) |
 /// | the transmitter is free | [`transmit`](Micromill::transmit) |
 ///
-/// `QUEUE` lines wait for the one that is executed. `AHEAD` events may be given before they are
-/// made. `OUT` bytes wait for the transmitter; when there is no room, the steps wait. `QUEUE` and
-/// `AHEAD` are powers of two. A step is reported when it was made. A stop drops the events that
-/// were not made.
+/// `QUEUE` lines wait for the present line. `AHEAD` events may be given before they are made. `OUT`
+/// bytes wait for the transmitter; when there is no room, the steps wait. `QUEUE` and `AHEAD` are
+/// powers of two. A step is reported when it is made. A stop drops the events that were not made.
 ///
-/// Steps are those of [`Machine`](husillo_machine::Machine) for the same program. Homing, jogs and
-/// counted steps are decided one at a time, with the present switches. Before homing the flanks are
-/// unknown: lines that move are refused, backlash is not taken up, and a jog ends at a switch.
-/// After homing a jog ends at the end of the travel.
+/// The steps are those of [`Machine`](husillo_machine::Machine) for the same program. Homing, jogs
+/// and counted steps are decided one step at a time, with the present switches. Before homing the
+/// flanks are unknown: the controller refuses lines that move, takes up no backlash, and ends a jog
+/// at a switch. After homing a jog ends at the end of the travel.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
@@ -77,45 +79,45 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     config: &'a MicromillConfig,
     link: Device<OUT>,
     queue: Ring<Entry, QUEUE>,
-    /// The line that filled the queue has not been confirmed.
+    /// Whether the line that filled the queue is not confirmed yet.
     owes_taken: bool,
-    /// Where the last line taken ends, and where the next one to be executed begins.
+    /// End of the last accepted line, and start of the next line to execute.
     programmed: Place,
     at: Place,
     zero: Place,
     task: Task,
-    /// The move under way, and what goes with it.
+    /// The present move and its state.
     path: Option<Flat>,
     course: Course,
     guard: StepGuard<3>,
-    /// Ticks of moves too short for a step: they belong to the next one.
+    /// Ticks of moves too short for a step. They are added to the next move.
     carried_ticks: u64,
-    /// Motors and loads after the events given.
+    /// Motors and loads after all given events.
     plays: [Play; 3],
     lash: [u16; 3],
     ahead: Ring<Given, AHEAD>,
-    /// Lines that end with an event given.
+    /// Number of lines that end with a given event.
     ends_ahead: u16,
-    /// How long a jog lasts without being renewed.
+    /// Duration of a jog that is not renewed, in ticks.
     lease_ticks: Option<u32>,
     is_homed: bool,
 }
 
-/// What comes of looking for the next event.
+/// Result of the search for the next event.
 enum Next {
     Give(MicromillEvent),
-    /// Something has changed: look again.
+    /// The state has changed: search again.
     Again,
-    /// Not now.
+    /// No event now.
     Wait,
 }
 
 impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     Micromill<'a, QUEUE, AHEAD, OUT>
 {
-    /// After a reset: at rest, not homed.
+    /// Creates a controller in its state after a reset: at rest, not homed.
     pub fn new(config: &'a MicromillConfig) -> Self {
-        const { assert!(OUT >= 3 * AHEAD + 32, "room to tell the steps given") };
+        const { assert!(OUT >= 3 * AHEAD + 32, "room to report the given steps") };
         Micromill {
             config,
             link: Device::new(),
@@ -142,8 +144,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// A homed controller at machine zero, every axis engaged on its positive flank. For tests and
-    /// simulations.
+    /// Creates a homed controller at machine zero, with every axis engaged on its positive flank.
+    /// For tests and simulations.
     pub fn homed(config: &'a MicromillConfig) -> Self {
         let mut mill = Micromill::new(config);
         for (play, lash) in mill.plays.iter_mut().zip(mill.lash) {
@@ -153,9 +155,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         mill
     }
 
-    /// Takes a byte of the line. `true`: stop the motors before the next event, report the events
-    /// that were [`made`](Micromill::made), drop the others, and call
-    /// [`halted`](Micromill::halted).
+    /// Takes a byte from the line. Returns `true` if the motors must stop before the next event.
+    /// The caller then reports the events that were [`made`](Micromill::made), drops the others,
+    /// and calls [`halted`](Micromill::halted).
     pub fn receive(&mut self, byte: u8) -> bool {
         match self.link.push(byte) {
             None => {}
@@ -166,14 +168,15 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         false
     }
 
-    /// The bytes that stop what moves now. If the foreground may be late, the interrupt that
-    /// receives such a byte holds the events. When the foreground takes the byte,
+    /// Returns the bytes that stop the present motion. If the foreground may be late, the interrupt
+    /// that receives such a byte holds the events. When the foreground takes the byte,
     /// [`receive`](Micromill::receive) requests a stop, or the events continue.
     pub const fn stops(&self) -> Stops {
         self.link.stops()
     }
 
-    /// The motors have stopped. The queue is dropped, and events that were not made are undone.
+    /// Confirms that the motors have stopped. Drops the queue and undoes the events that were not
+    /// made.
     pub fn halted(&mut self) {
         let answer = if self.is_moving() {
             Answer::Stopped
@@ -189,7 +192,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.tell_motion();
     }
 
-    /// So many of the events given, the oldest ones, have been made.
+    /// Reports that the oldest `events` events are made.
     #[inline]
     pub fn made(&mut self, events: usize) {
         if !self.reports_next() && events < self.ahead.len() {
@@ -198,7 +201,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.tell(events);
     }
 
-    /// What there is to say of events that were made.
+    /// Sends the reports of events that were made.
     #[inline(never)]
     fn tell(&mut self, events: usize) {
         for _ in 0..events {
@@ -214,27 +217,28 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             for _ in 0..given.ends {
                 self.link.answer(Answer::Done);
             }
-            self.ends_ahead = self.ends_ahead.wrapping_sub(given.ends.into()); // they were counted
+            // They were counted before.
+            self.ends_ahead = self.ends_ahead.wrapping_sub(given.ends.into());
         }
         if self.ahead.is_empty() {
             self.tell_motion();
         }
     }
 
-    /// Whether something is reported when given events have been made: steps, or the end of a line.
-    /// Then call [`made`](Micromill::made) for each event at once. Otherwise the foreground may
-    /// wait for several events: reporting several costs as much as reporting one.
+    /// Whether the controller sends a report when given events are made: a step, or the end of a
+    /// line. The caller then calls [`made`](Micromill::made) immediately after each event.
+    /// Otherwise it may wait for several events: one call for several costs as much as for one.
     pub const fn reports_next(&self) -> bool {
         self.link.tells_steps() || self.ends_ahead > 0
     }
 
-    /// The next byte for the line.
+    /// Returns the next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         self.link.transmit()
     }
 
-    /// The next event, with the present switches. `None`: none now. Ask again after a byte has
-    /// come, an event was made or a byte was sent.
+    /// Returns the next event for the present switches. Returns `None` if there is none now. The
+    /// caller asks again after a byte arrived, an event was made or a byte was sent.
     #[inline]
     pub fn next_event(&mut self, inputs: &MicromillInputs) -> Option<MicromillEvent> {
         while !self.ahead.is_full() && self.has_room() {
@@ -254,15 +258,16 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         None
     }
 
-    /// Whether all that the events given and the next one may tell, three steps each, has room.
+    /// Whether there is room for the reports of the given events and the next one, three steps
+    /// each.
     #[inline]
     fn has_room(&self) -> bool {
         let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
-        // In an empty queue all of them have.
+        // An empty queue has room for all of them.
         self.link.is_silent() || self.link.has_room(to_tell)
     }
 
-    /// Whether anything is under way or queued.
+    /// Whether a task is under way or a line is queued.
     pub fn is_moving(&self) -> bool {
         self.task != Task::Idle || !self.ahead.is_empty() || !self.queue.is_empty()
     }
@@ -272,8 +277,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.is_homed
     }
 
-    /// Load steps from machine zero after the events that were made. Before homing they count from
-    /// the position at power-on.
+    /// Returns load steps from machine zero after the events that were made. Before homing they
+    /// count from the position at power-on.
     pub fn position_steps(&self) -> [i32; 3] {
         let mut plays = self.plays;
         for given in self.ahead.iter() {
@@ -287,12 +292,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.set_motion(self.is_moving(), is_jog);
     }
 
-    /// The place of the loads, as steps have it.
+    /// Sets the position to that of the loads, computed from their steps.
     fn stand(&mut self) {
         let axes = self.config.machine.axes.iter().zip(&self.plays);
         for (at, (axis, play)) in self.at.iter_mut().zip(axes) {
             let Ok(place) = i32::try_from(axis.scale.position(play.load())) else {
-                // Farther than any axis goes: home again.
+                // No axis reaches this position: it must home again.
                 self.is_homed = false;
                 continue;
             };
@@ -312,7 +317,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.guard.rest();
     }
 
-    /// What comes next where it is no step of a path that nothing stands before.
+    /// Returns the next event, unless it is a step of a path that nothing precedes.
     #[inline(never)]
     fn look(&mut self, inputs: &MicromillInputs) -> Next {
         if self.path.is_some() {
@@ -333,14 +338,14 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             };
             return self.give(wait_ticks, Ways::NONE);
         }
-        // With the switches as they are after the last step.
+        // The decision requires the switches after the last step.
         if !self.ahead.is_empty() {
             return Next::Wait;
         }
         self.manual(inputs)
     }
 
-    /// Ends everything where it is; what was given is still made.
+    /// Ends the program at the present position. Given events are still made.
     fn cut(&mut self) {
         self.queue.clear();
         self.owes_taken = false;
@@ -378,14 +383,14 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// The line is done when all that was given has been made.
+    /// Ends the present line. It is done when all given events are made.
     fn end_line(&mut self) {
         match self.ahead.last_mut() {
-            // `QUEUE` lines at most end with one event.
+            // At most `QUEUE` lines end with one event.
             Some(given) => {
                 if let Some(ends) = given.ends.checked_add(1) {
                     given.ends = ends;
-                    self.ends_ahead = self.ends_ahead.wrapping_add(1); // 255 AHEAD at most
+                    self.ends_ahead = self.ends_ahead.wrapping_add(1); // at most 255 AHEAD
                 }
             }
             None => self.link.answer(Answer::Done),
@@ -456,7 +461,8 @@ impl Timed for MicromillEvent {
     }
 }
 
-/// The first axis that goes a way which it takes up lash for, and how many steps of that it owes.
+/// Returns the first axis that steps in a direction with backlash to take up, and the steps left of
+/// its take-up.
 fn first_owed(plays: &[Play; 3], ways: Ways) -> Option<(Ways, u16)> {
     let mut bit = 1_u8;
     for play in plays {
@@ -473,7 +479,7 @@ fn first_owed(plays: &[Play; 3], ways: Ways) -> Option<(Ways, u16)> {
     None
 }
 
-/// As if an event, the last one of those given, had not been.
+/// Undoes an event, the last one given.
 fn undo(plays: &mut [Play; 3], given: &Given) {
     let mut bit = 1_u8;
     for play in plays {

@@ -1,6 +1,6 @@
 //! A queue in an array.
 
-/// First in, first out; at most `N`, a power of two.
+/// A first-in, first-out queue of at most `N` elements. `N` is a power of two.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Ring<T, const N: usize> {
     slots: [T; N],
@@ -11,9 +11,9 @@ pub(crate) struct Ring<T, const N: usize> {
 }
 
 impl<T: Copy, const N: usize> Ring<T, N> {
-    /// Empty; `blank` fills the places.
+    /// Creates an empty queue. `blank` fills the slots.
     pub(crate) const fn new(blank: T) -> Self {
-        const { assert!(N.is_power_of_two(), "places wrap by a mask") };
+        const { assert!(N.is_power_of_two(), "slots wrap by a mask") };
         Ring {
             slots: [blank; N],
             first: 0,
@@ -37,12 +37,12 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         self.length = 0;
     }
 
-    /// The place of the element so many behind the first one.
+    /// Returns the slot of the element `behind` places after the first.
     const fn place(&self, behind: usize) -> usize {
         self.first.wrapping_add(behind) & N.wrapping_sub(1)
     }
 
-    /// Appends; dropped when it is full: ask before.
+    /// Appends an element. A full queue drops it, so the caller checks first.
     pub(crate) fn push(&mut self, element: T) {
         let place = self.place(self.length);
         if let (false, Some(slot)) = (self.is_full(), self.slots.get_mut(place)) {
@@ -51,7 +51,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         }
     }
 
-    /// The one that was pushed last.
+    /// Returns the element that was pushed last.
     pub(crate) fn last_mut(&mut self) -> Option<&mut T> {
         let behind = self.length.checked_sub(1)?;
         let place = self.place(behind);
@@ -65,19 +65,19 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         self.slots.get(self.first).copied()
     }
 
-    /// From the first one on.
+    /// Iterates over the elements from the first one on.
     pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
         (0..self.length).filter_map(|behind| self.slots.get(self.place(behind)).copied())
     }
 
-    /// Takes back the one that was pushed last.
+    /// Removes and returns the element that was pushed last.
     pub(crate) fn pop_last(&mut self) -> Option<T> {
         let element = self.last_mut().copied()?;
-        self.length = self.length.wrapping_sub(1); // it was not 0
+        self.length = self.length.wrapping_sub(1); // the queue was not empty
         Some(element)
     }
 
-    /// Without so many of the oldest; it holds more.
+    /// Removes the oldest `elements` elements. The queue holds at least as many.
     pub(crate) const fn drop_first(&mut self, elements: usize) {
         self.first = self.place(elements);
         self.length = self.length.wrapping_sub(elements);

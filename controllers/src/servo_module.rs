@@ -1,5 +1,5 @@
-//! A servo module: the module of the network and its axis, with bytes on one side and a motor on
-//! the other.
+//! A servo module: the network interface and its axis, with bytes on one side and a motor on the
+//! other.
 
 use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
@@ -11,22 +11,22 @@ use husillo_transports::nmc::{
 use crate::controller::{Controller, Timed};
 use husillo_machine::{ServoAxis, ServoEvents, ServoInputs, ServoStop};
 
-/// A servo period of the original's chip, 512 us.
+/// A servo period of the original chip, 512 us.
 const PERIOD_TICKS: u32 = 512;
 
-/// What a period of a module gives.
+/// Output of one servo period.
 #[derive(Copy, Clone, Debug, Eq, PartialEq)]
 pub struct ServoModuleOutput {
     /// The drive of the motor.
     pub drive: Drive,
-    /// Level of the amplifier's enable output.
+    /// Level of the enable output of the amplifier.
     pub amplifier: bool,
-    /// The line goes on at this rate.
+    /// The new rate of the line, if it changes.
     pub baud: Option<Baud>,
 }
 
-/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins: bytes
-/// of the line and readings in, bytes and the drive of a motor out.
+/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins:
+/// received bytes and readings in, sent bytes and the drive of a motor out.
 ///
 /// ```text
 /// command line ──► receive ┐                      ┌──► transmit ──► status line
@@ -37,7 +37,7 @@ pub struct ServoModuleOutput {
 pub struct ServoModule {
     link: Module,
     axis: ServoAxis,
-    /// The values a Load Trajectory leaves out are those of the one before.
+    /// Values of the last Load Trajectory. They apply where the next one omits a value.
     goal: i32,
     velocity: u32,
     acceleration: u32,
@@ -46,7 +46,7 @@ pub struct ServoModule {
 }
 
 impl ServoModule {
-    /// After power-up. `version` is 4 for the original's chip.
+    /// Creates a module in its state after power-up. `version` is 4 for the original chip.
     pub fn new(version: u8) -> Self {
         Self {
             link: Module::new(version),
@@ -59,17 +59,18 @@ impl ServoModule {
         }
     }
 
-    /// The module's end of the network: for ADDR_IN, received bytes and the reply.
+    /// Returns the network interface of the module: ADDR_IN, received bytes and the reply.
     pub fn link(&mut self) -> &mut Module {
         &mut self.link
     }
 
-    /// The axis, to look at.
+    /// Returns the axis.
     pub const fn axis(&self) -> &ServoAxis {
         &self.axis
     }
 
-    /// A servo period: what was received is done, the axis moves on, the reply is made.
+    /// Runs one servo period: executes the received command, moves the axis, and prepares the
+    /// reply.
     pub fn tick(&mut self, inputs: &ServoInputs) -> ServoModuleOutput {
         let drive = self.axis.tick(inputs);
         let baud = match self.link.take() {
@@ -79,7 +80,7 @@ impl ServoModule {
             }
             Some(Order::Baud(baud)) => Some(baud),
             Some(Order::Reset(_)) => {
-                // The network's part has reset itself.
+                // The network interface has reset itself.
                 let link = self.link;
                 *self = Self {
                     link,
@@ -113,7 +114,7 @@ impl ServoModule {
                     Reset::Home => self.axis.position().wrapping_sub(self.axis.home()),
                     Reset::To(position) => position,
                 };
-                // During a move to a goal it does nothing.
+                // During a move to a goal this has no effect.
                 self.axis.set_position(position);
             }
             Command::LoadTrajectory(trajectory) => self.load(&trajectory),
@@ -123,8 +124,8 @@ impl ServoModule {
             Command::SetHoming(homing) => self.search(homing),
             Command::ClearBits => self.axis.clear(),
             Command::SaveHome => self.axis.save_home(),
-            // Pins of the owner, and a path mode (see the README). The link handles the others
-            // itself.
+            // I/O pins belong to the owner, and the path mode is not implemented (see the README).
+            // The link handles the other commands.
             _ => {}
         }
     }
@@ -164,7 +165,7 @@ impl ServoModule {
         }
     }
 
-    /// Version 4 begins a trapezoid from standstill only. A trapezoid that comes while the axis
+    /// Version 4 starts a trapezoid from standstill only. A trapezoid that arrives while the axis
     /// moves waits in the buffer for the next start.
     fn start(&mut self) {
         let waits = self.link.version() < 5
@@ -227,7 +228,7 @@ impl ServoModule {
         Readings {
             position: self.axis.position(),
             current: inputs.current,
-            // Whole counts: as 16.16, modulo 2^32.
+            // Converts whole counts to 16.16, modulo 2^32.
             velocity: reported_velocity(self.axis.velocity() << 16),
             auxiliary: Auxiliary(bits(&[
                 (Auxiliary::INDEX.0, inputs.index),
@@ -243,7 +244,7 @@ impl ServoModule {
     }
 }
 
-/// A module's event is a servo period: the drive of its motor from then on.
+/// An event of a module is a servo period: the drive of its motor from then on.
 impl Controller for ServoModule {
     type Inputs = ServoInputs;
     type Event = ServoModuleOutput;
@@ -275,15 +276,15 @@ impl Timed for ServoModuleOutput {
     }
 }
 
-/// The bits that are set.
+/// Returns the byte with all bits that are set.
 fn bits(of: &[(u8, bool)]) -> u8 {
     of.iter()
         .filter(|(_, is_set)| *is_set)
         .fold(0, |all, (bit, _)| all | bit)
 }
 
-/// The servo law of a module of this version with these gains. The divisor of version 10 and later
-/// applies to the derivative only.
+/// Returns the servo law of a module of this version with these gains. From version 10 on, the
+/// divisor applies to the derivative only.
 pub fn servo_law(gains: &Gains, version: u8) -> ServoLaw {
     let gains = ServoGains {
         proportional: gains.proportional,

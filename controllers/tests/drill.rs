@@ -1,4 +1,4 @@
-//! The drill's controller, whatever comes over its link and from its switches.
+//! Properties of the drill's controller for any bytes of its link and any levels of its switches.
 
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillInputs};
 use husillo_transports::drill::Rules;
@@ -17,7 +17,7 @@ fn config(rules: Rules) -> DrillConfig {
 }
 
 fn inputs() -> impl Strategy<Value = DrillInputs> {
-    // Open for the most part, so that axes move.
+    // Mostly open, so that axes move.
     let switch = || prop::bool::weighted(0.1);
     (switch(), switch(), switch(), switch()).prop_map(|(x, y, is_up, is_down)| DrillInputs {
         home: [x, y],
@@ -26,7 +26,7 @@ fn inputs() -> impl Strategy<Value = DrillInputs> {
     })
 }
 
-/// Letters of the link for the most part.
+/// Mostly letters of the link.
 fn byte() -> impl Strategy<Value = u8> {
     prop_oneof![
         prop::sample::select(&b"BcrebmXYZfwEDIFRULOSaTQn?"[..]),
@@ -45,8 +45,8 @@ proptest! {
         let config = config(if faithful { Rules::FAITHFUL } else { Rules::FIXED });
         let mut drill = Drill::<24>::new(config);
         let mut spindle = true;
-        // The distance of the axes from their reported positions: beyond zero, where a switch
-        // closes a little late.
+        // The distance of the axes beyond zero, while they search a switch that closes slightly
+        // late.
         let mut beyond = [0; 2];
         for (byte, inputs) in course {
             if let Some(byte) = byte {
@@ -87,7 +87,8 @@ proptest! {
         }
     }
 
-    /// A reset in any state: the spindle stops, and with good switches it is home and says `B`.
+    /// After a reset in any state the spindle stops. With working switches the drill then homes and
+    /// sends `B`.
     #[test]
     fn a_reset_leads_home(course in prop::collection::vec((byte(), inputs()), 0..300)) {
         let mut drill = Drill::<24>::new(config(Rules::FIXED));

@@ -1,9 +1,9 @@
-//! A controller of somebody else in what is written for any controller.
+//! A controller from outside the project, run by the code that runs any controller.
 
 use husillo_controllers::{Controller, Timed};
 use husillo_sim::{Emulated, Plant};
 
-/// One axis: `R` and a byte moves it by so many steps, `S` stops it. It answers `.` at the end.
+/// One axis. `R` and a byte move it by that many steps, `S` stops it. It answers `.` at the end.
 #[derive(Default)]
 struct Slide {
     begun: bool,
@@ -12,7 +12,7 @@ struct Slide {
     out: Vec<u8>,
 }
 
-/// A step, or the lamp that shows that it stands.
+/// A step, or the lamp that shows standstill.
 enum SlideEvent {
     Step,
     Lamp,
@@ -77,7 +77,7 @@ impl Controller for Slide {
     }
 }
 
-/// Steps of the slide, and whether its lamp is lit; the end switch closes at 40.
+/// Steps of the slide, and whether its lamp is lit. The end switch closes at 40.
 #[derive(Default)]
 struct Rail {
     at: i32,

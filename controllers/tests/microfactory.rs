@@ -1,5 +1,5 @@
-//! The desktop microfactory against a small model of its mechanics: screws with backlash, switches,
-//! a work piece.
+//! Tests of the desktop microfactory with a small model of its mechanics: screws with backlash,
+//! switches and a work piece.
 
 use husillo_controllers::{
     Controller, MICROFACTORY_MOTORS, Microfactory, MicrofactoryConfig, MicrofactoryEvent,
@@ -11,14 +11,14 @@ use proptest::prelude::*;
 
 const SQUARE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
-/// Motors, nuts on their screws, switches that close at a place of the nut.
+/// Motors, nuts on their screws, and switches that close at a position of the nut.
 #[derive(Clone, Debug)]
 struct Model {
     motor: [i32; MICROFACTORY_MOTORS],
     nut: [i32; 3],
     lash: [i32; 3],
     switches: [i32; 3],
-    /// The work piece begins here in Y.
+    /// Position in Y at which the work piece begins.
     face: i32,
     has_current: bool,
     time_ticks: u64,
@@ -26,7 +26,8 @@ struct Model {
 }
 
 impl Model {
-    /// The nuts stand somewhere in their play, `from` steps of the motor from the switches.
+    /// Creates a model with the nuts anywhere in their backlash and `from` motor steps from the
+    /// switches.
     fn new(config: &MicrofactoryConfig, from: [i32; 3]) -> Self {
         Self {
             motor: [0; MICROFACTORY_MOTORS],
@@ -63,7 +64,8 @@ impl Model {
         }
     }
 
-    /// Everything until the machine is idle: its reports, and where the nuts were after every step.
+    /// Runs the machine until it is idle. Returns its reports, and the positions of the nuts after
+    /// every step.
     fn run<F: AsRef<[[i16; 2]]>>(
         &mut self,
         machine: &mut Microfactory<F>,
@@ -121,13 +123,16 @@ fn homing_without_a_switch_ends() {
     assert!(!machine.is_homed());
 }
 
-/// After a homing that failed positions count from nowhere, also where it was homed before.
+/// After a failed homing the machine is not homed, even if it was homed before.
 #[test]
 fn a_homing_that_fails_leaves_it_not_homed() {
     let (mut machine, mut model) = homed();
     model.switches[1] = i32::MIN;
     assert!(machine.command(Order::Home));
-    assert!(!machine.is_homed(), "from the first step of it");
+    assert!(
+        !machine.is_homed(),
+        "not homed from the first step of homing"
+    );
     assert_eq!(
         model.run(&mut machine).0,
         [MicrofactoryReport::NoSwitch { axis: 1 }]
@@ -135,7 +140,7 @@ fn a_homing_that_fails_leaves_it_not_homed() {
     assert!(!machine.status().is_homed);
 }
 
-/// A switch that stays closed on the way off it, before the search.
+/// A switch that stays closed while the axis leaves it before the search.
 #[test]
 fn a_switch_that_never_opens_ends_homing() {
     let config = MicrofactoryConfig::ORIGINAL;
@@ -145,11 +150,15 @@ fn a_switch_that_never_opens_ends_homing() {
     let (reports, path) = model.run(&mut machine);
     assert_eq!(reports, [MicrofactoryReport::StillClosed { axis: 1 }]);
     let highest = path.iter().map(|nut| nut[1]).max();
-    assert_eq!(highest, Some(200), "off it by the back-off and no farther");
+    assert_eq!(
+        highest,
+        Some(200),
+        "it moves off the switch by the back-off and no farther"
+    );
     assert!(!machine.is_homed());
 }
 
-/// Stopped on the way back off a switch, the switch is still what ended the jog.
+/// After a stop during the back-off, the reported end of the jog is still the switch.
 #[test]
 fn a_stop_on_the_way_back_does_not_hide_the_switch() {
     let (mut machine, mut model) = homed();
@@ -176,7 +185,7 @@ fn a_stop_on_the_way_back_does_not_hide_the_switch() {
     );
 }
 
-/// RESET puts the phases where they are known: once after power came on is enough, homed or not.
+/// RESET sets the phases to a known state. One RESET after power-on is enough, homed or not.
 #[test]
 fn it_is_reset_once_after_power_came_on() {
     let config = MicrofactoryConfig::ORIGINAL;
@@ -230,7 +239,7 @@ fn a_switch_that_closes_stops_the_axis_and_it_goes_back() {
         ]
     );
     let lowest = path.iter().map(|nut| nut[0]).min().unwrap();
-    assert_eq!(lowest, model.switches[0], "not a step beyond the switch");
+    assert_eq!(lowest, model.switches[0], "no step beyond the switch");
     assert_eq!(machine.position_steps()[0], 0);
 }
 
@@ -256,7 +265,7 @@ fn a_switch_that_closes_on_the_way_from_it_stops_the_axis_too() {
                 _ => {}
             }
         }
-        // A finger on the switch for one look at it.
+        // The switch closes for one check only.
         let from = model.nut[2];
         let mut inputs = model.inputs();
         inputs.home[2] = true;
@@ -268,7 +277,7 @@ fn a_switch_that_closes_on_the_way_from_it_stops_the_axis_too() {
         let status = machine.status();
         assert_eq!(status.report, Some(MicrofactoryReport::Switch { axis: 2 }));
         assert!(!status.is_moving && status.is_homed);
-        // A step that was decided already is made.
+        // A step that was already decided is made.
         assert!((200..=201).contains(&(model.nut[2] - from)), "{command:?}");
     }
 }
@@ -286,7 +295,7 @@ fn away_from_a_closed_switch_it_may_go() {
     assert_eq!(machine.position_steps()[0], 50);
 }
 
-/// Emergency stop while an axis goes back off its switch, in homing and out of a jog.
+/// Emergency stop during a back-off, in homing and after a jog.
 #[test]
 fn an_emergency_stop_ends_going_back() {
     let config = MicrofactoryConfig::ORIGINAL;
@@ -298,7 +307,8 @@ fn an_emergency_stop_ends_going_back() {
         let mut machine = Microfactory::new(config, SQUARE);
         let mut model = Model::new(&config, [30, 30, 30]);
         machine.command(command);
-        // 30 steps and the lash to the switch, then some of the 200 and the lash back off it.
+        // 30 steps and the backlash to the switch, then part of the back-off of 200 and the
+        // backlash.
         for _ in 0..330 {
             match machine.next_event(&model.inputs()) {
                 MicrofactoryEvent::Step(step) => model.apply(step),
@@ -345,16 +355,16 @@ fn a_figure_begins_at_contact_and_follows_its_lines() {
         [MicrofactoryReport::Contact, MicrofactoryReport::Done]
     );
     assert_eq!(model.nut, [x + 1000, y + 321, z + 1000]);
-    // Along the diagonal both axes are level within a step.
+    // Along the diagonal the axes agree within a step.
     for [now_x, _, now_z] in path.iter().rev().take(1000) {
         assert!((now_x - x).abs_diff(now_z - z) <= 1, "{now_x} {now_z}");
     }
-    // 321 + 4000 steps and a diagonal of 1414 at 400 a second; X takes up once, Z twice: back at
-    // -X, back at -Z, and both again before the diagonal, where one time serves both.
+    // 321 + 4000 steps and a diagonal of 1414 at 400 per second. The take-ups are X once and Z
+    // twice: for -X, for -Z, and for both before the diagonal, where one time serves both.
     let steps = 321.0 + 4000.0 + 1000.0 * 2.0_f64.sqrt() + 600.0;
     let seconds = (model.time_ticks - before) as f64 / 1e6;
     assert!((seconds - steps / 400.0 - 0.010).abs() < 0.05, "{seconds}");
-    // The spindle turned along at 256 steps a second.
+    // The spindle turned at 256 steps per second during the figure.
     let turned = machine.position_steps()[3];
     assert!(
         (f64::from(turned) - seconds * 256.0).abs() < 4.0,
@@ -388,7 +398,7 @@ fn a_jog_ends_without_its_dead_man() {
         machine.next_event(&model.inputs());
     }
     let before = machine.position_steps()[1];
-    assert!(machine.command(jog), "said again");
+    assert!(machine.command(jog), "a repeated jog");
     model.has_current = true;
     assert_eq!(model.run(&mut machine).0, [MicrofactoryReport::DeadMan]);
     assert_eq!(machine.position_steps()[1] - before, 100);
@@ -433,8 +443,8 @@ fn command() -> impl Strategy<Value = Order> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever is commanded and whenever it is stopped: while the machine is homed, its position
-    /// is that of the load, and no axis goes beyond its switch.
+    /// For any commands and stops: while the machine is homed, its position is that of the load,
+    /// and no axis moves beyond its switch.
     #[test]
     fn positions_are_the_loads(
         commands in prop::collection::vec((command(), 0..3000_usize), 0..12),
@@ -457,15 +467,15 @@ proptest! {
             }
             machine.command(Order::Stop);
             let loads: [i32; 3] = std::array::from_fn(|axis| model.nut[axis] - zero[axis]);
-            // Homing that was cut short leaves it not homed, its flanks unknown.
+            // An interrupted homing leaves the machine not homed, with unknown flanks.
             if machine.is_homed() {
                 prop_assert_eq!(&machine.position_steps()[..3], &loads);
             }
         }
     }
 
-    /// Two machines of one controller each do what they would do alone, however their events are
-    /// mixed. An emergency stop applies to both.
+    /// Each of two machines of one controller behaves as it does alone, for any order of their
+    /// events. An emergency stop applies to both.
     #[test]
     fn a_pair_is_two_machines(
         commands in [command(), command()],
@@ -505,9 +515,9 @@ proptest! {
         prop_assert!(pair.machine(2).is_none() && !pair.command(2, Order::Home));
     }
 
-    /// A move of any slope: every step is within half a step of the line, all steps share the time
-    /// that its length takes at the rate of an axis, and it ends at its target. The original has
-    /// whole slopes only, each slower than the last.
+    /// A move of any slope: every step is within half a step of the line. All steps share the time
+    /// for the length at the rate of an axis. The move ends at its target. The original has only
+    /// whole slopes, each slower than the last.
     #[test]
     fn a_line_of_any_slope_is_straight_and_at_one_speed(x in any::<i16>(), z in any::<i16>()) {
         prop_assume!((x, z) != (0, 0));
@@ -538,7 +548,7 @@ proptest! {
                     prop_assert!(beside < 0.5 + 1e-9, "{beside}");
                     let ticks = (model.time_ticks - begins) as f64;
                     let expected = share * length / 400.0 * 1e6;
-                    // A 256th of a step in the length, rounded once for all its events, and a tick.
+                    // Tolerance: 1/256 step in the length, rounded once for all events, and a tick.
                     prop_assert!(
                         (ticks - expected).abs() <= 1.0 + share * (10.0 + events / 256.0),
                         "{ticks} {expected}",

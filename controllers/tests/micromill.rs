@@ -1,4 +1,5 @@
-//! The micro mill's controller: its modes, and a program's steps against those of the machine.
+//! Tests of the micro mill's controller: its modes, and the steps of a program compared with those
+//! of `Machine`.
 
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
 use husillo_gcode::SpindleDirection;
@@ -7,22 +8,23 @@ use proptest::prelude::*;
 
 const CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 
-/// A controller, its switches and its motors: what was made, with times.
+/// A controller with its switches and motors. It records the events that were made, with their
+/// times.
 struct Bench {
     mill: Micromill<'static>,
     /// Motor steps.
     motors: [i32; 3],
-    /// Load steps, as the screws have them; and where the motors are ahead of them.
+    /// Load steps of the screws, and motor steps ahead of the loads.
     loads: [i32; 3],
     ahead: [i32; 3],
-    /// Where the switches close, load steps.
+    /// Positions at which the switches close, in load steps.
     switches: [i32; 3],
     now_ticks: u64,
     steps: Vec<(u64, [i8; 3])>,
     spindle: Vec<(SpindleDirection, u16)>,
-    /// Answers, steps and echoes left out.
+    /// Answers without steps and echoes.
     answers: Vec<u8>,
-    told: [i32; 3],
+    reported: [i32; 3],
 }
 
 static STATIC: MicromillConfig = CONFIG;
@@ -39,7 +41,7 @@ impl Bench {
             steps: Vec::new(),
             spindle: Vec::new(),
             answers: Vec::new(),
-            told: [0; 3],
+            reported: [0; 3],
         }
     }
 
@@ -57,7 +59,7 @@ impl Bench {
         while let Some(byte) = self.mill.transmit() {
             match byte {
                 0x80..=0x85 => {
-                    self.told[usize::from(byte & 6) / 2] += i32::from(byte & 1) * 2 - 1;
+                    self.reported[usize::from(byte & 6) / 2] += i32::from(byte & 1) * 2 - 1;
                 }
                 0x86.. => self.answers.push(byte),
                 _ => {}
@@ -74,7 +76,7 @@ impl Bench {
         }
     }
 
-    /// One event, if there is one; it is made at once.
+    /// Makes the next event immediately, if there is one.
     fn go(&mut self) -> bool {
         let inputs = MicromillInputs {
             home: (0..3).fold(0, |home, axis| {
@@ -114,7 +116,7 @@ impl Bench {
         while self.go() {}
     }
 
-    /// Says a string and does all of it; the answers since.
+    /// Sends a string and makes all events. Returns the answers since.
     fn does(&mut self, string: &str) -> Vec<u8> {
         self.answers.clear();
         self.say(string);
@@ -129,10 +131,10 @@ fn homes_z_then_x_then_y_and_backs_off() {
     bench.switches = [-300, -200, -100];
     assert_eq!(bench.does("G00X00001;"), [0x88, 0x8b], "not homed");
     assert_eq!(bench.does("H;"), [0x8f]);
-    // Each switch is 400 steps below the loads now, and every positive flank is engaged.
+    // The loads are now 400 steps above each switch, and every positive flank is engaged.
     assert_eq!(bench.loads, [100, 200, 300]);
     assert_eq!(bench.ahead, [1457, 1271, 0]);
-    assert_eq!(bench.told, bench.motors, "every step is told");
+    assert_eq!(bench.reported, bench.motors, "every step is reported");
     let axes: Vec<usize> = bench
         .steps
         .iter()
@@ -144,7 +146,7 @@ fn homes_z_then_x_then_y_and_backs_off() {
     assert_eq!(bench.mill.position_steps(), [0; 3]);
     assert!(bench.mill.is_homed());
     assert_eq!(bench.does("G00X00001;"), [0x8f]);
-    // Again, from elsewhere, to the same place.
+    // Homing again from another position ends at the same position.
     assert_eq!(bench.does("G00X01000Y01000;"), [0x8f]);
     assert_eq!(bench.does("H;"), [0x8f]);
     assert_eq!(bench.loads, [100, 200, 300]);
@@ -170,13 +172,13 @@ fn jogs_until_a_byte_and_remembers_where() {
     assert_eq!(bench.does("?"), [0x8d]);
     assert_eq!(bench.mill.position_steps(), [100, 100, 0]);
     assert_eq!(bench.does(";"), [0x8e]);
-    // Back: each lash first, alone.
+    // The way back takes up the backlash of each axis first, one axis at a time.
     bench.say("&X-Y-;");
     for _ in 0..1457 + 1271 + 100 {
         assert!(bench.go());
     }
     assert_eq!(bench.loads, [0; 3]);
-    // The travel ends here.
+    // This is the end of the travel.
     bench.run();
     assert_eq!(bench.loads, [0; 3]);
     assert_eq!(bench.answers, [0x8d]);
@@ -189,7 +191,7 @@ fn a_jog_is_faster_slower_and_mortal() {
     assert_eq!(bench.does("L0500;"), [0x88, 0x8c]);
     bench.say("JX+;");
     bench.run();
-    // 84 steps of 5883 us are within half a second, 85 are not.
+    // 84 steps of 5883 us fit half a second, 85 do not.
     assert_eq!(
         (bench.loads[0], bench.answers.as_slice()),
         (84, &[0x8d_u8][..])
@@ -236,14 +238,14 @@ fn counted_steps_frequency_and_backlash() {
     assert!(bench.go());
     assert_eq!(bench.now_ticks - before, 1_000_000_u64.div_ceil(390));
     assert_eq!(bench.does("A;"), [0x8d, 0x8c]);
-    // Less lash is taken up than there is: 20 um are 143 steps.
+    // The set backlash is less than the real one: 20 um are 143 steps.
     assert_eq!(bench.does("BX020;"), [0x8f]);
     let motor = bench.motors[0];
     assert_eq!(bench.does("PX+0001;"), [0x8f]);
     assert_eq!(bench.motors[0], motor + 143 + 1);
 }
 
-/// What is wrong, beyond the travel or no arc changes nothing.
+/// A string that is wrong, beyond the travel or not an arc has no effect.
 #[test]
 fn refused_strings_change_nothing() {
     let mut bench = Bench::homed();
@@ -262,7 +264,7 @@ fn refused_strings_change_nothing() {
         assert_eq!(bench.motors, before, "{string}");
     }
     assert_eq!(bench.does("G00X01000Y01000;"), [0x8f]);
-    assert_eq!(bench.motors, before, "it stands where it stood");
+    assert_eq!(bench.motors, before, "the motors have not moved");
 }
 
 #[test]
@@ -292,31 +294,29 @@ fn outputs_come_between_the_moves() {
     assert_eq!(bench.now_ticks, 60_000_000 / 10 + 2_000_000);
 }
 
-/// Lines are taken ahead, sixteen wait; the stop drops what was not made and the place is right.
+/// The mill accepts lines ahead, and sixteen wait. A stop drops the events that were not made, and
+/// the position is right.
 #[test]
 fn streams_and_stops() {
     let mut bench = Bench::homed();
     assert_eq!(bench.does("S1;"), [0x88, 0x8c]);
     for number in 0..17 {
         bench.say(&format!("G01X{:05}F14;", (number + 1) * 10));
-        // The first one is executed at once, so that sixteen fill the queue.
+        // The first line is executed at once, so sixteen more fill the queue.
         if number == 0 {
             assert!(bench.go());
         }
     }
-    assert_eq!(
-        bench.answers, [0x8c; 16],
-        "the last one waits for its place"
-    );
+    assert_eq!(bench.answers, [0x8c; 16], "the last one waits for its slot");
     bench.say("G90;");
-    assert_eq!(bench.answers.pop(), Some(0x8b), "it was not asked for");
+    assert_eq!(bench.answers.pop(), Some(0x8b), "no line was requested");
     bench.answers.clear();
     for _ in 0..100 {
         assert!(bench.go());
     }
     // 10 um are 71 steps: one line is made, and there is room for the last one.
     assert_eq!(bench.answers, [0x8f, 0x8c]);
-    // Events that were given and not made are not: three of them.
+    // Three events are given and not made.
     let made = bench.loads;
     for _ in 0..3 {
         assert!(bench.mill.next_event(&MicromillInputs::default()).is_some());
@@ -326,7 +326,7 @@ fn streams_and_stops() {
     assert_eq!(bench.mill.position_steps(), made);
     assert_eq!(bench.does("G00X00000;"), [0x8c, 0x8f]);
     assert_eq!(bench.loads, [0; 3]);
-    assert_eq!(bench.told, bench.motors);
+    assert_eq!(bench.reported, bench.motors);
 }
 
 #[test]
@@ -340,12 +340,12 @@ fn any_byte_stops_a_line_within_a_take_up() {
     assert_eq!(bench.does("x;"), [0x8d, 0x8e]);
     let load = bench.loads[0];
     assert_eq!(bench.does("PX+0001;"), [0x8f]);
-    assert_eq!(bench.loads[0], load + 1, "what was taken up is given back");
+    assert_eq!(bench.loads[0], load + 1, "the take-up is undone");
     assert_eq!(bench.does("G00X00000;"), [0x8f]);
     assert_eq!(bench.loads, [0; 3]);
 }
 
-/// The machine's steps for the same strings: each with its time.
+/// The steps of `Machine` for the same strings, each with its time.
 struct Peer(Machine<3>, u64, Vec<(u64, [i8; 3])>);
 
 impl Peer {
@@ -372,7 +372,7 @@ impl Peer {
     }
 }
 
-/// A number as a word has it.
+/// Formats a number for a word.
 fn word(letter: char, at: i32) -> String {
     let sign = if at < 0 { "-" } else { "" };
     let at = at.abs();
@@ -392,7 +392,7 @@ fn any_line() -> impl Strategy<Value = Vec<String>> {
         )]),
         (at(), 5..=14_u8)
             .prop_map(|(z, feed)| vec![format!("G01{}F{feed:02};", word('Z', z / 100))]),
-        // Half a turn, a whole one, and any other from a place that is known.
+        // Half a turn, a whole turn, and any other arc from a known position.
         (
             100_000..400_000_i32,
             100_000..400_000_i32,
@@ -425,7 +425,8 @@ fn any_line() -> impl Strategy<Value = Vec<String>> {
     ]
 }
 
-/// The time of a move too short for a step goes to the next step, over a line that does nothing.
+/// The time of a move too short for a step is added to the next step, also across a line without
+/// effect.
 #[test]
 fn time_is_carried_over_lines_that_do_nothing() {
     let mut bench = Bench::homed();
@@ -442,8 +443,8 @@ fn time_is_carried_over_lines_that_do_nothing() {
     assert_eq!(bench.steps, peer.2);
 }
 
-/// A line is done when its last step is made, also if the step took the last slot, and no later
-/// byte stops it.
+/// A line is done when its last step is made, even if the step took the last slot. No later byte
+/// stops it.
 #[test]
 fn a_line_ends_with_its_last_step() {
     let mut fills = 0;
@@ -469,8 +470,8 @@ fn a_line_ends_with_its_last_step() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Any program: each string is refused by both or by none, and all steps have the directions
-    /// and times of the machine.
+    /// For any program both refuse the same strings, and all steps have the directions and times of
+    /// `Machine`.
     #[test]
     fn steps_are_those_of_the_machine(lines in prop::collection::vec(any_line(), 1..6)) {
         let mut bench = Bench::homed();
@@ -481,7 +482,7 @@ proptest! {
             let taken = answers.last() == Some(&0x8f);
             prop_assert!(taken || answers.last() == Some(&0x8b), "{}: {:?}", line, answers);
             prop_assert_eq!(peer.does(&line), taken, "{}", line);
-            // Both dwell for moves too short for a step in the end, the machine at once.
+            // Both dwell for moves too short for a step at the end. `Machine` does so at once.
             prop_assert_eq!(bench.steps.len(), peer.2.len());
             let differs = bench.steps.iter().zip(&peer.2).find(|(ours, theirs)| ours != theirs);
             prop_assert_eq!(differs, None, "{}", line);
@@ -489,7 +490,7 @@ proptest! {
         prop_assert_eq!(bench.loads, peer.0.position_steps());
     }
 
-    /// Any bytes: the loads stay within their travel, and homing finds the same zero afterwards.
+    /// For any bytes the loads stay within their travel, and homing finds the same zero afterwards.
     #[test]
     fn hostile_bytes_stay_within_the_travel(strings in prop::collection::vec(prop_oneof![
         prop::collection::vec(any::<u8>(), 0..12),
@@ -547,7 +548,7 @@ proptest! {
         let answers = bench.does("H;");
         prop_assert_eq!(answers.last(), Some(&0x8f));
         prop_assert_eq!(bench.loads, [0; 3]);
-        prop_assert_eq!(bench.told, bench.motors);
+        prop_assert_eq!(bench.reported, bench.motors);
     }
 
     /// Eight events wait when a byte that stops arrives. The interrupt that receives it holds them,
@@ -584,14 +585,14 @@ proptest! {
         prop_assert!(bench.mill.receive(b'A'));
         bench.mill.halted();
         bench.hear();
-        prop_assert_eq!(bench.told, before);
-        prop_assert_eq!(bench.mill.position_steps(), motors, "no lash was taken up");
+        prop_assert_eq!(bench.reported, before);
+        prop_assert_eq!(bench.mill.position_steps(), motors, "no backlash was taken up");
         prop_assert!(bench.mill.next_event(&inputs).is_none());
         prop_assert_eq!(bench.answers.last(), Some(&0x8d));
     }
 
-    /// Events reported together give the same reports as events reported one by one, whichever
-    /// steps are reported, and the same position when the others are stopped.
+    /// Events reported together cause the same reports as events reported one by one, whichever
+    /// steps are reported. The position after a stop of the other events is also the same.
     #[test]
     fn events_are_followed_together(
         every in prop::sample::select(vec!["R000;", "R001;", "R003;"]),
@@ -623,12 +624,12 @@ proptest! {
                 (waiting, left) = (waiting - now, left - now);
                 said.extend(std::iter::from_fn(|| mill.transmit()));
             }
-            // Where all is done nothing stops.
+            // If all is done, there is nothing to stop.
             if mill.receive(b'A') {
                 mill.halted();
             }
             said.extend(std::iter::from_fn(|| mill.transmit()));
-            // A place in the queue is confirmed earlier where more events are given.
+            // A slot in the queue is confirmed earlier if more events are given.
             (
                 said.into_iter().filter(|byte| *byte != 0x8c).collect::<Vec<_>>(),
                 mill.position_steps(),

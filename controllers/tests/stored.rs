@@ -1,5 +1,5 @@
-//! A controller without a host: backlash, work zero and program come from its store at start-up, as
-//! the strings that a host would send.
+//! A controller without a host: at start-up it reads backlash, work zero and program from its
+//! store, as the strings that a host would send.
 
 #[path = "../../store/tests/flash/mod.rs"]
 mod flash;
@@ -11,7 +11,7 @@ use husillo_store::Store;
 const LASH: &str = "BX020;BY030;";
 const PROGRAM: &str = "G00X00500.00Y00300.00;G54;G02X00000.00Y00000.00I-0050.00J00000.00F12;M30;";
 
-/// Takes a byte as from the line, and makes what it asks for.
+/// Takes a byte as from the line and makes all its events.
 fn take(mill: &mut Micromill, byte: u8, steps: &mut Vec<[i8; 3]>) {
     if mill.receive(byte) {
         mill.halted();
@@ -28,13 +28,13 @@ fn take(mill: &mut Micromill, byte: u8, steps: &mut Vec<[i8; 3]>) {
     }
 }
 
-/// What a mill does by what it finds in its flash.
+/// Returns the steps that a mill makes for the content of its flash.
 fn starts_up(flash: &mut Flash<8>) -> Vec<[i8; 3]> {
     let mut store = Store::open(flash, 0..1024).unwrap();
     let mut mill = Micromill::homed(&MicromillConfig::MICROMILL);
     let mut steps = Vec::new();
     let mut at = 0;
-    // A few bytes at a time, as RAM has room.
+    // Reads a few bytes at a time, because RAM is small.
     while at < store.len().unwrap_or(0) {
         let mut window = [0; 16];
         let count = 16.min(store.len().unwrap() - at);
@@ -68,8 +68,8 @@ fn save(flash: &mut Flash<8>, strings: &[&str]) -> bool {
         && save.commit().is_ok()
 }
 
-/// The steps are those of a host that sends the same. Power that fails while another program is
-/// stored leaves all of the old one.
+/// The steps equal those for a host that sends the same strings. A power failure while another
+/// program is stored leaves the old one intact.
 #[test]
 fn a_program_runs_without_a_host() {
     let mut flash = Flash::<8>::new(4, 256);
@@ -77,7 +77,7 @@ fn a_program_runs_without_a_host() {
     assert!(save(&mut flash, &[LASH, PROGRAM]));
     let steps = said(&[LASH, PROGRAM].concat());
     assert!(steps.len() > 3000);
-    assert_ne!(steps, said(PROGRAM), "its lash counts");
+    assert_ne!(steps, said(PROGRAM), "its backlash has an effect");
     assert!(starts_up(&mut flash) == steps);
     for operation in 0..7 {
         flash.power = Some((operation, 77));

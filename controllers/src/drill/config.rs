@@ -1,43 +1,45 @@
-//! What a drill is made of.
+//! Configuration of a drill.
 
 use husillo_transports::drill::Rules;
 
-/// Rates, ways and rules of a [`Drill`](crate::Drill).
+/// Rates, distances and rules of a [`Drill`](crate::Drill).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct DrillConfig {
-    /// Ticks a second of the timer that counts the waits; at least one a step.
+    /// Ticks per second of the timer that counts the waits; at least one per step.
     pub timer_hz: u32,
-    /// Steps a second of X, Y and Z; above 0.
+    /// Steps per second of X, Y and Z; above 0.
     pub rate_hz: [u16; 3],
-    /// The distance of X or Y off its switch before the search, if the switch is closed at the
-    /// start of homing.
+    /// Distance that X or Y moves off its switch before the search, in steps, if the switch is
+    /// closed at the start of homing.
     pub back_off_steps: u16,
-    /// The longest way to a switch of X or Y, in steps.
+    /// Longest distance to a switch of X or Y, in steps.
     pub search_steps: u32,
-    /// The longest way of Z from one sensor to the other, in steps.
+    /// Longest distance of Z between the sensors, in steps.
     pub stroke_steps: u16,
-    /// The last step of X and Y: jogging ends there, and a record beyond it is a fault. `u16::MAX`:
-    /// no limit, as in the original.
+    /// Last step of X and Y. A jog ends there, and a record beyond it is a fault. `u16::MAX`: no
+    /// limit, as in the original.
     pub travel_steps: [u16; 2],
-    /// The largest distance from zero, in both directions, at which a switch of X or Y may close.
-    /// Beyond it, closing is a fault: steps were lost, and nothing is drilled in a wrong position.
-    /// `None`: not checked, as in the original.
+    /// Largest distance from zero, in both directions, at which a switch of X or Y may close. A
+    /// switch that closes beyond it is a fault: steps were lost, and nothing is drilled in a wrong
+    /// position. `None`: not checked, as in the original.
     pub switch_play_steps: Option<u16>,
-    /// Whether Z goes up to its sensor before a program moves X or Y, after it was jogged down. The
+    /// Whether Z, after a jog down, moves up to its sensor before a program moves X or Y. The
     /// original does not do this.
     pub raises_first: bool,
-    /// The spindle is switched on before each hole and off after it, and off before homing, as in
-    /// the original. Without it the host switches it, and it turns from hole to hole.
+    /// Whether the controller switches the spindle on before each hole, off after it, and off
+    /// before homing, as in the original. Otherwise the host switches the spindle, and it turns
+    /// between holes.
     pub spindle_by_hole: bool,
-    /// Rest after each move, so that an axis stands before the next one goes.
+    /// Rest in ticks after each move, so that an axis stands before the next one moves.
     pub settle_ticks: u32,
-    /// What the link is like.
+    /// The rules of the link.
     pub rules: Rules,
 }
 
 impl DrillConfig {
-    /// The original's rate (about 247 Hz), back-off and link, on a timer of 1 MHz. Searches end at
-    /// twice the table or the stroke; the original's do not end. The rest of 2 ms is ours.
+    /// The rate (about 247 Hz), back-off and link of the original, on a timer of 1 MHz. Searches
+    /// end at twice the table or the stroke; those of the original do not end. The rest of 2 ms is
+    /// chosen by this project.
     pub const ORIGINAL: DrillConfig = DrillConfig {
         timer_hz: 1_000_000,
         rate_hz: [247; 3],
@@ -52,10 +54,10 @@ impl DrillConfig {
         rules: Rules::FAITHFUL,
     };
 
-    /// The same machine, with all that was wrong or missing put right.
+    /// The same machine with the errors and omissions of the original corrected.
     pub const FIXED: DrillConfig = DrillConfig {
         travel_steps: [23_540, 4_815],
-        // A motor of four phases loses steps by fours.
+        // A motor with four phases loses steps in multiples of four.
         switch_play_steps: Some(3),
         raises_first: true,
         spindle_by_hole: false,
@@ -63,7 +65,7 @@ impl DrillConfig {
         ..DrillConfig::ORIGINAL
     };
 
-    /// Ticks between two steps of an axis.
+    /// Returns the ticks between two steps of an axis.
     pub(super) fn interval(&self, axis: usize) -> u32 {
         let rate_hz = self.rate_hz.get(axis).copied().unwrap_or_default();
         self.timer_hz / u32::from(rate_hz.max(1))

@@ -1,19 +1,19 @@
-//! What a drill sees and says.
+//! Inputs and events of a drill.
 
 use husillo_machine::StepEvent;
 
-/// The switches.
+/// The switches and sensors.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct DrillInputs {
     /// Home switches of X and Y: closed.
     pub home: [bool; 2],
     /// The upper sensor sees the spindle: Z is home.
     pub is_up: bool,
-    /// The lower sensor sees it.
+    /// The lower sensor sees the spindle.
     pub is_down: bool,
 }
 
-/// What happens next.
+/// The next event of a drill.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum DrillEvent {
     /// Wait, then step X, Y or Z; Z is positive downwards.
@@ -23,51 +23,51 @@ pub enum DrillEvent {
         /// Timer ticks.
         wait_ticks: u32,
     },
-    /// The spindle's motor on, or off.
+    /// Switch the spindle motor on or off.
     Spindle(bool),
-    /// Something to tell.
+    /// A report.
     Report(DrillReport),
-    /// Nothing to do until a byte comes.
+    /// Nothing to do until a byte arrives.
     Idle,
 }
 
-/// What a drill tells on its panel, beside its link.
+/// A report for the panel of a drill, in addition to its link.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum DrillReport {
     /// All axes are home.
     Homed,
-    /// A drilling is done at this place, in steps.
+    /// A hole is drilled at this position, in steps.
     Drilled {
         /// Steps of X and Y from zero.
         at: [u16; 2],
     },
-    /// The present place was kept as a hole of the program.
+    /// The present position was stored as a hole of the program.
     Taught {
         /// Steps of X and Y from zero.
         at: [u16; 2],
     },
-    /// A fault: spindle off, and nothing moves or answers until a reset.
+    /// A fault: the spindle is off, and nothing moves or answers until a reset.
     Fault(DrillFault),
 }
 
-/// Why a drill stands until a reset.
+/// The reason why a drill stands until a reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum DrillFault {
-    /// No home switch on the longest way.
+    /// No home switch closed within the longest search.
     NoSwitch {
         /// 0 for X, 1 for Y.
         axis: u8,
     },
-    /// A home switch is closed still after the way off it.
+    /// A home switch is still closed after the move off it.
     StillClosed {
         /// 0 for X, 1 for Y.
         axis: u8,
     },
-    /// The upper sensor did not see the spindle on the longest way.
+    /// The upper sensor did not see the spindle within the longest stroke.
     NotUp,
-    /// The lower one.
+    /// The lower sensor did not see the spindle within the longest stroke.
     NotDown,
-    /// A home switch closed too far from zero, or did not at zero: steps were lost.
+    /// A home switch closed too far from zero, or did not close at zero: steps were lost.
     LostSteps {
         /// 0 for X, 1 for Y.
         axis: u8,

@@ -1,10 +1,10 @@
-//! What a drill is doing.
+//! Tasks of a drill.
 
 /// One task. Axes are 0 for X, 1 for Y.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     Idle,
-    /// X or Y off its closed switch, then to it.
+    /// X or Y moves off its closed switch. The search follows.
     Leave {
         axis: u8,
         left: u16,
@@ -13,48 +13,49 @@ pub(super) enum Task {
         axis: u8,
         left: u32,
     },
-    /// X or Y to this place.
+    /// X or Y moves to this position.
     Go {
         axis: u8,
         to: u16,
     },
-    /// At zero, with the switch open: so many steps beyond, to where it closes.
+    /// At zero with the switch open: the axis has moved `gone` steps beyond zero to find where the
+    /// switch closes.
     Beyond {
         axis: u8,
         gone: u16,
     },
-    /// Back from there.
+    /// The axis returns from there.
     Return {
         axis: u8,
         left: u16,
     },
-    /// Z down, so many steps at most; to the sensor where `is_whole`.
+    /// Z moves down by at most `left` steps. If `is_whole`, it moves to the sensor.
     Down {
         left: u16,
         is_whole: bool,
     },
-    /// Z up to its sensor.
+    /// Z moves up to its sensor.
     Up {
         left: u16,
         next: Next,
     },
-    /// Z by hand, positive downwards.
+    /// A jog of Z, positive downwards.
     JogZ {
         left: i16,
     },
-    /// The order is done; a rest.
+    /// The order is done, and the axes rest.
     Settle,
-    /// Until a reset.
+    /// A fault, until a reset.
     Fault,
 }
 
-/// What follows when Z is up.
+/// The task that follows when Z is up.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Next {
     /// Home Y and X.
     Home,
-    /// The move that waited for it.
+    /// The move that waited for Z.
     Go { axis: u8, to: u16 },
-    /// A drilling has ended.
+    /// The end of a hole.
     Drilled,
 }

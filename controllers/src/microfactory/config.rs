@@ -1,41 +1,42 @@
-//! What a machine is made of.
+//! Configuration of a microfactory.
 
-/// Rates, lash and times of a [`Microfactory`](crate::Microfactory).
+/// Rates, backlash and times of a [`Microfactory`](crate::Microfactory).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct MicrofactoryConfig {
-    /// Ticks a second of the timer that counts the waits; at least one a step.
+    /// Ticks per second of the timer that counts the waits; at least one per step.
     pub timer_hz: u32,
-    /// Steps a second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse
+    /// Steps per second of X, Y and Z, and along the path of a figure; above 0. A step is one pulse
     /// of CLOCK.
     pub axis_rate_hz: u16,
-    /// Steps a second of the spindle; above 0.
+    /// Steps per second of the spindle; above 0.
     pub spindle_rate_hz: u16,
-    /// Lash of X, Y and Z in steps.
+    /// Backlash of X, Y and Z, in motor steps.
     pub lash_steps: [u16; 3],
-    /// How far back off a home switch, in load steps.
+    /// Distance of the back-off from a home switch, in load steps.
     pub back_off_steps: u16,
-    /// The longest way to a home switch, in motor steps.
+    /// Longest distance to a home switch, in motor steps.
     pub search_steps: u32,
-    /// The longest way in Y until the tool touches the work piece, in load steps.
+    /// Longest distance in Y until the tool touches the work piece, in load steps.
     pub approach_steps: u32,
     /// Ticks after which a jog ends unless it is repeated. `None`: it continues until it is
     /// stopped.
     pub dead_man_ticks: Option<u32>,
-    /// Ticks of RESET low; the L297 wants 1 us.
+    /// Ticks of RESET low. The L297 requires 1 us.
     pub reset_ticks: u32,
-    /// Ticks from RESET, or from the current, to the first step.
+    /// Ticks from RESET, or from switching the current on, to the first step.
     pub settle_ticks: u32,
-    /// RESET before every move, as in the original. A rotor in a state other than 1 jumps by up to
-    /// two full steps. Otherwise RESET only before the first move after power-on, when the phases
-    /// are unknown.
+    /// Whether RESET precedes every move, as in the original. A rotor in a state other than 1 then
+    /// jumps by up to two full steps. Otherwise RESET precedes only the first move after power-on,
+    /// when the phases are unknown.
     pub resets_before_moves: bool,
-    /// The spindle turns while a figure is approached and cut.
+    /// Whether the spindle turns during the approach and the cutting of a figure.
     pub spindle_turns_in_figures: bool,
 }
 
 impl MicrofactoryConfig {
-    /// The original's rates, backlash and back-off on a timer of 1 MHz. The distances of search and
-    /// approach and the settling time of 10 ms are ours, because no source states them.
+    /// The rates, backlash and back-off of the original, on a timer of 1 MHz. The distances of
+    /// search and approach and the settling time of 10 ms are chosen by this project, because no
+    /// source states them.
     pub const ORIGINAL: MicrofactoryConfig = MicrofactoryConfig {
         timer_hz: 1_000_000,
         axis_rate_hz: 400,
@@ -51,7 +52,7 @@ impl MicrofactoryConfig {
         spindle_turns_in_figures: true,
     };
 
-    /// Ticks between two steps of a motor.
+    /// Returns the ticks between two steps of a motor.
     pub(super) fn interval(&self, motor: u8) -> u32 {
         let rate = match usize::from(motor) {
             super::SPINDLE => self.spindle_rate_hz,

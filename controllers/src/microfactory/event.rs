@@ -1,11 +1,11 @@
-//! What a machine sees and says.
+//! Inputs and events of a microfactory.
 
 use husillo_transports::microfactory::Report;
 
 use super::MICROFACTORY_MOTORS;
 use husillo_machine::StepEvent;
 
-/// The switches.
+/// The switches and the contact.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct MicrofactoryInputs {
     /// Home switches of X, Y and Z: closed.
@@ -15,13 +15,13 @@ pub struct MicrofactoryInputs {
 }
 
 impl MicrofactoryInputs {
-    /// Whether the home switch of an axis is closed; the spindle has none.
+    /// Whether the home switch of an axis is closed. The spindle has none.
     pub(super) fn is_home(&self, axis: u8) -> bool {
         self.home.get(usize::from(axis)) == Some(&true)
     }
 }
 
-/// What happens next.
+/// The next event of a machine.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum MicrofactoryEvent {
     /// Wait, then step.
@@ -31,15 +31,15 @@ pub enum MicrofactoryEvent {
         /// Timer ticks.
         wait_ticks: u32,
     },
-    /// Current of all motors on, or off.
+    /// Switch the current of all motors on or off.
     Enable(bool),
-    /// RESET of all sequencers low for so long, then high.
+    /// Set RESET of all sequencers low for `ticks`, then high.
     Reset {
         /// Timer ticks.
         ticks: u32,
     },
-    /// Something to tell.
+    /// A report.
     Report(Report),
-    /// Nothing to do until a command comes.
+    /// Nothing to do until a command arrives.
     Idle,
 }

@@ -1,4 +1,4 @@
-//! One controller of one machine, or of two, with the link before them.
+//! A controller of one or two machines with its link.
 
 use husillo_transports::microfactory::{Device, Order, REJECTED, Report};
 
@@ -6,10 +6,11 @@ use super::{Microfactory, MicrofactoryConfig, MicrofactoryEvent, MicrofactoryInp
 use crate::controller::{Controller, Timed};
 use crate::ring::Ring;
 
-/// Bytes that wait for the transmitter: an answer, and a status with it.
+/// Size of the queue of the transmitter in bytes: an answer with a status.
 const OUT: usize = 64;
 
-/// A figure in memory: at most `MOVES` moves in X and Z, in steps. While it comes in there is none.
+/// A figure in memory: at most `MOVES` moves in X and Z, in steps. While a figure is being
+/// received, the stored figure is empty.
 #[derive(Copy, Clone, Debug)]
 struct Figure<const MOVES: usize> {
     moves: [[i16; 2]; MOVES],
@@ -29,13 +30,13 @@ impl<const MOVES: usize> Figure<MOVES> {
         (self.count, self.is_whole) = (0, false);
     }
 
-    /// Adds a move; `false`: there is no room.
+    /// Adds a move. Returns `false` if there is no room.
     fn push(&mut self, move_steps: [i16; 2]) -> bool {
         let Some(slot) = self.moves.get_mut(self.count) else {
             return false;
         };
         *slot = move_steps;
-        self.count = self.count.wrapping_add(1); // at most `MOVES`
+        self.count = self.count.wrapping_add(1); // it is at most `MOVES`
         true
     }
 }
@@ -47,15 +48,19 @@ impl<const MOVES: usize> AsRef<[[i16; 2]]> for Figure<MOVES> {
     }
 }
 
-/// The microfactory's controller with its link: bytes in, events and bytes out.
+/// The controller of a microfactory with its link: bytes in, events and bytes out.
 ///
-/// It drives one machine, or two: the original's controller has 20 to 24 lines for each. Each
-/// machine has its own motors, switches, figure and time. With two machines the link names one
-/// ([`Device::of_two_machines`]), and a command applies to it. Both may move at the same time. An
-/// emergency stop and a reset apply to both.
+/// It drives one or two machines: the original controller has 20 to 24 lines for each. Each machine
+/// has its own motors, switches, figure and time. With two machines the link selects one
+/// ([`Device::of_two_machines`]), and a command applies to the selected one. Both may move at the
+/// same time. An emergency stop and a reset apply to both.
 ///
-/// Answers that find no room are lost: the host asks again. Its size is 4 bytes for each of `MOVES`
-/// moves and 0.2 kB, for each machine, and 0.1 kB.
+/// An answer without room in the queue is lost, and the host asks again.
+///
+/// # Cost
+/// The size is 4 bytes for each of `MOVES` moves and 0.2 kB per machine, plus 0.1 kB.
+///
+/// # Examples
 ///
 /// ```
 /// use husillo_controllers::{
@@ -82,7 +87,7 @@ pub struct MicrofactoryStation<const MOVES: usize, const MACHINES: usize = 1> {
 }
 
 impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHINES> {
-    /// All at rest, motors off, not homed, without a figure; machines of one kind.
+    /// Creates machines of one kind, at rest, with the motors off, not homed, without a figure.
     pub fn new(link: Device, config: MicrofactoryConfig) -> Self {
         Self {
             link,
@@ -92,8 +97,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         }
     }
 
-    /// Stores a figure, as the link does. `false`: it has too many moves, a figure is being cut, or
-    /// the machine does not exist.
+    /// Stores a figure, as the link does. Returns `false` if it has too many moves, if a figure is
+    /// being cut, or if the machine does not exist.
     pub fn store(&mut self, machine: u8, moves: &[[i16; 2]]) -> bool {
         let figure = self.machine_mut(machine).and_then(Microfactory::figure_mut);
         let Some(figure) = figure.filter(|_| moves.len() <= MOVES) else {
@@ -104,8 +109,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         figure.is_whole
     }
 
-    /// A command for a machine, 0 or 1: whether it is carried out, see [`Microfactory::command`].
-    /// [`Order::Emergency`] stops all machines.
+    /// Takes a command for a machine, 0 or 1. Returns whether it is carried out, see
+    /// [`Microfactory::command`]. [`Order::Emergency`] stops all machines.
     pub fn command(&mut self, machine: u8, command: Order) -> bool {
         if command == Order::Emergency {
             let mut is_taken = false;
@@ -118,12 +123,12 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         machine.is_some_and(|machine| machine.command(command))
     }
 
-    /// Whether a task is under way at a machine.
+    /// Whether a task of a machine is under way.
     pub fn is_moving(&self, machine: u8) -> bool {
         self.machine(machine).is_some_and(Microfactory::is_moving)
     }
 
-    /// A machine, 0 or 1.
+    /// Returns a machine, 0 or 1.
     pub fn machine(
         &self,
         machine: u8,
@@ -135,7 +140,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         self.machines.get_mut(usize::from(machine))
     }
 
-    /// What does not concern the motors: a machine's figure, and what is asked.
+    /// Carries out commands without motion: those for the figure of a machine, and status requests.
     fn keep(&mut self, machine: u8, command: Order) {
         let Some(machine) = self.machine_mut(machine) else {
             return;
@@ -144,7 +149,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
             let status = machine.status();
             return self.answer(&status.bytes());
         }
-        // Nothing moves while a figure comes in, so there is one; the link counts its moves.
+        // Nothing moves while a figure is received, so the figure is available. The link counts its
+        // moves.
         let Some(figure) = machine.figure_mut() else {
             return;
         };
@@ -154,7 +160,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
                 figure.push(move_steps);
             }
             Order::Keep => figure.is_whole = true,
-            // Begun, or refused.
+            // The other commands have been begun or refused.
             _ => {}
         }
     }
@@ -177,7 +183,7 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
         MACHINES as u8
     }
 
-    /// Takes a byte of the line. A step that was given before a stop is the last one.
+    /// Takes a byte from the line. A step that was given before a stop is the last one.
     fn receive(&mut self, byte: u8) -> bool {
         let is_moving = self.is_moving(self.link.machine());
         let received = self.link.receive(byte, is_moving);
@@ -226,11 +232,11 @@ impl Timed for MicrofactoryEvent {
     fn wait_ticks(&self) -> Option<u32> {
         match *self {
             MicrofactoryEvent::Step(step) => Some(step.wait_ticks),
-            // Another task follows at once: its waits go on from where this one's ended.
+            // Another task follows at once. Its waits continue from the end of this one.
             MicrofactoryEvent::Dwell { wait_ticks: 0 } => None,
             MicrofactoryEvent::Dwell { wait_ticks } => Some(wait_ticks),
             MicrofactoryEvent::Reset { ticks } => Some(ticks),
-            // It needs its time: what follows waits from now on.
+            // The current takes effect now: later waits count from here.
             MicrofactoryEvent::Enable(on) => on.then_some(0),
             MicrofactoryEvent::Report(_) | MicrofactoryEvent::Idle => None,
         }

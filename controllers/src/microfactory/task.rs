@@ -1,4 +1,4 @@
-//! What a machine is doing.
+//! Tasks of a microfactory.
 
 use husillo_transports::microfactory::Order;
 
@@ -17,34 +17,34 @@ pub(super) enum Task {
     Idle,
     Jog {
         way: Way,
-        /// Until it must be said again.
+        /// Ticks left until the jog must be repeated.
         left_ticks: Option<u32>,
     },
     Steps {
         way: Way,
         left: u8,
     },
-    /// Homing of an axis begins, one way or the other.
+    /// Homing of an axis begins, by leaving its switch or by searching it.
     Look {
         axis: u8,
     },
-    /// Off the switch of an axis that was closed before it was searched: motor steps.
+    /// The axis moves off its switch, which was closed before the search; in motor steps.
     Leave {
         axis: u8,
         left: u32,
     },
-    /// Towards the switch of an axis.
+    /// The axis moves towards its switch.
     Home {
         axis: u8,
         left: u32,
     },
-    /// Off the switch of an axis.
+    /// The axis backs off its switch.
     BackOff {
         axis: u8,
         left: u16,
         homes: bool,
     },
-    /// In Y to the work piece, before a figure.
+    /// The tool approaches the work piece in Y, before a figure.
     Approach {
         left: u32,
     },
@@ -52,12 +52,12 @@ pub(super) enum Task {
     Figure {
         index: usize,
     },
-    /// For good.
+    /// An emergency stop, until a reset.
     Emergency,
 }
 
 impl Task {
-    /// The task that a command begins; `None` for commands that begin none.
+    /// Returns the task that a command begins. Returns `None` for commands that begin none.
     pub(super) fn of(command: Order, config: &MicrofactoryConfig) -> Option<Task> {
         Some(match command {
             Order::Home => Task::Look { axis: 0 },
@@ -76,7 +76,7 @@ impl Task {
             Order::Figure => Task::Approach {
                 left: config.approach_steps,
             },
-            // The others begin nothing.
+            // The other commands begin no task.
             _ => return None,
         })
     }

@@ -1,23 +1,24 @@
-//! The facts of a mill.
+//! Configuration of a mill.
 
 use husillo_machine::Config;
 
-/// What is fixed about a mill; a constant of its firmware.
+/// The fixed properties of a mill, a constant of its firmware.
 #[derive(Copy, Clone, Debug)]
 pub struct MicromillConfig {
     /// Axes, timer and limits as for [`Machine`](husillo_machine::Machine), without ramps. Backlash
-    /// must be below 65 536 steps, and positions within 2.1 m of machine zero. The rest of the
-    /// dialect is not used.
+    /// must be below 65 536 steps, and positions within 2.1 m of machine zero. The other settings
+    /// of the dialect are not used.
     pub machine: Config<3>,
-    /// Step rate of jogs, counted steps and homing, steps per second.
+    /// Step rate of jogs, counted steps and homing, in steps per second.
     pub jog_hz: u16,
-    /// By how much a jog goes faster or slower at a time, steps per second.
+    /// Change of the jog rate at a time, in steps per second.
     pub jog_change_hz: u16,
-    /// The fastest jog and run, steps per second: the rate that the motors follow without a ramp.
+    /// Highest rate of a jog and a run, in steps per second: the rate that the motors follow
+    /// without a ramp.
     pub top_hz: u16,
-    /// Load steps from the place where a home switch closes to machine zero.
+    /// Load steps from the position where a home switch closes to machine zero.
     pub back_off_steps: u16,
-    /// Steps of homing without a switch after which it is given up.
+    /// Steps of homing without a switch after which the search fails.
     pub search_steps: u32,
 }
 
@@ -30,7 +31,7 @@ impl MicromillConfig {
         jog_change_hz: 10,
         top_hz: 390,
         back_off_steps: 400,
-        // 10 mm are 71 429 steps, and the lash of 1457 comes before them.
+        // 10 mm are 71 429 steps, plus the backlash of 1457.
         search_steps: 80_000,
     };
 }

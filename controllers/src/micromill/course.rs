@@ -1,27 +1,28 @@
-//! What goes with the path of a line: its tempo, and what comes before its steps.
+//! State of a path: its timing, and the take-ups before its steps.
 
 use husillo_planner::Timer;
 
 use super::ways::Ways;
 
-/// Of a path under way.
+/// State of the present path.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     pub(super) timer: Timer,
-    /// Directions in which a straight move takes up lash before it begins.
+    /// Directions in which a straight move takes up backlash before it begins.
     pub(super) heading: Ways,
-    /// A step of the path that something comes before, and its wait.
+    /// The next step of the path and its wait, while something precedes it.
     pub(super) next: Option<(Ways, u64)>,
     /// Whether an axis steps in the opposite direction to before, or for the first time. Only then
-    /// a take-up can be due.
+    /// can a take-up be due.
     pub(super) may_owe: bool,
-    /// Axes that have stepped forwards last, and in the upper byte those that have backwards.
+    /// Last directions of the axes: the lower byte marks forward steps, the upper byte backward
+    /// steps.
     known: u16,
-    /// What is taken up before it.
+    /// The take-up before the next step.
     pub(super) owed: Option<TakeUp>,
 }
 
-/// Lash that an axis takes up.
+/// A take-up of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct TakeUp {
     pub(super) way: Ways,
@@ -42,7 +43,7 @@ impl Course {
         }
     }
 
-    /// The next step of an arc is known.
+    /// Registers the directions of the next step of an arc.
     #[inline]
     pub(super) const fn turns(&mut self, ways: Ways) {
         let both = u16::from_le_bytes([ways.axes, ways.negative]);
@@ -53,11 +54,11 @@ impl Course {
         }
     }
 
-    /// The next step of a take-up, of one axis, and the ticks before it.
+    /// Returns the next step of a take-up of one axis, and the ticks before it.
     #[inline]
     pub(super) fn take_up(&mut self) -> Option<(Ways, u32)> {
         let owed = self.owed.as_mut()?;
-        let step = (owed.way, owed.pace.wait_one() as u32); // a second at most
+        let step = (owed.way, owed.pace.wait_one() as u32); // at most a second
         owed.left = owed.left.wrapping_sub(1);
         if owed.left == 0 {
             self.owed = None;
@@ -65,7 +66,7 @@ impl Course {
         Some(step)
     }
 
-    /// Nothing is taken up any more.
+    /// Marks that no take-up is left.
     #[inline]
     pub(super) const fn is_even(&mut self) {
         self.may_owe = false;

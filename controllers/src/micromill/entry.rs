@@ -1,12 +1,12 @@
-//! A line in the queue: 24 bytes, so that sixteen of them have room on a small chip.
+//! A line in the queue: 24 bytes, so that sixteen lines fit a small chip.
 
 use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane};
 use husillo_transports::micromill::{Line, Point};
 
-/// A place in nanometres from machine zero: within 2.1 m.
+/// A position in nanometres from machine zero, within 2.1 m.
 pub(super) type Place = [i32; 3];
 
-/// What a line does.
+/// The effect of a line.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Nothing,
@@ -22,14 +22,14 @@ pub(super) enum Kind {
     End,
 }
 
-/// A line whose coordinates are the machine's.
+/// A line in machine coordinates.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Entry {
     pub(super) kind: Kind,
     /// Feed in tenths of mm/min, seconds, turns per minute, or a number.
     pub(super) value: u16,
     pub(super) to: Place,
-    /// Of an arc, X and Y.
+    /// X and Y of the centre of an arc.
     centre: [i32; 2],
 }
 
@@ -41,7 +41,8 @@ impl Entry {
         centre: [0; 2],
     };
 
-    /// The line from `from`, with the part's zero at `zero`. `None` beyond 2.1 m.
+    /// Converts the line that starts at `from`, with the work zero at `zero`. Returns `None` beyond
+    /// 2.1 m.
     pub(super) fn new(line: Line, from: Place, zero: Place) -> Option<Entry> {
         let mut entry = Entry {
             to: from,
@@ -104,7 +105,7 @@ impl Entry {
         Some(entry)
     }
 
-    /// Whether it moves axes.
+    /// Whether the line moves axes.
     pub(super) const fn moves(&self) -> bool {
         matches!(
             self.kind,
@@ -112,10 +113,11 @@ impl Entry {
         )
     }
 
-    /// What it asks of the axes; `None` where it is no arc, or moves none.
+    /// Returns the motion of the line. Returns `None` if it moves no axes, or if its arc is
+    /// invalid.
     pub(super) fn command(&self, from: Place) -> Option<Command<3>> {
         let to = nm(self.to);
-        // At most 6.6e9: 0.1 mm/min are 100 000 nm.
+        // At most 6.6e9, because 0.1 mm/min are 100 000 nm.
         let feed = Feed::PerMinute(Nm(i64::from(self.value).wrapping_mul(100_000)));
         let direction = match self.kind {
             Kind::Rapid => return Some(Command::Rapid { to }),
@@ -131,7 +133,7 @@ impl Entry {
     }
 }
 
-/// A coordinate of 10 nm units in the machine frame.
+/// Converts a coordinate in units of 10 nm to the machine frame.
 fn placed(at: i32, zero_nm: i32) -> Option<i32> {
     at.checked_mul(10)?.checked_add(zero_nm)
 }

@@ -1,29 +1,29 @@
-//! What a mill wants of its board.
+//! Inputs and events of a mill.
 
 use husillo_gcode::SpindleDirection;
 
 use super::ways::Ways;
 
-/// What the board reads.
+/// Inputs that the board reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
 pub struct MicromillInputs {
-    /// The home switches that are closed: bit 0 is that of X, then Y and Z.
+    /// The closed home switches: bit 0 is X, then Y and Z.
     pub home: u8,
 }
 
 /// Wait, then step. An interrupt writes the masks to step and direction pins; bit 0 is X.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct MicromillStep {
-    /// Timer ticks from the event before this one.
+    /// Timer ticks from the previous event.
     pub wait_ticks: u32,
-    /// The axes that make a motor step; none: only wait.
+    /// Axes that make a motor step. No axes: only wait.
     pub axes: u8,
-    /// Those of them that step backwards; no other bits.
+    /// Those of `axes` that step backwards; no other bits.
     pub negative: u8,
 }
 
 impl MicromillStep {
-    /// -1, 0 or +1 motor step of X, Y and Z.
+    /// Returns -1, 0 or +1 motor step for X, Y and Z.
     pub fn deltas(&self) -> [i8; 3] {
         Ways {
             axes: self.axes,
@@ -33,21 +33,21 @@ impl MicromillStep {
     }
 }
 
-/// One entry of the stream, in the order in which it must happen.
+/// An event of the stream. The caller makes events in their order.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum MicromillEvent {
-    /// Wait, then step. Call [`Micromill::made`](crate::Micromill::made) when this has happened.
+    /// Wait, then step. Call [`Micromill::made`](crate::Micromill::made) when this is done.
     Step(MicromillStep),
-    /// The spindle, at once.
+    /// Switch the spindle immediately.
     Spindle {
         /// Off, clockwise or counter-clockwise.
         direction: SpindleDirection,
-        /// Turns per minute.
+        /// Revolutions per minute.
         rpm: u16,
     },
-    /// A tool that the operator shall put in.
+    /// The operator must insert a tool.
     Tool {
-        /// Its number.
+        /// The number of the tool.
         number: u8,
     },
 }

@@ -22,8 +22,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         let Some(entry) = self.queue.first() else {
             return Next::Wait;
         };
-        // As in `machine`: a command that only changes coordinates does not wait for the moves
-        // before it.
+        // A command that only changes coordinates does not wait for the moves before it, as in
+        // `machine`.
         let is_nothing = entry.kind == Kind::Nothing;
         if !entry.moves() && !is_nothing && self.carried_ticks > 0 {
             self.task = Task::Idle;
@@ -33,7 +33,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
         let is_output = !entry.moves() && !matches!(entry.kind, Kind::Nothing | Kind::Dwell);
         if is_output && !self.ahead.is_empty() {
-            return Next::Wait; // exactly between the moves
+            return Next::Wait; // it must happen exactly between the moves
         }
         self.queue.pop();
         if !entry.moves() && !is_nothing {
@@ -85,9 +85,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    /// Makes the path of a move; its ticks. Without a step of an axis there is none.
+    /// Creates the path of a move and returns its ticks. A move without a step of an axis has no
+    /// path.
     ///
-    /// A function of its own: on a small chip the stack holds one path at a time.
+    /// This is a separate function so that the stack of a small chip holds one path at a time.
     #[inline(never)]
     fn set_out(&mut self, entry: &Entry) -> u64 {
         let start = self.plays.map(|play| play.load());
@@ -96,7 +97,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             .machine
             .nearest_steps(&nm(entry.to))
             .unwrap_or(start);
-        // A line that is none was refused when it came.
+        // An invalid line was refused when it arrived.
         let Some(segment) = segment(entry, self.at) else {
             return 0;
         };
@@ -110,8 +111,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         let mut heading = Ways::NONE;
         if path.radius().is_none() {
             for (axis, (start, end)) in (0..).zip(start.iter().zip(end)) {
-                let way = i8::from(end > *start).wrapping_sub(i8::from(end < *start));
-                heading = heading.with(axis, way);
+                let direction = i8::from(end > *start).wrapping_sub(i8::from(end < *start));
+                heading = heading.with(axis, direction);
             }
         }
         let (sweep, largest) = (path.total_sweep(), path.largest_sweep());

@@ -1,4 +1,4 @@
-//! The move under way: its steps, and what comes before them.
+//! The present move: its steps, and the take-ups before them.
 
 use husillo_interp::Interpolator;
 use husillo_planner::Timer;
@@ -10,8 +10,8 @@ use super::{
 use husillo_machine::MAX_WAIT_TICKS;
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
-    /// The next step of the move under way, or of the take-up before it. If something else comes
-    /// first, the step is kept and [`look`](Micromill::look) decides.
+    /// Returns the next step of the present move, or of the take-up before it. If something else
+    /// comes first, the step is stored and [`look`](Micromill::look) decides.
     #[inline]
     pub(super) fn step_of_path(&mut self, inputs: &MicromillInputs) -> Option<MicromillStep> {
         let course = &mut self.course;
@@ -44,7 +44,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             course.next = Some((ways, wait));
             return None;
         }
-        // It owes nothing: it moves loads.
+        // No take-up is due: the step moves the loads.
         let (axes, negative) = (i32::from(ways.axes), i32::from(ways.negative));
         let [x, y, z] = &mut self.plays;
         x.carry((axes & 1).wrapping_sub((negative & 1) << 1));
@@ -61,17 +61,18 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Some(self.say(wait, ways, ways.axes))
     }
 
-    /// What comes before a step of the path: a take-up, or a part of its wait; or it does not come.
+    /// Handles what precedes a step of the path: a take-up or a part of its wait. A closed switch
+    /// cancels the step.
     pub(super) fn precede(&mut self, inputs: &MicromillInputs) -> Next {
         let course = &mut self.course;
         let Some((ways, mut wait)) = course.next.take() else {
             return Next::Again;
         };
         if course.may_owe {
-            // At the first step of a move, too.
+            // The first step of a move also gets the carried ticks.
             wait = wait.saturating_add(core::mem::take(&mut self.carried_ticks));
-            // A straight move takes up all its axes before it begins, an arc each axis where it
-            // reverses.
+            // A straight move takes up the backlash of all its axes before it begins. An arc takes
+            // up the backlash of each axis where it reverses.
             let owed = first_owed(&self.plays, course.heading);
             if let Some((way, left)) = owed.or_else(|| first_owed(&self.plays, ways)) {
                 let config = &self.config.machine;
@@ -91,7 +92,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             return self.give(MAX_WAIT_TICKS, Ways::NONE);
         }
         if ways.negative & inputs.home != 0 {
-            // Within the travel no switch closes: steps were lost.
+            // No switch closes within the travel, so steps were lost.
             self.is_homed = false;
             self.cut();
             return Next::Wait;
@@ -100,7 +101,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Ends the move whose last step was given: it is done when that is made.
+    /// Ends the move after its last step is given. The move is done when that step is made.
     #[inline]
     pub(super) fn end_walked(&mut self) {
         let is_walked = self.path.as_ref().is_some_and(|path| path.remaining() == 0);

@@ -1,4 +1,4 @@
-//! What strings ask for: a line is refused or queued, a mode begins.
+//! Execution of strings: refuses or queues a line, begins a mode.
 
 use husillo_transports::micromill::{Answer, Axis, Line, Order};
 
@@ -27,7 +27,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                     *left_ticks = self.lease_ticks;
                 }
             }
-            // 9999 ms of a timer of 4 GHz saturate: below its 2^32 ticks all the same.
+            // 9999 ms of a 4 GHz timer saturate and stay below its 2^32 ticks.
             Order::Lease(ms) => {
                 let ticks = (self.config.machine.timer_hz / 1000).saturating_mul(ms.into());
                 self.lease_ticks = (ms != 0).then_some(ticks);
@@ -83,7 +83,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    /// A line: refused, or in the queue.
+    /// Takes a line: refuses it or appends it to the queue.
     fn take(&mut self, line: Line) {
         let is_streaming = self.link.is_streaming();
         let is_free = if is_streaming {
@@ -109,7 +109,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    /// The line, if it can be made.
+    /// Converts the line. Returns `None` if it cannot be executed.
     #[inline(never)]
     fn check(&self, line: Line) -> Option<Entry> {
         let entry = Entry::new(line, self.programmed, self.zero)?;
@@ -126,11 +126,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Some(entry)
     }
 
-    fn change_jog(&mut self, way: i16) {
+    fn change_jog(&mut self, direction: i16) {
         if let Task::Jog { hz, .. } = &mut self.task {
             let change = self.config.jog_change_hz;
             let top = self.config.top_hz.max(1);
-            *hz = if way > 0 {
+            *hz = if direction > 0 {
                 hz.saturating_add(change).min(top)
             } else {
                 hz.saturating_sub(change).max(change.max(1)).min(top)
@@ -143,8 +143,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         let axes = axes.zip(self.lash.iter_mut().zip(&mut self.plays));
         for ((other, config), (lash, play)) in axes {
             if other == axis {
-                let way = i64::from(um).wrapping_mul(1000);
-                let steps = config.scale.nearest(way).unwrap_or(0);
+                let distance_nm = i64::from(um).wrapping_mul(1000);
+                let steps = config.scale.nearest(distance_nm).unwrap_or(0);
                 *lash = steps.clamp(0, u16::MAX.into()) as u16;
                 if self.is_homed {
                     play.set_lash(*lash);
@@ -154,7 +154,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         self.link.answer(Answer::Done);
     }
 
-    /// Whether an axis may go so many steps further.
+    /// Whether an axis may move by this number of steps.
     fn reaches(&self, axis: Axis, steps: i16) -> bool {
         let axes = Axis::ALL.into_iter().zip(&self.config.machine.axes);
         axes.zip(&self.plays).all(|((other, config), play)| {

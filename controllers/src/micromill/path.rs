@@ -1,14 +1,16 @@
-//! The moves of the mill: lines of three axes, and arcs of the first two. No string describes
-//! helices or arcs in other planes.
+//! Paths of the mill: lines in three axes, and arcs in the first two. No string describes helices
+//! or arcs in other planes.
 
 use husillo_interp::{ArcError, ArcMove, Interpolator, Line, Moves, NarrowArc, Step};
 
-/// A line or a flat arc, by the methods of [`husillo_interp::Path`], so the steps are the same.
-/// Helices and arcs whose state needs 64 bits are left out. The latter are refused: within the
-/// mill's 2.1 m they are only spirals whose radius changes much in few steps. On a Cortex-M0 this
-/// saves 4 kB of code and 390 bytes of stack.
+/// A line or a flat arc. The methods are those of [`husillo_interp::Path`], so the steps are the
+/// same.
+///
+/// Helices and arcs whose state requires 64 bits are not included. Such arcs are refused: within
+/// the mill's 2.1 m they are only spirals whose radius changes much in few steps. On a Cortex-M0
+/// this saves 4 kB of code and 390 bytes of stack.
 #[derive(Clone, Debug)]
-// One of these lives in a mill, in place; a box would need an allocator.
+// A mill holds one of these in place; a box would require an allocator.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Flat {
     Line(Line<3>),
@@ -16,9 +18,9 @@ pub(super) enum Flat {
 }
 
 impl Flat {
-    /// Whether an arc can be made.
+    /// Whether an arc fits the narrow method.
     pub(super) fn fits(arc: &ArcMove) -> bool {
-        // Too small to go round: then it is a line.
+        // An arc that is too small becomes a line.
         matches!(NarrowArc::check(arc), Ok(()) | Err(ArcError::Degenerate))
     }
 }
@@ -63,8 +65,8 @@ impl Moves<3> for Flat {
         Flat::Line(Line::new(delta))
     }
 
-    /// The plane is that of the first two axes. The third axis stays, because the string of an arc
-    /// does not name it.
+    /// The plane is that of the first two axes. The third axis does not move, because the string of
+    /// an arc does not contain it.
     fn arc(arc: &ArcMove, _plane: [usize; 2], _along: [i32; 3]) -> Result<Self, ArcError> {
         Ok(Flat::Arc(NarrowArc::new(arc)?))
     }

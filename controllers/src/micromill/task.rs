@@ -1,4 +1,4 @@
-//! What is under way: a line, or one of the modes that decide step by step.
+//! Tasks: a line, or a mode that decides each step separately.
 
 use husillo_transports::micromill::{Answer, Axis};
 
@@ -7,7 +7,7 @@ use super::{Micromill, MicromillInputs, Next, first_owed, ways::Ways};
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     Idle,
-    /// A move of a line.
+    /// The move of a line.
     Line,
     Dwell {
         left_ticks: u64,
@@ -15,29 +15,30 @@ pub(super) enum Task {
     Jog {
         ways: Ways,
         hz: u16,
-        /// Until it ends, unless it is renewed.
+        /// Ticks left until the jog ends, unless it is renewed.
         left_ticks: Option<u32>,
     },
     Run {
         ways: Ways,
         hz: u16,
     },
-    /// Load steps left.
+    /// Counted load steps; `left` remain.
     Steps {
         ways: Ways,
         left: u16,
     },
-    /// Homing: off the switch, if it begins there, since going towards it is what tells the flank.
+    /// Homing: leaves the switch if it is closed at the start. The later move towards the switch
+    /// determines the flank.
     Leave {
         axis: Axis,
         left: u32,
     },
-    /// Homing: towards the switch.
+    /// Homing: moves towards the switch.
     Search {
         axis: Axis,
         left: u32,
     },
-    /// Homing: load steps off it.
+    /// Homing: backs off the switch; `left` load steps remain.
     BackOff {
         axis: Axis,
         left: u16,
@@ -45,14 +46,14 @@ pub(super) enum Task {
 }
 
 impl Task {
-    /// Whether it is none of a program.
+    /// Whether the task is not part of a program.
     pub(super) const fn is_manual(&self) -> bool {
         !matches!(self, Task::Idle | Task::Line | Task::Dwell { .. })
     }
 }
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
-    /// The next step of homing, a jog, a run or counted steps. Nothing is on its way.
+    /// Returns the next step of homing, a jog, a run or counted steps. All given events are made.
     pub(super) fn manual(&mut self, inputs: &MicromillInputs) -> Next {
         match self.task {
             Task::Idle | Task::Line | Task::Dwell { .. } => Next::Wait,
@@ -85,7 +86,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                 let (delta, moves) = self.owed_or(ways);
                 self.task = Task::Steps {
                     ways,
-                    left: left.wrapping_sub(moves.into()), // it is not 0
+                    left: left.wrapping_sub(moves.into()), // `left` is not 0
                 };
                 self.give(self.interval(self.config.jog_hz), delta)
             }
@@ -170,7 +171,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// The take-up of the first axis that owes some, or the step, and whether it is that.
+    /// Returns the take-up of the first axis that owes one, or the step itself. The flag is `true`
+    /// for the step itself.
     fn owed_or(&self, ways: Ways) -> (Ways, bool) {
         match first_owed(&self.plays, ways) {
             Some((owed, _)) => (owed, false),
@@ -186,9 +188,9 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
         let axes = self.config.machine.axes.iter().zip(&self.plays);
         let mut axes = axes.zip(ways.deltas());
-        axes.any(|((axis, play), way)| match axis.travel {
-            Some([low, high]) if self.is_homed && way != 0 && !play.owes(way > 0) => {
-                let to = play.load().saturating_add(way.into());
+        axes.any(|((axis, play), direction)| match axis.travel {
+            Some([low, high]) if self.is_homed && direction != 0 && !play.owes(direction > 0) => {
+                let to = play.load().saturating_add(direction.into());
                 let to = axis.scale.position(to);
                 to < low.0 || to > high.0
             }
@@ -196,7 +198,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         })
     }
 
-    /// Ends what decides step by step.
+    /// Ends a task that decides each step separately.
     fn end(&mut self, answer: Answer) -> Next {
         self.task = Task::Idle;
         self.stand();
@@ -204,7 +206,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Ticks between steps, up: never faster than asked for.
+    /// Returns the ticks between steps, rounded up so that the rate is never exceeded.
     fn interval(&self, hz: u16) -> u32 {
         self.config.machine.timer_hz.div_ceil(u32::from(hz).max(1))
     }

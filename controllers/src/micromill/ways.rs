@@ -1,10 +1,9 @@
-//! Which axes step, and where to.
+//! Axes that step, and their directions.
 
 use husillo_interp::Step;
 use husillo_transports::micromill::Axis;
 
-/// Axes that step, and those of them that step backwards; bit 0 is X. Two bytes that fit a
-/// register.
+/// Axes that step, and those of them that step backwards. Bit 0 is X. The two bytes fit a register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) struct Ways {
     pub(super) axes: u8,
@@ -17,19 +16,19 @@ impl Ways {
         negative: 0,
     };
 
-    /// One axis, one way.
+    /// Returns one axis in one direction.
     pub(super) const fn one(axis: Axis, is_forward: bool) -> Ways {
         Ways::NONE.with(axis as u8, if is_forward { 1 } else { -1 })
     }
 
-    /// -1, 0 or +1 of every axis.
+    /// Converts -1, 0 or +1 of every axis.
     pub(super) fn of(deltas: [i8; 3]) -> Ways {
         (0..)
             .zip(deltas)
             .fold(Ways::NONE, |ways, (axis, delta)| ways.with(axis, delta))
     }
 
-    /// And another axis, 0 to 2.
+    /// Adds another axis, 0 to 2.
     pub(super) const fn with(self, axis: u8, delta: i8) -> Ways {
         let bit = 1_u8.wrapping_shl(axis as u32);
         Ways {
@@ -38,12 +37,12 @@ impl Ways {
         }
     }
 
-    /// Of one axis: its number.
+    /// Returns the number of the only axis.
     pub(super) const fn number(self) -> usize {
-        (self.axes >> 1) as usize // of the bits 1, 2 and 4
+        (self.axes >> 1) as usize // for the bits 1, 2 and 4
     }
 
-    /// -1, 0 or +1 of every axis.
+    /// Returns -1, 0 or +1 for every axis.
     pub(super) const fn deltas(self) -> [i8; 3] {
         [self.delta(0), self.delta(1), self.delta(2)]
     }
