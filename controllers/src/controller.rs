@@ -47,9 +47,10 @@ pub trait Controller {
     /// The bytes that stop the motors at once; `()` for none.
     type Stops: StopBytes;
 
-    /// Number of events with a wait that it gives before the oldest of them is made. With 1 the
-    /// caller requests the next event when the previous one is made, so each event is decided with
-    /// the inputs at that time. A controller with more counts them and stops at this number.
+    /// Number of events with a wait that the controller gives before the oldest of them is made.
+    /// With 1 the caller requests the next event when the previous one is made, so each event is
+    /// decided with the inputs at that time. A controller with more counts them and stops at this
+    /// number.
     const AHEAD: usize = 1;
 
     /// Returns the number of machines. Each has its own time.

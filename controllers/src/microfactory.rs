@@ -272,7 +272,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// Returns current, RESET and the delay after them, before the first step of a task.
+    /// Returns the event that switches on the current, pulses RESET, or waits for the delay. All of
+    /// them come before the first step of a task.
     fn wake(&mut self) -> Option<MicrofactoryEvent> {
         let (next, event) = match self.power {
             Power::On => return None,
