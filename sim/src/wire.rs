@@ -1,5 +1,7 @@
 //! Serial line with noise: bits, as a UART receives them.
 
+use crate::random::Random;
+
 /// Error rates of a line.
 #[derive(Copy, Clone, PartialEq, Debug, Default)]
 pub struct Noise {
@@ -46,7 +48,7 @@ const CHARACTER_BITS: u64 = 10;
 #[derive(Clone, Debug)]
 pub struct Wire {
     noise: Noise,
-    random: u64,
+    random: Random,
     /// Number of bits before the next wrong one.
     until_wrong: u64,
     receiver: Uart,
@@ -67,8 +69,7 @@ impl Wire {
     pub fn new(noise: Noise, seed: u64) -> Wire {
         let mut wire = Wire {
             noise,
-            // Zero is the one state that the generator never leaves.
-            random: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1,
+            random: Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1),
             until_wrong: 0,
             receiver: Uart::Idle,
             wrong_bits: 0,
@@ -79,11 +80,11 @@ impl Wire {
 
     /// Carries a byte; returns the bytes that arrive meanwhile.
     pub fn carry(&mut self, byte: u8) -> Vec<u8> {
-        if self.noise.lost > 0.0 && self.chance() < self.noise.lost {
+        if self.noise.lost > 0.0 && self.random.share() < self.noise.lost {
             return self.rest(CHARACTER_BITS);
         }
         let mut heard = self.character(byte);
-        if self.noise.doubled > 0.0 && self.chance() < self.noise.doubled {
+        if self.noise.doubled > 0.0 && self.random.share() < self.noise.doubled {
             heard.extend(self.character(byte));
         }
         heard
@@ -153,18 +154,8 @@ impl Wire {
         if self.noise.bit_errors <= 0.0 {
             return u64::MAX;
         }
-        let gap = (1.0 - self.chance()).ln() / (-self.noise.bit_errors).ln_1p();
+        let gap = (1.0 - self.random.share()).ln() / (-self.noise.bit_errors).ln_1p();
         gap as u64 // saturates
-    }
-
-    /// A random number from 0 up to 1.
-    fn chance(&mut self) -> f64 {
-        // xorshift64*, Vigna 2016; the upper 53 bits.
-        self.random ^= self.random >> 12;
-        self.random ^= self.random << 25;
-        self.random ^= self.random >> 27;
-        let bits = self.random.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
-        bits as f64 / (1_u64 << 53) as f64
     }
 }
 

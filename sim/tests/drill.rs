@@ -4,7 +4,7 @@ mod drilling;
 
 use drilling::{BOARD, Bench, events, quick, records};
 use husillo_controllers::{DrillConfig, DrillFault, DrillReport};
-use husillo_sim::DrilledHole;
+use husillo_sim::{DrilledHole, Random};
 use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
 
 /// The original controller, of a fast and small machine.
@@ -463,13 +463,8 @@ fn any_event_at_any_byte_is_survived_or_reported() {
 /// The same at any byte of long programs.
 #[test]
 fn events_in_long_programs_are_survived_or_reported() {
-    let (mut state, mut reported) = (11_u64, 0);
-    let mut random = |below: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
+    let (mut numbers, mut reported) = (Random::new(11), 0);
+    let mut random = |below: u64| numbers.below(below);
     let events: Vec<_> = events().collect();
     for round in 0..40 {
         let holes: Vec<[u16; 2]> = (0..120)

@@ -11,6 +11,7 @@ use crate::link::emulation::Emulation;
 use crate::link::serial_line::Fault;
 use crate::link::wire::Wire;
 use husillo_gcode::Nm;
+use husillo_sim::Random;
 use husillo_transports::drill::{Record, Table};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -592,13 +593,8 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
 /// The same anywhere in long ones, with the border of the device's memory among them.
 #[test]
 fn faults_in_long_boards_are_survived_or_reported() {
-    let (mut state, mut reported) = (5_u64, 0);
-    let mut random = |below: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
+    let (mut numbers, mut reported) = (Random::new(5), 0);
+    let mut random = |below: u64| numbers.below(below);
     let faults: Vec<_> = faults().collect();
     for round in 0..12 {
         let holes: Vec<[u16; 2]> = (0..950)

@@ -9,6 +9,7 @@ use crate::link::emulation::Emulation;
 use crate::link::serial_line::Fault;
 use crate::link::wire::Wire;
 use crate::machines::machine_file::MachineFile;
+use husillo_sim::Random;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -179,13 +180,8 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
 /// The same at random in a long one: a figure of 400 moves, and long counted steps.
 #[test]
 fn faults_in_long_sessions_are_survived_or_reported() {
-    let (mut state, mut reported) = (11_u64, 0);
-    let mut random = |below: u64| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
+    let (mut numbers, mut reported) = (Random::new(11), 0);
+    let mut random = |below: u64| numbers.below(below);
     let moves: Vec<[i16; 2]> = (0..400)
         .map(|_| [0; 2].map(|_| random(9) as i16 - 3))
         .collect();

@@ -6,7 +6,7 @@ use super::port::Port as _;
 use crate::simulated::{Contact, SimulatedChain, SimulatedPort, three_axes};
 use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
-use husillo_sim::{Damage, Noise};
+use husillo_sim::{Damage, Noise, Random};
 use husillo_transports::nmc::{Baud, Command, Group};
 use std::collections::BTreeMap;
 
@@ -21,18 +21,6 @@ const COUNT: i64 = 2000;
 /// What a result may be off by, in counts: one, as on a good line, and the one that a servo at rest
 /// may move by.
 const TOLERANCE: i64 = 2;
-
-/// Random numbers, the same each time.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        ((self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) * bound) >> 32
-    }
-}
 
 /// What came of it all.
 #[derive(Debug, Default)]
@@ -153,7 +141,7 @@ fn sessions(plan: Plan) -> Tally {
         seconds,
         ..
     } = plan;
-    let mut random = Random(plan.seed | 1);
+    let mut random = Random::new(plan.seed | 1);
     let mut tally = Tally::default();
     let mut open = None;
     while tally.seconds < seconds && tally.sessions < plan.sessions {
@@ -313,7 +301,7 @@ fn a_module_that_fails_is_reported() {
 /// where an axis is.
 #[test]
 fn two_modules_that_answer_are_reported() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let (mut reported, mut right) = (0, 0);
     for seed in 0..40 {
         let line = Line::new(port(2, Noise::default(), seed));
