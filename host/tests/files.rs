@@ -465,7 +465,16 @@ fn an_end_that_was_asked_for_leaves_nothing() {
         assert!(start.elapsed() < Duration::from_secs(60));
         std::thread::sleep(Duration::from_millis(2));
     }
-    std::thread::sleep(Duration::from_millis(20));
+    // The handler of SIGTERM, signal 15, is installed after the file was begun.
+    let listens = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        u64::from_str_radix(caught.unwrap().trim(), 16).unwrap() & 1 << 14 != 0
+    };
+    while !listens() {
+        assert!(start.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+    }
     let asked = Command::new("kill").arg(child.id().to_string()).status();
     assert!(asked.unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
