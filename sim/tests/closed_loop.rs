@@ -173,6 +173,12 @@ fn ratio() -> impl Strategy<Value = (u32, u32)> {
     ]
 }
 
+/// Largest error of a position at rest, in steps: none where a count is no longer than a step, less
+/// than two counts otherwise.
+fn two_counts(counts: u32, steps: u32) -> i32 {
+    2 * (steps.div_ceil(counts) as i32 - 1)
+}
+
 fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Cell) + '_ {
     let mut left = pushes.to_vec();
     move |cell| {
@@ -189,8 +195,9 @@ fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Cell) + '_ {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(150))]
 
-    /// Every loss is reported, to the step where a count is no longer than a step, and the program
-    /// runs to its end.
+    /// Every loss is reported, and the program runs to its end. The reported steps are exact where
+    /// a count is no longer than a step. Otherwise they are within two counts: a motor at rest may
+    /// be off by less than one count, and the encoder resolves its position to one count.
     #[test]
     fn nothing_is_lost_unreported(
         (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
@@ -202,7 +209,7 @@ proptest! {
         prop_assert_eq!(ideal.rig.tool(), end);
         prop_assert_eq!(&ideal.seen, &[]);
         cell.program(&lines, push_at(&pushes));
-        let slack = steps.div_ceil(counts) as i32 - 1;
+        let slack = two_counts(counts, steps);
         for axis in 0..2 {
             let behind = ideal.rig.motor()[axis] - cell.rig.motor()[axis];
             let lost = cell.lost[axis];
@@ -221,7 +228,7 @@ proptest! {
         let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
         cell.program(&lines, push_at(&pushes));
-        let slack = 2 * (steps.div_ceil(counts) as i32 - 1);
+        let slack = two_counts(counts, steps);
         // If the motor is pushed onwards, the nut stays within its backlash until the axis
         // reverses.
         let is_pushed_on = |axis: usize| pushes.iter().any(|push| push.1 == axis);
