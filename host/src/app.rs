@@ -42,6 +42,7 @@ use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
 use crate::programs::steps;
 use crate::tuning;
+use husillo_clients::microfactory::Settings;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -166,7 +167,7 @@ fn send(args: &Send) -> Result<u8, Failure> {
 
 /// The settings of the microfactory that a file is for; `None` where it is for another machine. A
 /// list of moves is for no other.
-fn figures(target: &Target, file: &str) -> Result<Option<microfactory::Settings>, Failure> {
+fn figures(target: &Target, file: &str) -> Result<Option<Settings>, Failure> {
     let is_list = microfactory::is_list(file);
     let machine = target.machine.as_deref();
     let machine = machine.or(is_list.then_some("microfactory"));
@@ -181,12 +182,12 @@ fn only_microfactory(file: &str) -> Failure {
 }
 
 /// The settings of a microfactory; `None` where a machine is another one.
-fn microfactory(machine: &str) -> Result<Option<microfactory::Settings>, Failure> {
+fn microfactory(machine: &str) -> Result<Option<Settings>, Failure> {
     let says_so = || input::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
     if machine != "microfactory" && !says_so() {
         return Ok(None);
     }
-    Ok(microfactory::Settings::of(&load(machine)?))
+    Ok(microfactory::settings_of(&load(machine)?))
 }
 
 fn measure(args: &Measure) -> Result<u8, Failure> {

@@ -3,6 +3,9 @@
 //! Names, cells, comments and answers of devices are written by others. A control character in them
 //! is shown as the escape that JSON has for it, so that a line of JSON stays one.
 
+pub mod stop;
+pub mod typed;
+
 use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
 
 /// [`std::eprintln`] through [`message`]: every module of the program tells its messages this way.

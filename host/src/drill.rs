@@ -6,55 +6,32 @@
 //!                                     └─► serial, socket ─► device  real time
 //! ```
 
-mod action;
-mod client;
-mod device;
-mod duration;
 mod manifest;
 mod operator;
 mod page;
-mod part;
 mod program;
-mod sender;
 #[cfg(test)]
 mod tests;
 
-pub use duration::{seconds, spoken, travel_steps};
 pub use manifest::{
     file_names, load as load_manifest, load_records, name as manifest_name, text as manifest_text,
 };
 pub use page::{Board, html as page};
-pub use part::{Part, lean, millimetres};
 pub use program::{Translation, text as program_text};
 
 use crate::cli::Jog;
-use crate::link::stop::stop_flag;
-use crate::link::wire::Wire;
-use action::{Action, Hand};
-use client::{Client, Trouble};
-use device::Device;
-pub use device::STROKE_STEPS;
-use sender::{End, Operator, Sender};
+use crate::console::stop::stop_requests;
+use crate::holes;
+use crate::output::Outputs;
+use husillo_clients::drill::{Action, BAUD, Client, End, Hand, Operator, Part, Sender, sentence};
+use husillo_sim::device::drill::Device;
 use std::io::{self, Write};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-/// Bits a second of the original.
-const BAUD: u32 = 2400;
-
-/// Opens a port at so many bits a second, or a simulated device.
-fn open(
-    port: &str,
-    bits_per_s: u32,
-    is_original: bool,
-    stop: Arc<AtomicBool>,
-) -> Result<Client, String> {
-    let wire = if port == "sim" {
-        Wire::simulated(Device::new(bits_per_s, is_original))
-    } else {
-        Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))?
-    };
-    Ok(Client::new(wire, bits_per_s, stop))
+/// Writes what `save` read back.
+fn keep(file: &str, bytes: &[u8]) -> Result<(), String> {
+    let mut outputs = Outputs::new();
+    let written = outputs.write(file, bytes).and_then(|()| outputs.finish());
+    written.map_err(|error| error.to_string())
 }
 
 /// `husillo jog -m drill`: carries out the actions one after the other.
@@ -73,20 +50,20 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     if args.without_answers {
         return Err("--without-answers is for the microfactory: a drill answers every byte".into());
     }
-    let mut client = open(port, args.baud.unwrap_or(BAUD), false, stop_flag()?)?;
+    let mut client = Client::open(port, args.baud.unwrap_or(BAUD), stop_requests()?)?;
     let tell = |line: &str, out: &mut dyn Write| {
         // A reader that has gone away does not stop a machine.
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
     };
     if let Err(trouble) = client.reach() {
-        eprintln!("error: {port}: {}", unreached(trouble));
+        eprintln!("error: {port}: {}", trouble.unreached());
         return Ok(false);
     }
-    let mut hand = Hand::new(client);
+    let mut hand = Hand::new(client, keep);
     for action in &actions {
         let start = hand.client().elapsed();
         let result = hand.carry_out(action);
-        for line in hand.client().told() {
+        for line in hand.client().reports() {
             tell(&format!("  {line}"), out);
         }
         match result {
@@ -118,7 +95,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
-    let client = open(port, baud, false, stop_flag()?)?;
+    let client = Client::open(port, baud, stop_requests()?)?;
     let mut operator = operator::Console::new(out);
     let mut sender = Sender {
         client,
@@ -128,19 +105,20 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
         // There and back, and what a computer takes between.
         byte_s: 20.0 / f64::from(baud) + 0.001,
         is_sure: args.yes,
+        diameter: holes::length,
     };
     let end = sender.send(args.detach)?;
     let all = parts.iter().map(Part::holes).sum();
     let again = again(std::env::args().skip(1));
-    let sentence = sender::sentence(&end, &again, all);
+    let text = sentence(&end, &again, all);
     operator.close();
     match end {
         End::Failed(_) => {
-            eprintln!("error: {port}: {sentence}");
+            eprintln!("error: {port}: {text}");
             Ok(false)
         }
         End::Drilled | End::Detached => {
-            operator.tell(&sentence);
+            operator.tell(&text);
             Ok(true)
         }
     }
@@ -163,18 +141,6 @@ fn again(arguments: impl Iterator<Item = String>) -> String {
         is_number = is_from;
     }
     text
-}
-
-/// What to do where there is no answer from the beginning.
-fn unreached(trouble: Trouble) -> String {
-    match trouble {
-        Trouble::Link(_) => format!(
-            "{}. Is it at work still? Otherwise press its button R, wait until it has homed, and \
-             try again",
-            trouble.text()
-        ),
-        _ => trouble.text(),
-    }
 }
 
 /// `husillo emulate drill`; what it makes goes to `steps`, where there is that.

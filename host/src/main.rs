@@ -11,8 +11,8 @@
 //! | `machines` | machine files, and what follows from them |
 //! | `measuring`, `calibrating` | the measuring machine and its errors |
 //! | `lash`, `tuning` | backlash by place; servo axes |
-//! | `micromill`, `drill`, `microfactory` | the clients of these machines |
-//! | `link` | what carries bytes to a controller |
+//! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
+//! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
 //! | `page` | what the reports are made of |
 //! | `text` | how values are written |
@@ -31,7 +31,6 @@ mod geometry;
 mod holes;
 mod input;
 mod lash;
-mod link;
 mod machines;
 mod measuring;
 mod methods;

@@ -3,18 +3,19 @@
 //! ```text
 //! file, action ─► session ─► husillo-metrology ─► port ─► serial device, socket
 //! routine ──────────┘  └─► result_row
-//! piece_file ─► simulated chain ─► emulated ─► terminal
+//! piece_file ─► simulated chain ─► terminal
 //! ```
 
 mod action;
 mod calibrating;
 mod calibration_file;
 mod direction;
-mod emulated;
 pub mod file;
 mod help;
 pub mod interrupt;
+mod module_list;
 mod piece_file;
+pub mod port;
 mod result_row;
 mod routine;
 mod session;
@@ -27,7 +28,7 @@ use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{Mounted, SimulatedChain};
+use husillo_metrology::simulated::{Mounted, PANEL, SimulatedChain};
 use interrupt::{INTERRUPTED, Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -358,7 +359,7 @@ pub fn told(trouble: &Trouble) -> String {
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = file::load(&args.machine).map_err(Stopped::File)?;
     let versions = match &args.modules {
-        Some(list) => emulated::versions(list)?,
+        Some(list) => module_list::versions(list)?,
         None => vec![4; usize::from(machine.modules())],
     };
     let mut emulated = SimulatedChain::new(
@@ -374,7 +375,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     };
     let name = format!("{}: {} {modules}", machine.title, versions.len());
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let heading = [&name[..], &hint, emulated::PANEL];
+    let heading = [&name[..], &hint, PANEL];
     crate::emulate::terminal::serve(&mut emulated, args, None, out, heading).map_err(|error| {
         match error.kind() {
             ErrorKind::BrokenPipe => Stopped::Output(error),

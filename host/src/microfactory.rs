@@ -6,132 +6,40 @@
 //!                           └► client ...              └─► device ◄─ terminal
 //! ```
 
-mod action;
-mod client;
-mod crew;
-mod device;
 mod figure;
-mod settings;
-#[cfg(test)]
-mod tests;
 
 pub use figure::{is_list, program};
-pub use settings::Settings;
 
 use crate::cli::Jog;
-use crate::link::wire::Wire;
-use action::Action;
-use client::Client;
-use crew::Worker;
-use device::Device;
-use figure::Figure;
+use crate::console::stop::stop_requests;
+use crate::machines::machine_file::MachineFile;
+use husillo_clients::microfactory::{Action, BAUD, Links, Settings, crew, shares};
+use husillo_controllers::MicrofactoryConfig;
+use husillo_sim::device::microfactory::Device;
 use std::io::{self, Write};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-/// Bits a second of the link.
-const BAUD: u32 = 9600;
 /// The figure of a device without another one: the original's square with its diagonal, 1000 steps
 /// wide.
 const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
-/// How machines are reached.
-struct Links<'a> {
-    settings: &'a Settings,
-    baud: u32,
-    answers: bool,
-    /// The figure of simulated devices.
-    figure: Option<&'a str>,
-    stop: Arc<AtomicBool>,
-}
-
-impl Links<'_> {
-    /// A client of a machine of the controller at a port.
-    fn open(&self, place: &Place<'_>) -> Result<Client, String> {
-        let port = place.port;
-        let wire = if place.is_simulated() {
-            let figure = figure_of(self.figure, self.settings)?;
-            let machines = if place.machine.is_some() { 2 } else { 1 };
-            let device = Device::new(self.settings, &figure, self.answers, self.baud, machines)?;
-            Wire::simulated(device)
-        } else {
-            Wire::open(port, self.baud).map_err(|error| format!("{port}: {error}"))?
-        };
-        let client = Client::new(
-            wire,
-            self.settings.table,
-            self.answers,
-            Arc::clone(&self.stop),
-        );
-        Ok(client.of_machine(place.number()))
-    }
-
-    /// A machine per port, with its share of the actions. Two machines of one controller share its
-    /// link.
-    fn crew(&self, ports: &[String], shares: Vec<Vec<Action>>) -> Result<Vec<Worker>, String> {
-        let places = ports.iter().map(|port| Place::parse(port));
-        let places = places.collect::<Result<Vec<_>, _>>()?;
-        let mut crew: Vec<Worker> = Vec::new();
-        for ((place, port), actions) in places.iter().zip(ports).zip(shares) {
-            let before = &places[..crew.len()];
-            if before.iter().any(|other| other.is_same_machine(place)) {
-                return Err(format!("{port}: this machine is named twice"));
-            }
-            let shared = before.iter().position(|other| other.is_same_link(place));
-            let client = match shared.and_then(|number| crew.get_mut(number)) {
-                Some(Worker { client, .. }) => client
-                    .beside(place.number())
-                    .map_err(|error| format!("{port}: {error}"))?,
-                None => self.open(place)?,
-            };
-            crew.push(Worker {
-                port: port.clone(),
-                client,
-                actions,
-            });
-        }
-        Ok(crew)
-    }
-}
-
-/// A machine: a port, or a number behind it as in `/dev/ttyUSB0#2`.
-struct Place<'a> {
-    port: &'a str,
-    /// Of a controller of two: 0 or 1.
-    machine: Option<u8>,
-}
-
-impl<'a> Place<'a> {
-    fn parse(text: &'a str) -> Result<Self, String> {
-        let (port, machine) = match text.rsplit_once('#') {
-            Some((port, "1")) => (port, Some(0)),
-            Some((port, "2")) => (port, Some(1)),
-            Some((port, number)) => {
-                return Err(format!(
-                    "{port}: machine {number}: a controller drives one or two, as in PORT#2"
-                ));
-            }
-            None => (text, None),
-        };
-        Ok(Self { port, machine })
-    }
-
-    fn number(&self) -> u8 {
-        self.machine.unwrap_or(0)
-    }
-
-    /// Each of these is a device of its own.
-    fn is_simulated(&self) -> bool {
-        self.port == "sim"
-    }
-
-    fn is_same_link(&self, other: &Self) -> bool {
-        self.port == other.port && !self.is_simulated()
-    }
-
-    fn is_same_machine(&self, other: &Self) -> bool {
-        self.is_same_link(other) && self.number() == other.number()
-    }
+/// The settings of a machine file. `None` where it has no `[bytes]`: it is no microfactory.
+pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
+    let table = machine.bytes?;
+    let [x, y, z] = &machine.axes;
+    let small = |steps: u32| u16::try_from(steps).unwrap_or(u16::MAX);
+    let pull_off = x.home.as_ref().map_or(200, |home| home.pull_off);
+    let slowest = x.max_rate.min(y.max_rate).min(z.max_rate);
+    Some(Settings {
+        config: MicrofactoryConfig {
+            axis_rate_hz: small(slowest),
+            lash_steps: [x, y, z].map(|axis| small(axis.lash_steps)),
+            back_off_steps: small(pull_off),
+            ..MicrofactoryConfig::ORIGINAL
+        },
+        table,
+        pull_out_ticks: x.pull_out_ticks(MicrofactoryConfig::ORIGINAL.timer_hz),
+        steps: [x, z].map(|axis| [axis.step.num, axis.step.den].map(i128::from)),
+    })
 }
 
 /// `husillo jog`: carries out the actions one after the other, on every machine at once.
@@ -140,14 +48,15 @@ impl<'a> Place<'a> {
 ///
 /// A sentence about the actions, before anything moves.
 pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool, String> {
-    let load = |file: &str| Figure::load(file, settings);
-    let shares = action::shares(&args.actions, args.port.len(), load)?;
+    let load = |file: &str| figure::load(file, settings);
+    let shares = shares(&args.actions, args.port.len(), load)?;
+    let figure = figure_of(args.figure.as_deref(), settings)?;
     let links = Links {
         settings,
-        baud: args.baud.unwrap_or(BAUD),
+        bits_per_s: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
-        figure: args.figure.as_deref(),
-        stop: crate::link::stop::stop_flag()?,
+        figure: &figure,
+        stop: stop_requests()?,
     };
     let shares = crew::work(links.crew(&args.port, shares)?, out)?;
     if shares.len() > 1 {
@@ -176,7 +85,7 @@ pub fn send(
     }
     let share = |file: &String| {
         let home = (!args.no_home).then_some(Action::Home);
-        let figure = Figure::load(file, settings)?;
+        let figure = figure::load(file, settings)?;
         Ok(home
             .into_iter()
             .chain([Action::Load(figure), Action::Figure])
@@ -191,10 +100,10 @@ pub fn send(
     }
     let links = Links {
         settings,
-        baud: args.baud.unwrap_or(BAUD),
+        bits_per_s: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
-        figure: None,
-        stop: crate::link::stop::stop_flag()?,
+        figure: &FIGURE,
+        stop: stop_requests()?,
     };
     let shares = crew::work(links.crew(ports, shares)?, out)?;
     crew::report(&shares, out).map_err(|error| error.to_string())?;
@@ -207,13 +116,13 @@ pub fn send(
 ///
 /// A sentence about the figure.
 pub fn list(file: &str, settings: &Settings) -> Result<String, String> {
-    Ok(Figure::load(file, settings)?.text())
+    Ok(figure::load(file, settings)?.text())
 }
 
 fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
     file.map_or_else(
         || Ok(FIGURE.to_vec()),
-        |file| Ok(Figure::load(file, settings)?.moves),
+        |file| Ok(figure::load(file, settings)?.moves),
     )
 }
 
@@ -231,7 +140,15 @@ pub fn emulate(
 ) -> io::Result<()> {
     let figure = figure_of(args.figure.as_deref(), settings).map_err(io::Error::other)?;
     let baud = args.baud.unwrap_or(BAUD);
-    let device = Device::new(settings, &figure, !args.faithful, baud, args.machines);
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &figure,
+        !args.faithful,
+        baud,
+        args.machines,
+    );
     let mut device = device.map_err(io::Error::other)?;
     if steps.is_some() {
         device = device.with_rows();

@@ -8,40 +8,17 @@
 //! actions ─► hand ─► port ─► controller
 //! ```
 
-mod action;
-mod device;
-mod hand;
-mod sender;
-mod session;
 mod translate;
 
-pub use sender::{Sending, send};
 pub use translate::{Translated, translate};
 
 use crate::cli::Jog;
-use crate::link::stop::stop_flag;
-use crate::link::wire::Wire;
-use action::Action;
-use device::Device;
-use hand::Hand;
+use crate::console::stop::stop_requests;
+use husillo_clients::micromill::{Action, BAUD, Hand, open};
+use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
-
-/// The original's link, bits a second.
-pub const BAUD: u32 = 9600;
-
-/// A controller at a port, or a simulated one at `sim`.
-///
-/// # Errors
-///
-/// A sentence about the port.
-pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
-    if port == "sim" {
-        return Ok(Wire::simulated(Device::new(bits_per_s)));
-    }
-    Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))
-}
 
 /// `husillo emulate micromill`; what it makes goes to `steps`, where there is that.
 ///
@@ -95,7 +72,7 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
         return Err("--figure and --without-answers are for the microfactory".into());
     }
     let baud = args.baud.unwrap_or(BAUD);
-    let stop = stop_flag()?;
+    let stop = stop_requests()?;
     let mut hand = match Hand::new(open(name, baud)?, baud, stop) {
         Ok(hand) => hand,
         Err(sentence) => {

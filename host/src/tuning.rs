@@ -4,9 +4,9 @@ mod listing;
 mod page;
 
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
-use crate::link::port;
 use crate::measuring::file;
 use crate::measuring::interrupt::{INTERRUPTED, Interrupt, User};
+use crate::measuring::port::ChainPort;
 use crate::measuring::{Stopped, told};
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
@@ -127,7 +127,7 @@ fn open(
             )?))
         }
         name => {
-            let port = port::Port::open(name);
+            let port = ChainPort::open(name);
             Box::new(port.map_err(|error| format!("{name}: {error}"))?)
         }
     };

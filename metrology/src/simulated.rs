@@ -3,12 +3,14 @@
 
 mod chain;
 mod contact;
+mod emulation;
 mod machines;
 mod piece;
 mod port;
 
 pub use chain::{PERIOD_NS, SimulatedChain};
 pub use contact::Contact;
+pub use emulation::PANEL;
 pub use machines::{one_axis, three_axes};
 pub use piece::{Mounted, Piece};
 pub use port::SimulatedPort;

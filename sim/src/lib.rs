@@ -35,6 +35,7 @@
 
 mod axis;
 mod dc_motor;
+pub mod device;
 mod drill_rig;
 mod emulated;
 mod lash_field;

@@ -5,14 +5,16 @@ use super::reporting::{self, with_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
-use crate::drill::{self, Board, Part, Translation};
+use crate::drill::{self, Board, Translation};
 use crate::holes;
 use crate::holes::drill_file::{Compiler, Refusal};
 use crate::holes::visiting_order::Metric;
 use crate::output::Outputs;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
+use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
@@ -94,7 +96,7 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
     let depth = match &args.depth {
         None => 0,
         Some(text) => steps_of(text)
-            .filter(|steps| *steps <= drill::STROKE_STEPS)
+            .filter(|steps| *steps <= STROKE_STEPS)
             .ok_or_else(|| {
                 format!(
                     "--depth {text}: a length above zero, up to 35 mm, where the lower sensor is"
@@ -130,7 +132,7 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
             Part {
                 tool: tool.tool.number.into(),
                 diameter: tool.tool.diameter_nm.map(Nm),
-                records: drill::lean(&records),
+                records: lean(&records),
             }
         };
         tools.into_iter().map(part).collect()
@@ -144,7 +146,7 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
         is_drill_file: true,
     };
     if args.layout.order == DrillOrder::Shortest {
-        job.file_travel_steps = Some(job.parts.iter().map(drill::travel_steps).sum());
+        job.file_travel_steps = Some(job.parts.iter().map(travel_steps).sum());
         board.sort_shortest(Metric::AxisByAxis);
         if let Some(tools) = compile(&board)? {
             job.parts = parts(tools);
@@ -200,15 +202,15 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             part.name(),
             part.holes(),
             bytes.len(),
-            drill::travel_steps(part) as f64 / f64::from(STEPS_PER_MM),
-            drill::spoken(drill::seconds(part, [0; 2]).iter().sum())
+            travel_steps(part) as f64 / f64::from(STEPS_PER_MM),
+            spoken(seconds(part, [0; 2]).iter().sum())
         )?;
         if let Some(file) = file {
             outputs.write(file, &bytes)?;
         }
     }
     if let Some(steps) = job.file_travel_steps {
-        let travel: u64 = parts.iter().map(drill::travel_steps).sum();
+        let travel: u64 = parts.iter().map(travel_steps).sum();
         let [travel, file] = [travel, steps].map(|steps| steps as f64 / f64::from(STEPS_PER_MM));
         writeln!(
             out,
@@ -277,10 +279,10 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
             for (number, record) in records.iter().enumerate() {
                 let to = match record {
                     Record::X(steps) | Record::Y(steps) => {
-                        format!("{} mm", drill::millimetres(*steps))
+                        format!("{} mm", millimetres(*steps))
                     }
                     Record::Drill(0) => "to the lower sensor".into(),
-                    Record::Drill(steps) => format!("{} mm deep", drill::millimetres(*steps)),
+                    Record::Drill(steps) => format!("{} mm deep", millimetres(*steps)),
                 };
                 writeln!(out, "{:>6}  {:<12} {to}", number + 1, record.to_string())?;
             }
@@ -296,7 +298,7 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
                     record: number + 1,
                     kind,
                     steps,
-                    nm: drill::millimetres(steps).0,
+                    nm: millimetres(steps).0,
                 };
                 serde_json::to_writer(&mut out, &listed).map_err(io::Error::from)?;
                 out.write_all(b"\n")?;

@@ -37,7 +37,7 @@ impl Job {
         let machine = load(name)?;
         let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
         let config = setup::config(&machine, dialect)?;
-        let input = match microfactory::Settings::of(&machine) {
+        let input = match microfactory::settings_of(&machine) {
             Some(settings) => microfactory::program(file, &settings)?,
             None if microfactory::is_list(file) => return Err(super::only_microfactory(file)),
             None => None,

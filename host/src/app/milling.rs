@@ -5,15 +5,16 @@ use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK, write};
 use crate::cli::{Compile, Send, Target};
 use crate::console;
+use crate::console::stop::{stop_requests, stops_asked};
+use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
-use crate::link::stop::{stop_flag, stops_asked};
-use crate::link::wire::typed_line;
 use crate::measuring::interrupt::INTERRUPTED;
-use crate::micromill::{self, Sending, Translated};
+use crate::micromill::{self, Translated};
 use crate::programs::feeder;
 use crate::programs::program;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use husillo_clients::micromill as client;
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use std::io::{self, Write};
@@ -52,10 +53,10 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
             job.name()
         )));
     }
-    let baud = args.baud.unwrap_or(micromill::BAUD);
-    let stop = stop_flag()?;
-    let wire = micromill::open(port, baud)?;
-    let sending = Sending {
+    let baud = args.baud.unwrap_or(client::BAUD);
+    let stop = stop_requests()?;
+    let wire = client::open(port, baud)?;
+    let sending = client::Sending {
         bits_per_s: baud,
         streams: args.stream,
         every: args.every,
@@ -69,7 +70,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         }
     };
     let operator = |tool| args.yes || asks(tool);
-    let sent = match micromill::send(wire, &sending, &made.lines, stop, progress, operator) {
+    let sent = match client::send(wire, &sending, &made.lines, stop, progress, operator) {
         Ok(sent) => sent,
         Err(message) => {
             let _ = writeln!(io::stderr(), "{}: {message}", job.name());

@@ -1,6 +1,6 @@
 //! What belongs together: one file of records for each tool.
 
-use super::part::Part;
+use husillo_clients::drill::Part;
 use husillo_gcode::Nm;
 use husillo_transports::drill::{Record, records};
 use serde::{Deserialize, Serialize};

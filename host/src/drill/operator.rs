@@ -1,8 +1,8 @@
 //! The operator before a terminal.
 
-use super::sender::{Operator, left};
-use crate::link::stop::stops_asked;
-use crate::link::wire::typed_line;
+use crate::console::stop::stops_asked;
+use crate::console::typed::typed_line;
+use husillo_clients::drill::{Operator, left};
 use husillo_gcode::Nm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;

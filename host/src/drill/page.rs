@@ -1,9 +1,8 @@
 //! A picture of the board: holes, order and travel.
 
-use super::duration::{seconds, spoken, travel_steps, way_s};
-use super::part::{Part, millimetres};
 use crate::page::frame;
 use crate::text::escape::escape;
+use husillo_clients::drill::{Part, millimetres, seconds, spoken, travel_s, travel_steps};
 use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
 
@@ -61,7 +60,7 @@ fn figures(board: &Board<'_>) -> Vec<(&'static str, String)> {
         .iter()
         .map(|part| {
             let last = part.stops().last().map_or([0; 2], |stop| stop.at);
-            seconds(part, [0; 2]).iter().sum::<f64>() + way_s(last, [0; 2])
+            seconds(part, [0; 2]).iter().sum::<f64>() + travel_s(last, [0; 2])
         })
         .sum();
     let mut figures = vec![

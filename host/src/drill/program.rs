@@ -1,11 +1,11 @@
 //! A program as records of the drill: in its own language, or with depths in RS-274.
 
-use super::device::STROKE_STEPS;
-use super::part::{Part, millimetres};
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::program;
 use crate::programs::source::Source;
+use husillo_clients::drill::{Part, millimetres};
 use husillo_gcode::{Command, Dialect, Nm};
+use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;
 use std::io;
@@ -254,7 +254,7 @@ fn words(text: &mut String, code: &str, line: &[Record]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drill::part::lean;
+    use husillo_clients::drill::lean;
     use proptest::prelude::*;
 
     fn compile(text: &str, dialect: Dialect) -> Result<Vec<Part>, String> {

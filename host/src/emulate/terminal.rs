@@ -1,15 +1,14 @@
 //! `husillo emulate`: a simulated device behind a pseudo-terminal or a socket, in real time.
 
 use crate::cli::Emulate;
-use crate::link::emulation::Emulation;
-use crate::link::port;
-use crate::link::stop::stop_flag;
+use crate::console::stop::stop_requests;
+use crate::console::typed::typed_lines;
+use husillo_clients::{StopRequests, read};
+use husillo_sim::device::Emulation;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
@@ -24,7 +23,7 @@ struct Pace {
     /// End after so long.
     limit: Option<Duration>,
     /// End when this is set.
-    is_over: Arc<AtomicBool>,
+    is_over: StopRequests,
 }
 
 /// Runs a device behind the port that the options name, until Ctrl-C or for the time asked for.
@@ -46,7 +45,7 @@ pub fn serve<E: Emulation>(
     let pace = Pace {
         speed: args.speed,
         limit: args.seconds.map(Duration::from_secs_f64),
-        is_over: stop_flag().map_err(io::Error::other)?,
+        is_over: stop_requests().map_err(io::Error::other)?,
     };
     let asked = args.port();
     let outlet = match (&args.link, &args.listen) {
@@ -137,7 +136,7 @@ impl Outlet {
     /// What a client has sent; waits for it for a moment.
     fn read(&mut self) -> io::Result<Vec<u8>> {
         match self {
-            Self::Terminal { master, .. } => port::read(master),
+            Self::Terminal { master, .. } => read(master),
             Self::Socket { listener, client } => {
                 match listener.accept() {
                     // One that is dropped is turned away.
@@ -156,7 +155,7 @@ impl Outlet {
                     std::thread::sleep(LOOK);
                     return Ok(Vec::new());
                 };
-                match port::read(connected) {
+                match read(connected) {
                     Ok(bytes) => Ok(bytes),
                     // It has gone; the next one may come.
                     Err(_) => {
@@ -212,12 +211,12 @@ impl Server {
         pace: &Pace,
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        let panel = crate::link::wire::typed_lines();
+        let panel = typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
         let mut is_plugged = true;
         let is_over = || {
             let is_late = pace.limit.is_some_and(|limit| start.elapsed() >= limit);
-            is_late || pace.is_over.load(Ordering::Relaxed)
+            is_late || pace.is_over.is_asked()
         };
         while !is_over() {
             let received = self.outlet.read();
@@ -241,7 +240,7 @@ impl Server {
                     written.map_err(|error| of_port(&self.asked, &error))?;
                 }
             }
-            shown.extend(device.tell());
+            shown.extend(device.reports());
             print(out, &shown)?;
             if let Some(steps) = &mut self.steps {
                 let written = steps.write_all(device.made().as_bytes());

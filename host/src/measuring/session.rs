@@ -6,7 +6,7 @@ use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
-use crate::link::port;
+use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
@@ -319,7 +319,7 @@ pub fn open(
         let chain = SimulatedChain::new(&versions, contacts, piece)?;
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
-        let port = port::Port::open(&args.port);
+        let port = ChainPort::open(&args.port);
         Box::new(port.map_err(|error| format!("{}: {error}", args.port))?)
     } else {
         return Err(

@@ -1,53 +1,36 @@
-//! A figure: a list of moves as text, or out of a G-code program.
+//! A figure out of a file: a list of moves, or a G-code program.
 
-use super::settings::Settings;
 use crate::diagnostics::Findings;
 use crate::programs::program;
 use crate::programs::source::Source;
+use husillo_clients::microfactory::{Figure, Settings, listed};
 use husillo_gcode::{Command, Dialect, Nm};
-
-/// A figure with the name of its file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
-    /// The file, without its folder.
-    pub name: String,
-    /// Steps of X and Z.
-    pub moves: Vec<[i16; 2]>,
-}
 
 /// What a file that ends so is: a line a move, X and Z in steps; `;` begins a comment.
 const LIST: &str = ".fig";
 
-impl Figure {
-    /// Reads a list of moves, or a G-code program.
-    ///
-    /// # Errors
-    ///
-    /// See [`listed`] and [`programmed`].
-    pub fn load(file: &str, settings: &Settings) -> Result<Self, String> {
-        let path = std::path::Path::new(file);
-        let name = path.file_name().map(|name| name.to_string_lossy());
-        let moves = if is_list(file) {
-            let text =
-                crate::input::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
-            listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
-        } else {
-            programmed(file, settings)?
-        };
-        if moves.is_empty() {
-            return Err(format!("{file}: nothing in it moves X or Z"));
-        }
-        Ok(Self {
-            name: name.unwrap_or_default().into_owned(),
-            moves,
-        })
+/// Reads a list of moves, or a G-code program.
+///
+/// # Errors
+///
+/// See [`listed`] and [`programmed`].
+pub fn load(file: &str, settings: &Settings) -> Result<Figure, String> {
+    let path = std::path::Path::new(file);
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    let moves = if is_list(file) {
+        let text =
+            crate::input::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+        listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
+    } else {
+        programmed(file, settings)?
+    };
+    if moves.is_empty() {
+        return Err(format!("{file}: nothing in it moves X or Z"));
     }
-
-    /// The list of it, as it is edited.
-    pub fn text(&self) -> String {
-        let lines = self.moves.iter().map(|[x, z]| format!("{x} {z}\n"));
-        format!("; {}: X and Z in steps, a move a line\n", self.name) + &lines.collect::<String>()
-    }
+    Ok(Figure {
+        name: name.unwrap_or_default().into_owned(),
+        moves,
+    })
 }
 
 /// A list as a program of the same moves, which can be drawn; `None` where the file is none.
@@ -60,7 +43,7 @@ pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String
         return Ok(None);
     }
     let mut at = [0; 2];
-    let places = Figure::load(file, settings)?.moves.into_iter().map(|way| {
+    let places = load(file, settings)?.moves.into_iter().map(|way| {
         for (at, steps) in at.iter_mut().zip(way) {
             *at += i64::from(steps);
         }
@@ -76,28 +59,6 @@ pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String
 /// Whether a file is a list of moves, by its name.
 pub fn is_list(file: &str) -> bool {
     file.to_ascii_lowercase().ends_with(LIST)
-}
-
-/// The moves of a list; otherwise the line that is none, and why.
-fn listed(text: &str) -> Result<Vec<[i16; 2]>, (usize, String)> {
-    let mut moves = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let line = line.split(';').next().unwrap_or_default();
-        let words: Vec<Option<i16>> = line
-            .split_whitespace()
-            .map(|word| word.parse().ok())
-            .collect();
-        match words[..] {
-            [] | [Some(0), Some(0)] => {}
-            [Some(x), Some(z)] => moves.push([x, z]),
-            _ => {
-                let reason =
-                    "a move is two numbers of steps, of X and of Z, each from -32768 to 32767";
-                return Err((number + 1, reason.into()));
-            }
-        }
-    }
-    Ok(moves)
 }
 
 /// The straight moves of a program in X and Z, in steps. Positions are rounded, not moves, so that
@@ -173,9 +134,10 @@ fn straight(
 mod tests {
     use super::*;
     use crate::machines::machine_file::MachineFile;
+    use crate::microfactory::settings_of;
 
     fn settings() -> Settings {
-        Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap()
+        settings_of(&MachineFile::load("microfactory").unwrap()).unwrap()
     }
 
     fn from(text: &str) -> Result<Vec<[i16; 2]>, String> {
@@ -185,26 +147,9 @@ mod tests {
             text.len()
         ));
         std::fs::write(&path, text).unwrap();
-        let figure = Figure::load(path.to_str().unwrap(), &settings());
+        let figure = load(path.to_str().unwrap(), &settings());
         std::fs::remove_file(path).unwrap();
         figure.map(|figure| figure.moves)
-    }
-
-    #[test]
-    fn a_list_is_read_as_it_is_written() {
-        let figure = Figure {
-            name: "a".into(),
-            moves: vec![[1000, 0], [-32768, 32767]],
-        };
-        assert_eq!(listed(&figure.text()), Ok(figure.moves));
-        assert_eq!(listed("; a\n\n 5 -7 ; b\n0 0\n"), Ok(vec![[5, -7]]));
-        for wrong in ["1", "1 2 3", "1 40000", "x 1"] {
-            assert_eq!(
-                listed(&format!("1 1\n{wrong}\n")).unwrap_err().0,
-                2,
-                "{wrong}"
-            );
-        }
     }
 
     /// The original's triangle is right-angled, with a slope of two.

@@ -1,12 +1,9 @@
 //! A controller on a port: orders, one after the other, and what it tells meanwhile.
 
-use super::device::Device;
-use crate::link::stop::stops_asked;
-use crate::link::wire::Wire;
+use crate::{StopRequests, Wire};
+use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
 use std::collections::VecDeque;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The longest wait for a byte before the machine is asked how far it is, us.
@@ -20,13 +17,14 @@ const GREETING: Duration = Duration::from_millis(20);
 const HALT_US: u32 = 3_000_000;
 
 /// The host's end of the line, and what has come.
+#[derive(Debug)]
 pub struct Session {
     wire: Wire<Device>,
     timing: HostTiming,
     host: Host,
     waiting: VecDeque<u8>,
     /// Set by Ctrl-C.
-    stop: Arc<AtomicBool>,
+    stop: StopRequests,
     /// That was seen to.
     is_halted: bool,
     /// Each step told: axis, and whether forward.
@@ -38,7 +36,7 @@ pub struct Session {
 impl Session {
     /// A controller in any state: [`Order::Stop`] is a good beginning. It is stopped, whatever it
     /// does, as soon as `stop` is set.
-    pub fn new(mut wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+    pub fn new(mut wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
         // Whatever came before is for nobody. Where the line is dead the first order says so.
         let _ = wire.receive_all(GREETING);
         let timing = HostTiming::of(bits_per_s);
@@ -97,7 +95,7 @@ impl Session {
     ///
     /// The port, a controller that was reset, or Ctrl-C: what moved is stopped then.
     pub fn turn(&mut self, longest_us: u32) -> Result<Option<Outcome>, String> {
-        if !self.is_halted && self.stop.load(Ordering::Relaxed) {
+        if !self.is_halted && self.stop.is_asked() {
             self.is_halted = true;
             return Err(self.halt());
         }
@@ -126,7 +124,7 @@ impl Session {
 
     /// What a simulated mill has reported on its panel.
     pub fn panel(&mut self) -> Vec<String> {
-        self.wire.told()
+        self.wire.reports()
     }
 
     /// Whether Ctrl-C has ended it.
@@ -135,7 +133,7 @@ impl Session {
     }
 
     /// Steps told since they were forgotten last, by axis.
-    pub fn told(&self) -> [i64; 3] {
+    pub fn steps(&self) -> [i64; 3] {
         let mut told = [0; 3];
         for (axis, forward) in &self.steps {
             told[usize::from(*axis)] += if *forward { 1 } else { -1 };
@@ -157,7 +155,7 @@ impl Session {
                 Ok(Some(outcome)) => return unconfirmed(why(outcome)),
                 Err(sentence) => return unconfirmed(&sentence),
             }
-            if stops_asked() > 1 {
+            if self.stop.count() > 1 {
                 return unconfirmed("not waited for any more");
             }
             if self.now().wrapping_sub(start) > HALT_US {

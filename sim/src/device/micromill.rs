@@ -1,9 +1,9 @@
 //! A simulated micro mill behind its link: what is particular to it.
 
-use crate::emulate::device::{self, Event, Machine, Pair, hold, push};
+use super::{Event, Machine, Pair, hold, push};
+use crate::{Emulated, MicromillRig};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent};
 use husillo_gcode::SpindleDirection;
-use husillo_sim::{Emulated, MicromillRig};
 
 /// Where the axes stand above their home switches at first, in load steps.
 const ABOVE_SWITCHES: [u32; 3] = [90, 70, 50];
@@ -13,9 +13,10 @@ const PULL_OUT_TICKS: u32 = 2564;
 static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 
 /// The device.
-pub type Device = device::Device<EmulatedMicromill>;
+pub type Device = super::Device<EmulatedMicromill>;
 
 /// A micro mill; the queues are those of its firmware.
+#[derive(Debug)]
 pub struct EmulatedMicromill;
 
 impl Device {

@@ -1,12 +1,10 @@
 //! The host's side of the drill's link: one step after another, on a wire.
 
-use super::device::Device;
-use crate::link::wire::Wire;
+use crate::{StopRequests, Wire};
+use husillo_sim::device::drill::Device;
 use husillo_transports::drill::{
     COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
 };
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The longest the host waits at a stretch before it looks whether it has to stop.
@@ -75,19 +73,48 @@ impl Trouble {
     }
 }
 
+impl Trouble {
+    /// A sentence about a drill that does not answer from the start, and what to do.
+    pub fn unreached(&self) -> String {
+        match self {
+            Trouble::Link(_) => format!(
+                "{}. Is it at work still? Otherwise press its button R, wait until it has homed, \
+                 and try again",
+                self.text()
+            ),
+            _ => self.text(),
+        }
+    }
+}
+
 /// A host on a wire.
+#[derive(Debug)]
 pub struct Client {
     wire: Wire<Device>,
     host: Host,
-    stop: Arc<AtomicBool>,
+    stop: StopRequests,
     /// What the device said in a step whose answer is a text.
     text: Vec<u8>,
     has_extras: bool,
 }
 
 impl Client {
+    /// Opens a port, or a simulated drill at `sim`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port.
+    pub fn open(port: &str, bits_per_s: u32, stop: StopRequests) -> Result<Self, String> {
+        let wire = if port == "sim" {
+            Wire::simulated(Device::new(bits_per_s, false))
+        } else {
+            Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))?
+        };
+        Ok(Self::new(wire, bits_per_s, stop))
+    }
+
     /// On a wire of so many bits a second; stops when the flag is set.
-    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Self {
+    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
         let mut timing = Timing::of(bits_per_s, RUN_US);
         if matches!(wire, Wire::Real { .. }) {
             // A computer and its adapter may sleep for longer than a character.
@@ -109,12 +136,11 @@ impl Client {
     }
 
     /// What a simulated device told.
-    pub fn told(&mut self) -> Vec<String> {
-        self.wire.told()
+    pub fn reports(&mut self) -> Vec<String> {
+        self.wire.reports()
     }
 
     /// The simulated device, if there is one.
-    #[cfg(test)]
     pub fn device(&mut self) -> Option<&mut Device> {
         match &mut self.wire {
             Wire::Simulated { device, .. } => Some(device),
@@ -134,7 +160,7 @@ impl Client {
 
     /// Whether the operator wants it to stop.
     pub fn is_stopping(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.stop.is_asked()
     }
 
     /// Brings the device from any state to rest, and finds out whether it has extras.
@@ -170,7 +196,7 @@ impl Client {
     /// It does not answer.
     pub fn find_out(&mut self) -> Result<(), Trouble> {
         // What the operator has asked for is not asked for now.
-        self.stop.store(false, Ordering::Relaxed);
+        self.stop.clear();
         let mut last = Ok(());
         for _ in 0..4 {
             last = self.run(Step::Resync);

@@ -1,12 +1,11 @@
 //! A simulated microfactory behind its link: what is particular to it.
 
-use super::settings::Settings;
-use crate::emulate::device::{self, Event, Machine, Pair, hold};
+use super::{Event, Machine, Pair, hold};
+use crate::{Emulated, MicrofactoryRig};
 use husillo_controllers::{
     MicrofactoryConfig, MicrofactoryEvent, MicrofactoryReport, MicrofactoryStation,
 };
-use husillo_sim::{Emulated, MicrofactoryRig};
-use husillo_transports::microfactory::Device as LinkDevice;
+use husillo_transports::microfactory::{ByteTable, Device as LinkDevice};
 
 /// Moves of a figure that a device has room for.
 pub const ROOM: u16 = 1000;
@@ -17,12 +16,13 @@ const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
 const FACE_STEPS: i32 = 1200;
 
 /// The device: a controller of one machine, or of two.
-pub type Device = device::Device<EmulatedMicrofactory>;
+pub type Device = super::Device<EmulatedMicrofactory>;
 
 /// A controller of one machine, or of two, of which the second may be missing.
 type Station = MicrofactoryStation<{ ROOM as usize }, 2>;
 
 /// A microfactory: the moves of the figure of each machine.
+#[derive(Debug)]
 pub struct EmulatedMicrofactory {
     moves: [usize; 2],
     machines: u8,
@@ -36,7 +36,9 @@ impl Device {
     ///
     /// The figure has more moves than there is room for.
     pub fn new(
-        settings: &Settings,
+        config: MicrofactoryConfig,
+        table: ByteTable,
+        pull_out_ticks: u32,
         figure: &[[i16; 2]],
         answers: bool,
         bits_per_s: u32,
@@ -44,9 +46,9 @@ impl Device {
     ) -> Result<Self, String> {
         let config = MicrofactoryConfig {
             dead_man_ticks: answers.then_some(DEAD_MAN_TICKS),
-            ..settings.config
+            ..config
         };
-        let mut link = LinkDevice::new(settings.table);
+        let mut link = LinkDevice::new(table);
         if answers {
             link = link.acknowledging().storing(ROOM);
         }
@@ -67,8 +69,7 @@ impl Device {
             }
             *moves = figure.len();
         }
-        let ticks = settings.pull_out_ticks;
-        let rig = MicrofactoryRig::new(&config, ABOVE_SWITCHES, FACE_STEPS, ticks);
+        let rig = MicrofactoryRig::new(&config, ABOVE_SWITCHES, FACE_STEPS, pull_out_ticks);
         let emulated = Emulated::new(station, vec![rig; machines.into()]);
         Ok(Self::of(machine, emulated, bits_per_s))
     }
@@ -136,7 +137,7 @@ impl Machine for EmulatedMicrofactory {
                 .map_or(0, |machine| machine.figure().as_ref().len());
             if figure != *moves && figure > 0 {
                 let text = format!("a figure of {figure} moves");
-                report = Some(device::numbered(self.machines, number, text));
+                report = Some(super::numbered(self.machines, number, text));
             }
             *moves = figure;
         }

@@ -1,12 +1,11 @@
 //! The host's side of the microfactory's link.
 
 use super::action::Action;
-use super::device::{self, Device};
-use crate::link::wire::Wire;
+use crate::{StopRequests, Wire};
+use husillo_sim::device::microfactory::{self as device, Device};
 use husillo_transports::microfactory::{
     ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
 };
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -43,6 +42,7 @@ const NOISE: usize = 1000;
 type Turn = Arc<Mutex<bool>>;
 
 /// The host's side.
+#[derive(Debug)]
 pub struct Client {
     wire: Wire<Device>,
     waits: Waits,
@@ -53,7 +53,7 @@ pub struct Client {
     /// Where the controller's other machine has a client, too.
     turn: Option<Turn>,
     has_turn: bool,
-    stop: Arc<AtomicBool>,
+    stop: StopRequests,
     is_reached: bool,
     /// It was homed since: what is not homed any more was reset.
     is_homed: bool,
@@ -79,7 +79,7 @@ enum Answer {
 
 impl Client {
     /// On a wire to a device that answers, or to one that does not; stops when the flag is set.
-    pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: Arc<AtomicBool>) -> Self {
+    pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: StopRequests) -> Self {
         let waits = match wire {
             Wire::Simulated { .. } => IN_SIMULATED_TIME,
             Wire::Real { .. } => IN_REAL_TIME,
@@ -116,15 +116,15 @@ impl Client {
         Ok(Self {
             wire: self.wire.try_clone()?,
             turn: Some(Arc::clone(turn)),
-            stop: Arc::clone(&self.stop),
+            stop: self.stop.clone(),
             machine,
             ..*self
         })
     }
 
     /// What a simulated device told.
-    pub fn told(&mut self) -> Vec<String> {
-        self.wire.told()
+    pub fn reports(&mut self) -> Vec<String> {
+        self.wire.reports()
     }
 
     /// Time since the beginning.
@@ -176,18 +176,18 @@ impl Client {
 
     /// Whether Ctrl-C is pressed again, within a second of the first time.
     fn wants_emergency(&self) -> bool {
-        if !self.stop.load(Ordering::Relaxed) || !matches!(self.wire, Wire::Real { .. }) {
+        if !self.stop.is_asked() || !matches!(self.wire, Wire::Real { .. }) {
             return false;
         }
         let end = std::time::Instant::now() + Duration::from_secs(1);
-        while crate::link::stop::stops_asked() < 2 && std::time::Instant::now() < end {
+        while self.stop.count() < 2 && std::time::Instant::now() < end {
             std::thread::sleep(Duration::from_millis(10));
         }
-        crate::link::stop::stops_asked() >= 2
+        self.stop.count() >= 2
     }
 
     fn done(&mut self, action: &Action) -> Result<String, String> {
-        if self.stop.load(Ordering::Relaxed) {
+        if self.stop.is_asked() {
             return Err("stopped".into());
         }
         if !self.is_reached && *action != Action::Emergency {
@@ -373,7 +373,7 @@ impl Client {
         }
         let mut trouble = String::new();
         for attempt in 1..=TRIES {
-            if self.stop.load(Ordering::Relaxed) {
+            if self.stop.is_asked() {
                 return Err("stopped".into());
             }
             match self.talk(|client| client.load_once(moves)) {
@@ -492,7 +492,7 @@ impl Client {
         let letter = letter(&self.table, motor, forward);
         let end = self.wire.elapsed() + time;
         let mut turns = true;
-        while turns && self.wire.elapsed() < end && !self.stop.load(Ordering::Relaxed) {
+        while turns && self.wire.elapsed() < end && !self.stop.is_asked() {
             turns = self.send(letter)? == Answer::Taken;
             if turns {
                 self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
@@ -502,7 +502,7 @@ impl Client {
         if !self.answers || (turns && self.ask()?.report.is_none()) {
             self.send(self.table.stop)?;
         }
-        if self.stop.load(Ordering::Relaxed) {
+        if self.stop.is_asked() {
             return Err("stopped".into());
         }
         self.finished(Duration::ZERO, Report::Stopped)
@@ -536,7 +536,7 @@ impl Client {
     fn finished(&mut self, longest: Duration, wanted: Report) -> Result<String, String> {
         if !self.answers {
             self.pause(longest)?;
-            if self.stop.load(Ordering::Relaxed) {
+            if self.stop.is_asked() {
                 self.talk(|client| (0..STOPS).try_for_each(|_| client.put(client.table.stop)))?;
                 return Err("stopped".into());
             }
@@ -551,7 +551,7 @@ impl Client {
                     None => Err("the device was reset".into()),
                 };
             }
-            if self.stop.load(Ordering::Relaxed) {
+            if self.stop.is_asked() {
                 return Err("stopped".into());
             }
             self.pause(ASK)?;
@@ -622,7 +622,7 @@ impl Client {
 
     fn pause(&mut self, time: Duration) -> Result<(), String> {
         let end = self.wire.elapsed() + time;
-        while self.wire.elapsed() < end && (self.answers || !self.stop.load(Ordering::Relaxed)) {
+        while self.wire.elapsed() < end && (self.answers || !self.stop.is_asked()) {
             // A device that does not answer may be waited for long. Ctrl-C is checked at this
             // interval.
             let left = end.saturating_sub(self.wire.elapsed()).min(AGAIN);

@@ -1,8 +1,8 @@
 //! How long the drill takes, by its rates.
 
-use super::device::STROKE_STEPS;
 use super::part::{Part, Stop};
 use husillo_controllers::DrillConfig;
+use husillo_sim::device::drill::STROKE_STEPS;
 
 /// Seconds of a move or a drilling, and the rest behind it.
 const SETTLE_S: f64 =
@@ -12,7 +12,7 @@ const SETTLE_S: f64 =
 pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
     part.stops()
         .map(|stop| {
-            let taken = way_s(from, stop.at) + drilling_s(stop);
+            let taken = travel_s(from, stop.at) + drilling_s(stop);
             from = stop.at;
             taken
         })
@@ -20,7 +20,7 @@ pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
 }
 
 /// Seconds of the way from one place to another, X before Y.
-pub fn way_s(from: [u16; 2], to: [u16; 2]) -> f64 {
+pub fn travel_s(from: [u16; 2], to: [u16; 2]) -> f64 {
     let [x_hz, y_hz, _] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
     f64::from(from[0].abs_diff(to[0])) / x_hz
         + f64::from(from[1].abs_diff(to[1])) / y_hz

@@ -1,9 +1,8 @@
 //! A board over the link, tool by tool.
 
 use super::client::{Client, Trouble};
-use super::duration::{seconds, spoken, way_s};
+use super::duration::{seconds, spoken, travel_s};
 use super::part::Part;
-use crate::holes::count;
 use husillo_gcode::Nm;
 use husillo_transports::drill::{MEMORY_BYTES, Record, Step};
 use std::time::Duration;
@@ -44,9 +43,13 @@ pub struct Failed {
 }
 
 /// What to do with a board.
+#[derive(Debug)]
 pub struct Sender<'a, O> {
+    /// The drill.
     pub client: Client,
+    /// The person at the machine.
     pub operator: &'a mut O,
+    /// The holes by tool, in the order in which they are drilled.
     pub parts: &'a [Part],
     /// The first hole to be drilled, from 0, counted through all parts.
     pub from: usize,
@@ -54,6 +57,14 @@ pub struct Sender<'a, O> {
     pub byte_s: f64,
     /// Ask for nothing.
     pub is_sure: bool,
+    /// Reads a diameter that the operator typed.
+    pub diameter: fn(&str) -> Option<Nm>,
+}
+
+/// A number of things: `1 hole`, `2 holes`.
+fn count(number: usize, name: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {name}{plural}")
 }
 
 /// How a part ended.
@@ -138,7 +149,7 @@ impl<O: Operator> Sender<'_, O> {
             pace: 1.0,
         };
         if let Err(trouble) = self.client.reach() {
-            let why = super::unreached(trouble);
+            let why = trouble.unreached();
             return Ok(self.failed(why, self.from, self.from));
         }
         if !self.client.has_extras() {
@@ -211,7 +222,7 @@ impl<O: Operator> Sender<'_, O> {
                 loads.push(Load {
                     bytes: rest.bytes(),
                     seconds,
-                    back_s: way_s(last, [0; 2]),
+                    back_s: travel_s(last, [0; 2]),
                     pecks,
                     before: before + skipped,
                 });
@@ -227,7 +238,7 @@ impl<O: Operator> Sender<'_, O> {
             let Some(answer) = self.operator.change(&part.name(), part.diameter) else {
                 return false;
             };
-            let given = crate::holes::length(&answer).filter(|nm| nm.0 > 0);
+            let given = (self.diameter)(&answer).filter(|nm| nm.0 > 0);
             match (given, part.diameter) {
                 (None, _) => self.operator.tell(&format!(
                     "`{answer}` is no diameter: millimetres, as in 0.8"

@@ -1,31 +1,34 @@
-//! Where the bytes of a client go: a simulated device, a serial device, a socket.
+//! The connection of a client: to a simulated device, a serial device or a socket.
 
-use crate::link::emulation::Emulation;
-use crate::link::port::Port;
-use crate::link::stop::stops_asked;
+use crate::Port;
+use husillo_sim::device::Emulation;
 use std::collections::VecDeque;
-use std::io::{self, BufRead};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
-use std::sync::{Mutex, PoisonError};
+use std::io;
 use std::time::Duration;
 
-/// Ctrl-C is looked for so often while a line is typed.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// A wire to a device or to a simulated one, with the time that passes on it.
+/// A connection to a device, and the time since it was opened.
+#[derive(Debug)]
 pub enum Wire<E> {
-    /// A device in simulated time: ns since the beginning.
+    /// A simulated device. Its time passes only while a client waits.
     Simulated {
+        /// The device.
         device: Box<E>,
+        /// Simulated time, ns.
         ns: u64,
+        /// Bytes received and not yet taken.
         answers: VecDeque<u8>,
     },
-    /// A device of its own.
-    Real { port: Port, answers: VecDeque<u8> },
+    /// A device at a port.
+    Real {
+        /// The port.
+        port: Port,
+        /// Bytes received and not yet taken.
+        answers: VecDeque<u8>,
+    },
 }
 
 impl<E: Emulation> Wire<E> {
-    /// To a simulated device.
+    /// Connects to a simulated device.
     pub fn simulated(device: E) -> Self {
         Self::Simulated {
             device: Box::new(device),
@@ -34,23 +37,23 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// To a serial device at so many bits a second, or `tcp:HOST:PORT`.
+    /// Opens a serial device at a rate in bits/s, or the socket `tcp:HOST:PORT`.
     ///
     /// # Errors
     ///
-    /// It cannot be opened.
+    /// The port cannot be opened.
     pub fn open(name: &str, bits_per_s: u32) -> io::Result<Self> {
         Ok(Self::Real {
-            port: Port::open_at(name, bits_per_s)?,
+            port: Port::open(name, bits_per_s)?,
             answers: VecDeque::new(),
         })
     }
 
-    /// The same wire to the same device once more; bytes come to whoever reads them first.
+    /// Another connection to the same device. Each byte received goes to the one that reads first.
     ///
     /// # Errors
     ///
-    /// The port cannot be shared; a simulated one is not.
+    /// The port cannot be shared. A simulated device never can.
     pub fn try_clone(&self) -> io::Result<Self> {
         match self {
             Self::Simulated { .. } => Err(io::ErrorKind::Unsupported.into()),
@@ -61,7 +64,7 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// Time since it was opened.
+    /// Time since the connection was opened.
     pub fn elapsed(&self) -> Duration {
         match self {
             Self::Simulated { ns, .. } => Duration::from_nanos(*ns),
@@ -73,7 +76,7 @@ impl<E: Emulation> Wire<E> {
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn send(&mut self, byte: u8) -> io::Result<()> {
         match self {
             Self::Simulated { device, .. } => {
@@ -88,7 +91,7 @@ impl<E: Emulation> Wire<E> {
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn send_all(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::Simulated { device, .. } => {
@@ -99,21 +102,21 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// All bytes that have come, the first one within a time.
+    /// Waits for a byte for a time at most, and returns all bytes received.
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn receive_all(&mut self, within: Duration) -> io::Result<Vec<u8>> {
         let first = self.receive(within)?;
         Ok(first.into_iter().chain(self.answers().drain(..)).collect())
     }
 
-    /// The next byte that comes within a time.
+    /// Waits for the next byte for a time at most.
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn receive(&mut self, within: Duration) -> io::Result<Option<u8>> {
         let end = self.elapsed() + within;
         loop {
@@ -142,10 +145,10 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// What a simulated device has told; a real one has a panel of its own.
-    pub fn told(&mut self) -> Vec<String> {
+    /// The reports of a simulated device since the last call. A real device shows them on its panel.
+    pub fn reports(&mut self) -> Vec<String> {
         match self {
-            Self::Simulated { device, .. } => device.tell(),
+            Self::Simulated { device, .. } => device.reports(),
             Self::Real { .. } => Vec::new(),
         }
     }
@@ -155,34 +158,4 @@ impl<E: Emulation> Wire<E> {
             Self::Simulated { answers, .. } | Self::Real { answers, .. } => answers,
         }
     }
-}
-
-/// The next line of standard input; `None` where that has ended, or Ctrl-C was pressed more often
-/// than [`stops_asked`] said before the operator was asked.
-pub fn typed_line(before: u32) -> Option<String> {
-    static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
-    let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
-    // A line that is waited for is not interrupted by Ctrl-C: so another thread waits.
-    let typed = typed.get_or_insert_with(typed_lines);
-    loop {
-        match typed.recv_timeout(LOOK) {
-            Ok(line) => return Some(line),
-            Err(RecvTimeoutError::Disconnected) => return None,
-            Err(RecvTimeoutError::Timeout) if stops_asked() > before => return None,
-            Err(RecvTimeoutError::Timeout) => {}
-        }
-    }
-}
-
-/// The lines of standard input as they are typed; none any more where it has ended.
-pub fn typed_lines() -> Receiver<String> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        for line in io::stdin().lock().lines().map_while(Result::ok) {
-            if sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
 }

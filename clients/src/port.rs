@@ -1,39 +1,38 @@
-//! Where the bytes go: a serial device, a network socket.
+//! A port: a serial device or a network socket.
 
-use husillo_metrology::heads;
-use husillo_transports::nmc::{Baud, Timing};
 use serialport::SerialPort;
+use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// A port, with the time that passes at it.
+/// An open port, and the time since it was opened.
 pub enum Port {
     /// A serial device.
     Serial(Box<dyn SerialPort>, Instant),
-    /// A device server that passes the bytes on; the rate of its line is its own.
+    /// A device server that passes the bytes on. It sets the rate of its line itself.
     Network(TcpStream, Instant),
 }
 
-/// The longest a socket may take to connect.
+/// Longest time to connect a socket.
 const CONNECT: Duration = Duration::from_secs(5);
 
-impl Port {
-    /// Opens a serial device or, with `tcp:HOST:PORT`, a socket.
-    ///
-    /// # Errors
-    ///
-    /// It cannot be opened.
-    pub fn open(name: &str) -> io::Result<Self> {
-        Self::open_at(name, Baud::default().bits_per_s())
+impl fmt::Debug for Port {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial(port, _) => write!(f, "Serial({:?})", port.name()),
+            Self::Network(socket, _) => write!(f, "Network({socket:?})"),
+        }
     }
+}
 
-    /// The same at another rate.
+impl Port {
+    /// Opens a serial device at a rate in bits/s or, with `tcp:HOST:PORT`, a socket.
     ///
     /// # Errors
     ///
-    /// It cannot be opened.
-    pub fn open_at(name: &str, bits_per_s: u32) -> io::Result<Self> {
+    /// The port cannot be opened.
+    pub fn open(name: &str, bits_per_s: u32) -> io::Result<Self> {
         if let Some(address) = name.strip_prefix("tcp:") {
             let mut last = io::Error::new(ErrorKind::InvalidInput, "no such address");
             for address in std::net::ToSocketAddrs::to_socket_addrs(address)? {
@@ -49,7 +48,7 @@ impl Port {
         }
         match serialport::new(name, bits_per_s).open() {
             Ok(port) => Ok(Self::Serial(port, Instant::now())),
-            // The library says it of its lock, the system of its own.
+            // The library reports its own lock in words, the system by its kind of error.
             Err(error) if error.description.contains("exclusive lock") => Err(taken()),
             Err(error) => match io::Error::from(error) {
                 error if error.kind() == ErrorKind::ResourceBusy => Err(taken()),
@@ -58,7 +57,7 @@ impl Port {
         }
     }
 
-    /// The same port once more, with the same time.
+    /// Another handle of the same port, with the same start of time.
     ///
     /// # Errors
     ///
@@ -70,7 +69,7 @@ impl Port {
         }
     }
 
-    /// Time since it was opened, us.
+    /// Time since the port was opened, us.
     pub fn elapsed_us(&self) -> u64 {
         match self {
             // 2^64 us are 584 000 years.
@@ -78,11 +77,23 @@ impl Port {
         }
     }
 
+    /// Sets the rate of a serial device, bits/s. A device server keeps its own rate.
+    ///
+    /// # Errors
+    ///
+    /// The device does not take the rate.
+    pub fn set_rate(&mut self, bits_per_s: u32) -> io::Result<()> {
+        match self {
+            Self::Serial(port, _) => Ok(port.set_baud_rate(bits_per_s)?),
+            Self::Network(..) => Ok(()),
+        }
+    }
+
     /// Sends bytes.
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::Serial(port, _) => port.write_all(bytes),
@@ -90,13 +101,13 @@ impl Port {
         }
     }
 
-    /// What comes within some microseconds; returns as soon as there is something.
+    /// Waits for bytes for a time at most, and returns as soon as there are any.
     ///
     /// # Errors
     ///
-    /// The device is gone.
+    /// The connection is lost.
     pub fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
-        // Zero is no time to wait for the system.
+        // The system takes zero as an invalid time.
         let wait = Duration::from_micros(u64::from(wait_us.max(1)));
         match self {
             Self::Serial(port, _) => {
@@ -109,41 +120,6 @@ impl Port {
                 read(socket).map_err(closed)
             }
         }
-    }
-}
-
-impl heads::Port for Port {
-    fn timing(&self, baud: Baud) -> Timing {
-        Timing::patient(baud)
-    }
-
-    /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
-    /// simulated chain on it, may delay the bytes for longer, and a late reply costs a flush.
-    fn timing_of_known(&self, baud: Baud) -> Timing {
-        Timing {
-            reply_us: 250_000,
-            tries: 5,
-            ..self.timing(baud)
-        }
-    }
-
-    fn elapsed_us(&self) -> u64 {
-        self.elapsed_us()
-    }
-
-    fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
-        match self {
-            Self::Serial(port, _) => Ok(port.set_baud_rate(baud.bits_per_s())?),
-            Self::Network(..) => Ok(()),
-        }
-    }
-
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.send(bytes)
-    }
-
-    fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
-        self.receive(wait_us)
     }
 }
 
@@ -166,7 +142,11 @@ fn closed(error: io::Error) -> io::Error {
     }
 }
 
-/// What has come; nothing where the time ran out.
+/// Reads the bytes that are there. Returns none when the time of `from` runs out.
+///
+/// # Errors
+///
+/// The connection is lost.
 pub fn read(from: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = [0; 256];
     match from.read(&mut bytes) {

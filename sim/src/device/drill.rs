@@ -1,8 +1,8 @@
 //! A simulated drill behind its link: what is particular to it.
 
-use crate::emulate::device::{self, Event, Machine, Pair, hold, push};
+use super::{Event, Machine, Pair, hold, push};
+use crate::{DrillRig, DrilledHole, Emulated};
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
-use husillo_sim::{DrillRig, DrilledHole, Emulated};
 use husillo_transports::drill::MEMORY_BYTES;
 
 /// Where X, Y and Z stand at first, in steps from their switches.
@@ -14,9 +14,10 @@ const BOARD_STEPS: u16 = 3210;
 const PULL_OUT_TICKS: u32 = 2564;
 
 /// The device.
-pub type Device = device::Device<EmulatedDrill>;
+pub type Device = super::Device<EmulatedDrill>;
 
 /// A drill.
+#[derive(Debug)]
 pub struct EmulatedDrill;
 
 impl Device {
@@ -28,7 +29,6 @@ impl Device {
     }
 
     /// One that is small and quick, so that many programs are run in little time.
-    #[cfg(test)]
     pub fn quick(is_original: bool) -> Self {
         let config = DrillConfig {
             rate_hz: [1000; 3],

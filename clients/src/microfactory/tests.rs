@@ -2,21 +2,18 @@
 
 use super::action::Action;
 use super::client::Client;
-use super::device::Device;
 use super::figure::Figure;
 use super::settings::Settings;
-use crate::link::emulation::Emulation;
-use crate::link::serial_line::Fault;
-use crate::link::wire::Wire;
-use crate::machines::machine_file::MachineFile;
+use crate::{StopRequests, Wire};
 use husillo_sim::Random;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use husillo_sim::device::Emulation;
+use husillo_sim::device::LineFault as Fault;
+use husillo_sim::device::microfactory::Device;
 use std::time::Duration;
 
 /// A machine that is quick: short ways to its switches, little lash.
 fn settings() -> Settings {
-    let mut settings = Settings::of(&MachineFile::load("microfactory").unwrap()).unwrap();
+    let mut settings = Settings::ORIGINAL;
     settings.config.axis_rate_hz = 4000;
     settings.pull_out_ticks = 0; // its motors follow
     settings.config.spindle_rate_hz = 2560;
@@ -32,8 +29,17 @@ fn client() -> Client {
 /// Of a machine alone on its controller, or of the second one of two.
 fn client_of(machine: u8) -> Client {
     let settings = settings();
-    let device = Device::new(&settings, &[[500, 500]], true, 9600, machine + 1).unwrap();
-    let stop = Arc::new(AtomicBool::new(false));
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[500, 500]],
+        true,
+        9600,
+        machine + 1,
+    )
+    .unwrap();
+    let stop = StopRequests::default();
     Client::new(Wire::simulated(device), settings.table, true, stop).of_machine(machine)
 }
 
@@ -77,8 +83,8 @@ fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
 /// The same of another machine.
 fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
-    let [x, _, z, _] = device.rig_of(machine).tool();
-    let told = device.tell();
+    let [x, _, z, _] = device.rig(machine).unwrap().tool();
+    let told = device.reports();
     let figures = told.iter().filter(|line| line.contains("the tool touches"));
     ([x - zero[0], z - zero[1]], figures.count())
 }
@@ -92,7 +98,7 @@ fn a_session_is_as_it_was_asked_for() {
     let mut client = client();
     assert_eq!(run(&mut client), Ok(()));
     assert_eq!(outcome(&mut client, ZERO), GOOD);
-    assert_eq!(client.device().rig().lost_steps(), [0; 4]);
+    assert_eq!(client.device().rig(0).unwrap().lost_steps(), [0; 4]);
 }
 
 fn faults() -> impl Iterator<Item = Fault> {
@@ -117,14 +123,14 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let Err((_, trouble)) = result else {
         assert_eq!(outcome_of(&mut client, machine, ZERO), GOOD, "{context}");
         if machine > 0 {
-            assert_eq!(client.device().rig().tool(), [0; 4], "{context}");
+            assert_eq!(client.device().rig(0).unwrap().tool(), [0; 4], "{context}");
         }
         return false;
     };
     let device = client.device();
     let tools = |device: &Device| match machine {
-        0 => [device.rig().tool(); 2],
-        _ => [device.rig_of(0).tool(), device.rig_of(1).tool()],
+        0 => [device.rig(0).unwrap().tool(); 2],
+        _ => [device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool()],
     };
     if fault != Fault::Unplugged {
         let before = tools(device);
@@ -135,19 +141,19 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     }
     device.control("plug");
     device.control("reset");
-    device.tell();
-    let first = device.rig().tool();
+    device.reports();
+    let first = device.rig(0).unwrap().tool();
     client = Client::new(
         client.into_wire(),
         settings().table,
         true,
-        Arc::new(AtomicBool::new(false)),
+        StopRequests::default(),
     )
     .of_machine(machine);
     let again = run(&mut client);
     assert_eq!(again, Ok(()), "{context}: {trouble}");
     if machine > 0 {
-        assert_eq!(client.device().rig().tool(), first, "{context}");
+        assert_eq!(client.device().rig(0).unwrap().tool(), first, "{context}");
     }
     let outcome = outcome_of(&mut client, machine, ZERO);
     assert_eq!(outcome, GOOD, "{context}: {trouble}");
@@ -241,8 +247,17 @@ fn a_table_of_its_own_is_used_at_both_ends() {
     let mut settings = settings();
     settings.table.home = b'k';
     settings.table.ask = 0xF0;
-    let device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
-    let stop = Arc::new(AtomicBool::new(false));
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        1,
+    )
+    .unwrap();
+    let stop = StopRequests::default();
     let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
     assert_eq!(client.carry_out(&Action::Home), Ok("homed".into()));
 }
@@ -250,8 +265,18 @@ fn a_table_of_its_own_is_used_at_both_ends() {
 #[test]
 fn behind_ctrl_c_nothing_begins() {
     let settings = settings();
-    let device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
-    let stop = Arc::new(AtomicBool::new(true));
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        1,
+    )
+    .unwrap();
+    let stop = StopRequests::default();
+    stop.request();
     let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
     assert!(
         client
@@ -271,7 +296,7 @@ fn jog(motor: u8, forward: bool, seconds: u64) -> Action {
 
 /// How often a switch stopped something.
 fn switch_reports(client: &mut Client) -> usize {
-    let told = client.device().tell();
+    let told = client.device().reports();
     let hits = told
         .iter()
         .filter(|line| line.contains("closed: going back"));
@@ -287,7 +312,11 @@ fn a_jog_into_a_switch_is_told_and_ends() {
     let trouble = client.carry_out(&jog(0, false, 60)).unwrap_err();
     assert!(trouble.contains("home switch x closed"), "{trouble}");
     assert_eq!(switch_reports(&mut client), 1);
-    assert_eq!(client.device().rig().tool()[0], ZERO[0], "back off it");
+    assert_eq!(
+        client.device().rig(0).unwrap().tool()[0],
+        ZERO[0],
+        "back off it"
+    );
     assert!(client.elapsed() < Duration::from_secs(20));
 }
 
@@ -303,14 +332,27 @@ fn steps_into_a_switch_are_told_and_end() {
     let trouble = client.carry_out(&steps).unwrap_err();
     assert!(trouble.contains("home switch z closed"), "{trouble}");
     assert_eq!(switch_reports(&mut client), 1);
-    assert_eq!(client.device().rig().tool()[2], ZERO[1], "back off it");
+    assert_eq!(
+        client.device().rig(0).unwrap().tool()[2],
+        ZERO[1],
+        "back off it"
+    );
 }
 
 /// The answer to a letter that the controller does not carry out, as while it backs off a switch.
 #[test]
 fn what_is_refused_is_not_acknowledged() {
     let settings = settings();
-    let mut device = Device::new(&settings, &[[5, 5]], true, 9600, 1).unwrap();
+    let mut device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        1,
+    )
+    .unwrap();
     let say = |device: &mut Device, byte: u8| {
         device.send(byte);
         std::iter::from_fn(|| Some(device.tick()))
@@ -337,12 +379,20 @@ fn what_is_refused_is_not_acknowledged() {
 #[test]
 fn two_machines_of_one_controller() {
     let settings = settings();
-    let device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        2,
+    )
+    .unwrap();
     let mut wire = Wire::simulated(device);
-    let stop = Arc::new(AtomicBool::new(false));
-    let on = |wire, machine| {
-        Client::new(wire, settings.table, true, Arc::clone(&stop)).of_machine(machine)
-    };
+    let stop = StopRequests::default();
+    let on =
+        |wire, machine| Client::new(wire, settings.table, true, stop.clone()).of_machine(machine);
     let figure = |moves: &[[i16; 2]]| {
         Action::Load(Figure {
             name: "test".into(),
@@ -360,7 +410,7 @@ fn two_machines_of_one_controller() {
     second.carry_out(&Action::Figure).unwrap();
     let places = |client: &mut Client| {
         [0, 1].map(|machine| {
-            let [x, _, z, _] = client.device().rig_of(machine).tool();
+            let [x, _, z, _] = client.device().rig(machine).unwrap().tool();
             [x - ZERO[0], z - ZERO[1]]
         })
     };
@@ -379,7 +429,16 @@ fn two_machines_of_one_controller() {
 #[test]
 fn two_machines_move_at_once() {
     let settings = settings();
-    let mut device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
+    let mut device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        2,
+    )
+    .unwrap();
     let said: Vec<u8> = b"JYtJX"
         .iter()
         .flat_map(|byte| {
@@ -391,7 +450,7 @@ fn two_machines_move_at_once() {
     for _ in 0..200 {
         device.tick();
     }
-    let (first, second) = (device.rig_of(0).tool(), device.rig_of(1).tool());
+    let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
     // Nobody says it again: both stand after their dead-man's time.
@@ -400,7 +459,7 @@ fn two_machines_move_at_once() {
     }
     assert!(
         device
-            .tell()
+            .reports()
             .iter()
             .filter(|line| line.contains("not said again"))
             .count()
@@ -413,8 +472,17 @@ fn two_machines_move_at_once() {
 #[test]
 fn a_reset_does_not_exchange_the_machines() {
     let settings = settings();
-    let device = Device::new(&settings, &[[5, 5]], true, 9600, 2).unwrap();
-    let stop = Arc::new(AtomicBool::new(false));
+    let device = Device::new(
+        settings.config,
+        settings.table,
+        settings.pull_out_ticks,
+        &[[5, 5]],
+        true,
+        9600,
+        2,
+    )
+    .unwrap();
+    let stop = StopRequests::default();
     let wire = Wire::simulated(device);
     let mut client = Client::new(wire, settings.table, true, stop).of_machine(1);
     let steps = |steps| Action::Steps { motor: 1, steps };
@@ -422,7 +490,7 @@ fn a_reset_does_not_exchange_the_machines() {
     client.carry_out(&steps(8)).unwrap();
     client.device().control("reset");
     client.carry_out(&steps(4)).unwrap();
-    let y = [0, 1].map(|machine| client.device().rig_of(machine).tool()[1]);
+    let y = [0, 1].map(|machine| client.device().rig(machine).unwrap().tool()[1]);
     assert_eq!(y, [0, 12]);
 }
 

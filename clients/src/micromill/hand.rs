@@ -1,12 +1,10 @@
 //! A mill moved by hand.
 
 use super::action::{Action, Leg, Pace};
-use super::device::Device;
 use super::session::{Session, why};
-use crate::link::wire::Wire;
+use crate::{StopRequests, Wire};
+use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Order, Outcome};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A jog ends by itself so long after the host was heard last, ms.
@@ -17,6 +15,7 @@ const RENEWAL_US: u32 = 150_000;
 const MOST_STEPS: i32 = 9999;
 
 /// A session, and where the motors are by the steps they tell.
+#[derive(Debug)]
 pub struct Hand {
     session: Session,
     place: [i64; 3],
@@ -28,7 +27,7 @@ impl Hand {
     /// # Errors
     ///
     /// A sentence about the port or the controller.
-    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: Arc<AtomicBool>) -> Result<Self, String> {
+    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Result<Self, String> {
         let mut session = Session::new(wire, bits_per_s, stop);
         session.order(Order::Stop, "stop")?;
         session.order(Order::Stream(false), "no streaming")?;
@@ -62,7 +61,7 @@ impl Hand {
             Action::Where => Ok(()),
         };
         let told = self.session.steps.len();
-        for (place, steps) in self.place.iter_mut().zip(self.session.told()) {
+        for (place, steps) in self.place.iter_mut().zip(self.session.steps()) {
             *place += steps;
         }
         self.session.steps.clear();

@@ -7,6 +7,7 @@ use std::sync::mpsc;
 use std::thread;
 
 /// One machine and what it has to do.
+#[derive(Debug)]
 pub struct Worker {
     /// Where it is.
     pub port: String,
@@ -17,6 +18,7 @@ pub struct Worker {
 }
 
 /// An action that was begun.
+#[derive(Debug)]
 pub struct Row {
     action: String,
     began_s: f64,
@@ -26,6 +28,7 @@ pub struct Row {
 }
 
 /// What a machine did.
+#[derive(Debug)]
 pub struct Share {
     port: String,
     asked: usize,
@@ -91,7 +94,7 @@ fn alone(worker: Worker, machine: usize, teller: &mpsc::Sender<(usize, String)>)
         let began_s = client.elapsed().as_secs_f64();
         let end = client.carry_out(action);
         let took_s = client.elapsed().as_secs_f64() - began_s;
-        for line in client.told() {
+        for line in client.reports() {
             tell(format!("  {line}"));
         }
         tell(match &end {

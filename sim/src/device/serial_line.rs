@@ -1,41 +1,45 @@
-//! A serial line to a simulated device: bytes take their time in both directions, and the cable may
-//! be pulled.
+//! A serial line to a simulated device. Each byte takes its time in both directions. The cable can
+//! be pulled, and one byte can be hit by a fault.
 
 use std::collections::VecDeque;
 
-/// Two directions of a line; times in microseconds.
+/// Both directions of a serial line. Times are in microseconds.
+#[derive(Debug)]
 pub struct Line {
     byte_us: u64,
     there: Direction,
     back: Direction,
     is_plugged: bool,
-    /// What happens to the byte of this number, counted in both directions.
-    #[cfg(test)]
-    pub fault: Option<(u64, Fault)>,
-    #[cfg(test)]
+    /// A fault, and the number of the byte that it hits. Bytes of both directions are counted
+    /// together, from 0.
+    pub fault: Option<(u64, LineFault)>,
+    /// Number of bytes so far, in both directions.
     pub carried: u64,
 }
 
-/// What happens to a byte.
-#[cfg(test)]
+/// A fault that hits one byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum LineFault {
+    /// It does not arrive.
     Lost,
+    /// It arrives twice.
     Doubled,
+    /// This bit of it is flipped, 0 to 7.
     Flipped(u8),
-    /// By so many microseconds.
+    /// It is late by this time in us.
     Late(u64),
-    /// From here on no byte gets through.
+    /// The cable is pulled: neither this byte nor a later one arrives.
     Unplugged,
-    /// The button R.
+    /// The reset button is pressed, and the byte is lost.
     Reset,
 }
 
-#[derive(Default)]
+/// One direction of the line.
+#[derive(Debug, Default)]
 struct Direction {
     /// Bytes on the line, with the time at which each is complete.
     bytes: VecDeque<(u64, u8)>,
-    /// When it is free again.
+    /// Time at which the line is free again.
     free_us: u64,
 }
 
@@ -53,31 +57,28 @@ impl Direction {
 }
 
 impl Line {
-    /// At so many bits a second, ten a byte.
+    /// A line at a rate in bits/s. A byte takes ten bits.
     pub fn new(bits_per_s: u32) -> Self {
         Self {
             byte_us: u64::from(10_000_000 / bits_per_s.max(1)),
             there: Direction::default(),
             back: Direction::default(),
             is_plugged: true,
-            #[cfg(test)]
             fault: None,
-            #[cfg(test)]
             carried: 0,
         }
     }
 
-    /// Puts a byte on the line; whether that presses the button.
-    #[cfg(test)]
+    /// Puts a byte on the line. Returns whether its fault presses the reset button.
     fn carry(&mut self, is_there: bool, byte: u8, now_us: u64) -> bool {
         let fault = self.fault.filter(|(at, _)| *at == self.carried);
         let fault = fault.map(|(_, fault)| fault);
         self.carried += 1;
-        if fault == Some(Fault::Unplugged) {
+        if fault == Some(LineFault::Unplugged) {
             self.plug(false);
         }
-        if !self.is_plugged || matches!(fault, Some(Fault::Lost | Fault::Reset)) {
-            return fault == Some(Fault::Reset);
+        if !self.is_plugged || matches!(fault, Some(LineFault::Lost | LineFault::Reset)) {
+            return fault == Some(LineFault::Reset);
         }
         let byte_us = self.byte_us;
         let direction = if is_there {
@@ -86,9 +87,11 @@ impl Line {
             &mut self.back
         };
         match fault {
-            Some(Fault::Flipped(bit)) => direction.put(byte ^ (1 << bit), byte_us, now_us),
-            Some(Fault::Late(us)) => direction.put(byte, byte_us, now_us + us),
-            Some(Fault::Doubled) => {
+            Some(LineFault::Flipped(bit)) => {
+                direction.put(byte ^ (1 << (bit & 7)), byte_us, now_us);
+            }
+            Some(LineFault::Late(us)) => direction.put(byte, byte_us, now_us + us),
+            Some(LineFault::Doubled) => {
                 direction.put(byte, byte_us, now_us);
                 direction.put(byte, byte_us, now_us);
             }
@@ -97,31 +100,18 @@ impl Line {
         false
     }
 
-    #[cfg(not(test))]
-    fn carry(&mut self, is_there: bool, byte: u8, now_us: u64) -> bool {
-        if self.is_plugged {
-            let direction = if is_there {
-                &mut self.there
-            } else {
-                &mut self.back
-            };
-            direction.put(byte, self.byte_us, now_us);
-        }
-        false
-    }
-
-    /// A byte to the device; whether the button is pressed by it, in tests.
+    /// Sends a byte to the device. Returns whether its fault presses the reset button.
     pub fn send(&mut self, byte: u8, now_us: u64) -> bool {
         self.carry(true, byte, now_us)
     }
 
-    /// A byte that has arrived at the device.
+    /// Takes a byte that has arrived at the device.
     pub fn received(&mut self, now_us: u64) -> Option<u8> {
         self.there.take(now_us)
     }
 
-    /// When something happens next at the device's end after now: a byte arrives there, or its
-    /// transmitter is free again.
+    /// Time of the next change at the device's end after `now_us`: a byte arrives, or its
+    /// transmitter becomes free.
     pub fn next_us(&self, now_us: u64) -> u64 {
         let arrives = self.there.bytes.front().map(|(at, _)| *at);
         let later = [arrives, Some(self.back.free_us)].into_iter().flatten();
@@ -133,19 +123,19 @@ impl Line {
         self.back.free_us <= now_us
     }
 
-    /// A byte from the device; the same.
+    /// Sends a byte from the device. Returns whether its fault presses the reset button.
     pub fn answer(&mut self, byte: u8, now_us: u64) -> bool {
         self.carry(false, byte, now_us)
     }
 
-    /// A byte that has arrived at the host.
+    /// Takes a byte that has arrived at the host.
     pub fn answered(&mut self, now_us: u64) -> Option<u8> {
         self.back.take(now_us)
     }
 
-    /// Pulls the cable, or puts it in again; what is on the line is lost.
-    pub fn plug(&mut self, in_: bool) {
-        self.is_plugged = in_;
+    /// Pulls the cable or plugs it in again. Bytes on the line are lost.
+    pub fn plug(&mut self, is_plugged: bool) {
+        self.is_plugged = is_plugged;
         self.there.bytes.clear();
         self.back.bytes.clear();
     }

@@ -1,6 +1,5 @@
-//! What a machine file says of a microfactory.
+//! What a client has to know of a microfactory.
 
-use crate::machines::machine_file::MachineFile;
 use husillo_controllers::MicrofactoryConfig;
 use husillo_gcode::Nm;
 use husillo_transports::microfactory::ByteTable;
@@ -15,29 +14,17 @@ pub struct Settings {
     /// The shortest interval of a motor's steps in ticks of the controller's timer.
     pub pull_out_ticks: u32,
     /// A step of X and of Z in nm, as numerator and denominator.
-    steps: [[i128; 2]; 2],
+    pub steps: [[i128; 2]; 2],
 }
 
 impl Settings {
-    /// Those of a machine; `None` where it has no `[bytes]`, and so is no microfactory.
-    pub fn of(machine: &MachineFile) -> Option<Self> {
-        let table = machine.bytes?;
-        let [x, y, z] = &machine.axes;
-        let small = |steps: u32| u16::try_from(steps).unwrap_or(u16::MAX);
-        let pull_off = x.home.as_ref().map_or(200, |home| home.pull_off);
-        let slowest = x.max_rate.min(y.max_rate).min(z.max_rate);
-        Some(Self {
-            config: MicrofactoryConfig {
-                axis_rate_hz: small(slowest),
-                lash_steps: [x, y, z].map(|axis| small(axis.lash_steps)),
-                back_off_steps: small(pull_off),
-                ..MicrofactoryConfig::ORIGINAL
-            },
-            table,
-            pull_out_ticks: x.pull_out_ticks(MicrofactoryConfig::ORIGINAL.timer_hz),
-            steps: [x, z].map(|axis| [axis.step.num, axis.step.den].map(i128::from)),
-        })
-    }
+    /// The original: steps of 1.87 um, and motors that lose steps above 524.8 Hz of CLOCK.
+    pub const ORIGINAL: Settings = Settings {
+        config: MicrofactoryConfig::ORIGINAL,
+        table: ByteTable::DEFAULT,
+        pull_out_ticks: 1905,
+        steps: [[1870, 1]; 2],
+    };
 
     /// The nearest step of a place in X and Z, halves away from zero.
     pub fn nearest(&self, place: [Nm; 2]) -> [i64; 2] {

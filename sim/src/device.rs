@@ -1,48 +1,57 @@
-//! A machine that is emulated: its line, its controller, its mechanics, and a panel.
+//! An emulated machine behind a serial line: its controller, its mechanics, and a panel.
 
-use crate::emulate::step_rows::StepRows;
-use crate::link::emulation::Emulation;
-use crate::link::serial_line::Line;
+pub mod drill;
+mod emulation;
+pub mod microfactory;
+pub mod micromill;
+mod serial_line;
+mod step_rows;
+
+pub use emulation::Emulation;
+pub use serial_line::{Line, LineFault};
+pub use step_rows::StepRows;
+
+use crate::{Emulated, Plant};
 use husillo_controllers::{Controller, Timed};
-use husillo_sim::{Emulated, Plant};
+use std::fmt;
 
-/// Microseconds, and ticks of the timer, of a period.
+/// Length of a period in us, which is also a tick of the controllers' timers.
 const PERIOD_US: u64 = 1000;
-/// What may be typed at the panel of every machine.
+/// Lines that the panel of every machine takes.
 const PANEL: &str = "where, reset, power off|on, unplug, plug";
 
-/// What is particular to a machine: all that a new one has to say to be emulated.
+/// The part of an emulation that is particular to one machine. A new machine implements this.
 pub trait Machine {
-    /// Its controller.
+    /// The controller.
     type Controller: Controller;
-    /// Its mechanics.
+    /// The mechanics.
     type Plant: Plant<
             Inputs = <Self::Controller as Controller>::Inputs,
             Event = <Self::Controller as Controller>::Event,
         >;
 
-    /// Columns of the file of what it makes: the directions of its motors, then states.
+    /// Columns of the recorded step events: the directions of the motors, then states.
     const COLUMNS: &'static str;
-    /// What may be typed at its panel beside the lines that all have.
+    /// Lines that its panel takes in addition to the common ones.
     const PANEL: &'static str;
 
-    /// What the reset button does to its outputs.
+    /// Event that sets the outputs as the reset button does.
     const AT_RESET: Event<Self>;
 
-    /// Where a machine of the controller is.
+    /// Describes the position of a machine of the controller.
     fn place(&self, emulated: &Pair<Self>, machine: u8) -> String;
 
-    /// A line of its own panel; `None` where there is no such line.
+    /// Carries out a line of its own panel. `None` if there is no such line.
     fn control(&self, plant: &mut Self::Plant, words: &[&str]) -> Option<String>;
 
-    /// What an event has to report on the panel.
+    /// Text of an event that is reported on the panel.
     fn report(event: &Event<Self>) -> Option<String>;
 
-    /// The row of an event: its steps by motor, and the states after it. `None`: nothing is to be
-    /// seen at the motors.
+    /// Row of an event: the steps of each motor, and the states after it. `None` if the event
+    /// changes nothing at the motors.
     fn row(event: &Event<Self>, plant: &Self::Plant) -> Option<(Vec<i8>, Vec<u8>)>;
 
-    /// A byte was heard: what the panel reports of it.
+    /// Text that the panel reports after the controller received a byte.
     fn heard(&mut self, controller: &Self::Controller) -> Option<String> {
         let _ = controller;
         None
@@ -55,19 +64,28 @@ pub type Event<M> = <<M as Machine>::Controller as Controller>::Event;
 /// A controller with its mechanics.
 pub type Pair<M> = Emulated<<M as Machine>::Controller, <M as Machine>::Plant>;
 
-/// A machine behind its line.
+/// A machine behind its serial line.
 pub struct Device<M: Machine> {
     machine: M,
     line: Line,
     emulated: Pair<M>,
     has_power: bool,
     reported: Vec<String>,
-    /// What is made, where that is kept.
+    /// Recorded step events.
     rows: Option<StepRows>,
 }
 
+impl<M: Machine> fmt::Debug for Device<M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Device")
+            .field("line", &self.line)
+            .field("has_power", &self.has_power)
+            .finish_non_exhaustive()
+    }
+}
+
 impl<M: Machine> Device<M> {
-    /// Switched on, at so many bits a second.
+    /// A machine that is switched on, behind a line of this rate.
     pub fn of(machine: M, emulated: Pair<M>, bits_per_s: u32) -> Self {
         Self {
             machine,
@@ -79,41 +97,33 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// The same; what it makes is kept.
+    /// Records the step events for [`Emulation::made`].
     pub fn with_rows(mut self) -> Self {
         self.rows = Some(StepRows::new(M::COLUMNS));
         self
     }
 
-    /// All that may be typed at the panel.
+    /// Lines that the panel takes.
     pub fn panel() -> String {
         format!("{PANEL}, {}", M::PANEL)
     }
 
-    /// The line.
-    #[cfg(test)]
+    /// The serial line, for its faults.
     pub fn line(&mut self) -> &mut Line {
         &mut self.line
     }
 
-    /// The mechanics of a machine.
-    #[cfg(test)]
-    pub fn rig_of(&self, machine: u8) -> &M::Plant {
-        self.emulated.plant(machine).unwrap()
+    /// The mechanics of a machine of the controller. `None` if there is no such machine.
+    pub fn rig(&self, machine: u8) -> Option<&M::Plant> {
+        self.emulated.plant(machine)
     }
 
-    /// The mechanics of the first machine.
-    #[cfg(test)]
-    pub fn rig(&self) -> &M::Plant {
-        self.rig_of(0)
-    }
-
-    /// The machines that there are.
+    /// Numbers of the machines.
     fn machines(&self) -> impl Iterator<Item = u8> + use<M> {
         0..self.emulated.plants()
     }
 
-    /// The button at the panel, or power that comes back.
+    /// Presses the reset button, or restores power.
     fn reset(&mut self) {
         self.emulated.reset();
         let now_us = self.emulated.now_us();
@@ -125,7 +135,7 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Time passes: events happen.
+    /// Simulates a time.
     fn pass(&mut self, us: u64) {
         if !self.has_power {
             return self.emulated.pass_without_power(us);
@@ -139,7 +149,7 @@ impl<M: Machine> Device<M> {
         });
     }
 
-    /// The bytes that have arrived.
+    /// Passes on the bytes that have arrived.
     fn receive(&mut self, now_us: u64) {
         while let Some(byte) = self.line.received(now_us) {
             if self.has_power {
@@ -150,7 +160,8 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// A byte, where the transmitter is free: bytes that wait make a controller wait.
+    /// Takes bytes of the controller while the transmitter is free. A controller waits until its
+    /// byte is taken.
     fn transmit(&mut self, now_us: u64) {
         while self.has_power && self.line.is_free(now_us) {
             let Some(byte) = self.emulated.transmit() else {
@@ -162,7 +173,7 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// A line for one machine.
+    /// Carries out a line of the panel for one machine.
     fn control_of(&mut self, machine: u8, words: &[&str]) -> String {
         if self.emulated.plant(machine).is_none() {
             return format!("there is no machine {}", machine + 1);
@@ -177,7 +188,7 @@ impl<M: Machine> Device<M> {
     }
 }
 
-/// Adds what is to be seen of an event to the rows.
+/// Adds the row of an event.
 fn keep<M: Machine>(
     rows: &mut Option<StepRows>,
     machine: u8,
@@ -193,7 +204,7 @@ fn keep<M: Machine>(
     }
 }
 
-/// With the number of the machine, where there are two.
+/// Puts the number of the machine in front of a text, where there are several machines.
 pub fn numbered(machines: u8, machine: u8, text: String) -> String {
     if machines > 1 {
         format!("{}: {text}", machine + 1)
@@ -255,7 +266,7 @@ impl<M: Machine> Emulation for Device<M> {
         }
     }
 
-    fn tell(&mut self) -> Vec<String> {
+    fn reports(&mut self) -> Vec<String> {
         std::mem::take(&mut self.reported)
     }
 
@@ -264,7 +275,8 @@ impl<M: Machine> Emulation for Device<M> {
     }
 }
 
-/// Holds a switch of this name closed or open, or lets go of it: what the panel reports.
+/// Carries out the panel lines `close`, `open` and `free` for a switch of these names. `None` for
+/// another line.
 pub fn hold(
     words: &[&str],
     names: &[&str],
@@ -286,7 +298,8 @@ pub fn hold(
     Some(format!("{switch} is {is}"))
 }
 
-/// Pushes the rotor of an axis of this name: what the panel reports.
+/// Carries out the panel line `push AXIS STEPS` for an axis of these names. `None` for another
+/// line.
 pub fn push(
     words: &[&str],
     names: &[&str],

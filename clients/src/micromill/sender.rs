@@ -1,11 +1,9 @@
 //! Lines to a controller, and the steps that it tells.
 
-use super::device::Device;
 use super::session::Session;
-use crate::link::wire::Wire;
+use crate::{StopRequests, Wire};
+use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// How lines are sent.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +38,7 @@ pub fn send(
     wire: Wire<Device>,
     sending: &Sending,
     lines: &[(usize, Line)],
-    stop: Arc<AtomicBool>,
+    stop: StopRequests,
     progress: impl FnMut(usize),
     operator: impl FnMut(u8) -> bool,
 ) -> Result<Sent, String> {
@@ -56,7 +54,9 @@ pub fn send(
     );
     match made {
         Err(sentence) if session.is_halted() && sending.every > 0 && is_counted => {
-            let [x, y, z] = session.told().map(|steps| steps * i64::from(sending.every));
+            let [x, y, z] = session
+                .steps()
+                .map(|steps| steps * i64::from(sending.every));
             let from = if sending.homes {
                 "machine zero"
             } else {

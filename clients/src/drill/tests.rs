@@ -1,0 +1,601 @@
+//! Boards over the simulated line in virtual time, on good lines and bad ones.
+
+use super::client::Client;
+use super::duration::seconds;
+use super::part::Part;
+use super::sender::{End, Failed, Operator, Sender};
+use crate::{StopRequests, Wire};
+use husillo_gcode::Nm;
+use husillo_sim::Random;
+use husillo_sim::device::Emulation;
+use husillo_sim::device::LineFault as Fault;
+use husillo_sim::device::drill::Device;
+use husillo_transports::drill::Record;
+
+/// Types what it was told to.
+#[derive(Default)]
+struct Script {
+    answers: Vec<&'static str>,
+    told: Vec<String>,
+    shares: Vec<[f64; 2]>,
+    /// Presses Ctrl-C when something with these words was told.
+    stops_at: Option<(&'static str, StopRequests)>,
+}
+
+impl Operator for Script {
+    fn tell(&mut self, line: &str) {
+        self.told.push(line.to_owned());
+        if let Some((words, stop)) = &self.stops_at {
+            if line.contains(words) {
+                stop.request();
+            }
+        }
+    }
+
+    fn change(&mut self, tool: &str, _: Option<Nm>) -> Option<String> {
+        self.told.push(format!("change to {tool}"));
+        (!self.answers.is_empty()).then(|| self.answers.remove(0).to_owned())
+    }
+
+    fn progress(&mut self, share: f64, left_s: f64) {
+        self.shares.push([share, left_s]);
+    }
+}
+
+/// Millimetres, as an operator types them.
+fn diameter(text: &str) -> Option<Nm> {
+    let millimetres: f64 = text.trim_end_matches(" mm").parse().ok()?;
+    Some(Nm((millimetres * 1e6).round() as i64))
+}
+
+fn part(tool: u32, holes: &[[u16; 2]]) -> Part {
+    let hole = |[x, y]: &[u16; 2]| [Record::X(*x), Record::Y(*y), Record::Drill(0)];
+    Part {
+        tool,
+        diameter: Some(Nm(800_000)),
+        records: holes.iter().flat_map(hole).collect(),
+    }
+}
+
+fn client(is_original: bool) -> Client {
+    client_of(Device::quick(is_original), StopRequests::default())
+}
+
+fn client_of(device: Device, stop: StopRequests) -> Client {
+    Client::new(Wire::simulated(device), 2400, stop)
+}
+
+/// Sends it from a hole on; the client comes back.
+fn send(
+    client: Client,
+    parts: &[Part],
+    from: usize,
+    detach: bool,
+    operator: &mut Script,
+) -> (Result<End, String>, Client) {
+    let mut sender = Sender {
+        client,
+        operator,
+        parts,
+        from,
+        byte_s: 0.0085,
+        is_sure: true,
+        diameter,
+    };
+    let end = sender.send(detach);
+    (end, sender.client)
+}
+
+fn device(client: &mut Client) -> &mut Device {
+    client.device().expect("it is simulated")
+}
+
+/// Places of whole holes.
+fn drilled(client: &mut Client) -> Vec<[i32; 2]> {
+    let holes = device(client).rig(0).unwrap().holes().iter();
+    holes
+        .filter(|hole| hole.depth == 6)
+        .map(|hole| hole.at)
+        .collect()
+}
+
+/// Until the device stands.
+fn rest(client: &mut Client) {
+    for _ in 0..8000 {
+        device(client).tick();
+    }
+}
+
+fn places(parts: &[Part]) -> Vec<[i32; 2]> {
+    let stops = parts.iter().flat_map(Part::stops);
+    stops.map(|stop| stop.at.map(i32::from)).collect()
+}
+
+fn board() -> Vec<Part> {
+    vec![
+        part(1, &[[0x42, 0x65], [0x77, 0x66]]),
+        part(2, &[[0x66, 0x6d], [0x00, 0x00]]),
+    ]
+}
+
+#[test]
+fn a_board_of_two_tools() {
+    for is_original in [false, true] {
+        let parts = board();
+        let mut operator = Script::default();
+        let (end, mut client) = send(client(is_original), &parts, 0, false, &mut operator);
+        assert_eq!(end, Ok(End::Drilled));
+        assert_eq!(drilled(&mut client), places(&parts));
+        let rig = device(&mut client).rig(0).unwrap();
+        assert_eq!(rig.lost_steps(), [0; 3]);
+        assert_eq!(rig.dragged_steps(), 0);
+        assert!(!rig.spindle_turns());
+        assert!(rig.holes().iter().all(|hole| hole.is_clean));
+        // An original one switches its spindle for each hole; of the other one `send` does it for
+        // each tool.
+        let told = device(&mut client).reports();
+        let is_on = |line: &&String| line.as_str() == "spindle on";
+        let switched = told.iter().filter(is_on).count();
+        assert_eq!(switched, if is_original { 4 } else { 2 });
+        assert!(
+            !operator.told.iter().any(|line| line.contains("by hand")),
+            "{:?}",
+            operator.told
+        );
+    }
+}
+
+/// The spindle stands while a tool is changed: it is switched off behind the last hole of each, and
+/// on before the first.
+#[test]
+fn the_spindle_stands_between_tools() {
+    let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
+    assert_eq!(end, Ok(End::Drilled));
+    let told = device(&mut client).reports();
+    let mut events: Vec<_> = (told.iter())
+        .filter_map(|line| {
+            line.split([' ', ':'])
+                .find(|word| ["on", "off", "drilled"].contains(word))
+        })
+        .skip_while(|word| *word == "off")
+        .collect();
+    events.dedup();
+    assert_eq!(events, ["on", "drilled", "off", "on", "drilled", "off"]);
+}
+
+/// What is said to be left is what is left: a board at the rates of the machine itself, whose run
+/// is looked at every 20 ms.
+#[test]
+fn the_remaining_time_is_honest() {
+    let parts = [part(1, &[[100, 50], [900, 400], [2000, 10]])];
+    let mut operator = Script::default();
+    let client = client_of(Device::new(2400, false), StopRequests::default());
+    let (end, _) = send(client, &parts, 0, false, &mut operator);
+    assert_eq!(end, Ok(End::Drilled));
+    let looks = operator.shares.len();
+    let all_s = operator.shares[0][1];
+    assert!(all_s > 100.0, "{all_s}");
+    let mut before_s = f64::INFINITY;
+    for (number, [share, left_s]) in operator.shares.iter().enumerate() {
+        let truly_s = (looks - number) as f64 * 0.02;
+        assert!(
+            (left_s - truly_s).abs() < 0.03 * all_s,
+            "{left_s} s said to be left of {all_s}, {truly_s} were"
+        );
+        assert!((1.0 - left_s / all_s - share).abs() < 0.01, "{share}");
+        assert!(*left_s <= before_s);
+        before_s = *left_s;
+    }
+}
+
+/// An original one says nothing while it drills. Where it is gone the operator is told that it
+/// takes long, and a stop ends the wait.
+#[test]
+fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
+    let holes: Vec<[u16; 2]> = (0..200).map(|n| [100 * n, 7 * n]).collect();
+    let parts = [part(1, &holes)];
+    let stop = StopRequests::default();
+    let new = |stop: &StopRequests| client_of(Device::quick(true), stop.clone());
+    let (end, mut good) = send(new(&stop), &parts, 0, false, &mut Script::default());
+    assert_eq!(end, Ok(End::Drilled));
+    // The last byte is the answer to the run; the one before it starts it.
+    let place = device(&mut good).line().carried - 1;
+    let mut operator = Script {
+        stops_at: Some(("longer than reckoned", stop.clone())),
+        ..Script::default()
+    };
+    let mut client = new(&stop);
+    device(&mut client).line().fault = Some((place, Fault::Unplugged));
+    let (end, client) = send(client, &parts, 0, false, &mut operator);
+    let Ok(End::Failed(Failed { why, done, begun })) = end else {
+        panic!("{end:?}")
+    };
+    assert!(why.contains("no answer"), "{why}");
+    assert_eq!((done, begun), (0, 200));
+    let reckoned_s: f64 = seconds(&parts[0], [0; 2]).iter().sum();
+    let took_s = client.elapsed().as_secs_f64();
+    assert!(
+        took_s < 1.3 * reckoned_s + 300.0,
+        "{took_s} of {reckoned_s}"
+    );
+    assert!(took_s < 2.0 * reckoned_s, "{took_s} of {reckoned_s}");
+}
+
+/// It homes once: after a tool the axes come back to zero by their steps.
+#[test]
+fn it_does_not_home_between_tools() {
+    let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
+    assert_eq!(end, Ok(End::Drilled));
+    let homed = device(&mut client).reports();
+    assert_eq!(
+        homed.iter().filter(|line| *line == "homed").count(),
+        2,
+        "after power came on, and before the first tool"
+    );
+}
+
+#[test]
+fn it_asks_for_each_tool() {
+    let parts = board();
+    let mut operator = Script {
+        answers: vec!["0.8", "much", "0.9", "0.8 mm"],
+        ..Script::default()
+    };
+    let mut sender = Sender {
+        client: client(false),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+        diameter,
+    };
+    assert_eq!(sender.send(false), Ok(End::Drilled));
+    assert!(
+        operator.told.contains(&"0.9 mm is not 0.8 mm".into()),
+        "{:?}",
+        operator.told
+    );
+    // Nobody there to put the second one in.
+    operator.answers = vec!["0.8"];
+    let mut sender = Sender {
+        client: client(false),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+        diameter,
+    };
+    let Ok(End::Failed(failed)) = sender.send(false) else {
+        panic!()
+    };
+    assert_eq!((failed.done, failed.begun), (2, 2));
+}
+
+/// An original one switches its spindle itself: nobody is asked anything before a board of one
+/// tool.
+#[test]
+fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
+    let parts = [part(1, &[[20, 10]])];
+    let mut operator = Script::default();
+    let mut sender = Sender {
+        client: client(true),
+        operator: &mut operator,
+        parts: &parts,
+        from: 0,
+        byte_s: 0.0085,
+        is_sure: false,
+        diameter,
+    };
+    assert_eq!(sender.send(false), Ok(End::Drilled));
+    let mut client = sender.client;
+    assert_eq!(drilled(&mut client), [[20, 10]]);
+    assert!(device(&mut client).rig(0).unwrap().holes()[0].is_clean);
+    let told = device(&mut client).reports();
+    let of_hole: Vec<_> = told
+        .iter()
+        .skip_while(|line| *line != "spindle on")
+        .collect();
+    assert_eq!(of_hole, ["spindle on", "drilled at 20,10", "spindle off"]);
+}
+
+/// A program of three memories: the wait at each border, every hole once; the share rises to the
+/// end, and what is left falls.
+#[test]
+fn a_long_board_is_done_in_parts() {
+    let holes: Vec<[u16; 2]> = (0..2000).map(|n| [n % 40, n / 50]).collect();
+    let parts = [part(1, &holes)];
+    let mut operator = Script::default();
+    let (end, mut client) = send(client(false), &parts, 0, false, &mut operator);
+    assert_eq!(end, Ok(End::Drilled));
+    assert_eq!(drilled(&mut client), places(&parts));
+    let shares = &operator.shares;
+    assert!(
+        shares
+            .windows(2)
+            .all(|pair| pair[0][0] <= pair[1][0] + 1e-9)
+    );
+    let last = shares.last().unwrap();
+    assert!(last[0] > 0.98 && last[0] < 1.01, "{last:?}");
+    let (end, _) = send(client, &parts, 0, true, &mut operator);
+    assert!(end.unwrap_err().contains("8192"));
+}
+
+#[test]
+fn a_detached_start_is_certain() {
+    let parts = [part(1, &[[3000, 10], [5, 400]])];
+    let (end, mut client) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    assert!(drilled(&mut client).is_empty());
+    rest(&mut client);
+    assert_eq!(drilled(&mut client), places(&parts));
+    let (end, _) = send(client, &board(), 0, true, &mut Script::default());
+    assert!(end.unwrap_err().contains("one tool"));
+}
+
+/// A start that the device did not hear is told: nothing has started.
+#[test]
+fn a_start_that_was_lost_is_told() {
+    let parts = [part(1, &[[2000, 10]])];
+    let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    let carried = device(&mut good).line().carried;
+    let (mut unheard, mut unknown) = (0, 0);
+    for fault in [Fault::Lost, Fault::Unplugged] {
+        for place in carried - 6..carried {
+            let mut client = client(false);
+            device(&mut client).line().fault = Some((place, fault));
+            let mut operator = Script::default();
+            let (end, mut client) = send(client, &parts, 0, true, &mut operator);
+            rest(&mut client);
+            let has_drilled = !drilled(&mut client).is_empty();
+            let says_so = end == Ok(End::Detached);
+            let context = format!("{fault:?} at {place}: {end:?}");
+            assert!(has_drilled || !says_so, "{context}");
+            unheard += u32::from(!says_so);
+            if fault == Fault::Lost {
+                assert_eq!(has_drilled, says_so, "{context}");
+                assert!(
+                    !device(&mut client).rig(0).unwrap().spindle_turns(),
+                    "{context}"
+                );
+                continue;
+            }
+            // Whoever does not know whether it drills says that.
+            unknown += u32::from(has_drilled && !says_so);
+            if !says_so {
+                let told = operator.told.last().map_or("", String::as_str);
+                assert!(told.contains("its spindle may turn"), "{context}: {told}");
+            }
+            // What has run stops its spindle by itself.
+            assert!(
+                !has_drilled || !device(&mut client).rig(0).unwrap().spindle_turns(),
+                "{context}"
+            );
+        }
+    }
+    assert!(unheard >= 3 && unknown >= 1, "{unheard}, {unknown}");
+}
+
+/// An original one does not say that it has started: it is not left to itself, and nothing moves
+/// but homing of it.
+#[test]
+fn an_original_is_not_left_to_itself() {
+    let parts = [part(1, &[[20, 10]])];
+    let (end, mut client) = send(client(true), &parts, 0, true, &mut Script::default());
+    assert!(end.unwrap_err().contains("cannot be left to itself"));
+    rest(&mut client);
+    assert!(drilled(&mut client).is_empty());
+}
+
+/// A fault is told when it happens, not after the longest time of the board: here the lower sensor
+/// does not work.
+#[test]
+fn a_fault_is_told_at_once() {
+    let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
+    let mut client = client(false);
+    device(&mut client).control("open down");
+    let start = client.elapsed();
+    let (end, client) = send(client, &[part(1, &holes)], 0, false, &mut Script::default());
+    let Ok(End::Failed(Failed { why, done, .. })) = end else {
+        panic!("{end:?}")
+    };
+    assert!(why.contains("stands for a fault"), "{why}");
+    assert_eq!(done, 0);
+    // 1.8 kB at 2400 baud are 17 s with their echoes, and the host looks for the device afterwards.
+    let took = client.elapsed() - start;
+    assert!(took.as_secs() < 30, "{took:?}");
+}
+
+/// A cable that is pulled while the drill is at work is noticed in seconds: the drill is asked now
+/// and then whether it is.
+#[test]
+fn a_pulled_cable_is_noticed_soon() {
+    let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
+    let parts = [part(1, &holes)];
+    let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    let begins = good.elapsed();
+    // Behind the start there are two bytes here: asked, and answered.
+    let place = device(&mut good).line().carried - 2;
+    let mut client = client(false);
+    device(&mut client).line().fault = Some((place, Fault::Unplugged));
+    let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+    let Ok(End::Failed(Failed { why, done, begun })) = end else {
+        panic!("{end:?}")
+    };
+    assert!(why.contains("no answer"), "{why}");
+    let took = client.elapsed() - begins;
+    assert!((4..10).contains(&took.as_secs()), "{took:?}");
+    rest(&mut client);
+    for _ in 0..60 {
+        rest(&mut client);
+    }
+    let count = drilled(&mut client).len();
+    assert!((done..=begun).contains(&count), "{done} {count} {begun}");
+    assert!(
+        !device(&mut client).rig(0).unwrap().spindle_turns(),
+        "it has ended"
+    );
+}
+
+/// Holes drilled in pecks: each counts once, and going on begins with a whole one.
+#[test]
+fn pecks_are_one_hole() {
+    let hole = |[x, y]: [u16; 2]| {
+        let pecks = [4, 5, 0].map(Record::Drill);
+        [Record::X(x), Record::Y(y)].into_iter().chain(pecks)
+    };
+    let parts = [Part {
+        tool: 1,
+        diameter: None,
+        records: [[3, 3], [9, 4], [5, 8]]
+            .into_iter()
+            .flat_map(hole)
+            .collect(),
+    }];
+    assert_eq!(parts[0].holes(), 3);
+    let mut operator = Script::default();
+    let (end, mut one) = send(client(false), &parts, 1, false, &mut operator);
+    assert_eq!(end, Ok(End::Drilled));
+    assert!(operator.told.contains(&"T1: 2 holes drilled".into()));
+    let depths = |client: &mut Client| -> Vec<([i32; 2], i32)> {
+        let holes = device(client).rig(0).unwrap().holes().iter();
+        holes.map(|hole| (hole.at, hole.depth)).collect()
+    };
+    let pecks = |at| [(at, 4), (at, 5), (at, 6)];
+    assert_eq!(depths(&mut one), [pecks([9, 4]), pecks([5, 8])].concat());
+    // Stopped anywhere: what is said to be done is done to its last peck.
+    for fault_at in 0..60 {
+        let mut client = client(false);
+        let (_, mut good) = send(
+            self::client(false),
+            &parts,
+            0,
+            false,
+            &mut Script::default(),
+        );
+        let carried = device(&mut good).line().carried;
+        device(&mut client).line().fault = Some((carried - 60 + fault_at, Fault::Reset));
+        let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+        rest(&mut client);
+        let whole = drilled(&mut client).len();
+        match end {
+            Ok(End::Drilled) => assert_eq!(whole, 3),
+            Ok(End::Failed(Failed { done, begun, .. })) => {
+                assert!((done..=begun).contains(&whole), "{done} {whole} {begun}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn faults() -> impl Iterator<Item = Fault> {
+    (0..8).map(Fault::Flipped).chain([
+        Fault::Lost,
+        Fault::Doubled,
+        Fault::Late(30_000),
+        Fault::Late(200_000),
+        Fault::Unplugged,
+        Fault::Reset,
+    ])
+}
+
+/// Sends it with a fault; then, as the operator, goes on from the hole that is said to be the next,
+/// or the first one that is not in the board. `false` where nothing was reported. At the end every
+/// hole is there once.
+fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool {
+    let expected = places(parts);
+    let mut from = 0;
+    let mut client = client;
+    for round in 0..4 {
+        let (end, back) = send(client, parts, from, false, &mut Script::default());
+        client = back;
+        match end.expect("it can be asked for") {
+            End::Drilled => {
+                assert_eq!(drilled(&mut client), expected, "{context}");
+                assert_eq!(
+                    device(&mut client).rig(0).unwrap().dragged_steps(),
+                    0,
+                    "{context}"
+                );
+                return round > 0;
+            }
+            End::Detached => panic!("{context}"),
+            End::Failed(Failed { why, done, begun }) => {
+                rest(&mut client);
+                let count = drilled(&mut client).len();
+                assert!(
+                    (done..=begun).contains(&count),
+                    "{context}: {why}; {count} holes, {done} said done, {begun} begun"
+                );
+                assert_eq!(drilled(&mut client), expected[..count], "{context}");
+                if count == expected.len() {
+                    return true;
+                }
+                from = count;
+                device(&mut client).line().plug(true);
+            }
+        }
+    }
+    panic!("{context}: {fault:?} never ends");
+}
+
+/// Every fault at every byte of a board of two tools, on both kinds of device.
+#[test]
+fn any_fault_at_any_byte_is_survived_or_reported() {
+    for is_original in [false, true] {
+        let parts = board();
+        let (end, mut good) = send(
+            client(is_original),
+            &parts,
+            0,
+            false,
+            &mut Script::default(),
+        );
+        assert_eq!(end, Ok(End::Drilled));
+        let carried = device(&mut good).line().carried;
+        let (mut reported, mut unharmed) = (0, 0);
+        for place in 0..carried {
+            for fault in faults() {
+                let mut client = client(is_original);
+                device(&mut client).line().fault = Some((place, fault));
+                let context = format!("original {is_original}, {fault:?} at {place} of {carried}");
+                if goes_on(client, &parts, fault, &context) {
+                    reported += 1;
+                } else {
+                    unharmed += 1;
+                }
+            }
+        }
+        println!("{reported} reported, {unharmed} without harm");
+        assert!(reported > 500 && unharmed > 50, "{reported}, {unharmed}");
+    }
+}
+
+/// The same anywhere in long ones, with the border of the device's memory among them.
+#[test]
+fn faults_in_long_boards_are_survived_or_reported() {
+    let (mut numbers, mut reported) = (Random::new(5), 0);
+    let mut random = |below: u64| numbers.below(below);
+    let faults: Vec<_> = faults().collect();
+    for round in 0..12 {
+        let holes: Vec<[u16; 2]> = (0..950)
+            .map(|_| [random(60) as u16, random(60) as u16])
+            .collect();
+        let parts = [part(1, &holes)];
+        let mut client = client(false);
+        // Half of them near the border, where a full memory is run.
+        let place = if round % 2 == 0 {
+            random(17_000)
+        } else {
+            2 * 8192 + random(80)
+        };
+        let fault = faults[random(faults.len() as u64) as usize];
+        device(&mut client).line().fault = Some((place, fault));
+        let context = format!("round {round}, {fault:?} at {place}");
+        reported += u32::from(goes_on(client, &parts, fault, &context));
+    }
+    assert!(reported > 5, "{reported}");
+}

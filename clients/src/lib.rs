@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod drill;
+pub mod microfactory;
+pub mod micromill;
+mod port;
+mod stop_requests;
+mod wire;
+
+pub use port::{Port, read};
+pub use stop_requests::StopRequests;
+pub use wire::Wire;

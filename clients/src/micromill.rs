@@ -1,0 +1,34 @@
+//! The micro mill: strings of a program, and moves by hand.
+//!
+//! ```text
+//! lines ─► sender ─┐
+//! actions ─► hand ─┴► session ─► wire ─► controller
+//! ```
+
+mod action;
+mod hand;
+mod sender;
+mod session;
+
+pub use action::{Action, Leg, Pace};
+pub use hand::Hand;
+pub use sender::{Sending, Sent, send};
+pub use session::Session;
+
+use crate::Wire;
+use husillo_sim::device::micromill::Device;
+
+/// Rate of the original's link, bits/s.
+pub const BAUD: u32 = 9600;
+
+/// Opens a controller at a port, or a simulated one at `sim`.
+///
+/// # Errors
+///
+/// A sentence about the port.
+pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
+    if port == "sim" {
+        return Ok(Wire::simulated(Device::new(bits_per_s)));
+    }
+    Wire::open(port, bits_per_s).map_err(|error| format!("{port}: {error}"))
+}

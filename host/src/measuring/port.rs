@@ -1,0 +1,53 @@
+//! The port of a chain of modules.
+
+use husillo_clients::Port;
+use husillo_metrology::heads;
+use husillo_transports::nmc::{Baud, Timing};
+use std::io;
+
+/// A serial device or a socket with a chain of modules behind it.
+#[derive(Debug)]
+pub struct ChainPort(Port);
+
+impl ChainPort {
+    /// Opens a serial device or, with `tcp:HOST:PORT`, a socket.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be opened.
+    pub fn open(name: &str) -> io::Result<Self> {
+        Ok(Self(Port::open(name, Baud::default().bits_per_s())?))
+    }
+}
+
+impl heads::Port for ChainPort {
+    fn timing(&self, baud: Baud) -> Timing {
+        Timing::patient(baud)
+    }
+
+    /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
+    /// simulated chain on it, may delay the bytes for longer, and a late reply costs a flush.
+    fn timing_of_known(&self, baud: Baud) -> Timing {
+        Timing {
+            reply_us: 250_000,
+            tries: 5,
+            ..self.timing(baud)
+        }
+    }
+
+    fn elapsed_us(&self) -> u64 {
+        self.0.elapsed_us()
+    }
+
+    fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+        self.0.set_rate(baud.bits_per_s())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.0.send(bytes)
+    }
+
+    fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+        self.0.receive(wait_us)
+    }
+}

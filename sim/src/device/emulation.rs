@@ -1,0 +1,29 @@
+//! A simulated device behind a link.
+
+/// A device that runs in simulated time: bytes in, bytes out, and an operator's panel.
+pub trait Emulation {
+    /// Length of a period of the simulation, ns.
+    const PERIOD_NS: u64;
+
+    /// Takes a byte that a client sent.
+    fn send(&mut self, byte: u8);
+
+    /// Simulates one period. Returns the bytes that the device sends in it.
+    fn tick(&mut self) -> Vec<u8>;
+
+    /// Carries out a line typed at the panel, and returns its reply.
+    fn control(&mut self, line: &str) -> String {
+        let _ = line;
+        "this device has no panel".into()
+    }
+
+    /// Returns the reports of the device since the last call, one line each.
+    fn reports(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Returns the step events since the last call as rows of CSV, where they are recorded.
+    fn made(&mut self) -> String {
+        String::new()
+    }
+}
