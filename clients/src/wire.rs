@@ -145,7 +145,7 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// The reports of a simulated device since the last call. A real device shows them on its panel.
+    /// The reports of a simulated device since the last call. A real one shows them on its panel.
     pub fn reports(&mut self) -> Vec<String> {
         match self {
             Self::Simulated { device, .. } => device.reports(),

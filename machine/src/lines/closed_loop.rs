@@ -56,12 +56,12 @@ enum State {
 /// motors.
 ///
 /// Losses appear in the stream as [`Followed::Lost`], at the latest when a motor is more than
-/// `tolerance_steps` off; smaller losses appear when the motion ends. A motor at rest is then at its
-/// expected position: exactly where a count is no longer than a step, within two counts otherwise.
-/// [`AxisEncoder::on_loss`] selects the reaction. Steps are re-emitted one axis at a time at its `correction_rate_hz` while
-/// the path stands. Steps against the direction of travel cross the backlash and return, so that
-/// the nut approaches from the same side as before. Every axis has a number of `attempts`; a
-/// blocked axis ends with [`Followed::Stalled`].
+/// `tolerance_steps` off; smaller losses appear when the motion ends. A motor at rest is then at
+/// its expected position: exactly where a count is no longer than a step, within two counts
+/// otherwise. [`AxisEncoder::on_loss`] selects the reaction. Steps are re-emitted one axis at a
+/// time at its `correction_rate_hz` while the path stands. Steps against the direction of travel
+/// cross the backlash and return, so that the nut approaches from the same side as before. Every
+/// axis has a number of `attempts`; a blocked axis ends with [`Followed::Stalled`].
 ///
 /// # Cost
 /// None for a machine without encoders, which does not use this type. With them, an event takes
