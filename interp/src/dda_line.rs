@@ -1,10 +1,8 @@
 //! Straight line by a digital differential analyser (DDA).
 
-use crate::Step;
-use crate::interpolator::Totals;
 use crate::lattice::rounded_root;
-use crate::method::{Method, interpolator};
-use crate::step::negative_axes;
+use crate::method::interpolator;
+use crate::straight::{Register, Straight};
 
 /// A straight line in one to eight axes with one BLU of path per event. In every pass each register
 /// adds the distance of its axis; the axis steps when its register overflows the length L.
@@ -41,18 +39,12 @@ use crate::step::negative_axes;
 /// ```
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LineDda<const N: usize> {
-    left: u32,
-    events: u32,
-    /// Overflow threshold of the registers.
-    length: u32,
-    /// Mask of the axes that step backwards.
-    negative: u8,
-    axes: [Register; N],
+    walk: Straight<Sum, N>,
 }
 
 /// The register of one axis.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-struct Register {
+struct Sum {
     /// Negative; a step is due when it reaches 0.
     phase: i32,
     /// |d|, at most L.
@@ -100,21 +92,18 @@ impl<const N: usize> LineDda<N> {
     }
 
     fn with(delta: [i32; N], events: u32, length: u32, phase: impl Fn(bool) -> i32) -> Self {
+        let sum = |distance: i32| Sum {
+            phase: phase(distance < 0),
+            rate: distance.unsigned_abs(),
+        };
         LineDda {
-            left: events,
-            events,
-            length,
-            negative: negative_axes(delta),
-            axes: delta.map(|distance| Register {
-                phase: phase(distance < 0),
-                rate: distance.unsigned_abs(),
-            }),
+            walk: Straight::new(delta, events, length, sum),
         }
     }
 
     /// Number of events of the whole line, idle ones included.
     pub const fn events(&self) -> u32 {
-        self.events
+        self.walk.events
     }
 }
 
@@ -130,37 +119,19 @@ pub(crate) fn square<const N: usize>(delta: [i32; N]) -> Option<u64> {
         .filter(|sum| *sum < 1 << 62)
 }
 
-impl<const N: usize> Method for LineDda<N> {
+impl Register for Sum {
+    /// L, the overflow threshold.
+    type Common = u32;
+
     #[inline]
-    fn next_step(&mut self) -> Option<Step> {
-        self.left = self.left.checked_sub(1)?;
-        let (mut axes, mut bit) = (0_u8, 1_u8);
-        for axis in &mut self.axes {
-            // -L - 1 <= phase < 0 and rate <= L + 1/2 <= 2^31, so the sum is from -2^31 to
-            // 2^31 - 1.
-            axis.phase = axis.phase.wrapping_add(axis.rate as i32);
-            if axis.phase >= 0 {
-                axis.phase = axis.phase.wrapping_sub(self.length as i32);
-                axes |= bit;
-            }
-            bit = bit.wrapping_shl(1);
+    fn advance(&mut self, _: u32, length: u32, axes: &mut u8, bit: u8) {
+        // -L - 1 <= phase < 0 and rate <= L + 1/2 <= 2^31, so the sum is from -2^31 to 2^31 - 1.
+        self.phase = self.phase.wrapping_add(self.rate as i32);
+        if self.phase >= 0 {
+            self.phase = self.phase.wrapping_sub(length as i32);
+            *axes |= bit;
         }
-        Some(Step {
-            axes,
-            negative: axes & self.negative,
-            sweep: 1,
-        })
-    }
-
-    #[inline]
-    fn left(&self) -> u32 {
-        self.left
-    }
-
-    #[inline]
-    fn totals(&self) -> Totals {
-        Totals::of_ones(self.events)
     }
 }
 
-interpolator!(LineDda<N>);
+interpolator!(LineDda<N>, walk);

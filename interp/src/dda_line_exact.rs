@@ -1,10 +1,8 @@
 //! The printed DDA line with the exact, irrational length.
 
-use crate::Step;
 use crate::dda_line::square;
-use crate::interpolator::Totals;
-use crate::method::{Method, interpolator};
-use crate::step::negative_axes;
+use crate::method::interpolator;
+use crate::straight::{Register, Straight};
 
 /// A straight line by the DDA of micromill A.3 with the exact length L = sqrt(sum d^2) instead of
 /// floor(L), for comparison.
@@ -22,17 +20,12 @@ use crate::step::negative_axes;
 /// | source | micromill, annex A.3 (for its faults see [`LineDda`](crate::LineDda)) |
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LineDdaExact<const N: usize> {
-    left: u32,
-    events: u32,
-    /// L^2, below 2^62.
-    square: u64,
-    negative: u8,
-    axes: [Register; N],
+    walk: Straight<Sum, N>,
 }
 
 /// One axis.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-struct Register {
+struct Sum {
     /// k |d|: below 2^62, because k <= 2^31.
     sum: u64,
     rate: u32,
@@ -51,22 +44,19 @@ impl<const N: usize> LineDdaExact<N> {
         } else {
             (square.isqrt() as u32).wrapping_add(1)
         };
+        let sum = |distance: i32| Sum {
+            sum: 0,
+            rate: distance.unsigned_abs(),
+            next: 1,
+        };
         Some(LineDdaExact {
-            left: events,
-            events,
-            square,
-            negative: negative_axes(delta),
-            axes: delta.map(|distance| Register {
-                sum: 0,
-                rate: distance.unsigned_abs(),
-                next: 1,
-            }),
+            walk: Straight::new(delta, events, square, sum),
         })
     }
 
     /// Number of events of the whole line, idle ones included.
     pub const fn events(&self) -> u32 {
-        self.events
+        self.walk.events
     }
 }
 
@@ -76,37 +66,20 @@ fn product(a: u64, b: u64) -> u128 {
     u128::from(a).wrapping_mul(u128::from(b))
 }
 
-impl<const N: usize> Method for LineDdaExact<N> {
+impl Register for Sum {
+    /// L^2, below 2^62.
+    type Common = u64;
+
     #[inline]
-    fn next_step(&mut self) -> Option<Step> {
-        self.left = self.left.checked_sub(1)?;
-        let (mut axes, mut bit) = (0_u8, 1_u8);
-        for axis in &mut self.axes {
-            axis.sum = axis.sum.wrapping_add(axis.rate.into());
-            // At most 2^62.
-            let next = u64::from(axis.next);
-            if product(axis.sum, axis.sum) > product(next.wrapping_mul(next), self.square) {
-                axis.next = axis.next.wrapping_add(1);
-                axes |= bit;
-            }
-            bit = bit.wrapping_shl(1);
+    fn advance(&mut self, _: u32, square: u64, axes: &mut u8, bit: u8) {
+        self.sum = self.sum.wrapping_add(self.rate.into());
+        // At most 2^62.
+        let next = u64::from(self.next);
+        if product(self.sum, self.sum) > product(next.wrapping_mul(next), square) {
+            self.next = self.next.wrapping_add(1);
+            *axes |= bit;
         }
-        Some(Step {
-            axes,
-            negative: axes & self.negative,
-            sweep: 1,
-        })
-    }
-
-    #[inline]
-    fn left(&self) -> u32 {
-        self.left
-    }
-
-    #[inline]
-    fn totals(&self) -> Totals {
-        Totals::of_ones(self.events)
     }
 }
 
-interpolator!(LineDdaExact<N>);
+interpolator!(LineDdaExact<N>, walk);

@@ -6,6 +6,7 @@
 mod interpolator;
 mod method;
 mod step;
+mod straight;
 
 mod dda_line;
 mod dda_line_exact;

@@ -1,9 +1,7 @@
 //! The straight line in N axes.
 
-use crate::Step;
-use crate::interpolator::Totals;
-use crate::method::{Method, interpolator};
-use crate::step::negative_axes;
+use crate::method::interpolator;
+use crate::straight::{Register, Straight};
 
 /// A straight line in one to eight axes, with as many events as the longest axis has steps.
 ///
@@ -28,17 +26,12 @@ use crate::step::negative_axes;
 /// ```
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Line<const N: usize> {
-    left: u32,
-    /// The longest distance.
-    events: u32,
-    /// Mask of the axes that step backwards.
-    negative: u8,
-    axes: [Share; N],
+    pub(crate) walk: Straight<Share, N>,
 }
 
 /// State of one axis of the line.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-struct Share {
+pub(crate) struct Share {
     /// From -n to -1; a step is due when it reaches 0.
     phase: i32,
     /// |d|, at most n.
@@ -56,7 +49,7 @@ impl<const N: usize> Line<N> {
             .unwrap_or(0);
         // floor((2 k d + n) / (2 n)) = floor((k d + floor(n / 2)) / n), because k d is an integer.
         let half = events / 2;
-        let axes = delta.map(|distance| {
+        let share = |distance: i32| {
             // For a negative distance the phase is mirrored, n - 1 - phase: it passes n when the
             // true one passes 0.
             let phase = if distance < 0 {
@@ -69,59 +62,38 @@ impl<const N: usize> Line<N> {
                 phase: phase.wrapping_sub(events) as i32,
                 rate: distance.unsigned_abs(),
             }
-        });
+        };
         Line {
-            left: events,
-            events,
-            negative: negative_axes(delta),
-            axes,
+            walk: Straight::new(delta, events, (), share),
         }
     }
 
     /// Number of events of the whole line: the distance of the longest axis, at most 2^31.
     pub const fn events(&self) -> u32 {
-        self.events
+        self.walk.events
     }
 }
 
-impl<const N: usize> Method for Line<N> {
+impl Register for Share {
+    type Common = ();
+
     #[inline]
-    fn next_step(&mut self) -> Option<Step> {
-        self.left = self.left.checked_sub(1)?;
-        let (mut axes, mut bit) = (0_u8, 1_u8);
-        for axis in &mut self.axes {
-            // -n <= phase < 0 and rate <= n <= 2^31, so the sum is from -2^31 to 2^31 - 1. In 32
-            // bits it carries where it reaches 0 or more.
-            let (phase, is_due) = (axis.phase as u32).overflowing_add(axis.rate);
-            axis.phase = phase as i32;
-            let due = phase.wrapping_sub(self.events) as i32;
-            if cfg!(target_pointer_width = "64") {
-                // Selected without a branch: desktop processors mispredict which axis steps.
-                axis.phase = if is_due { due } else { axis.phase };
-                axes |= if is_due { bit } else { 0 };
-            } else if axis.phase >= 0 {
-                // A branch takes the fewest instructions on a Cortex-M.
-                axis.phase = due;
-                axes |= bit;
-            }
-            bit = bit.wrapping_shl(1);
+    fn advance(&mut self, events: u32, (): (), axes: &mut u8, bit: u8) {
+        // -n <= phase < 0 and rate <= n <= 2^31, so the sum is from -2^31 to 2^31 - 1. In 32 bits
+        // it carries where it reaches 0 or more.
+        let (phase, is_due) = (self.phase as u32).overflowing_add(self.rate);
+        self.phase = phase as i32;
+        let due = phase.wrapping_sub(events) as i32;
+        if cfg!(target_pointer_width = "64") {
+            // Selected without a branch: desktop processors mispredict which axis steps.
+            self.phase = if is_due { due } else { self.phase };
+            *axes |= if is_due { bit } else { 0 };
+        } else if self.phase >= 0 {
+            // A branch takes the fewest instructions on a Cortex-M.
+            self.phase = due;
+            *axes |= bit;
         }
-        Some(Step {
-            axes,
-            negative: axes & self.negative,
-            sweep: 1,
-        })
-    }
-
-    #[inline]
-    fn left(&self) -> u32 {
-        self.left
-    }
-
-    #[inline]
-    fn totals(&self) -> Totals {
-        Totals::of_ones(self.events)
     }
 }
 
-interpolator!(Line<N>);
+interpolator!(Line<N>, walk);

@@ -36,7 +36,7 @@ impl<const N: usize> Method for Path<N> {
     #[inline]
     fn next_step(&mut self) -> Option<Step> {
         match self {
-            Path::Line(line) => line.next(),
+            Path::Line(line) => line.walk.next_step(),
             Path::Arc(helix) => helix.next(),
         }
     }
@@ -44,7 +44,7 @@ impl<const N: usize> Method for Path<N> {
     #[inline]
     fn left(&self) -> u32 {
         match self {
-            Path::Line(line) => line.left(),
+            Path::Line(line) => line.walk.left(),
             Path::Arc(helix) => helix.left(),
         }
     }
@@ -52,7 +52,7 @@ impl<const N: usize> Method for Path<N> {
     #[inline]
     fn totals(&self) -> Totals {
         match self {
-            Path::Line(line) => line.totals(),
+            Path::Line(line) => line.walk.totals(),
             Path::Arc(helix) => helix.totals(),
         }
     }
