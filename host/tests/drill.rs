@@ -259,16 +259,20 @@ fn programs_are_compiled_and_listed() {
     }
 }
 
+/// Compiles the example board.
+fn board(args: &[&str]) -> assert_cmd::assert::Assert {
+    let compile = ["compile", "../examples/board.drl", "-m", "drill"];
+    husillo().args(compile).args(args).assert()
+}
+
 #[test]
 fn a_board_has_a_file_for_each_tool_and_a_manifest() {
     let folder = passing("board");
-    let output = folder.join("b.cod");
     let page = folder.join("b.html");
-    let board = ["compile", "../examples/board.drl", "-m", "drill"];
     husillo()
-        .args(board)
+        .args(["compile", "../examples/board.drl", "-m", "drill"])
         .args(["--shift", "corner", "--order", "shortest", "-o"])
-        .arg(&output)
+        .arg(folder.join("b.cod"))
         .arg("--report")
         .arg(&page)
         .assert()
@@ -283,6 +287,14 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
     assert_eq!(page.matches("class=\"way back\"").count(), 4);
     assert!(page.contains(">10 mm</text>"));
     assert!(page.contains("Travel in X and Y") && !page.contains("<script"));
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn a_manifest_is_sent_as_it_is() {
+    let folder = passing("board-manifest");
+    let output = folder.join("b.cod");
+    board(&["--shift", "corner", "-o", output.to_str().unwrap()]).success();
     let manifest = folder.join("b.toml");
     husillo()
         .args(["send", manifest.to_str().unwrap(), "-m", "drill"])
@@ -319,7 +331,11 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
             .failure()
             .stderr(contains(why));
     }
-    // What is to be typed to go on is what was typed.
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn the_command_to_go_on_with_is_the_one_that_was_typed() {
     husillo()
         .args([
             "send",
@@ -337,40 +353,32 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
         .stderr(contains(
             "husillo send ../examples/board.drl -m drill --shift corner --from 1",
         ));
-    // Turned over, by a right angle, and laid on two holes that were measured.
-    husillo()
-        .args(board)
-        .args(["--mirror", "x", "--turn", "90", "--report"])
-        .arg(folder.join("c.html"))
-        .args(["--reference", "10,10=30.02,37"])
-        .args(["--reference", "27.78,10=30.03,19.21"])
-        .assert()
+}
+
+#[test]
+fn a_board_is_placed_and_has_a_depth() {
+    let folder = passing("board-placed");
+    let (output, page) = (folder.join("b.cod"), folder.join("c.html"));
+    // Mirrored, turned by a right angle, and laid on two holes that were measured.
+    let turned = ["--mirror", "x", "--turn", "90"];
+    let first = ["--reference", "10,10=30.02,37"];
+    let second = ["--reference", "27.78,10=30.03,19.21"];
+    let report = ["--report", page.to_str().unwrap()];
+    board(&[&turned[..], &first, &second, &report].concat())
         .success()
         .stderr(contains(
             "turned by 0.0322 degrees; longer than the file by 563 um/m",
         ));
-    // With a depth for all of them, and off the table.
-    husillo()
-        .args(board)
-        .args(["--depth", "31.5", "-o"])
-        .arg(&output)
-        .assert()
-        .success();
+    board(&["--depth", "31.5", "-o", output.to_str().unwrap()]).success();
     let deep = std::fs::read(folder.join("b.T3.cod")).unwrap();
     assert!(
         deep.windows(3).any(|record| record == b"Z\x2b\x0d"),
         "3371 steps"
     );
-    husillo()
-        .args(board)
-        .args(["--depth", "35.1"])
-        .assert()
+    board(&["--depth", "35.1"])
         .code(2)
         .stderr(contains("the lower sensor"));
-    husillo()
-        .args(board)
-        .args(["--shift", "200,0"])
-        .assert()
+    board(&["--shift", "200,0"])
         .code(1)
         .stderr(contains("off the table"));
     let _ = std::fs::remove_dir_all(&folder);

@@ -611,7 +611,10 @@ fn a_contact_at_the_end_of_a_search_is_latched_or_refused() {
         }
     }
     assert!(latched > 0, "none was latched");
-    // Two faces, the touch of one after the touch of the other.
+}
+
+#[test]
+fn a_touch_after_another_one_latches_its_own_contact() {
     for far in ["7998", "7999", "8000", "8001"] {
         let contact = format!("1:{far}");
         let output = husillo()

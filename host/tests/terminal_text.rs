@@ -33,141 +33,217 @@ fn machine(folder: &Path, from: &str, name: &str) -> String {
     written(folder, name, &(lines.collect::<Vec<_>>().join("\n") + "\n"))
 }
 
+/// Files with hostile names and contents, in a folder of their own.
+struct Files {
+    folder: PathBuf,
+    good: String,
+    errors: String,
+    board: String,
+    wrong_board: String,
+    manifest: String,
+    list: String,
+    records: String,
+    mill: String,
+    bad_toml: String,
+    /// A name of no file yet.
+    output: String,
+    none: String,
+}
+
+impl Files {
+    fn new(name: &str) -> Self {
+        let folder: PathBuf = common::scratch(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let good = "G21 G90\nG0 X1 Y1\nG1 X2 F5\nM2\n";
+        let evil = format!("{HOSTILE}good.nc");
+        let good = written(&folder, &evil, good);
+        let errors = format!(
+            "G21 G90\nG1 X9{HOSTILE} F5\nG1 Z{HOSTILE}1\n({HOSTILE}\nG1 X99 F1 ({HOSTILE})\nM2\n"
+        );
+        let errors = written(&folder, &format!("{HOSTILE}bad.nc"), &errors);
+        let board = format!(
+            "M48\nMETRIC,TZ\n;{HOSTILE}\nT1C0.8 ;{HOSTILE}\n%\nT1\nX1.0Y1.0\nX2.0Y1.0\nM30\n"
+        );
+        let board = written(&folder, &format!("{HOSTILE}b.drl"), &board);
+        let wrong_board = written(
+            &folder,
+            &format!("{HOSTILE}wrong.drl"),
+            &format!("M48\nMETRIC,TZ\nT1C{HOSTILE}\n%\nT1\nX1{HOSTILE}Y1.0\nM30\n"),
+        );
+        let manifest = format!(
+            "schema = 1\nprogram = \"x\"\n[[tool]]\nnumber = 1\nfile = {}\nholes = 1\nbytes = 1\n",
+            serde_json::to_string(HOSTILE)
+                .unwrap()
+                .replace('\u{7f}', "\\u007f")
+        );
+        let manifest = written(&folder, &format!("{HOSTILE}m.toml"), &manifest);
+        let bad_toml = written(
+            &folder,
+            "bad.toml",
+            &format!("schema = 1\n\"{HOSTILE}\" = \"{HOSTILE}\"\n"),
+        );
+        let mill = machine(&folder, "micromill.toml", &format!("{HOSTILE}mill.toml"));
+        let list = written(&folder, &format!("{HOSTILE}l.fig"), &format!("{HOSTILE}\n"));
+        let records = written(&folder, &format!("{HOSTILE}r.cod"), HOSTILE);
+        Files {
+            good,
+            errors,
+            board,
+            wrong_board,
+            manifest,
+            list,
+            records,
+            mill,
+            bad_toml,
+            output: format!("{HOSTILE}out"),
+            none: format!("{HOSTILE}none"),
+            folder,
+        }
+    }
+
+    /// Runs commands, none of which may print what a terminal obeys. Enough of the hostile texts
+    /// must come out, escaped.
+    fn run(&self, commands: &[Vec<&str>], least_escaped: usize) {
+        let (mut escaped, mut wrong) = (0, Vec::new());
+        for args in commands {
+            let run = husillo().current_dir(&self.folder).args(args).output();
+            let output = run.unwrap();
+            for (name, bytes) in [("stdout", &output.stdout), ("stderr", &output.stderr)] {
+                let text = String::from_utf8(bytes.clone()).unwrap();
+                let obeyed: String = text.chars().filter(|one| is_obeyed(*one)).collect();
+                if !obeyed.is_empty() {
+                    wrong.push(format!("{args:?}, {name}: {text:?}"));
+                }
+                escaped += text.matches("\\u001b").count();
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+        assert!(escaped > least_escaped, "{escaped}");
+    }
+}
+
+/// Commands that read programs and drill files.
 #[test]
-fn nothing_that_a_terminal_obeys() {
-    let folder: PathBuf = common::scratch("terminal-text");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let good = "G21 G90\nG0 X1 Y1\nG1 X2 F5\nM2\n";
-    let evil = format!("{HOSTILE}good.nc");
-    let good = written(&folder, &evil, good);
-    let errors = format!(
-        "G21 G90\nG1 X9{HOSTILE} F5\nG1 Z{HOSTILE}1\n({HOSTILE}\nG1 X99 F1 ({HOSTILE})\nM2\n"
-    );
-    let errors = written(&folder, &format!("{HOSTILE}bad.nc"), &errors);
-    let board =
-        format!("M48\nMETRIC,TZ\n;{HOSTILE}\nT1C0.8 ;{HOSTILE}\n%\nT1\nX1.0Y1.0\nX2.0Y1.0\nM30\n");
-    let board = written(&folder, &format!("{HOSTILE}b.drl"), &board);
-    let wrong_board = written(
-        &folder,
-        &format!("{HOSTILE}wrong.drl"),
-        &format!("M48\nMETRIC,TZ\nT1C{HOSTILE}\n%\nT1\nX1{HOSTILE}Y1.0\nM30\n"),
-    );
+fn programs_print_nothing_that_a_terminal_obeys() {
+    let files = Files::new("terminal-text");
+    let Files {
+        good,
+        errors,
+        board,
+        wrong_board,
+        manifest,
+        ..
+    } = &files;
+    let Files {
+        list,
+        records,
+        mill,
+        bad_toml,
+        output,
+        none,
+        ..
+    } = &files;
+    let commands = [
+        vec!["run", good, "-o", output],
+        vec!["run", good, "-m", mill, "-o", output, "--trace", output],
+        vec!["run", good, "-m", mill, "-o", output],
+        vec!["run", good, "--format", "json"],
+        vec!["run", errors],
+        vec!["run", errors, "-m", none],
+        vec!["run", none],
+        vec!["check", good, errors, "-m", mill],
+        vec!["check", errors, "--format", "short"],
+        vec!["check", errors, "--format", "json"],
+        vec!["check", good, "-m", bad_toml],
+        vec!["check", good, "--dialect", none],
+        vec!["check", board, wrong_board],
+        vec!["format", errors, "--check"],
+        vec!["format", none],
+        vec!["commands", good],
+        vec!["commands", errors],
+        vec!["commands", errors, "--format", "json"],
+        vec!["commands", records],
+        vec!["steps", good, "-o", output],
+        vec!["steps", errors, "-o", output],
+        vec!["steps", good, "-o", good],
+        vec!["holes", board],
+        vec!["holes", board, "--format", "json"],
+        vec!["holes", wrong_board],
+        vec![
+            "holes", board, "--as", "gcode", "--depth", "1", "-o", output,
+        ],
+        vec!["holes", board, "--shift", none],
+        vec!["compile", board, "-m", "drill", "-o", output],
+        vec!["compile", board, "-m", "drill", "--report", output],
+        vec!["compile", manifest, "-m", "drill"],
+        vec!["compile", errors, "-m", "micromill", "-o", output],
+        vec!["compile", list],
+        vec!["send", manifest, "-m", "drill"],
+        vec!["send", good, "-m", "micromill", "--port", none],
+        vec!["send", good, "-m", "drill", "--port", none],
+        vec!["compare", good, "-o", output],
+        vec!["compare", good, "-m", mill],
+        vec!["compare", errors],
+        vec!["interpolate", "line", "--to", none],
+    ];
+    files.run(&commands, 40);
+}
+
+/// Commands for machines.
+#[test]
+fn machines_print_nothing_that_a_terminal_obeys() {
+    let files = Files::new("terminal-text-machines");
+    let Files {
+        folder,
+        mill,
+        bad_toml,
+        none,
+        ..
+    } = &files;
     let cells = format!("axis,{HOSTILE}\n{HOSTILE},1\n");
-    let cells = written(&folder, &format!("{HOSTILE}cells.csv"), &cells);
+    let cells = written(folder, &format!("{HOSTILE}cells.csv"), &cells);
     let heads = written(
-        &folder,
+        folder,
         "heads.csv",
         &format!("axis,x_mm,y_mm,forward_um,back_um\n{HOSTILE},1,1,1,{HOSTILE}\n"),
     );
-    let manifest = format!(
-        "schema = 1\nprogram = \"x\"\n[[tool]]\nnumber = 1\nfile = {}\nholes = 1\nbytes = 1\n",
-        serde_json::to_string(HOSTILE)
-            .unwrap()
-            .replace('\u{7f}', "\\u007f")
-    );
-    let manifest = written(&folder, &format!("{HOSTILE}m.toml"), &manifest);
-    let bad_toml = written(
-        &folder,
-        "bad.toml",
-        &format!("schema = 1\n\"{HOSTILE}\" = \"{HOSTILE}\"\n"),
-    );
-    let mill = machine(&folder, "micromill.toml", &format!("{HOSTILE}mill.toml"));
-    let cmm = machine(&folder, "cmm3.toml", &format!("{HOSTILE}cmm.toml"));
+    let cmm = machine(folder, "cmm3.toml", &format!("{HOSTILE}cmm.toml"));
     let routine = written(
-        &folder,
+        folder,
         &format!("{HOSTILE}r.routine"),
         &format!("safe z -10\npoint {HOSTILE} towards +x at x10 y30 z-25\nfoo{HOSTILE} bar\n"),
     );
-    let list = written(&folder, &format!("{HOSTILE}l.fig"), &format!("{HOSTILE}\n"));
-    let records = written(&folder, &format!("{HOSTILE}r.cod"), HOSTILE);
-    let output = format!("{HOSTILE}out");
-    let none = format!("{HOSTILE}none");
-    let commands: Vec<Vec<&str>> = vec![
-        vec!["run", &good, "-o", &output],
-        vec!["run", &good, "-m", &mill, "-o", &output, "--trace", &output],
-        vec!["run", &good, "-m", &mill, "-o", &output],
-        vec!["run", &good, "--format", "json"],
-        vec!["run", &errors],
-        vec!["run", &errors, "-m", &none],
-        vec!["run", &none],
-        vec!["check", &good, &errors, "-m", &mill],
-        vec!["check", &errors, "--format", "short"],
-        vec!["check", &errors, "--format", "json"],
-        vec!["check", &good, "-m", &bad_toml],
-        vec!["check", &good, "--dialect", &none],
-        vec!["check", &board, &wrong_board],
-        vec!["format", &errors, "--check"],
-        vec!["format", &none],
-        vec!["commands", &good],
-        vec!["commands", &errors],
-        vec!["commands", &errors, "--format", "json"],
-        vec!["commands", &records],
-        vec!["steps", &good, "-o", &output],
-        vec!["steps", &errors, "-o", &output],
-        vec!["steps", &good, "-o", &good],
-        vec!["holes", &board],
-        vec!["holes", &board, "--format", "json"],
-        vec!["holes", &wrong_board],
-        vec![
-            "holes", &board, "--as", "gcode", "--depth", "1", "-o", &output,
-        ],
-        vec!["holes", &board, "--shift", &none],
-        vec!["compile", &board, "-m", "drill", "-o", &output],
-        vec!["compile", &board, "-m", "drill", "--report", &output],
-        vec!["compile", &manifest, "-m", "drill"],
-        vec!["compile", &errors, "-m", "micromill", "-o", &output],
-        vec!["compile", &list],
-        vec!["send", &manifest, "-m", "drill"],
-        vec!["send", &good, "-m", "micromill", "--port", &none],
-        vec!["send", &good, "-m", "drill", "--port", &none],
-        vec!["compare", &good, "-o", &output],
-        vec!["compare", &good, "-m", &mill],
-        vec!["compare", &errors],
-        vec!["interpolate", "line", "--to", &none],
-        vec!["machines", "show", &mill],
-        vec!["machines", "show", &mill, "--format", "json"],
-        vec!["machines", "show", &none],
-        vec!["jog", &none],
-        vec!["jog", "-m", &none, "home"],
-        vec!["jog", "-m", "drill", "save", &none, &none],
-        vec!["measure", &none],
+    let commands = [
+        vec!["machines", "show", mill],
+        vec!["machines", "show", mill, "--format", "json"],
+        vec!["machines", "show", none],
+        vec!["jog", none],
+        vec!["jog", "-m", none, "home"],
+        vec!["jog", "-m", "drill", "save", none, none],
+        vec!["measure", none],
         vec!["measure", "-m", &cmm, "status"],
         vec!["measure", "-m", &cmm, "run", &routine],
         vec!["measure", "-m", "cmm3", "--piece", &cells, "status"],
-        vec!["measure", "-m", "cmm3", "--piece", &bad_toml, "status"],
-        vec!["measure", "--port", &none, "status"],
-        vec!["emulate", &none, "--link", &none],
+        vec!["measure", "-m", "cmm3", "--piece", bad_toml, "status"],
+        vec!["measure", "--port", none, "status"],
+        vec!["emulate", none, "--link", none],
         vec![
             "emulate",
             "cmm",
             "--link",
             "no/such/folder",
             "--contact",
-            &none,
+            none,
         ],
-        vec!["tune", "-m", &cmm, "-o", &none, "--method", &none],
+        vec!["tune", "-m", &cmm, "-o", none, "--method", none],
         vec!["calibrate", "backlash", &cells],
         vec!["calibrate", "backlash", &heads],
         vec!["calibrate", "axis", &cells],
         vec!["calibrate", "squareness", &cells],
-        vec!["calibrate", "circles", "-m", &mill],
-        vec![&none],
-        vec!["run", &none, "--bogus"],
+        vec!["calibrate", "circles", "-m", mill],
+        vec![none],
+        vec!["run", none, "--bogus"],
     ];
-    let (mut escaped, mut wrong) = (0, Vec::new());
-    for args in commands {
-        let output = husillo().current_dir(&folder).args(&args).output().unwrap();
-        for (name, bytes) in [("stdout", &output.stdout), ("stderr", &output.stderr)] {
-            let text = String::from_utf8(bytes.clone()).unwrap();
-            let obeyed: String = text.chars().filter(|one| is_obeyed(*one)).collect();
-            if !obeyed.is_empty() {
-                wrong.push(format!("{args:?}, {name}: {text:?}"));
-            }
-            escaped += text.matches("\\u001b").count();
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // The texts did come to where they could have done harm.
-    assert!(escaped > 50, "{escaped}");
+    files.run(&commands, 10);
 }

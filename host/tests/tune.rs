@@ -174,7 +174,10 @@ fn an_experiment_beyond_a_limit_is_aborted() {
         ],
         &["error: position error at "],
     );
-    // JSON has the reason and the trials before.
+}
+
+#[test]
+fn json_of_an_aborted_experiment_has_the_reason_and_the_trials() {
     let output = husillo()
         .args([
             "tune",
