@@ -146,9 +146,9 @@ impl<E: Emulation> Wire<E> {
     }
 
     /// The reports of a simulated device since the last call. A real one shows them on its panel.
-    pub fn reports(&mut self) -> Vec<String> {
+    pub fn take_reports(&mut self) -> Vec<String> {
         match self {
-            Self::Simulated { device, .. } => device.reports(),
+            Self::Simulated { device, .. } => device.take_reports(),
             Self::Real { .. } => Vec::new(),
         }
     }

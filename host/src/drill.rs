@@ -63,7 +63,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     for action in &actions {
         let start = hand.client().elapsed();
         let result = hand.carry_out(action);
-        for line in hand.client().reports() {
+        for line in hand.client().take_reports() {
             tell(&format!("  {line}"), out);
         }
         match result {
@@ -118,7 +118,7 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
             Ok(false)
         }
         End::Drilled | End::Detached => {
-            operator.tell(&text);
+            operator.show(&text);
             Ok(true)
         }
     }

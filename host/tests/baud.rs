@@ -7,8 +7,8 @@ use emulated::Emulated;
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
-/// Many bytes at once, each answered by one. The last answer must not come before the line could
-/// carry the bytes and the answer.
+/// So many bytes that are each answered by one, all at once: the last answer comes no sooner than
+/// the wire has carried them and it.
 fn takes_its_time(device: &Emulated, byte: u8, baud: u32) {
     let mut port = serialport::new(device.port(), baud)
         .timeout(Duration::from_secs(60))
@@ -21,7 +21,8 @@ fn takes_its_time(device: &Emulated, byte: u8, baud: u32) {
     port.read_exact(&mut answers).unwrap();
     let took_s = start.elapsed().as_secs_f64();
     assert_eq!(answers, vec![byte; count]);
-    // A second of ten bits per byte, less the delay of the emulation on a busy computer.
+    // A second of ten bits a byte, less what the emulation is behind by on a busy computer when
+    // they come.
     assert!(took_s > 0.5, "{took_s}");
     println!("{baud} baud: {took_s} s for {count} bytes and their answers");
 }

@@ -73,8 +73,8 @@ fn the_same_over_a_pseudo_terminal() {
     );
 }
 
-/// A switch that does not close, a power failure, a pulled cable, the button: each is reported in a
-/// sentence, and the button brings the drill back.
+/// A switch that does not close, power that goes, a cable that is pulled, the button: each is told
+/// in a sentence, and the button brings it back.
 #[test]
 fn faults_at_the_panel() {
     let Some(mut device) = device("drill-panel", &[]) else {
@@ -91,7 +91,7 @@ fn faults_at_the_panel() {
     device.type_line("unplug", "unplugged");
     jog(&device, &["home"])
         .code(1)
-        .stderr(contains("no answer: the drill is off or unplugged"));
+        .stderr(contains("no answer: the drill is off, unplugged"));
     device.type_line("plug", "plugged");
     device.type_line("power off", "off");
     jog(&device, &["home"])
@@ -125,7 +125,7 @@ fn lost_steps_are_told() {
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("stands for a fault"), "{told}");
+    assert!(told.contains("stopped for a fault"), "{told}");
     assert!(told.contains("look at the board"), "{told}");
     let place = device.type_line("where", "lost");
     assert!(place.contains("spindle off"), "{place}");
@@ -135,8 +135,8 @@ fn lost_steps_are_told() {
     let _ = std::fs::remove_file(file);
 }
 
-/// Holes are taught in one session and in the next. A third session runs them with the spindle on,
-/// and stops the program.
+/// Holes are taught in one session and in the next; a third one runs them, with the spindle on, and
+/// stops it.
 #[test]
 fn teaching_goes_on_in_another_session() {
     let Some(mut device) = device("drill-teach", &[]) else {
@@ -406,7 +406,7 @@ fn a_program_over_a_pseudo_terminal() {
     device.type_line("board", "without holes");
     send(&device, &file, &["--from", "2", "--detach"])
         .success()
-        .stdout(contains("drills by itself"));
+        .stdout(contains("runs the program alone"));
     device.read_until("drilled at 1342,807");
     device.type_line("holes", "2 holes: 1342,535");
     let _ = std::fs::remove_file(file);

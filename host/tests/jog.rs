@@ -43,8 +43,8 @@ fn the_same_over_a_pseudo_terminal() {
         "{place}"
     );
     assert!(place.contains("from home; 0 lost"), "{place}");
-    // Current and RESET come before the first step of the first move, and the spindle moves in the
-    // last event but one.
+    // Current and RESET come before the first step of the first move, and the spindle goes last but
+    // one.
     let text = std::fs::read_to_string(&made).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(
@@ -110,9 +110,9 @@ fn a_switch_and_an_emergency_at_the_panel() {
     device.type_line("free y", "y is free");
     jog(&device, &["emergency"]).success();
     device.read_until("until a reset nothing moves");
-    jog(&device, &["x", "10"])
-        .code(1)
-        .stderr(contains("emergency stop: look why, then reset it"));
+    jog(&device, &["x", "10"]).code(1).stderr(contains(
+        "emergency stop has stopped the device: find the reason",
+    ));
     device.type_line("reset", "reset");
     jog(&device, &["x", "10"]).success();
     device.type_line("unplug", "unplugged");
@@ -213,7 +213,7 @@ fn one_host_drives_both_machines_of_a_controller() {
         .stderr(contains("named twice"));
 }
 
-/// Ctrl-C, a request to end and a closed terminal stop all motion. A second Ctrl-C is an emergency
+/// Ctrl-C, a request to end and a closed terminal stop what moves; Ctrl-C twice is an emergency
 /// stop.
 #[cfg(unix)]
 #[test]
@@ -299,7 +299,8 @@ fn the_original_does_not_answer() {
     assert!(place.contains(" z 7 "), "{place}");
 }
 
-/// A switch that closes during an action ends it. The device backs off by 200 steps and reports it.
+/// A switch that closes on the way ends the action; the device is off it again by 200 steps, and
+/// says so.
 #[test]
 fn a_switch_on_the_way_is_told_over_the_link() {
     let Some(mut device) = device("switch", &[]) else {
@@ -316,8 +317,8 @@ fn a_switch_on_the_way_is_told_over_the_link() {
     );
 }
 
-/// Two machines, each with its own figure, one as a program and one as a list. Then one is
-/// unplugged during its figure.
+/// Two machines, each with its own figure, one as a program and one as a list; then one is
+/// unplugged on the way.
 #[test]
 fn figures_are_sent_to_two_machines_at_once() {
     let (Some(mut first), Some(mut second)) = (device("left", &[]), device("right", &[])) else {

@@ -1,5 +1,5 @@
-//! `husillo compile` for the micro mill: the strings, the messages, and the simulated path of the
-//! strings, which is that of the program.
+//! `husillo compile` for the micro mill: the strings, what is told, and that their simulated path
+//! is the program's.
 
 use assert_cmd::Command;
 use std::fs;
@@ -61,8 +61,8 @@ fn units_increments_centres_radii_and_feeds() {
     assert!(told.contains("words.nc:7: dropped:"), "{told}");
 }
 
-/// Moves that the mill can make itself have the very same steps, if centres are whole tens of
-/// nanometres as in its words.
+/// What the mill can do itself is made with the very same steps, where centres are whole tens of
+/// nanometres as its words are.
 #[test]
 fn the_path_of_flat_programs_is_equal() {
     let program = "G21 G90\nG0 X1 Y1\nG1 X1.2345671 Y0.7777777 F1.1\nG1 X1.23456 Y0.77777\nG3 \

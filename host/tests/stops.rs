@@ -200,7 +200,7 @@ fn a_mill_that_does_not_answer_the_stop_is_told() {
         let told = text(&output);
         assert_eq!(output.status.code(), Some(130), "{told}");
         assert!(
-            told.contains("is not confirmed") && told.contains("be ready to switch the mill off"),
+            told.contains("is not confirmed") && told.contains("be ready to switch off the mill"),
             "{told}"
         );
         assert!(seconds < [5.0, 1.0][times - 1], "{seconds} s: {told}");

@@ -266,7 +266,7 @@ impl<M: Machine> Emulation for Device<M> {
         }
     }
 
-    fn reports(&mut self) -> Vec<String> {
+    fn take_reports(&mut self) -> Vec<String> {
         std::mem::take(&mut self.reported)
     }
 

@@ -7,22 +7,23 @@ use husillo_transports::drill::{
 };
 use std::time::Duration;
 
-/// The longest the host waits at a stretch before it looks whether it has to stop.
+/// The longest wait before the host looks whether it has to stop.
 const LOOK: Duration = Duration::from_millis(20);
-/// What a device has not done within this time it does not do: `Host` waits on until the limit of
-/// the caller.
+/// A step that takes longer has failed. During a run the host extends the wait up to the caller's
+/// own limit.
 const RUN_US: u32 = 30_000_000;
-/// Within this a drill says that it is at work; asked so often.
+/// A drill at work answers within this time.
 const AT_WORK: Duration = Duration::from_millis(400);
+/// How often a drill is asked whether it is at work.
 const ASKED: usize = 4;
-/// The interval of questions to a drill that runs a program, and the number of missing answers
-/// after which it counts as gone.
+/// The period in which a drill that runs a program is asked.
 const ASK: Duration = Duration::from_secs(1);
+/// After so many questions without an answer the drill is gone.
 const UNANSWERED: u32 = 5;
-/// A drill that is told to stop ends the record it is at: the way along the table, or a drilling.
+/// A drill that is stopped completes its record first: a move of the table, or a drilling.
 const RECORD: Duration = Duration::from_secs(180);
 
-/// How a step did not go well.
+/// Why a step has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Trouble {
     /// The link, or the device.
@@ -40,28 +41,29 @@ impl Trouble {
     pub fn text(&self) -> String {
         match self {
             Trouble::Link(Failure::Silent) => {
-                "no answer: the drill is off or unplugged, stands for a fault, or a byte was lost"
+                "no answer: the drill is off, unplugged or stopped for a fault, or a byte was lost"
                     .into()
             }
             Trouble::Link(Failure::Wrong(byte)) => {
                 format!(
-                    "{byte:#04x} came back for another byte: the line is noisy, or is not a drill's"
+                    "{byte:#04x} came back for another byte: the line is noisy, or the device is \
+                     no drill"
                 )
             }
             Trouble::Link(Failure::Unasked(byte)) => {
-                format!("{byte:#04x} came without being asked for: a byte was doubled on the line")
+                format!("unexpected byte {byte:#04x}: a byte was doubled on the line")
             }
             Trouble::Link(Failure::Restarted) => {
                 "the drill was reset: it has homed, and its program is gone".into()
             }
             Trouble::Link(Failure::Fault) => {
-                "the drill stands for a fault, which its panel tells: steps were lost, a switch or \
-                 a sensor does not work, or a place is off \
-                 the table. Mend it, then press its button R"
+                "the drill has stopped for a fault, which its panel shows: steps were lost, a \
+                 switch or a sensor does not work, or a position is off the table. Mend it, then \
+                 press its button R"
                     .into()
             }
             Trouble::Link(Failure::NotAll) => {
-                "the axis came to its end before all steps were made".into()
+                "the axis reached its end before all steps were made".into()
             }
             Trouble::Link(Failure::Full) => {
                 "the drill's memory has no room for another hole".into()
@@ -78,7 +80,7 @@ impl Trouble {
     pub fn unreached(&self) -> String {
         match self {
             Trouble::Link(_) => format!(
-                "{}. Is it at work still? Otherwise press its button R, wait until it has homed, \
+                "{}. Is it still at work? Otherwise press its button R, wait until it has homed, \
                  and try again",
                 self.text()
             ),
@@ -87,13 +89,13 @@ impl Trouble {
     }
 }
 
-/// A host on a wire.
+/// The host at its end of the link.
 #[derive(Debug)]
 pub struct Client {
     wire: Wire<Device>,
     host: Host,
     stop: StopRequests,
-    /// What the device said in a step whose answer is a text.
+    /// The answer of the device in a step whose answer is a text.
     text: Vec<u8>,
     has_extras: bool,
 }
@@ -113,7 +115,7 @@ impl Client {
         Ok(Self::new(wire, bits_per_s, stop))
     }
 
-    /// On a wire of so many bits a second; stops when the flag is set.
+    /// A client on a wire of this rate. It stops when the flag is set.
     pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
         let mut timing = Timing::of(bits_per_s, RUN_US);
         if matches!(wire, Wire::Real { .. }) {
@@ -135,9 +137,9 @@ impl Client {
         self.wire.elapsed()
     }
 
-    /// What a simulated device told.
-    pub fn reports(&mut self) -> Vec<String> {
-        self.wire.reports()
+    /// What a simulated device has reported since the last call.
+    pub fn take_reports(&mut self) -> Vec<String> {
+        self.wire.take_reports()
     }
 
     /// The simulated device, if there is one.
@@ -163,11 +165,11 @@ impl Client {
         self.stop.is_asked()
     }
 
-    /// Brings the device from any state to rest, and finds out whether it has extras.
+    /// Brings the device to rest from any state, and finds out whether it has extras.
     ///
     /// # Errors
     ///
-    /// It does not answer within about seven seconds: it is at work, off, or not there.
+    /// The device does not answer within about seven seconds: it is at work, off or absent.
     pub fn reach(&mut self) -> Result<(), Trouble> {
         let mut last = Trouble::Link(Failure::Silent);
         // A byte of the manual mode may make it home first.
@@ -178,7 +180,7 @@ impl Client {
                     if self.has_extras {
                         return Ok(());
                     }
-                    // The original says nothing to that.
+                    // The original does not answer that.
                     return self.run(Step::Resync);
                 }
                 Err(Trouble::Link(failure)) => last = Trouble::Link(failure),
@@ -188,14 +190,14 @@ impl Client {
         Err(last)
     }
 
-    /// Brings the device to rest after a failure. Shorter than [`reach`](Self::reach), because the
-    /// device was present a moment ago.
+    /// Brings the device to rest after a failure. Waits less than [`reach`](Self::reach), as the
+    /// device has answered a moment before.
     ///
     /// # Errors
     ///
     /// It does not answer.
     pub fn find_out(&mut self) -> Result<(), Trouble> {
-        // What the operator has asked for is not asked for now.
+        // The request of the operator has been carried out.
         self.stop.clear();
         let mut last = Ok(());
         for _ in 0..4 {
@@ -207,8 +209,8 @@ impl Client {
         last
     }
 
-    /// How many holes the device has drilled since its memory was cleared. `None` if it cannot
-    /// report this: the original, or after a reset.
+    /// How many drillings the device has done since its memory was cleared. `None`: the original,
+    /// which does not know, or a device after a reset.
     ///
     /// # Errors
     ///
@@ -262,7 +264,7 @@ impl Client {
         self.run_for(step, Duration::ZERO, |_| {})
     }
 
-    /// A step that may take the device this long. Meanwhile the elapsed time is reported.
+    /// A step that may take this long. `progress` gets the time since its start.
     ///
     /// # Errors
     ///
@@ -271,7 +273,7 @@ impl Client {
         &mut self,
         step: Step,
         mut longest: Duration,
-        mut tell: impl FnMut(Duration),
+        mut progress: impl FnMut(Duration),
     ) -> Result<(), Trouble> {
         let start = self.elapsed();
         let now = self.now_us();
@@ -316,18 +318,18 @@ impl Client {
                         ask_at = self.elapsed() + ASK;
                     }
                     self.listen(Duration::from_micros(u64::from(us)).min(LOOK))?;
-                    tell(passed);
+                    progress(passed);
                 }
             }
         }
     }
 
-    /// Starts the program and confirms that it runs, without waiting for its end, which the device
-    /// reports itself. `false` if the program is done already.
+    /// Starts the program and checks that it runs, without waiting for its end. `false`: the
+    /// program has ended already.
     ///
     /// # Errors
     ///
-    /// It did not start, or does not say that it did.
+    /// It did not start, or does not confirm it.
     pub fn start(&mut self) -> Result<bool, Trouble> {
         let now = self.now_us();
         self.host

@@ -8,7 +8,7 @@ use husillo_sim::device::drill::STROKE_STEPS;
 const SETTLE_S: f64 =
     DrillConfig::ORIGINAL.settle_ticks as f64 / DrillConfig::ORIGINAL.timer_hz as f64;
 
-/// Seconds that the machine takes for the holes of a part in turn, from a start position.
+/// The seconds of each drilling of a part, from a position on.
 pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
     part.stops()
         .map(|stop| {

@@ -24,8 +24,7 @@ pub struct Stop {
 }
 
 impl Part {
-    /// How many holes. A record that drills deeper at the same position belongs to the hole of the
-    /// record before.
+    /// The number of holes. A drilling that deepens the hole before it does not count.
     pub fn holes(&self) -> usize {
         self.pecks().filter(|is_peck| !is_peck).count()
     }
@@ -110,8 +109,8 @@ impl Part {
     }
 }
 
-/// The same records without moves to the present position, from home. Such moves would cost three
-/// bytes each on a slow line.
+/// The same records from home, without moves of length zero. Each of those costs three bytes on a
+/// slow line.
 pub fn lean(records: &[Record]) -> Vec<Record> {
     let mut at = [0; 2];
     let moves = |record: &&Record| match **record {

@@ -7,16 +7,16 @@ use husillo_gcode::Nm;
 use husillo_transports::drill::{MEMORY_BYTES, Record, Step};
 use std::time::Duration;
 
-/// Whom the sender talks to.
+/// The operator of the drill.
 pub trait Operator {
-    /// Something to know.
-    fn tell(&mut self, line: &str);
+    /// Shows a line.
+    fn show(&mut self, line: &str);
 
-    /// The spindle stands: the next tool, and its nominal diameter. Returns the diameter of the
-    /// tool that is in it now, mm; `None` ends.
+    /// Asks for the next tool, of this diameter, while the spindle stands. Returns the diameter of
+    /// the tool that is in it now, mm. `None` ends the job.
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
 
-    /// How far it is: a share of all, and seconds that are left, as reckoned.
+    /// Shows the progress: the share of the whole job, and the estimated seconds that remain.
     fn progress(&mut self, share: f64, left_s: f64);
 }
 
@@ -25,9 +25,9 @@ pub trait Operator {
 pub enum End {
     /// All holes are drilled.
     Drilled,
-    /// It drills by itself from here.
+    /// The drill runs the program alone.
     Detached,
-    /// It did not go well.
+    /// The job has failed.
     Failed(Failed),
 }
 
@@ -36,9 +36,9 @@ pub enum End {
 pub struct Failed {
     /// What happened.
     pub why: String,
-    /// Holes that are done for certain, of all, and that may have been begun: the board tells.
+    /// Holes of the whole job that are done for certain.
     pub done: usize,
-    /// At least `done`.
+    /// Holes that may have been begun, at least `done`. The board shows which.
     pub begun: usize,
 }
 
@@ -55,7 +55,7 @@ pub struct Sender<'a, O> {
     pub from: usize,
     /// Seconds of a byte and its echo.
     pub byte_s: f64,
-    /// Ask for nothing.
+    /// Do not ask for tools.
     pub is_sure: bool,
     /// Reads a diameter that the operator typed.
     pub diameter: fn(&str) -> Option<Nm>,
@@ -69,24 +69,24 @@ fn count(number: usize, name: &str) -> String {
 
 /// How a part ended.
 enum Ended {
-    /// Drilled, or left to itself.
+    /// Drilled, or started and detached.
     Well { is_detached: bool },
-    /// The memory of the device has not been cleared for the part yet: nothing of it is done, and
-    /// the counts of the link belong to the part before.
+    /// Failed before the memory of the device was cleared. Nothing of the part is done, and the
+    /// counts of the link are those of the part before.
     Before(Trouble),
-    /// Behind that.
+    /// Failed after that.
     After(Trouble),
 }
 
 /// A part, as it is sent.
 struct Load {
     bytes: Vec<u8>,
-    /// Seconds of its drillings, and of the way home behind them.
+    /// Seconds of each drilling, and of the move home after them.
     seconds: Vec<f64>,
     back_s: f64,
-    /// Of each drilling: whether it goes on with the hole of the one before.
+    /// For each drilling: whether it deepens the hole of the one before.
     pecks: Vec<bool>,
-    /// Holes of all parts before its first.
+    /// The number of holes before its first one, in all parts.
     before: usize,
 }
 
@@ -103,35 +103,36 @@ impl Load {
     }
 }
 
-/// How far all of it is.
-struct Reckoning {
-    /// Seconds that are behind, and all of them.
+/// The time estimate of the whole job.
+struct Estimate {
+    /// Estimated seconds that have passed, and those of the whole job.
     behind_s: f64,
     all_s: f64,
-    /// Ratio of what runs took to what was reckoned.
+    /// Ratio of the real to the estimated time of a run.
     pace: f64,
 }
 
 impl<O: Operator> Sender<'_, O> {
-    /// Sends it and sees it drilled; with `detach` it ends when the start is confirmed.
+    /// Sends the board and waits until it is drilled. With `detach` it returns when the start is
+    /// confirmed.
     ///
     /// # Errors
     ///
-    /// A sentence about what cannot be asked for, before anything moves.
+    /// The job is impossible. Nothing has moved.
     pub fn send(&mut self, detach: bool) -> Result<End, String> {
         let loads = self.loads()?;
         if detach {
             let [load] = &loads[..] else {
                 return Err(format!(
-                    "--detach is for one tool, and this has {}: the drill waits for nobody to \
-                     change it",
+                    "--detach is for one tool, and this program has {}: a detached drill does not \
+                     wait for a tool",
                     loads.len()
                 ));
             };
             if load.bytes.len() > MEMORY_BYTES {
                 return Err(format!(
-                    "--detach is for programs of up to {MEMORY_BYTES} bytes, which the drill \
-                     holds; this one has {}",
+                    "--detach is for programs of up to {MEMORY_BYTES} bytes, the memory of the \
+                     drill; this one has {}",
                     load.bytes.len()
                 ));
             }
@@ -143,7 +144,7 @@ impl<O: Operator> Sender<'_, O> {
                     + self.byte_s * load.bytes.len() as f64
             })
             .sum();
-        let mut reckoning = Reckoning {
+        let mut estimate = Estimate {
             behind_s: 0.0,
             all_s,
             pace: 1.0,
@@ -155,21 +156,19 @@ impl<O: Operator> Sender<'_, O> {
         if !self.client.has_extras() {
             if detach {
                 return Err(
-                    "this drill is an original one: it does not say that it has started, so \
-                     it cannot be left to itself"
-                        .into(),
+                    "an original drill does not confirm its start: --detach is not possible".into(),
                 );
             }
             if self.has_depths() {
                 return Err(
-                    "this drill is an original one: it knows no depths, and would drill \
-                     each hole through"
+                    "this is an original drill: it knows no depths, and would drill each hole \
+                     through"
                         .into(),
                 );
             }
-            self.operator.tell(
-                "this drill is an original one: it switches its spindle for each hole, and cannot \
-                 say how far it is",
+            self.operator.show(
+                "this is an original drill: it switches its spindle for each hole, and does not \
+                 report its progress",
             );
         }
         if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
@@ -183,7 +182,7 @@ impl<O: Operator> Sender<'_, O> {
                 let why = format!("{} was not put in", part.name());
                 return Ok(self.failed(why, load.before, load.before));
             }
-            match self.one(load, detach, &mut reckoning) {
+            match self.one(load, detach, &mut estimate) {
                 Ended::Well { is_detached: false } => {}
                 Ended::Well { is_detached: true } => return Ok(End::Detached),
                 Ended::Before(trouble) => {
@@ -191,7 +190,7 @@ impl<O: Operator> Sender<'_, O> {
                 }
                 Ended::After(trouble) => return Ok(self.stopped(load, trouble)),
             }
-            self.operator.tell(&format!(
+            self.operator.show(&format!(
                 "{}: {} drilled",
                 part.name(),
                 count(load.holes([load.seconds.len(); 2])[0], "hole")
@@ -200,8 +199,8 @@ impl<O: Operator> Sender<'_, O> {
         Ok(End::Drilled)
     }
 
-    /// The remaining parts, each ending at home. So `c` keeps zero, and the switches show steps
-    /// that were lost.
+    /// The parts that remain. Each ends at home, so that `c` keeps the zero, and the switches
+    /// reveal lost steps.
     fn loads(&self) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
@@ -232,7 +231,7 @@ impl<O: Operator> Sender<'_, O> {
         Ok(loads)
     }
 
-    /// Asks for a tool until it is there; `false` where the operator ends it.
+    /// Asks until the right tool is in the spindle. `false`: the operator ends the job.
     fn changed(&mut self, part: &Part) -> bool {
         loop {
             let Some(answer) = self.operator.change(&part.name(), part.diameter) else {
@@ -240,13 +239,13 @@ impl<O: Operator> Sender<'_, O> {
             };
             let given = (self.diameter)(&answer).filter(|nm| nm.0 > 0);
             match (given, part.diameter) {
-                (None, _) => self.operator.tell(&format!(
-                    "`{answer}` is no diameter: millimetres, as in 0.8"
+                (None, _) => self.operator.show(&format!(
+                    "`{answer}` is no diameter: expected millimetres, as in 0.8"
                 )),
                 // A drill is not ground better than to 5 um.
                 (Some(given), Some(wanted)) if (given.0 - wanted.0).abs() > 5000 => {
                     self.operator
-                        .tell(&format!("{given} mm is not {wanted} mm"));
+                        .show(&format!("{given} mm is not {wanted} mm"));
                 }
                 _ => return true,
             }
@@ -254,22 +253,22 @@ impl<O: Operator> Sender<'_, O> {
     }
 
     /// A part: cleared, stored, run.
-    fn one(&mut self, load: &Load, detach: bool, reckoning: &mut Reckoning) -> Ended {
+    fn one(&mut self, load: &Load, detach: bool, estimate: &mut Estimate) -> Ended {
         if let Err(trouble) = self.client.run(Step::Clear) {
             return Ended::Before(trouble);
         }
-        match self.store_and_run(load, detach, reckoning) {
+        match self.store_and_run(load, detach, estimate) {
             Ok(is_detached) => Ended::Well { is_detached },
             Err(trouble) => Ended::After(trouble),
         }
     }
 
-    /// `true` where it was left to itself.
+    /// `true`: the program was started and detached.
     fn store_and_run(
         &mut self,
         load: &Load,
         detach: bool,
-        reckoning: &mut Reckoning,
+        estimate: &mut Estimate,
     ) -> Result<bool, Trouble> {
         self.spindle(true)?;
         self.client.run(Step::Begin)?;
@@ -287,11 +286,11 @@ impl<O: Operator> Sender<'_, O> {
                 0.0
             };
             run_s += part_s;
-            self.step(Step::Store(*byte), part_s, reckoning)?;
-            reckoning.behind_s += self.byte_s;
+            self.step(Step::Store(*byte), part_s, estimate)?;
+            estimate.behind_s += self.byte_s;
             if place % 64 == 0 {
                 self.operator
-                    .progress(reckoning.share(), reckoning.left_s(0.0));
+                    .progress(estimate.share(), estimate.left_s(0.0));
             }
         }
         self.client.run(Step::End)?;
@@ -299,33 +298,33 @@ impl<O: Operator> Sender<'_, O> {
             return self.client.start();
         }
         let rest_s = load.seconds.iter().sum::<f64>() - run_s + load.back_s;
-        self.step(Step::Execute, rest_s, reckoning)?;
+        self.step(Step::Execute, rest_s, estimate)?;
         self.spindle(false)?;
         Ok(false)
     }
 
-    /// A step in which the device drills for so long, as reckoned.
-    fn step(&mut self, step: Step, run_s: f64, reckoning: &mut Reckoning) -> Result<(), Trouble> {
+    /// A step in which the device drills for an estimated time.
+    fn step(&mut self, step: Step, run_s: f64, estimate: &mut Estimate) -> Result<(), Trouble> {
         if run_s == 0.0 {
             return self.client.run(step);
         }
         let start = self.client.elapsed();
-        // Twice that, as nobody knows how quick its motors are.
-        let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s * reckoning.pace.max(1.0));
-        // An original says nothing while it drills: whether it is there still the operator sees.
+        // Twice the estimate, as the speed of its motors is not known.
+        let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s * estimate.pace.max(1.0));
+        // An original reports nothing while it drills, so the operator has to watch it.
         let mut is_watched = self.client.has_extras();
-        let overdue_s = 30.0 + 1.25 * run_s * reckoning.pace;
+        let overdue_s = 30.0 + 1.25 * run_s * estimate.pace;
         let operator = &mut *self.operator;
-        let seen = &*reckoning;
+        let seen = &*estimate;
         self.client.run_for(step, longest, |passed| {
             if !is_watched && passed.as_secs_f64() > overdue_s {
                 is_watched = true;
-                operator.tell(
-                    "it takes longer than reckoned, and an original drill says nothing \
+                operator.show(
+                    "it takes longer than estimated, and an original drill reports nothing \
                      meanwhile: if it stands, press Ctrl-C",
                 );
             }
-            // Never more than was reckoned: the rest is told as it is.
+            // At most the estimate, so that the progress never runs backwards.
             let passed_s = (passed.as_secs_f64() / seen.pace).min(run_s);
             operator.progress(
                 (seen.behind_s + passed_s) / seen.all_s.max(1e-9),
@@ -333,14 +332,14 @@ impl<O: Operator> Sender<'_, O> {
             );
         })?;
         let took_s = (self.client.elapsed() - start).as_secs_f64();
-        reckoning.behind_s += run_s;
+        estimate.behind_s += run_s;
         if run_s > 1.0 {
-            reckoning.pace = took_s / run_s;
+            estimate.pace = took_s / run_s;
         }
         Ok(())
     }
 
-    /// Seconds of the drillings whose records are whole in so many bytes.
+    /// Seconds of the drillings whose records are complete within these bytes.
     fn run_s(load: &Load, bytes: usize) -> f64 {
         load.seconds
             .iter()
@@ -348,7 +347,7 @@ impl<O: Operator> Sender<'_, O> {
             .sum()
     }
 
-    /// An original one does this itself, for each hole.
+    /// Switches the spindle. An original does it alone, for each hole.
     fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
         if self.client.has_extras() {
             self.client.run(Step::Spindle(on))
@@ -357,7 +356,7 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// What is known after a failure: from the bytes, and from the device where it can say.
+    /// What is known after a failure: from the bytes, and from the device if it answers.
     fn stopped(&mut self, load: &Load, trouble: Trouble) -> End {
         let [done, begun] = self
             .client
@@ -383,7 +382,7 @@ impl<O: Operator> Sender<'_, O> {
             let _ = self.spindle(false);
         } else if !stands && !is_reset {
             self.operator
-                .tell("the drill is not reached: it may be at work, and its spindle may turn");
+                .show("the drill is not reached: it may be at work, and its spindle may turn");
         }
         let [done, begun] = load.holes([done, begun]);
         self.failed(trouble.text(), load.before + done, load.before + begun)
@@ -413,7 +412,7 @@ fn drillings(bytes: &[u8], length: usize) -> usize {
         .count()
 }
 
-impl Reckoning {
+impl Estimate {
     fn share(&self) -> f64 {
         self.behind_s / self.all_s.max(1e-9)
     }
@@ -424,19 +423,19 @@ impl Reckoning {
     }
 }
 
-/// What to say of an end, and how to go on: `again` is the command as it was given, without --from.
+/// The message about an end, and how to go on. `again` is the command line without --from.
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
         End::Drilled => format!("{} drilled", count(all, "hole")),
-        End::Detached => "it has started, and drills by itself from here".into(),
+        End::Detached => "the drill has started, and runs the program alone from here".into(),
         End::Failed(Failed { why, done, begun }) => {
             let next = done + 1;
             let known = if done == begun {
                 format!("{done} of {all} holes are drilled")
             } else {
                 format!(
-                    "{done} of {all} holes are drilled for certain, and up to {begun} may be: look \
-                     at the board"
+                    "{done} of {all} holes are drilled for certain, up to {begun} may be: look at \
+                     the board"
                 )
             };
             let go_on = if *done == all {
@@ -447,8 +446,7 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
                 format!("go on with: {again} --from {next}")
             } else {
                 format!(
-                    "go on with --from and the number of the first hole that is not there, {next} \
-                     or later"
+                    "go on with --from and the number of the first missing hole, {next} or later"
                 )
             };
             format!("{why}\n{known}; {go_on}")
@@ -459,7 +457,7 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
 /// `about 3 min 20 s left`.
 pub fn left(seconds: f64) -> String {
     if seconds < 1.0 {
-        "longer than reckoned".into()
+        "longer than estimated".into()
     } else {
         format!("about {} left", spoken(seconds))
     }

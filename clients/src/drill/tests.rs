@@ -23,7 +23,7 @@ struct Script {
 }
 
 impl Operator for Script {
-    fn tell(&mut self, line: &str) {
+    fn show(&mut self, line: &str) {
         self.told.push(line.to_owned());
         if let Some((words, stop)) = &self.stops_at {
             if line.contains(words) {
@@ -133,7 +133,7 @@ fn a_board_of_two_tools() {
         assert!(rig.holes().iter().all(|hole| hole.is_clean));
         // An original one switches its spindle for each hole; of the other one `send` does it for
         // each tool.
-        let told = device(&mut client).reports();
+        let told = device(&mut client).take_reports();
         let is_on = |line: &&String| line.as_str() == "spindle on";
         let switched = told.iter().filter(is_on).count();
         assert_eq!(switched, if is_original { 4 } else { 2 });
@@ -151,7 +151,7 @@ fn a_board_of_two_tools() {
 fn the_spindle_stands_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
     assert_eq!(end, Ok(End::Drilled));
-    let told = device(&mut client).reports();
+    let told = device(&mut client).take_reports();
     let mut events: Vec<_> = (told.iter())
         .filter_map(|line| {
             line.split([' ', ':'])
@@ -201,7 +201,7 @@ fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     // The last byte is the answer to the run; the one before it starts it.
     let place = device(&mut good).line().carried - 1;
     let mut operator = Script {
-        stops_at: Some(("longer than reckoned", stop.clone())),
+        stops_at: Some(("longer than estimated", stop.clone())),
         ..Script::default()
     };
     let mut client = new(&stop);
@@ -226,7 +226,7 @@ fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
 fn it_does_not_home_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
     assert_eq!(end, Ok(End::Drilled));
-    let homed = device(&mut client).reports();
+    let homed = device(&mut client).take_reports();
     assert_eq!(
         homed.iter().filter(|line| *line == "homed").count(),
         2,
@@ -292,7 +292,7 @@ fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     let mut client = sender.client;
     assert_eq!(drilled(&mut client), [[20, 10]]);
     assert!(device(&mut client).rig(0).unwrap().holes()[0].is_clean);
-    let told = device(&mut client).reports();
+    let told = device(&mut client).take_reports();
     let of_hole: Vec<_> = told
         .iter()
         .skip_while(|line| *line != "spindle on")
@@ -384,7 +384,7 @@ fn a_start_that_was_lost_is_told() {
 fn an_original_is_not_left_to_itself() {
     let parts = [part(1, &[[20, 10]])];
     let (end, mut client) = send(client(true), &parts, 0, true, &mut Script::default());
-    assert!(end.unwrap_err().contains("cannot be left to itself"));
+    assert!(end.unwrap_err().contains("--detach is not possible"));
     rest(&mut client);
     assert!(drilled(&mut client).is_empty());
 }
@@ -401,7 +401,7 @@ fn a_fault_is_told_at_once() {
     let Ok(End::Failed(Failed { why, done, .. })) = end else {
         panic!("{end:?}")
     };
-    assert!(why.contains("stands for a fault"), "{why}");
+    assert!(why.contains("has stopped for a fault"), "{why}");
     assert_eq!(done, 0);
     // 1.8 kB at 2400 baud are 17 s with their echoes, and the host looks for the device afterwards.
     let took = client.elapsed() - start;

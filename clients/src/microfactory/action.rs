@@ -37,8 +37,8 @@ pub enum Action {
     Emergency,
 }
 
-/// The actions of several machines: those after `2:` are for the second alone, those after `all:`
-/// and at the start for all.
+/// The actions of each machine. Actions after `2:` are for the second one alone; those after `all:`
+/// and before any number are for all.
 ///
 /// # Errors
 ///
@@ -116,7 +116,7 @@ impl Action {
         let unknown = || {
             format!(
                 "unknown action `{word}`: there are home, load, figure, where, stop, emergency, \
-                 steps as in `x -25`, a jog as in `x+ 2s`"
+                         steps as in `x -25`, a jog as in `x+ 2s`"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);

@@ -9,39 +9,38 @@ use husillo_transports::microfactory::{
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Longest wait for an answer of two bytes, 2.08 ms, and the silence after which no byte of it is
-/// under way any more.
+/// The longest wait for an answer, and the silence after which no byte of one is under way.
+/// An answer of two bytes takes 2.08 ms.
 const IN_SIMULATED_TIME: Waits = Waits {
     answer: Duration::from_millis(200),
     quiet: Duration::from_millis(60),
 };
-/// The same where a computer that is busy, or an adapter, may sleep in between.
+/// The same in real time, where a busy computer or an adapter may add delays.
 const IN_REAL_TIME: Waits = Waits {
     answer: Duration::from_millis(1500),
     quiet: Duration::from_millis(150),
 };
-/// Between two questions whether it stands.
+/// The period in which the device is asked whether it stands.
 const ASK: Duration = Duration::from_millis(50);
-/// Between two times a jog is said, well within the dead-man's time.
+/// The period in which a jog is repeated, well within the dead-man's time.
 const AGAIN: Duration = Duration::from_millis(100);
-/// What a device that does not answer is given for homing.
+/// The wait for the homing of a device that does not answer.
 const HOMING: Duration = Duration::from_secs(120);
-/// Approach and figure of a device that does not answer and has its own figure, of at most 20 000
-/// steps.
+/// The wait for approach and figure of a device that does not answer and has its own figure:
+/// at most 20 000 steps.
 const FIGURE: Duration = Duration::from_secs(250);
-/// Stops that end any half command, and one.
+/// The stop bytes that end any half command, and one more.
 const STOPS: usize = 6;
-/// The number of tries of a question, a figure, or bringing to rest. Doing these twice has no other
-/// effect than once.
+/// The tries of a question, of a figure and of bringing to rest. Repeating them does no harm.
 const TRIES: usize = 3;
-/// What comes without an end is noise.
+/// More bytes than this without a pause are noise.
 const NOISE: usize = 1000;
 
-/// The holder of the lock has the link to a controller of two machines. The value: whether the last
-/// exchange succeeded.
+/// The right to use the link to a controller of two machines. The value says whether the last use
+/// succeeded.
 type Turn = Arc<Mutex<bool>>;
 
-/// The host's side.
+/// The host's side of the link.
 #[derive(Debug)]
 pub struct Client {
     wire: Wire<Device>,
@@ -50,20 +49,20 @@ pub struct Client {
     answers: bool,
     /// The machine of the controller, 0 or 1.
     machine: u8,
-    /// Where the controller's other machine has a client, too.
+    /// Set when the other machine of the controller has a client, too.
     turn: Option<Turn>,
     has_turn: bool,
     stop: StopRequests,
     is_reached: bool,
-    /// It was homed since: what is not homed any more was reset.
+    /// The machine was homed. If its status loses that, it was reset.
     is_homed: bool,
-    /// Where the loaded figure leads from its beginning.
+    /// The displacement of the loaded figure, X and Z.
     figure_end: Option<[i32; 2]>,
-    /// How long it takes at 100 steps a second, its lash taken up at every move.
+    /// Its duration at 100 steps a second, with a backlash take-up at every move.
     figure_time: Duration,
 }
 
-/// How long a device is waited for.
+/// Longest waits for a device.
 #[derive(Clone, Copy, Debug)]
 struct Waits {
     answer: Duration,
@@ -78,7 +77,8 @@ enum Answer {
 }
 
 impl Client {
-    /// On a wire to a device that answers, or to one that does not; stops when the flag is set.
+    /// A client on a wire to a device that answers, or to one that does not. It stops when the flag
+    /// is set.
     pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: StopRequests) -> Self {
         let waits = match wire {
             Wire::Simulated { .. } => IN_SIMULATED_TIME,
@@ -100,13 +100,13 @@ impl Client {
         }
     }
 
-    /// The same for a machine of a controller of two, 0 or 1.
+    /// The same for machine 0 or 1 of a controller of two.
     pub const fn of_machine(mut self, machine: u8) -> Self {
         self.machine = machine;
         self
     }
 
-    /// A client of another machine of the same controller, on the same link: the two take turns.
+    /// A client of the other machine of the same controller. The two share the link in turns.
     ///
     /// # Errors
     ///
@@ -122,12 +122,12 @@ impl Client {
         })
     }
 
-    /// What a simulated device told.
-    pub fn reports(&mut self) -> Vec<String> {
-        self.wire.reports()
+    /// What a simulated device has reported since the last call.
+    pub fn take_reports(&mut self) -> Vec<String> {
+        self.wire.take_reports()
     }
 
-    /// Time since the beginning.
+    /// Time since the link was opened.
     pub fn elapsed(&self) -> Duration {
         self.wire.elapsed()
     }
@@ -147,12 +147,12 @@ impl Client {
         }
     }
 
-    /// Carries out an action, waits until it has ended, and returns how it ended. After a failure
-    /// the device is brought to rest.
+    /// Carries out an action and waits for its end. Returns how it ended. After a failure the
+    /// device is brought to rest.
     ///
     /// # Errors
     ///
-    /// A sentence about the link, or that the device did not do it.
+    /// The link failed, or the device did not carry it out.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         let result = self.done(action);
         result.map_err(|trouble| {
@@ -211,7 +211,7 @@ impl Client {
                 true => place(&self.ask()?),
                 false => "it does not answer".into(),
             }),
-            // It stands since it was reached.
+            // Reaching it has stopped it.
             Action::Stop => {
                 self.talk(Self::rest)?;
                 self.finished(Duration::ZERO, Report::Stopped)
@@ -221,10 +221,9 @@ impl Client {
         }
     }
 
-    /// Has the link to itself during an exchange, with its machine chosen. The machine is chosen
-    /// each time, because after a reset the controller listens for the first one. After a failure
-    /// it is unknown what the device has understood, so the next user first brings the link to
-    /// rest.
+    /// Runs an exchange with exclusive use of the link and with this machine selected. The machine
+    /// is selected each time, as a controller selects the first one after a reset. After a failure
+    /// the state of the device is unknown, so the next exchange brings the link to rest first.
     fn talk<T>(
         &mut self,
         exchange: impl FnOnce(&mut Self) -> Result<T, String>,
@@ -251,7 +250,7 @@ impl Client {
         result
     }
 
-    /// Brings the device to rest and looks whether it can be driven.
+    /// Brings the device to rest and checks that it can be driven.
     fn reach(&mut self) -> Result<(), String> {
         if !self.answers {
             self.talk(|client| {
@@ -268,30 +267,31 @@ impl Client {
                 client.rest()?;
                 client.choose()?;
             }
-            // What moved was another's, perhaps.
+            // The other machine may have been moving.
             client.rest()?;
             client.ask()
         })?;
         if status.report == Some(Report::Emergency) {
             return Err(
-                "the device was stopped by an emergency stop: look why, then reset it".into(),
+                "an emergency stop has stopped the device: find the reason, then reset it".into(),
             );
         }
         self.is_reached = true;
         Ok(())
     }
 
-    /// Chooses the machine. A controller of one refuses that, which is as well for the first.
+    /// Selects the machine. A controller of one machine refuses that, which is harmless for the
+    /// first.
     fn choose(&mut self) -> Result<(), String> {
         let [first, second] = self.table.machines;
         let letter = if self.machine > 0 { second } else { first };
         if self.send(letter)? == Answer::Rejected && self.machine > 0 {
-            return Err("the controller there drives one machine: there is no second one".into());
+            return Err("this controller drives one machine: there is no second one".into());
         }
         Ok(())
     }
 
-    /// Ends any half command and any motion; what is on the way is dropped.
+    /// Ends any half command and any motion. Bytes under way are dropped.
     fn rest(&mut self) -> Result<(), String> {
         let mut last = None;
         for attempt in 1..=TRIES {
@@ -299,29 +299,29 @@ impl Client {
                 self.put(self.table.stop)?;
             }
             last = self.answers_to(STOPS)?.or(last);
-            // After an emergency stop not even a stop is taken.
+            // After an emergency stop the device rejects even a stop.
             if last.is_some_and(|last| last == self.table.stop || last == REJECTED) {
                 return Ok(());
             }
-            // Not one of so many bytes: nobody is there.
+            // No answer to any of the bytes: there is no device.
             if last.is_none() && attempt > 1 {
                 break;
             }
         }
         Err(match last {
             None => {
-                "no answer: no device there, unplugged, or one that does not answer (then \
+                "no answer: there is no device, it is unplugged, or it never answers (then use \
                  --without-answers)"
             }
             Some(_) => {
-                "only noise comes back: the line is bad, its rate is another one, or it is \
-                 another device"
+                "only noise comes back: the line is bad, or it is another rate or another device"
             }
         }
         .into())
     }
 
-    /// The last answer to so many bytes: each is waited for, and then what is on the way still.
+    /// The last answer to this number of bytes. Waits for each answer, and then for bytes under
+    /// way.
     fn answers_to(&mut self, bytes: usize) -> Result<Option<u8>, String> {
         let mut last = None;
         for number in 0..NOISE {
@@ -339,8 +339,7 @@ impl Client {
     }
 
     fn emergency(&mut self) -> Result<String, String> {
-        // More often than a half command has data bytes, because the first ones would be taken as
-        // data. This does not wait for the lock.
+        // More bytes than a half command may still need as data. This does not wait for its turn.
         for _ in 0..STOPS {
             self.put(self.table.emergency)?;
         }
@@ -349,7 +348,7 @@ impl Client {
         }
         let unheard = "no answer to the emergency stop: use the button at the machine";
         if let Some(turn) = &self.turn {
-            // The answers are anywhere: who asks brings the link to rest first.
+            // Either client may receive the answers, so the next one brings the link to rest first.
             *locked(turn) = false;
         } else if self.answers_to(STOPS)?.is_none() {
             return Err(unheard.into());
@@ -361,8 +360,7 @@ impl Client {
         }
     }
 
-    /// Stores another figure. If the link fails, it tries again, because a figure begins anew each
-    /// time.
+    /// Stores a figure. Repeats it if the link fails, as every try begins anew.
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
@@ -399,9 +397,7 @@ impl Client {
     fn load_once(&mut self, moves: &[[i16; 2]]) -> Result<(), String> {
         let table = self.table;
         if self.send(table.clear)? == Answer::Rejected {
-            return Err(
-                "the device takes no figures (its own is cut by `husillo jog figure`)".into(),
-            );
+            return Err("the device stores no figures (`husillo jog figure` cuts its own)".into());
         }
         let mut bytes = Vec::with_capacity(5 * moves.len() + 5);
         for way in moves {
@@ -415,7 +411,7 @@ impl Client {
         self.command(&bytes)
     }
 
-    /// Keeps what the loaded figure leads to.
+    /// Keeps the displacement and the duration of the loaded figure.
     fn note(&mut self, moves: &[[i16; 2]]) {
         let sum = |axis: usize| moves.iter().map(|way| i32::from(way[axis])).sum();
         self.figure_end = Some([sum(0), sum(1)]);
@@ -426,13 +422,11 @@ impl Client {
         self.figure_time = Duration::from_secs_f64((lengths.sum::<f64>() + 5400.0) / 100.0);
     }
 
-    /// Cuts the stored figure; of one that was loaded it is known where it ends.
+    /// Cuts the stored figure, and checks the end position of one that was loaded.
     fn cut(&mut self) -> Result<String, String> {
         let from = self.position()?;
         if self.answers && !self.is_homed {
-            return Err(
-                "not homed, so nobody knows on which side its lash lies: home it first".into(),
-            );
+            return Err("not homed, so the side of its backlash is unknown: home it first".into());
         }
         if let Err(refused) = self.command(&[self.table.figure]) {
             return Err(match self.ask() {
@@ -447,15 +441,13 @@ impl Client {
         if let (Some(by), [Some(from), Some(to)]) = (self.figure_end, [from, self.position()?]) {
             let [x, _, z, _] = from;
             if [to[0], to[2]] != [x.wrapping_add(by[0]), z.wrapping_add(by[1])] {
-                return Err(
-                    "the figure ended elsewhere than its moves lead: another one was cut".into(),
-                );
+                return Err("the figure ended at a wrong position: another figure was cut".into());
             }
         }
         Ok(how)
     }
 
-    /// Counted steps, 255 at most at a time.
+    /// Counted steps, at most 255 at a time.
     fn steps(&mut self, motor: u8, steps: i32) -> Result<String, String> {
         let table = self.table;
         let mut left = steps;
@@ -498,7 +490,7 @@ impl Client {
                 self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
             }
         }
-        // What a switch has ended goes back off it, which a stop would cut short.
+        // A jog that a switch has ended still moves off the switch. A stop would interrupt that.
         if !self.answers || (turns && self.ask()?.report.is_none()) {
             self.send(self.table.stop)?;
         }
@@ -507,7 +499,7 @@ impl Client {
         }
         self.finished(Duration::ZERO, Report::Stopped)
             .or_else(|trouble| {
-                // A host or a line that is slow now and then: the jog was shorter, and it says so.
+                // The host or the line was slow: the jog was shorter, and the result says so.
                 if trouble == device::text(Report::DeadMan) {
                     Ok(trouble)
                 } else {
@@ -516,13 +508,13 @@ impl Client {
             })
     }
 
-    /// Bytes that must all be taken.
+    /// Sends bytes that the device must all accept.
     fn command(&mut self, bytes: &[u8]) -> Result<(), String> {
         self.talk(|client| {
             for byte in bytes {
                 if client.send(*byte)? == Answer::Rejected {
                     return Err(format!(
-                        "the device does not take {}",
+                        "the device rejects {}",
                         char::from(*byte).escape_default()
                     ));
                 }
@@ -531,8 +523,8 @@ impl Client {
         })
     }
 
-    /// Waits until nothing moves, and checks how it ended. A device that does not answer gets the
-    /// whole time.
+    /// Waits until nothing moves, and returns how it ended. Waits the longest time for a device
+    /// that does not answer.
     fn finished(&mut self, longest: Duration, wanted: Report) -> Result<String, String> {
         if !self.answers {
             self.pause(longest)?;
@@ -558,7 +550,7 @@ impl Client {
         }
     }
 
-    /// Load steps of a device that answers.
+    /// The position of a device that answers, in load steps.
     fn position(&mut self) -> Result<Option<[i32; 4]>, String> {
         Ok(match self.answers {
             true => Some(self.ask()?.position_steps),
@@ -566,7 +558,7 @@ impl Client {
         })
     }
 
-    /// Asks where it is; a question may be put again.
+    /// Asks for the status, several times if needed.
     fn ask(&mut self) -> Result<Status, String> {
         let status = self.talk(|client| {
             let mut trouble = String::new();
@@ -581,14 +573,14 @@ impl Client {
         })?;
         let was_homed = std::mem::replace(&mut self.is_homed, status.is_homed);
         if was_homed && !status.is_homed && status.report != Some(Report::Emergency) {
-            return Err("the device was reset: it has to be homed again".into());
+            return Err("the device was reset: home it again".into());
         }
         Ok(status)
     }
 
     fn ask_once(&mut self) -> Result<Status, String> {
         if self.send(self.table.ask)? == Answer::Rejected {
-            return Err("the device does not tell where it is".into());
+            return Err("the device does not report its position".into());
         }
         let mut bytes = [0; STATUS_BYTES];
         for byte in &mut bytes {
@@ -599,7 +591,8 @@ impl Client {
         Status::of(&bytes).ok_or_else(|| "the answer was damaged: the line is noisy".into())
     }
 
-    /// A byte and its answer; to a device that does not answer, the time of the byte.
+    /// Sends a byte and waits for its answer, or for the time of the byte if the device does not
+    /// answer.
     fn send(&mut self, byte: u8) -> Result<Answer, String> {
         self.put(byte)?;
         if !self.answers {
@@ -608,13 +601,13 @@ impl Client {
         }
         match self.get(self.waits.answer)? {
             Some(answer) if answer == byte && byte != REJECTED => Ok(Answer::Taken),
-            // A raw byte may equal the answer to a command that is not taken. Then it was taken, or
-            // the end is wrong.
+            // A data byte may equal the rejection. It counts as accepted: the check at the end of
+            // the command reveals an error.
             Some(REJECTED) if byte == REJECTED => Ok(Answer::Taken),
             Some(REJECTED) => Ok(Answer::Rejected),
             Some(other) => Err(format!(
-                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or the device is \
-                 another one"
+                "sent {byte:#04x} and {other:#04x} came back: the line is noisy, or this is \
+                 another device"
             )),
             None => Err("no answer: unplugged, switched off, or a byte was lost".into()),
         }
@@ -623,16 +616,15 @@ impl Client {
     fn pause(&mut self, time: Duration) -> Result<(), String> {
         let end = self.wire.elapsed() + time;
         while self.wire.elapsed() < end && (self.answers || !self.stop.is_asked()) {
-            // A device that does not answer may be waited for long. Ctrl-C is checked at this
-            // interval.
+            // The wait for a device that does not answer may be long, so Ctrl-C is polled.
             let left = end.saturating_sub(self.wire.elapsed()).min(AGAIN);
             if self.turn.is_some() && !self.has_turn {
-                // What comes now is for the other client.
+                // Bytes that arrive now are for the other client.
                 std::thread::sleep(left);
                 continue;
             }
             if let Some(byte) = self.get(left)? {
-                return Err(format!("{byte:#04x} came without being asked for"));
+                return Err(format!("unexpected byte {byte:#04x}"));
             }
         }
         Ok(())
@@ -647,7 +639,7 @@ impl Client {
     }
 }
 
-/// Nothing is left half done in it by a thread that broke.
+/// A thread that panicked leaves no half-done state in it.
 fn locked(turn: &Turn) -> MutexGuard<'_, bool> {
     turn.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -661,7 +653,7 @@ fn letter(table: &ByteTable, motor: u8, forward: bool) -> u8 {
     if forward { plus } else { minus }
 }
 
-/// Where a device is, for people.
+/// The position of a device as text.
 fn place(status: &Status) -> String {
     let [x, y, z, spindle] = status.position_steps;
     let frame = if status.is_homed {

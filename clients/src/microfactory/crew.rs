@@ -42,30 +42,30 @@ impl Share {
     }
 }
 
-/// Lets all machines do their actions, and reports to `out` as they go. A machine in trouble does
-/// not stop the others.
+/// Lets all machines carry out their actions at once. Prints each result to `out` when it happens.
+/// A failure of one machine does not stop the others.
 ///
 /// # Errors
 ///
-/// A thread of ours broke.
+/// A thread has panicked.
 pub fn work(workers: Vec<Worker>, out: &mut dyn Write) -> Result<Vec<Share>, String> {
     let is_alone = workers.len() == 1;
-    let (teller, told) = mpsc::channel();
+    let (sender, lines) = mpsc::channel();
     thread::scope(|scope| {
         let begun: Vec<_> = (workers.into_iter().enumerate())
             .map(|(machine, worker)| {
-                let teller = teller.clone();
-                scope.spawn(move || alone(worker, machine, &teller))
+                let sender = sender.clone();
+                scope.spawn(move || alone(worker, machine, &sender))
             })
             .collect();
-        drop(teller);
-        for (machine, line) in told {
+        drop(sender);
+        for (machine, line) in lines {
             let name = if is_alone {
                 String::new()
             } else {
                 format!("{}: ", machine + 1)
             };
-            // A reader that has gone away does not stop machines.
+            // Machines go on when the reader of the output has gone.
             let _ = writeln!(out, "{name}{line}").and_then(|()| out.flush());
         }
         let ends = begun.into_iter().map(|machine| machine.join());
@@ -75,7 +75,7 @@ pub fn work(workers: Vec<Worker>, out: &mut dyn Write) -> Result<Vec<Share>, Str
 }
 
 /// Carries out the actions of one machine.
-fn alone(worker: Worker, machine: usize, teller: &mpsc::Sender<(usize, String)>) -> Share {
+fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<(usize, String)>) -> Share {
     let Worker {
         port,
         mut client,
@@ -83,7 +83,7 @@ fn alone(worker: Worker, machine: usize, teller: &mpsc::Sender<(usize, String)>)
     } = worker;
     let tell = |line| {
         // The other end is there until all machines have ended.
-        let _ = teller.send((machine, line));
+        let _ = sender.send((machine, line));
     };
     let mut share = Share {
         port,
@@ -94,7 +94,7 @@ fn alone(worker: Worker, machine: usize, teller: &mpsc::Sender<(usize, String)>)
         let began_s = client.elapsed().as_secs_f64();
         let end = client.carry_out(action);
         let took_s = client.elapsed().as_secs_f64() - began_s;
-        for line in client.reports() {
+        for line in client.take_reports() {
             tell(format!("  {line}"));
         }
         tell(match &end {
@@ -115,7 +115,8 @@ fn alone(worker: Worker, machine: usize, teller: &mpsc::Sender<(usize, String)>)
     share
 }
 
-/// The report: who did what, when, and how it ended. Whether all went well.
+/// Prints the report: the actions of each machine, their times and how they ended. Returns whether
+/// all succeeded.
 ///
 /// # Errors
 ///

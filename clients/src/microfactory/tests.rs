@@ -84,7 +84,7 @@ fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
 fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
     let [x, _, z, _] = device.rig(machine).unwrap().tool();
-    let told = device.reports();
+    let told = device.take_reports();
     let figures = told.iter().filter(|line| line.contains("the tool touches"));
     ([x - zero[0], z - zero[1]], figures.count())
 }
@@ -141,7 +141,7 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     }
     device.control("plug");
     device.control("reset");
-    device.reports();
+    device.take_reports();
     let first = device.rig(0).unwrap().tool();
     client = Client::new(
         client.into_wire(),
@@ -296,7 +296,7 @@ fn jog(motor: u8, forward: bool, seconds: u64) -> Action {
 
 /// How often a switch stopped something.
 fn switch_reports(client: &mut Client) -> usize {
-    let told = client.device().reports();
+    let told = client.device().take_reports();
     let hits = told
         .iter()
         .filter(|line| line.contains("closed: going back"));
@@ -459,7 +459,7 @@ fn two_machines_move_at_once() {
     }
     assert!(
         device
-            .reports()
+            .take_reports()
             .iter()
             .filter(|line| line.contains("not said again"))
             .count()

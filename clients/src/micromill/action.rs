@@ -131,8 +131,8 @@ impl Action {
         }
         if word.is_empty() || !rest.is_empty() {
             return Err(format!(
-                "unknown action `{word}`: a mill has home, steps as in `x -25`, jogs as in `x+ 2s` \
-                 or `x+y- 2s faster 1s slower 1s`, \
+                "unknown action `{word}`: a mill has home, steps as in `x -25`, jogs as in \
+                         `x+ 2s` or `x+y- 2s faster 1s slower 1s`, \
                  run x -250 2s, backlash x 204, zero, stop, where"
             ));
         }

@@ -60,15 +60,15 @@ impl Hand {
             Action::Stop => self.ordered(Order::Stop),
             Action::Where => Ok(()),
         };
-        let told = self.session.steps.len();
-        for (place, steps) in self.place.iter_mut().zip(self.session.steps()) {
+        let steps = self.session.steps.len();
+        for (place, steps) in self.place.iter_mut().zip(self.session.net_steps()) {
             *place += steps;
         }
         self.session.steps.clear();
         if let Err(sentence) = made {
             let [x, y, z] = self.place;
             return Err(match self.session.is_halted() {
-                true => format!("{sentence}; {told} steps; motors at x {x} y {y} z {z}"),
+                true => format!("{sentence}; {steps} steps; motors at x {x} y {y} z {z}"),
                 false => sentence,
             });
         }
@@ -77,7 +77,7 @@ impl Hand {
             return Ok("homed".into());
         }
         let [x, y, z] = self.place;
-        Ok(format!("{told} steps; motors at x {x} y {y} z {z}"))
+        Ok(format!("{steps} steps; motors at x {x} y {y} z {z}"))
     }
 
     /// Time since the port was opened.
@@ -163,11 +163,11 @@ impl Hand {
 fn over(outcome: Option<Outcome>) -> Result<(), String> {
     match outcome {
         None => Ok(()),
-        Some(Outcome::Stopped) => Err(
-            "it stopped by itself: the end of the travel, a switch, or the host was not heard \
-                 in time"
-                .into(),
-        ),
+        Some(Outcome::Stopped) => {
+            let why = "the mill stopped on its own: the end of the travel, a switch, or no byte of \
+                       the host in time";
+            Err(why.into())
+        }
         Some(outcome) => Err(why(outcome).into()),
     }
 }

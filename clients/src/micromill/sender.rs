@@ -1,4 +1,4 @@
-//! Lines to a controller, and the steps that it tells.
+//! Lines to a controller, and the steps that it reports.
 
 use super::session::Session;
 use crate::{StopRequests, Wire};
@@ -12,7 +12,7 @@ pub struct Sending {
     pub bits_per_s: u32,
     /// Without a stop between lines.
     pub streams: bool,
-    /// One step in so many is told.
+    /// One step in so many is reported; 0 for none.
     pub every: u16,
     /// The controller homes first.
     pub homes: bool,
@@ -21,19 +21,19 @@ pub struct Sending {
 /// What came back.
 #[derive(Debug, Default)]
 pub struct Sent {
-    /// Each step told since homing: axis, and whether forward.
+    /// Each step reported since homing: axis, and whether forward.
     pub steps: Vec<(u8, bool)>,
     /// Lines that were made.
     pub lines: usize,
 }
 
-/// Sends lines and waits until they are made. `operator` is asked before a tool, and continues with
-/// `true`.
+/// Sends lines and waits until they are made. `operator` is asked before each tool change; `true`
+/// continues.
 ///
 /// # Errors
 ///
-/// A sentence about the line of the file, or the port; or `stop` was set, and where the motors are
-/// then.
+/// A line of the file is refused, the port fails, or `stop` is set. The message about a stop has
+/// the position of the motors.
 pub fn send(
     wire: Wire<Device>,
     sending: &Sending,
@@ -55,7 +55,7 @@ pub fn send(
     match made {
         Err(sentence) if session.is_halted() && sending.every > 0 && is_counted => {
             let [x, y, z] = session
-                .steps()
+                .net_steps()
                 .map(|steps| steps * i64::from(sending.every));
             let from = if sending.homes {
                 "machine zero"
@@ -77,7 +77,7 @@ pub fn send(
     }
 }
 
-/// All that is sent; `is_counted` from where on steps tell the place.
+/// Sends everything. Sets `is_counted` when the reported steps begin to give the position.
 fn made(
     session: &mut Session,
     sending: &Sending,
@@ -101,7 +101,7 @@ fn made(
         if let Line::Tool(tool) = line {
             session.finish()?;
             if !operator(*tool) {
-                // Where that was Ctrl-C it says so.
+                // After Ctrl-C this returns the message about it.
                 session.turn(0)?;
                 return Err(format!("line {number}: stopped before tool {tool}"));
             }

@@ -1,4 +1,4 @@
-//! A controller on a port: orders, one after the other, and what it tells meanwhile.
+//! A controller on a port: orders, one after the other, and its reports.
 
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
@@ -6,17 +6,17 @@ use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// The longest wait for a byte before the machine is asked how far it is, us.
+/// The longest wait for a byte in one turn, us.
 const TURN_US: u32 = 100_000;
 /// The longest wait before Ctrl-C is looked for, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
-/// What a controller that was just switched on, or reset by opening the port, reports comes within
-/// this.
+/// The report of a controller that was just switched on, or reset by the opened port, arrives
+/// within this time.
 const GREETING: Duration = Duration::from_millis(20);
-/// A controller that has not confirmed a stop after this does not answer, us.
+/// A controller that has not confirmed a stop within this time does not answer, us.
 const HALT_US: u32 = 3_000_000;
 
-/// The host's end of the line, and what has come.
+/// The host's end of the line, and the reports.
 #[derive(Debug)]
 pub struct Session {
     wire: Wire<Device>,
@@ -25,19 +25,19 @@ pub struct Session {
     waiting: VecDeque<u8>,
     /// Set by Ctrl-C.
     stop: StopRequests,
-    /// That was seen to.
+    /// The stop was carried out.
     is_halted: bool,
-    /// Each step told: axis, and whether forward.
+    /// Each reported step: axis, and whether forward.
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
     pub lines: usize,
 }
 
 impl Session {
-    /// A controller in any state: [`Order::Stop`] is a good beginning. It is stopped, whatever it
-    /// does, as soon as `stop` is set.
+    /// A session with a controller in any state. The first order should be [`Order::Stop`]. The
+    /// controller is stopped as soon as `stop` is set.
     pub fn new(mut wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
-        // Whatever came before is for nobody. Where the line is dead the first order says so.
+        // Earlier bytes are dropped. The first order reports a dead line.
         let _ = wire.receive_all(GREETING);
         let timing = HostTiming::of(bits_per_s);
         Self {
@@ -52,7 +52,7 @@ impl Session {
         }
     }
 
-    /// Begins to send an order; `false`: not now.
+    /// Begins to send an order. `false`: another one is under way.
     pub fn start(&mut self, order: Order) -> bool {
         let now = self.now();
         self.host.start(order, now)
@@ -62,10 +62,10 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// A sentence about why it was not obeyed, beginning with `name`, or about the port.
+    /// The order failed, with `name` before the reason, or the port failed.
     pub fn order(&mut self, order: Order, name: &str) -> Result<(), String> {
         if !self.start(order) {
-            return Err(format!("{name}: the string before it has not ended"));
+            return Err(format!("{name}: the previous string has not ended"));
         }
         loop {
             match self.turn(TURN_US)? {
@@ -88,12 +88,12 @@ impl Session {
         Ok(())
     }
 
-    /// Sends the bytes that may be sent, or takes those that come within some microseconds. Returns
-    /// the outcome of a string that ends.
+    /// Sends what may be sent, or receives for at most `longest_us`. Returns the outcome of a
+    /// string that has ended.
     ///
     /// # Errors
     ///
-    /// The port, a controller that was reset, or Ctrl-C: what moved is stopped then.
+    /// The port failed, the controller was reset, or Ctrl-C was pressed, which stops the motion.
     pub fn turn(&mut self, longest_us: u32) -> Result<Option<Outcome>, String> {
         if !self.is_halted && self.stop.is_asked() {
             self.is_halted = true;
@@ -124,7 +124,7 @@ impl Session {
 
     /// What a simulated mill has reported on its panel.
     pub fn panel(&mut self) -> Vec<String> {
-        self.wire.reports()
+        self.wire.take_reports()
     }
 
     /// Whether Ctrl-C has ended it.
@@ -132,19 +132,19 @@ impl Session {
         self.is_halted
     }
 
-    /// Steps told since they were forgotten last, by axis.
-    pub fn steps(&self) -> [i64; 3] {
-        let mut told = [0; 3];
+    /// The sum of the reported steps of each axis.
+    pub fn net_steps(&self) -> [i64; 3] {
+        let mut steps = [0; 3];
         for (axis, forward) in &self.steps {
-            told[usize::from(*axis)] += if *forward { 1 } else { -1 };
+            steps[usize::from(*axis)] += if *forward { 1 } else { -1 };
         }
-        told
+        steps
     }
 
-    /// Stops what moves, whatever is on the line: what came of it. Pressed again, Ctrl-C ends the
-    /// wait.
+    /// Stops any motion, whatever is on the line. Returns the message about it. A second Ctrl-C
+    /// ends the wait.
     fn halt(&mut self) -> String {
-        // The string under way is over. The first byte of this one goes at once, and stops.
+        // The string under way is dropped. The first byte of this one goes at once, and stops.
         self.host = Host::new(self.timing);
         let start = self.now();
         self.host.start(Order::Stop, start);
@@ -156,7 +156,7 @@ impl Session {
                 Err(sentence) => return unconfirmed(&sentence),
             }
             if self.stop.count() > 1 {
-                return unconfirmed("not waited for any more");
+                return unconfirmed("the wait was ended");
             }
             if self.now().wrapping_sub(start) > HALT_US {
                 return unconfirmed(why(Outcome::Silent));
@@ -194,12 +194,12 @@ fn gone(error: std::io::Error) -> String {
 
 fn unconfirmed(why: &str) -> String {
     format!(
-        "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch the mill \
-         off"
+        "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch off the \
+         mill"
     )
 }
 
-/// A sentence about an order that was not obeyed to its end.
+/// The reason why an order was not carried out to its end.
 pub const fn why(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Done => "done",
@@ -207,8 +207,8 @@ pub const fn why(outcome: Outcome) -> &'static str {
         Outcome::Refused => "the controller refuses it: not homed, beyond the travel, or busy",
         Outcome::Wrong => "the controller knows no such string",
         Outcome::NoSwitch => "no home switch was found",
-        Outcome::Garbled => "the echo is not what was sent: look at the cable and the rate",
-        Outcome::Silent => "no answer: look at the cable, the rate and the power",
+        Outcome::Garbled => "the echo differs from what was sent: check the cable and the rate",
+        Outcome::Silent => "no answer: check the cable, the rate and the power",
         Outcome::Restarted => "the controller was reset",
     }
 }

@@ -27,8 +27,8 @@ struct Tool {
     bytes: usize,
 }
 
-/// The names of the files of these parts: `NAME.cod`, or `NAME.T1.cod` and so on if there are
-/// several.
+/// The names of the files of these parts: `NAME.cod`, or `NAME.T1.cod` and so on for several
+/// parts.
 pub fn file_names(output: &str, parts: &[Part]) -> Vec<String> {
     let stem = output.strip_suffix(".cod").unwrap_or(output);
     match parts {
@@ -81,8 +81,8 @@ pub fn text(program: &str, parts: &[Part], files: &[String]) -> Result<String, S
     };
     let body = toml::to_string(&manifest).map_err(|error| error.to_string())?;
     Ok(format!(
-        "# Records for the circuit-board drill, one file a tool: husillo send takes this \
-         file.\n{body}"
+        "# Records for the circuit-board drill, one file per tool: husillo send takes this \
+             file.\n{body}"
     ))
 }
 

@@ -17,7 +17,7 @@ pub struct Console<'a> {
 }
 
 impl<'a> Console<'a> {
-    /// What is told goes there.
+    /// Where lines are shown.
     pub fn new(out: &'a mut dyn Write) -> Self {
         let bar = ProgressBar::new(PARTS);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {msg}") {
@@ -38,7 +38,7 @@ impl<'a> Console<'a> {
 }
 
 impl Operator for Console<'_> {
-    fn tell(&mut self, line: &str) {
+    fn show(&mut self, line: &str) {
         self.bar.suspend(|| {
             // A reader that has gone away does not stop a machine.
             let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
@@ -48,7 +48,7 @@ impl Operator for Console<'_> {
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String> {
         let before = stops_asked();
         let wanted = diameter.map_or(String::new(), |nm| format!(" It should be {nm}."));
-        self.tell(&format!(
+        self.show(&format!(
             "{tool}: the spindle stands. Put it in and type its diameter in mm.{wanted}"
         ));
         Self::line(before)

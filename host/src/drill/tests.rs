@@ -12,7 +12,7 @@ use husillo_transports::drill::Table;
 struct Absent;
 
 impl Operator for Absent {
-    fn tell(&mut self, _: &str) {}
+    fn show(&mut self, _: &str) {}
 
     fn change(&mut self, _: &str, _: Option<Nm>) -> Option<String> {
         None

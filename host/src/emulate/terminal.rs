@@ -240,7 +240,7 @@ impl Server {
                     written.map_err(|error| of_port(&self.asked, &error))?;
                 }
             }
-            shown.extend(device.reports());
+            shown.extend(device.take_reports());
             print(out, &shown)?;
             if let Some(steps) = &mut self.steps {
                 let written = steps.write_all(device.made().as_bytes());

@@ -33,7 +33,7 @@ pub fn translate(
     let mut translator = Translator {
         config,
         made: Translated::default(),
-        told: BTreeSet::new(),
+        noted: BTreeSet::new(),
         line: 0,
         at: [0; 3],
         from: [Nm(0); 3],
@@ -50,7 +50,7 @@ struct Translator<'a> {
     config: &'a Config<3>,
     made: Translated,
     /// Notes of a line are made once.
-    told: BTreeSet<(usize, String)>,
+    noted: BTreeSet<(usize, String)>,
     line: usize,
     /// Where the last line ends, units.
     at: [i64; 3],
@@ -210,8 +210,8 @@ impl Translator<'_> {
         self.straight(to, Some(feed));
     }
 
-    /// A curve on which Z moves with the other axes: Z steps where it is half a step off, and in
-    /// between X and Y move on lines or on an arc.
+    /// A curve on which Z moves with the others: Z steps where it is half a step off, and X and Y
+    /// go on between, on lines or on an arc.
     fn flatten(
         &mut self,
         steps: f64,
@@ -365,7 +365,7 @@ impl Translator<'_> {
     }
 
     fn note(&mut self, note: String) {
-        if self.told.insert((self.line, note.clone())) {
+        if self.noted.insert((self.line, note.clone())) {
             self.made.notes.push((self.line, note));
         }
     }

@@ -60,7 +60,7 @@ pub fn written(name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// Sends a signal to a program: `INT` like Ctrl-C, `TERM` like a request to end, `HUP` like a
+/// Sends a signal to a program: `INT` as Ctrl-C does, `TERM` as a request to end, `HUP` as a
 /// terminal that is closed.
 #[cfg(unix)]
 pub fn signal(child: &std::process::Child, name: &str) {

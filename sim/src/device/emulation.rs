@@ -18,7 +18,7 @@ pub trait Emulation {
     }
 
     /// Returns the reports of the device since the last call, one line each.
-    fn reports(&mut self) -> Vec<String> {
+    fn take_reports(&mut self) -> Vec<String> {
         Vec::new()
     }
 
