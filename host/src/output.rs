@@ -6,6 +6,7 @@
 //! `/dev/null`, `-`) is written as it comes.
 
 use crate::console;
+use crate::console::stop::on_request;
 use crate::input::{self, Identity};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -334,7 +335,7 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
 /// From now on Ctrl-C, or a request to end, removes what is not whole and ends the program. Where
 /// somebody listens already, that is an orderly end, in which this happens, too.
 fn remove_when_interrupted() {
-    let _ = ctrlc::try_set_handler(|| {
+    let _ = on_request(|| {
         // Kept locked: nothing comes to its place any more.
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         for path in unfinished.drain(..) {

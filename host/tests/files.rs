@@ -447,16 +447,32 @@ fn without_room_the_old_files_stay() {
     assert_eq!(names.iter().find(|name| name.ends_with(".new")), None);
 }
 
-/// Asked to end, a command takes away what it has begun.
+/// A command that is requested to end removes the file that it has begun.
 #[cfg(target_os = "linux")]
 #[test]
-fn an_end_that_was_asked_for_leaves_nothing() {
-    let folder = Folder::new("ended");
+fn a_requested_end_leaves_nothing() {
+    let program = env!("CARGO_BIN_EXE_husillo");
+    removes_its_file_at_sigterm(Command::new(program), "ended");
+}
+
+/// So does one that was started with SIGHUP ignored. SIGHUP does not end that one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_requested_end_under_nohup_leaves_nothing() {
+    let mut nohup = Command::new("nohup");
+    nohup.arg(env!("CARGO_BIN_EXE_husillo"));
+    removes_its_file_at_sigterm(nohup, "ended-nohup");
+}
+
+#[cfg(target_os = "linux")]
+fn removes_its_file_at_sigterm(mut command: Command, name: &str) {
+    let folder = Folder::new(name);
     folder.put("long.nc", long().replace("m2\n", "").repeat(40).as_bytes());
     folder.put("o", b"old");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_husillo"))
+    let mut child = command
         .current_dir(&folder.0)
         .args(["steps", "long.nc", "-o", "o"])
+        .stdout(std::process::Stdio::null())
         .spawn()
         .unwrap();
     let begun = |folder: &Folder| folder.names().iter().any(|name| name.ends_with(".new"));
@@ -475,8 +491,17 @@ fn an_end_that_was_asked_for_leaves_nothing() {
         assert!(start.elapsed() < Duration::from_secs(60));
         std::thread::sleep(Duration::from_millis(2));
     }
-    let asked = Command::new("kill").arg(child.id().to_string()).status();
-    assert!(asked.unwrap().success());
+    let id = child.id().to_string();
+    let signal = |name: &str| {
+        let sent = Command::new("kill").args([name, &id]).status();
+        assert!(sent.unwrap().success());
+    };
+    if name.ends_with("nohup") {
+        signal("-HUP");
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(begun(&folder), "SIGHUP was ignored before it began");
+    }
+    signal("-TERM");
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(folder.get("o"), b"old");
     assert!(!begun(&folder));

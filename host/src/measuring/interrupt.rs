@@ -1,5 +1,6 @@
 //! Ctrl-C while motors run.
 
+use crate::console::stop::on_request;
 use husillo_metrology::heads::Operator;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -27,14 +28,13 @@ impl Interrupt {
     pub fn listen() -> Result<Self, String> {
         let interrupt = Self::default();
         let heard = interrupt.clone();
-        ctrlc::set_handler(move || {
+        on_request(move || {
             if !heard.is_moving.load(Ordering::SeqCst) {
                 eprintln!("interrupted: nothing was moving");
                 std::process::exit(INTERRUPTED.into());
             }
             heard.ask();
-        })
-        .map_err(|error| error.to_string())?;
+        })?;
         Ok(interrupt)
     }
 
